@@ -1,0 +1,24 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+/// One file a subcommand; each adds itself to the program. Their callbacks throw the typed errors, which
+/// main turns into a message on stderr and an exit status; a callback that ends in another status than 0
+/// throws `ExitStatus`.
+namespace strake::cli {
+
+/// Exit statuses (DESIGN section 7).
+enum Status : int {
+    done = 0,
+    run_failed = 1,
+    usage = 2,
+    surface_file = 3,
+    output_failed = 4,
+    external_failed = 5,
+    interrupted = 75
+};
+
+struct ExitStatus {
+    int status;
+};
+
+}  // namespace strake::cli

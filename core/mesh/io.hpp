@@ -1,0 +1,39 @@
+#pragma once
+#include "core/mesh/mesh.hpp"
+
+#include <filesystem>
+#include <vector>
+
+/// Surface files. Coordinates are kept in double precision, vertices and triangles in the order of the file;
+/// only STL, which has no shared vertices, is welded (bit-equal coordinates, in the order of first appearance).
+namespace strake {
+
+enum class SurfaceFormat { stl_binary, stl_ascii, obj, ply_ascii, ply_binary, off, tri };
+
+/// What a reader saw besides the surface itself.
+struct SurfaceFile {
+    TriMesh mesh;
+    SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of the file; big-endian PLY reads as ply_binary
+    int file_vertices = 0;                             ///< before welding
+};
+
+/// Reads STL (ASCII, binary), OBJ, PLY (ASCII, both binaries), OFF or Cart3D .tri, by extension and content.
+/// Polygons are cut into fans from their first corner.
+/// @throws InputError `FILE:LINE: …` or `FILE: byte N …`, for whatever is not a finite, indexed surface.
+SurfaceFile read_surface(const std::filesystem::path& file);
+
+/// Writes atomically (temporary file beside it, fsync, rename), 17 digits or binary doubles where the format has them.
+/// @throws OutputError with path and the system's reason.
+void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format);
+
+/// The format that a name's extension asks for (.stl binary, .ply binary, .obj, .off, .tri). @throws InvalidInput
+/// listing the known ones.
+SurfaceFormat format_of(const std::filesystem::path& file);
+/// "stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri". @throws InvalidInput.
+SurfaceFormat format_named(const std::string& name);
+std::string extension_of(SurfaceFormat format);  ///< with the dot
+
+/// Writes bytes so that readers see the old file or the whole new one. @throws OutputError.
+void write_atomically(const std::filesystem::path& file, const std::string& bytes);
+
+}  // namespace strake

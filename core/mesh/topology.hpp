@@ -1,0 +1,26 @@
+#pragma once
+#include "core/mesh/adjacency.hpp"
+#include "core/mesh/geometry.hpp"
+
+#include <array>
+#include <vector>
+
+/// Exact facts about a surface, for `strake info` and for refusing what cannot be deformed.
+namespace strake {
+
+struct TopologyFacts {
+    int components = 0;                            ///< edge-connected
+    std::vector<std::vector<int>> boundary_loops;  ///< vertex cycles
+    std::vector<int> nonmanifold_edges;            ///< edge numbers: more than two triangles
+    std::vector<int> nonmanifold_vertices;         ///< whose triangles do not form one fan
+    std::vector<int> misoriented_edges;
+    std::vector<int> duplicate_triangles;   ///< same three vertices as an earlier one
+    std::vector<int> degenerate_triangles;  ///< area below 1e-14 diagonal^2 or a repeated vertex
+    bool closed = false;                    ///< every edge has two triangles that agree, at least one triangle
+};
+TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent);
+
+/// Pairs of triangles that intersect elsewhere than at the vertices and edges they share, ascending. Exact predicates.
+std::vector<std::array<int, 2>> self_intersections(const TriMesh& mesh);
+
+}  // namespace strake

@@ -1,0 +1,27 @@
+#pragma once
+#include "core/mesh/adjacency.hpp"
+
+#include <vector>
+
+/// Smooth, ridge or corner: the quadric metric tensor (Berkenstock & Aftosmis 2008, III.A, Eq. 14).
+namespace strake {
+
+enum class VertexClass { smooth, ridge, corner };
+
+/// What the tensor A = sum w_i n_i n_i^T says about one vertex; w_i the corner angles. Independent of any
+/// threshold, so it is evaluated once per surface.
+struct VertexFeature {
+    double eigenvalue_ratio = 0;     ///< l2 / l1 in [0, 1]
+    double mean_normal_squared = 1;  ///< |mu|^2, mu = sum w_i n_i / sum w_i
+    double theta = 0;                ///< effective crease angle, radians; the dihedral on a straight crease
+    double psi = 0;                  ///< 2 atan sqrt(l3 / l1), radians
+    double angle_defect = 0;         ///< |2 pi - sum w_i| (pi at an open boundary), radians
+};
+
+/// One feature per vertex. Triangles of zero area carry no weight.
+std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent);
+
+/// @param tau threshold in radians, 0 < tau <= pi/2 @throws InvalidInput outside of it.
+VertexClass classify(const VertexFeature& feature, double tau);
+
+}  // namespace strake

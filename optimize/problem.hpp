@@ -1,0 +1,71 @@
+#pragma once
+#include "core/patches/hierarchy.hpp"
+#include "core/primo/shell.hpp"
+#include "objectives/quantity.hpp"
+
+#include <optional>
+
+/// A shape optimization problem, free of YAML: what `cases` makes of a case file and what a program that
+/// links the library fills in itself.
+namespace strake {
+
+enum class VariableKind {
+    load,         ///< traction of a patch as a vector: three variables
+    load_normal,  ///< traction along each triangle's own rest normal: one variable
+    strain,       ///< rigid motion of a pinned patch core: rotation and translation, six variables
+    stiffness,    ///< logarithm of the prism height: one variable
+};
+
+/// A prescribed rigid motion of some triangles (a given strain).
+struct GivenStrain {
+    std::vector<int> triangles;
+    RigidMotion motion;
+};
+
+struct Parameters {
+    std::vector<VariableKind> kinds{VariableKind::load};
+    double max_displacement = 0.05;  ///< bound of each variable by its own linear response, in diagonals, > 0
+    std::vector<char>
+        on;  ///< per triangle: may carry variables; empty: all. A patch takes part if any of its triangles does
+};
+
+struct Constraint {
+    std::string quantity;  ///< a value's name
+    std::optional<double> min, max, equals;
+    bool relative = false;  ///< limits are multiples of the value at the start
+};
+
+enum class Method { slsqp, mma, lbfgs, cobyla };
+
+struct OptimizeOptions {
+    Method method = Method::slsqp;
+    int max_evaluations = 200;  ///< whole run, >= 1
+    double max_seconds = 0;     ///< whole run; 0: no limit
+    double progress_below =
+        0.01;  ///< refine when the gain per evaluation falls below this fraction of the level's best rate; 0: never
+    double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective
+    double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
+    double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
+};
+
+struct Problem {
+    std::string name;
+    TriMesh surface;
+    PatchHierarchy tree;
+    Eigen::VectorXd prism_height;  ///< per vertex
+    std::vector<int> fixed;        ///< triangles
+    std::vector<GivenStrain> strains;
+    std::optional<SymmetryPlane> symmetry;
+    bool couple_nonmanifold = false;
+    Points given_traction;            ///< m x 3 background loads; empty: none
+    Eigen::VectorXd spring_per_area;  ///< per triangle, lambda_A; empty: none
+    Parameters parameters;
+    std::vector<Quantity> quantities;  ///< all that is logged, optimized or constrained
+    std::string objective;             ///< a value's name; empty for a fit
+    bool maximize = false;
+    std::vector<std::string> fit;  ///< names of quantities with residuals
+    std::vector<Constraint> constraints;
+    OptimizeOptions optimize;
+};
+
+}  // namespace strake

@@ -1,0 +1,75 @@
+#include "optimize/shell_setup.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+
+namespace strake {
+namespace {
+
+void check_index(const char* what, int t, int num_triangles) {
+    if (t < 0 || t >= num_triangles)
+        throw InvalidInput(text(what, ": triangle ", t, " must be in [0, ", num_triangles, ")"));
+}
+
+void check_sizes(const Problem& problem) {
+    const int n = problem.surface.num_vertices(), m = problem.surface.num_triangles();
+    if (problem.prism_height.size() != n)
+        throw InvalidInput(text("prism_height: ", problem.prism_height.size(), " values for ", n, " vertices"));
+    if (problem.given_traction.rows() != 0 && problem.given_traction.rows() != m)
+        throw InvalidInput(text("given_traction: ", problem.given_traction.rows(), " rows for ", m, " triangles"));
+    if (problem.spring_per_area.size() != 0 && problem.spring_per_area.size() != m)
+        throw InvalidInput(text("spring_per_area: ", problem.spring_per_area.size(), " values for ", m, " triangles"));
+}
+
+void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
+    int fixed = 0, pinned = 0;
+    for (const int t : problem.strains[k].triangles) {
+        check_index("strains", t, problem.surface.num_triangles());
+        int& pin = setup.options.pin[t];
+        if (pin == fixed_prism)
+            ++fixed;
+        else if (pin > 0 && pin != k + 1)
+            throw InvalidInput(text("strains: triangle ", t, " lies in strains ", pin, " and ", k + 1,
+                                    "; a triangle can follow one motion only"));
+        else
+            pin = k + 1, ++pinned;
+    }
+    if (pinned == 0)
+        throw InvalidInput(text("strains: strain ", k + 1, " has no triangle that is not fixed (", fixed, " are)"));
+    if (fixed > 0)
+        setup.warnings.push_back(
+            text("strain ", k + 1, ": ", fixed, " of its triangles are fixed as well and stay fixed"));
+}
+
+}  // namespace
+
+Eigen::VectorXd vertex_springs(const TriMesh& rest, const Eigen::VectorXd& spring_per_area) {
+    if (spring_per_area.size() == 0) return {};
+    const Eigen::VectorXd area = triangle_areas(rest);
+    Eigen::VectorXd spring = Eigen::VectorXd::Zero(rest.num_vertices());
+    for (int t = 0; t < rest.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) spring[rest.triangles(t, k)] += spring_per_area[t] * area[t] / 3;
+    return spring;
+}
+
+ShellSetup shell_setup(const Problem& problem) {
+    check_sizes(problem);
+    ShellSetup setup;
+    setup.options.prism_height = problem.prism_height;
+    setup.options.symmetry = problem.symmetry;
+    setup.options.couple_nonmanifold = problem.couple_nonmanifold;
+    setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
+    for (const int t : problem.fixed) {
+        check_index("fixed", t, problem.surface.num_triangles());
+        setup.options.pin[t] = fixed_prism;
+    }
+    for (int k = 0; k < static_cast<int>(problem.strains.size()); ++k) {
+        pin_strain(problem, k, setup);
+        setup.motions.push_back(problem.strains[k].motion);
+    }
+    if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
+    setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
+    return setup;
+}
+
+}  // namespace strake

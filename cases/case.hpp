@@ -1,0 +1,177 @@
+#pragma once
+#include "cases/diagnostics.hpp"
+#include "core/patches/hierarchy.hpp"
+#include "core/primo/shell.hpp"
+#include "optimize/problem.hpp"
+
+#include <array>
+#include <filesystem>
+#include <memory>
+#include <variant>
+
+/// A case file as written, checked and with its units resolved: lengths in the surface's unit (or relative to
+/// the diagonal), angles in radians, times in seconds, paths relative to the working directory or absolute. The keys,
+/// their defaults and limits stand in the table of cases/schema.cpp; docs/cases.md is made from it.
+namespace strake {
+
+/// A length: in the surface's unit, or a fraction of the diagonal of its bounding box.
+struct Length {
+    double value = 0;
+    bool is_relative_to_diagonal = false;
+    double in(double diagonal) const { return is_relative_to_diagonal ? value * diagonal : value; }
+};
+
+struct BoxShape {
+    Eigen::Vector3d min, max;
+};
+struct SphereShape {
+    Eigen::Vector3d center;
+    Length radius;
+};
+struct HalfSpace {
+    Eigen::Vector3d normal;  ///< unit
+    double offset = 0;
+    bool above = true;  ///< normal . x >= offset
+};
+struct SolidShape {
+    std::string name;
+};  ///< part named in the surface file
+struct ComponentShape {
+    int number = 0;
+};  ///< edge-connected, in the order of the smallest triangle
+struct PatchShape {
+    std::string name;
+};  ///< on the finest level at which it exists
+struct TriangleFile {
+    std::filesystem::path file;
+};  ///< 0-based numbers in the order of the surface file, one a line
+
+struct Region {
+    std::string name;
+    std::variant<BoxShape, SphereShape, HalfSpace, SolidShape, ComponentShape, PatchShape, TriangleFile> shape;
+    Place place;        ///< of the name
+    Place shape_place;  ///< of the shape's key
+};
+
+/// A name used somewhere, and where.
+struct Reference {
+    std::string name;
+    Place place;
+};
+
+struct LoadEntry {
+    Reference region;
+    Place place;
+    std::optional<Eigen::Vector3d> traction;  ///< force per area, 1/length
+    std::optional<Eigen::Vector3d> force;     ///< total over the region, length
+    std::optional<Length> displacement;       ///< wanted largest displacement by the linear response
+    Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, with `displacement`
+    std::optional<double> spring;                         ///< lambda_A of this region, 1/length^2
+};
+
+struct StrainEntry {
+    Reference region;
+    Place place;
+    std::array<Length, 3> translate;
+    Eigen::Vector3d rotate = Eigen::Vector3d::Zero();  ///< rotation vector, radians
+    std::optional<Eigen::Vector3d> about;              ///< default: the region's area centroid
+};
+
+struct ThicknessEntry {
+    Reference region;
+    Length height;
+};
+
+struct NearPoint {
+    Eigen::Vector3d point;
+};
+struct SplitEntry {
+    enum class Kind { all, largest, containing } kind = Kind::all;
+    int largest = 1;
+    std::vector<std::pair<std::variant<int, NearPoint>, Place>> containing;  ///< triangle number, or the triangle nearest
+};
+
+struct ParameterEntry {
+    std::vector<double> levels_deg;      ///< empty: automatic
+    double min_patch_percent = 0;        ///< with given levels
+    std::vector<int> patches_per_level;  ///< with automatic levels; empty: the default
+    double sharp_angle_deg = 40;
+    std::vector<VariableKind> variables;
+    Length max_displacement;
+    SplitEntry split;
+    std::vector<Reference> on;  ///< regions or patches; empty: everywhere
+};
+
+struct TargetShapeEntry {
+    std::filesystem::path file;
+    bool same_connectivity = false;
+};
+struct ExternalEntry {
+    std::vector<std::string> command, gives;
+    double timeout_s = 3600;
+    std::string format;  ///< empty: the format of the surface file
+    bool has_gradients = true;
+};
+struct VolumeEntry {};
+struct AreaEntry {};
+struct QuantityEntry {
+    std::string name;
+    Place place;
+    std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, ExternalEntry> what;
+    std::vector<std::string> value_names() const;
+};
+
+struct ConstraintEntry {
+    Constraint constraint;
+    Place place;
+};
+
+enum class ParaView { every_accepted, best, none };
+
+struct Case {
+    std::filesystem::path file;  ///< the case file, as it was given
+    std::string name;
+    std::filesystem::path surface;
+    Place surface_place;
+    std::string units;  ///< of length: m, cm, mm, um, in, ft; empty: not stated
+    std::vector<Region> regions;
+    std::vector<Reference> fixed;
+    std::optional<SymmetryPlane> symmetry;
+    Place symmetry_place;
+    Length thickness;
+    std::vector<ThicknessEntry> thickness_by_region;
+    double spring = 0;  ///< lambda_A over loaded regions without an own one
+    bool couple_nonmanifold = false;
+    std::vector<LoadEntry> loads;
+    std::vector<StrainEntry> strains;
+    ParameterEntry parameters;
+    Place parameters_place;
+    std::vector<QuantityEntry> quantities;  ///< declared ones, then built-in ones that are used without an entry
+    Reference objective;                    ///< empty name: none
+    bool maximize = false;
+    std::vector<Reference> fit;
+    std::vector<ConstraintEntry> constraints;
+    OptimizeOptions optimize;
+    struct Output {
+        std::filesystem::path dir;  ///< may be set by the program before the problem is built
+        ParaView paraview = ParaView::every_accepted;
+    } output;
+
+    struct Source;  ///< the checked tree, for messages and for `resolved_case`
+    std::shared_ptr<const Source> source;
+};
+
+/// What a command needs of the case: `run` an objective, `fit` a fit, `deform` neither.
+enum class Purpose { any, deform, run, fit };
+
+/// Reads and checks a case file without reading the surface. @throws CaseError with all that is wrong.
+Case load_case(const std::filesystem::path& file, Purpose purpose = Purpose::any);
+
+/// The case with every default filled in, as YAML text that gives the same case when it is loaded from `folder`
+/// (files there and not there are named by absolute paths where they lie outside of it).
+std::string resolved_case(const Case& the_case, const std::filesystem::path& folder);
+
+/// A collector for further errors about this case (used while the problem is built).
+Diagnostics diagnostics_of(const Case& the_case);
+
+}  // namespace strake

@@ -1,0 +1,61 @@
+#pragma once
+#include "cases/value.hpp"
+
+#include <filesystem>
+#include <limits>
+#include <string>
+#include <vector>
+
+/// The keys of a case file: one table from which come the checks, the suggestions, docs/cases.md and the resolved
+/// case.
+namespace strake {
+
+enum class Type {
+    map,
+    list,
+    text,        ///< any text
+    name,        ///< letters, digits, '_' and '-'
+    word,        ///< one of Key::words
+    flag,        ///< true or false
+    integer,     ///< fits an int
+    number,      ///< finite
+    fraction,    ///< a number, or a percentage
+    length,      ///< number in the surface's unit, number with a unit, or percentage of the diagonal
+    coordinate,  ///< length without percentages
+    angle,       ///< number with deg or rad, or 0
+    duration,    ///< number with s, min or h
+    file,        ///< existing regular file, relative to the case file
+    path         ///< any path, relative to the case file
+};
+
+/// Limits in the unit that the message shows: degrees for angles, seconds for times, fractions.
+struct Limits {
+    double min = -std::numeric_limits<double>::infinity(), max = std::numeric_limits<double>::infinity();
+    bool min_open = false, max_open = false;
+};
+
+struct Key {
+    std::string path;  ///< "loads[].traction", "regions.*.box"; several rows of one path: one a form
+    Type type = Type::map;
+    std::string doc = "";            ///< one sentence
+    std::string fallback = "";       ///< default as it would be written; empty: none
+    bool required = false;
+    Limits limits = {};
+    std::vector<std::string> words = {};
+    Type element = Type::map;        ///< of lists of scalars
+    int count = 0;                   ///< of lists: exact length; 0: any, at least one
+    std::string when = "";           ///< "plane", "type=target_shape", "levels=[]": only beside such a key
+    bool loose_word = false;         ///< upper case, NLopt prefixes and '-' make no difference
+    bool may_be_empty = false;       ///< lists and maps of names
+};
+
+const std::vector<Key>& schema();
+
+/// Checks `root` against the table, converts every scalar, and adds the defaults to the tree. Refused values keep
+/// `accepted == nullptr`. `case_dir`: for files.
+void validate(Value& root, const std::filesystem::path& case_dir, Diagnostics& errors);
+
+/// The text of docs/cases.md.
+std::string schema_reference();
+
+}  // namespace strake

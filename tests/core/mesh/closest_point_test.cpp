@@ -1,0 +1,135 @@
+#include "core/mesh/closest_point.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/point_triangle.hpp"
+#include "derivatives.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <xmmintrin.h>
+
+#include <limits>
+
+namespace strake {
+namespace {
+
+ClosestPoint by_brute_force(const TriMesh& mesh, const Eigen::Vector3d& x) {
+    ClosestPoint best;
+    best.distance = std::numeric_limits<double>::infinity();
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const ClosestPoint found = closest_point_on_triangle(mesh, t, x);
+        if (found.distance < best.distance) best = found;
+    }
+    return best;
+}
+
+/// Random points near and far, and every third point on a vertex, an edge's middle or in a triangle.
+std::vector<Eigen::Vector3d> queries(const TriMesh& mesh, const Eigen::Vector3d& centre, double size, int count) {
+    const Eigen::VectorXd r = random_vector(3 * count, 11);
+    std::vector<Eigen::Vector3d> points;
+    for (int i = 0; i < count; ++i) {
+        const int t = (i * 37) % mesh.num_triangles();
+        const Eigen::Vector3d a = mesh.vertices.row(mesh.triangles(t, 0)), b = mesh.vertices.row(mesh.triangles(t, 1)),
+                              c = mesh.vertices.row(mesh.triangles(t, 2));
+        const Eigen::Vector3d random = r.segment<3>(3 * i);
+        switch (i % 6) {
+            case 0:
+                points.push_back(a);
+                break;
+            case 1:
+                points.push_back(0.5 * (a + b));
+                break;
+            case 2:
+                points.push_back(0.5 * a + 0.25 * b + 0.25 * c);
+                break;
+            case 3:
+                points.push_back(centre + 100 * size * random);
+                break;
+            default:
+                points.push_back(centre + 1.5 * size * random);
+        }
+    }
+    return points;
+}
+
+void expect_equal_to_brute_force(const TriMesh& mesh, const Eigen::Vector3d& centre, double size, int count) {
+    const ClosestPointTree tree(mesh);
+    for (const auto& x : queries(mesh, centre, size, count)) {
+        const ClosestPoint found = tree.find(x), expected = by_brute_force(mesh, x);
+        ASSERT_EQ(found.triangle, expected.triangle) << x.transpose();
+        ASSERT_EQ(found.distance, expected.distance);
+        ASSERT_EQ(found.point, expected.point);
+        ASSERT_EQ(found.corner_a, expected.corner_a);
+        ASSERT_EQ(found.corner_b, expected.corner_b);
+    }
+}
+
+TEST(ClosestPoint, EqualsBruteForceOnASphere) {
+    expect_equal_to_brute_force(icosphere(3), Eigen::Vector3d::Zero(), 1, 10000);
+}
+
+TEST(ClosestPoint, EqualsBruteForceOnABoxWithManyTies) {
+    const TriMesh box = box_surface(Eigen::Vector3d::Ones(), 6);
+    const ClosestPointTree tree(box);
+    EXPECT_DOUBLE_EQ(tree.find({0.5, 0.5, 0.5}).distance, 0.5);
+    expect_equal_to_brute_force(box, Eigen::Vector3d::Constant(0.5), 1, 3000);
+}
+
+TEST(ClosestPoint, OffsetOfTenMillionAndTinyOrHugeScaleChangeNothing) {
+    for (const double scale : {1e-9, 1.0, 1e12}) {
+        TriMesh mesh = icosphere(2);
+        const Eigen::Vector3d centre = scale * Eigen::Vector3d(1e7, -3e6, 2e5);
+        mesh.vertices = (scale * mesh.vertices).rowwise() + centre.transpose();
+        expect_equal_to_brute_force(mesh, centre, scale, 1500);
+    }
+}
+
+TEST(ClosestPoint, NamesTheClosestFeature) {
+    TriMesh mesh;
+    mesh.vertices.resize(3, 3);
+    mesh.vertices << 0, 0, 0, 2, 0, 0, 0, 2, 0;
+    mesh.triangles.resize(1, 3);
+    mesh.triangles << 0, 1, 2;
+    const ClosestPointTree tree(mesh);
+    const ClosestPoint face = tree.find({0.5, 0.25, 3});
+    EXPECT_EQ(face.corner_a, -1);
+    EXPECT_EQ(face.distance, 3);
+    EXPECT_EQ(face.point, Eigen::Vector3d(0.5, 0.25, 0));
+    const ClosestPoint edge = tree.find({2, 2, 1});
+    EXPECT_EQ(edge.corner_a, 1);
+    EXPECT_EQ(edge.corner_b, 2);
+    EXPECT_TRUE(edge.point.isApprox(Eigen::Vector3d(1, 1, 0)));
+    const ClosestPoint vertex = tree.find({-3, -4, 0});
+    EXPECT_EQ(vertex.corner_a, 0);
+    EXPECT_EQ(vertex.corner_b, -1);
+    EXPECT_EQ(vertex.distance, 5);
+}
+
+TEST(ClosestPoint, OfADegenerateTriangleLiesOnItsEdges) {
+    TriMesh mesh;
+    mesh.vertices.resize(3, 3);
+    mesh.vertices << 0, 0, 0, 1, 0, 0, 4, 0, 0;
+    mesh.triangles.resize(1, 3);
+    mesh.triangles << 0, 1, 2;
+    const ClosestPoint found = ClosestPointTree(mesh).find({3, 2, 0});
+    EXPECT_EQ(found.distance, 2);
+    EXPECT_EQ(found.point, Eigen::Vector3d(3, 0, 0));
+}
+
+TEST(ClosestPoint, KeepsTheFloatingPointMode) {
+    const unsigned before = _mm_getcsr() & ~0x3Fu;  // without the sticky exception flags
+    const ClosestPointTree tree(icosphere(1));
+    tree.find({1, 2, 3});
+    EXPECT_EQ(_mm_getcsr() & ~0x3Fu, before);
+}
+
+TEST(ClosestPoint, RefusesWhatHasNoAnswer) {
+    EXPECT_THROW(ClosestPointTree{TriMesh()}, InvalidInput);
+    TriMesh mesh = icosphere(0);
+    EXPECT_THROW(ClosestPointTree(mesh).find({0, std::numeric_limits<double>::quiet_NaN(), 0}), InvalidInput);
+    mesh.triangles(3, 1) = 99;
+    EXPECT_THROW(ClosestPointTree{mesh}, InvalidInput);
+}
+
+}  // namespace
+}  // namespace strake

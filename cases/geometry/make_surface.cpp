@@ -1,0 +1,63 @@
+#include "cases/geometry/lifting_body.hpp"
+#include "cases/geometry/wing.hpp"
+#include "core/error.hpp"
+#include "core/mesh/io.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <string>
+
+namespace {
+
+using strake::TriMesh;
+
+/// NACA 0012 of aspect ratio 2 with cells about as wide as the mean panel.
+TriMesh naca_wing_of(int triangles) {
+    const int panels = std::max(4, static_cast<int>(std::lround(std::sqrt(triangles / 8.0))));
+    return strake::example::naca_wing(0.12, panels, 2 * panels, 2.0);
+}
+
+struct Kind {
+    int triangles;
+    TriMesh (*make)(int triangles);
+};
+const std::map<std::string, Kind> kinds{
+    {"wing", {22'000, [](int n) { return strake::example::wing(n); }}},
+    {"lifting_body", {30'000, [](int n) { return strake::example::lifting_body(n); }}},
+    {"naca0012", {10'000, naca_wing_of}},
+};
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{"Makes an example surface from its definition", "make_surface"};
+    std::string name, file;
+    int triangles = 0;
+    app.add_option("surface", name, "wing (half model, open at y = 0), lifting_body (closed), naca0012 (open ends)")
+        ->required()
+        ->check(CLI::IsMember(kinds));
+    app.add_option("--triangles", triangles, "wanted number; defaults: wing 22000, lifting_body 30000, naca0012 10000")
+        ->check(CLI::Range(1, 5'000'000));
+    app.add_option("-o,--out", file, "surface file: .stl .obj .ply .off .tri")->required();
+    CLI11_PARSE(app, argc, argv);
+    try {
+        const Kind& kind = kinds.at(name);
+        const TriMesh mesh = kind.make(triangles > 0 ? triangles : kind.triangles);
+        strake::write_surface(file, mesh, strake::format_of(file));
+        std::fprintf(stderr, "%s: %d vertices, %d triangles\n", file.c_str(), mesh.num_vertices(),
+                     mesh.num_triangles());
+        return 0;
+    } catch (const strake::OutputError& e) {
+        std::fprintf(stderr, "make_surface: %s\n", e.what());
+        return 4;
+    } catch (const std::invalid_argument& e) {
+        std::fprintf(stderr, "make_surface: %s\n", e.what());
+        return 2;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "make_surface: %s\n", e.what());
+        return 1;
+    }
+}

@@ -141,8 +141,9 @@ public:
     int num_free_prisms() const;
     const std::vector<char>& fixed_vertices() const;  ///< per vertex: copied from the start, bit for bit
 
+    struct Impl;  ///< shell_impl.hpp
+
 private:
-    struct Impl;
     std::unique_ptr<Impl> impl_;
 };
 

@@ -1,0 +1,316 @@
+#include "core/primo/energy.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+Matrix3d cross(const Vector3d& a) {
+    Matrix3d c;
+    c << 0, -a.z(), a.y(), a.z(), 0, -a.x(), -a.y(), a.x(), 0;
+    return c;
+}
+
+Vector3d row(const Points& points, int k) { return points.row(k).transpose(); }
+
+/// Velocity of the point at current arm `a` of prism i; zero for pinned prisms.
+Vector3d velocity(const RestState& rest, const Eigen::VectorXd& twist, int i, const Vector3d& a) {
+    const int f = rest.free_index[i];
+    if (f < 0) return Vector3d::Zero();
+    return Vector3d(twist.segment<3>(6 * f)).cross(a) + twist.segment<3>(6 * f + 3);
+}
+
+Vector3d project(const RestState& rest, int k, const Vector3d& d) {
+    return rest.on_plane[k] ? Vector3d(rest.plane_projector * d) : d;
+}
+
+/// dE/d(vertex displacement) at vertex k: 2 lambda d - F, in the plane where the vertex is bound to it.
+Vector3d vertex_force(const RestState& rest, int k, const Vector3d& d, const Loads& loads) {
+    return project(rest, k, 2 * loads.spring[k] * d - row(loads.force, k));
+}
+
+bool is_loaded(const RestState& rest, const Loads& loads, int k) {
+    return !rest.vertex_prisms[k].empty() && (loads.spring[k] > 0 || (loads.force.row(k).array() != 0).any());
+}
+
+}  // namespace
+
+Loads complete(const Loads& loads, int n) {
+    Loads result = loads;
+    if (loads.force.size() == 0) result.force = Points::Zero(n, 3);
+    if (loads.spring.size() == 0) result.spring = Eigen::VectorXd::Zero(n);
+    if (result.force.rows() != n || result.spring.size() != n)
+        throw InvalidInput(text("shell: loads for ", result.force.rows(), " and springs for ", result.spring.size(),
+                                " of ", n, " vertices"));
+    if (!result.force.allFinite() || !result.spring.allFinite())
+        throw InvalidInput("shell: a load or spring is not finite");
+    if ((result.spring.array() < 0).any())
+        throw InvalidInput(text("shell: spring ", result.spring.minCoeff(), " must be >= 0"));
+    return result;
+}
+
+std::vector<Matrix3d> rotation_differences(const Poses& poses) {
+    std::vector<Matrix3d> turn(poses.rotation.size());
+    for (std::size_t i = 0; i < turn.size(); ++i) {
+        const Matrix3d v = cross(poses.rotation[i].vec());
+        turn[i] = 2 * (poses.rotation[i].w() * v + v * v);
+    }
+    return turn;
+}
+
+Jumps jumps(const RestState& rest, const Poses& poses, const std::vector<Matrix3d>& turn) {
+    Jumps jump;
+    jump.face.reserve(4 * rest.faces.size());
+    for (const SharedFace& f : rest.faces)
+        for (int g = 0; g < 4; ++g)
+            jump.face.push_back(turn[f.i] * f.arm_i[g] - turn[f.j] * f.arm_j[g] +
+                                (row(poses.displacement, f.i) - row(poses.displacement, f.j)));
+    for (const MirroredFace& f : rest.mirrored)
+        for (int g = 0; g < 4; ++g)
+            jump.mirrored.push_back(rest.symmetry->normal.dot(turn[f.i] * f.arm[g] + row(poses.displacement, f.i)));
+    jump.vertex = Points::Zero(rest.mesh.num_vertices(), 3);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty()) continue;
+        Vector3d d = Vector3d::Zero();
+        for (const int i : prisms) d += turn[i] * rest.vertex_arm(k, i) + row(poses.displacement, i);
+        jump.vertex.row(k) = project(rest, k, d / static_cast<double>(prisms.size()));
+    }
+    return jump;
+}
+
+Jumps jump_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& twist) {
+    Jumps rate;
+    rate.face.reserve(4 * rest.faces.size());
+    for (const SharedFace& f : rest.faces)
+        for (int g = 0; g < 4; ++g)
+            rate.face.push_back(velocity(rest, twist, f.i, turned(turn[f.i], f.arm_i[g])) -
+                                velocity(rest, twist, f.j, turned(turn[f.j], f.arm_j[g])));
+    for (const MirroredFace& f : rest.mirrored)
+        for (int g = 0; g < 4; ++g)
+            rate.mirrored.push_back(rest.symmetry->normal.dot(velocity(rest, twist, f.i, turned(turn[f.i], f.arm[g]))));
+    rate.vertex = vertex_rates(rest, turn, twist);
+    return rate;
+}
+
+Jumps sum(const Jumps& a, const Jumps& b) {
+    Jumps s = a;
+    for (std::size_t i = 0; i < s.face.size(); ++i) s.face[i] += b.face[i];
+    for (std::size_t i = 0; i < s.mirrored.size(); ++i) s.mirrored[i] += b.mirrored[i];
+    s.vertex += b.vertex;
+    return s;
+}
+
+double energy(const RestState& rest, const Jumps& jump, const Loads& loads) {
+    double E = 0;
+    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+        double squares = 0;
+        for (int g = 0; g < 4; ++g) squares += jump.face[4 * f + g].squaredNorm();
+        E += rest.faces[f].weight / 4 * squares;
+    }
+    for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
+        for (int g = 0; g < 4; ++g)
+            E += rest.mirrored[f].weight / 2 * jump.mirrored[4 * f + g] * jump.mirrored[4 * f + g];
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k)
+        E += loads.spring[k] * jump.vertex.row(k).squaredNorm() - loads.force.row(k).dot(jump.vertex.row(k));
+    return E;
+}
+
+Eigen::MatrixXd energy_gradient(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& jump,
+                                const Loads& loads) {
+    Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> g6 = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
+    const auto add = [&](int i, const Vector3d& arm, const Vector3d& force) {
+        g6.row(i).head<3>() += arm.cross(force);
+        g6.row(i).tail<3>() += force;
+    };
+    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+        const SharedFace& face = rest.faces[f];
+        for (int g = 0; g < 4; ++g) {
+            const Vector3d force = face.weight / 2 * jump.face[4 * f + g];
+            add(face.i, turned(turn[face.i], face.arm_i[g]), force);
+            add(face.j, turned(turn[face.j], face.arm_j[g]), -force);
+        }
+    }
+    for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
+        for (int g = 0; g < 4; ++g)
+            add(rest.mirrored[f].i, turned(turn[rest.mirrored[f].i], rest.mirrored[f].arm[g]),
+                rest.mirrored[f].weight * jump.mirrored[4 * f + g] * rest.symmetry->normal);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (!is_loaded(rest, loads, k)) continue;
+        const auto prisms = rest.vertex_prisms[k];
+        const Vector3d force = vertex_force(rest, k, row(jump.vertex, k), loads) / static_cast<double>(prisms.size());
+        for (const int i : prisms) add(i, turned(turn[i], rest.vertex_arm(k, i)), force);
+    }
+    return g6;
+}
+
+Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Matrix3d>& turn, const Loads& loads) {
+    Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty() || (loads.force.row(k).array() == 0).all()) continue;
+        const Vector3d force = project(rest, k, row(loads.force, k)) / static_cast<double>(prisms.size());
+        for (const int i : prisms) {
+            wrench.row(i).head<3>() += turned(turn[i], rest.vertex_arm(k, i)).cross(force);
+            wrench.row(i).tail<3>() += force;
+        }
+    }
+    return wrench;
+}
+
+BlockMatrix hessian_pattern(const RestState& rest, const Eigen::VectorXd& spring) {
+    std::vector<std::pair<int, int>> pairs;
+    for (const SharedFace& f : rest.faces)
+        if (rest.free_index[f.i] >= 0 && rest.free_index[f.j] >= 0)
+            pairs.emplace_back(rest.free_index[f.i], rest.free_index[f.j]);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (spring[k] == 0) continue;
+        const auto prisms = rest.vertex_prisms[k];
+        for (std::size_t p = 0; p < prisms.size(); ++p)
+            for (std::size_t q = p + 1; q < prisms.size(); ++q)
+                if (rest.free_index[prisms[p]] >= 0 && rest.free_index[prisms[q]] >= 0)
+                    pairs.emplace_back(rest.free_index[prisms[p]], rest.free_index[prisms[q]]);
+    }
+    return block_matrix(rest.num_free(), pairs);
+}
+
+namespace {
+
+using Matrix36 = Eigen::Matrix<double, 3, 6>;
+
+Matrix36 velocity_map(const Vector3d& a) {
+    Matrix36 J;
+    J << -cross(a), Matrix3d::Identity();
+    return J;
+}
+
+/// sum_g J(a_g)^T J(b_g).
+Matrix6 coupling(const Arms& a, const Arms& b) {
+    Matrix3d S = Matrix3d::Zero();
+    Vector3d sa = Vector3d::Zero(), sb = Vector3d::Zero();
+    for (int g = 0; g < 4; ++g) {
+        S += b[g] * a[g].transpose();
+        sa += a[g];
+        sb += b[g];
+    }
+    Matrix6 block;
+    block << S.trace() * Matrix3d::Identity() - S, cross(sa), -cross(sb), 4 * Matrix3d::Identity();
+    return block;
+}
+
+Arms turned(const Matrix3d& turn, const Arms& arms) {
+    Arms result;
+    for (int g = 0; g < 4; ++g) result[g] = strake::turned(turn, arms[g]);
+    return result;
+}
+
+void add_offdiagonal(BlockMatrix& H, int a, int b, const Matrix6& block) {
+    if (a < 0 || b < 0) return;
+    if (a > b)
+        H.below[H.find(a, b)] += block;
+    else
+        H.below[H.find(a, b)] += block.transpose();
+}
+
+/// sym(A) - tr(A) I from A = sum f a^T: what the curvature of SO(3) adds under the forces f at the arms a.
+Matrix3d stress_block(const Matrix3d& A, StressTerm term) {
+    Matrix3d S = 0.5 * (A + A.transpose()) - A.trace() * Matrix3d::Identity();
+    if (term != StressTerm::clipped) return S;
+    const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(S);
+    return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+}  // namespace
+
+void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& stress, const Loads& loads,
+                      StressTerm term, BlockMatrix& H) {
+    H.set_zero();
+    std::vector<Matrix3d> moment(rest.num_free(), Matrix3d::Zero());
+    const auto add_moment = [&](int free, const Vector3d& force, const Vector3d& arm) {
+        if (free >= 0) moment[free] += force * arm.transpose();
+    };
+    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+        const SharedFace& face = rest.faces[f];
+        const int i = rest.free_index[face.i], j = rest.free_index[face.j];
+        if (i < 0 && j < 0) continue;
+        const Arms a = turned(turn[face.i], face.arm_i), b = turned(turn[face.j], face.arm_j);
+        const double w = face.weight / 2;
+        if (i >= 0) H.diagonal[i] += w * coupling(a, a);
+        if (j >= 0) H.diagonal[j] += w * coupling(b, b);
+        add_offdiagonal(H, i, j, -w * coupling(a, b));
+        for (int g = 0; g < 4; ++g) {
+            add_moment(i, w * stress.face[4 * f + g], a[g]);
+            add_moment(j, -w * stress.face[4 * f + g], b[g]);
+        }
+    }
+    for (std::size_t f = 0; f < rest.mirrored.size(); ++f) {
+        const MirroredFace& face = rest.mirrored[f];
+        const int i = rest.free_index[face.i];
+        if (i < 0) continue;
+        for (int g = 0; g < 4; ++g) {
+            const Vector3d a = strake::turned(turn[face.i], face.arm[g]);
+            const Vector6 c = velocity_map(a).transpose() * rest.symmetry->normal;
+            H.diagonal[i] += face.weight * c * c.transpose();
+            add_moment(i, face.weight * stress.mirrored[4 * f + g] * rest.symmetry->normal, a);
+        }
+    }
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (!is_loaded(rest, loads, k)) continue;
+        const auto prisms = rest.vertex_prisms[k];
+        const double m = static_cast<double>(prisms.size());
+        const Vector3d force = vertex_force(rest, k, row(stress.vertex, k), loads) / m;
+        for (std::size_t p = 0; p < prisms.size(); ++p) {
+            const int i = rest.free_index[prisms[p]];
+            if (i < 0) continue;
+            const Vector3d a = strake::turned(turn[prisms[p]], rest.vertex_arm(k, prisms[p]));
+            add_moment(i, force, a);
+            if (loads.spring[k] == 0) continue;
+            Matrix36 Ja = velocity_map(a);
+            if (rest.on_plane[k]) Ja = rest.plane_projector * Ja;
+            const double s = 2 * loads.spring[k] / (m * m);
+            H.diagonal[i] += s * Ja.transpose() * Ja;
+            for (std::size_t q = p + 1; q < prisms.size(); ++q) {
+                const Matrix36 Jb = velocity_map(strake::turned(turn[prisms[q]], rest.vertex_arm(k, prisms[q])));
+                add_offdiagonal(H, i, rest.free_index[prisms[q]], s * Ja.transpose() * Jb);
+            }
+        }
+    }
+    if (term == StressTerm::none) return;
+    for (int i = 0; i < rest.num_free(); ++i) H.diagonal[i].topLeftCorner<3, 3>() += stress_block(moment[i], term);
+}
+
+Points vertex_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& twist) {
+    Points rate = Points::Zero(rest.mesh.num_vertices(), 3);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty()) continue;
+        Vector3d v = Vector3d::Zero();
+        for (const int i : prisms) v += velocity(rest, twist, i, turned(turn[i], rest.vertex_arm(k, i)));
+        rate.row(k) = project(rest, k, v / static_cast<double>(prisms.size()));
+    }
+    return rate;
+}
+
+Eigen::VectorXd vertex_wrenches(const RestState& rest, const std::vector<Matrix3d>& turn, const Points& force) {
+    Eigen::VectorXd wrench = Eigen::VectorXd::Zero(6 * rest.num_free());
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty() || (force.row(k).array() == 0).all()) continue;
+        const Vector3d f = project(rest, k, row(force, k)) / static_cast<double>(prisms.size());
+        for (const int i : prisms) {
+            const int at = rest.free_index[i];
+            if (at < 0) continue;
+            wrench.segment<3>(6 * at) += turned(turn[i], rest.vertex_arm(k, i)).cross(f);
+            wrench.segment<3>(6 * at + 3) += f;
+        }
+    }
+    return wrench;
+}
+
+}  // namespace strake

@@ -1,0 +1,55 @@
+#pragma once
+#include "core/primo/block_matrix.hpp"
+#include "core/primo/rest_state.hpp"
+
+/// Energy of the shell, its gradient and its exact Hessian on SE(3). A prism's update is a twist (omega, v) of its
+/// centroid: R <- exp([omega]x) R, u <- u + v. A point with current arm a = R X moves at omega x a + v.
+namespace strake {
+
+/// Loads with both members filled: n rows each.
+Loads complete(const Loads& loads, int num_vertices);
+
+/// What the energy is made of at given poses: how far faces gape and vertices have moved. The mixed-integration-point
+/// Newton method (Magisano, Leonetti, Garcea 2017) carries these numbers from one iteration to the next by their linear
+/// prediction.
+struct Jumps {
+    std::vector<Eigen::Vector3d> face;  ///< 4 per shared face: y_i(g) - y_j(g)
+    std::vector<double> mirrored;       ///< 4 per mirrored face: n . (y(g) - X(g))
+    Points vertex;                      ///< displacement of each vertex that follows prisms, else 0
+};
+
+/// R - I of every prism, from its quaternion, with full relative precision for small rotations.
+std::vector<Eigen::Matrix3d> rotation_differences(const Poses& poses);
+
+Jumps jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn);
+/// Rate of the jumps under twists (6 per free prism); pinned prisms stand still.
+Jumps jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist);
+/// a + b, member by member.
+Jumps sum(const Jumps& a, const Jumps& b);
+
+double energy(const RestState& rest, const Jumps& jump, const Loads& loads);
+
+/// Torque about the centroid and force on every prism, m x 6: derivative of the energy by the twists.
+Eigen::MatrixXd energy_gradient(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& jump,
+                                const Loads& loads);
+/// The part of the loads' forces F alone: the scale of a relative gradient.
+Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Loads& loads);
+
+/// How the rotational stress term enters: `exact` (with the true jumps: the exact Hessian; with predicted ones: the
+/// mixed method), `clipped` to its positive semidefinite part per prism (always definite), `none` (Gauss-Newton).
+enum class StressTerm { exact, clipped, none };
+
+/// Zero matrix with the sparsity of the Hessian: faces, and all prisms around a vertex with a spring.
+BlockMatrix hessian_pattern(const RestState& rest, const Eigen::VectorXd& spring);
+void assemble_hessian(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress,
+                      const Loads& loads, StressTerm term, BlockMatrix& H);
+
+/// Vertex velocities under twists of the free prisms, and the transpose: vertex forces to prism wrenches (6 per free
+/// prism).
+Points vertex_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist);
+Eigen::VectorXd vertex_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Points& force);
+
+/// Current arm of a rest arm.
+inline Eigen::Vector3d turned(const Eigen::Matrix3d& turn, const Eigen::Vector3d& arm) { return arm + turn * arm; }
+
+}  // namespace strake

@@ -1,0 +1,327 @@
+#include <chrono>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/primo/held.hpp"
+#include "core/primo/shell_impl.hpp"
+
+/// The minimum of the shell's energy. Main method: Newton with the mixed-integration-point stress (full steps, no
+/// descent demanded: after a rotation step the true jumps hold a spurious membrane part of order 1/h^2 that would
+/// poison both the Hessian and a line search). Fallbacks: Newton with line search, then load steps from rest. The end
+/// is polished and proven with the exact Hessian.
+namespace strake {
+namespace {
+
+constexpr double largest_turn = 1.0;    // radians a prism may turn in one step
+constexpr double largest_travel = 1.0;  // diagonals a prism may travel in one step
+constexpr double nearly_there = 1e-5;   // diagonals: from here the exact Hessian takes over
+constexpr int attempt_limit = 25;       // iterations of one mixed attempt
+constexpr int cg_limit = 30;            // substitutions after which a new factor is cheaper
+
+struct Iterate {
+    std::vector<Eigen::Matrix3d> turn;
+    Jumps jump;
+    Eigen::VectorXd gradient;    ///< 6 per free prism
+    double norm = 0, scale = 0;  ///< of the gradient and of the applied forces, torques divided by h
+};
+
+double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
+    double sum = 0;
+    for (int i = 0; i < rest.num_prisms(); ++i)
+        if ((rest.pin[i] != free_prism) == pinned_ones)
+            sum += g6.row(i).head<3>().squaredNorm() / (rest.prism_height[i] * rest.prism_height[i]) +
+                   g6.row(i).tail<3>().squaredNorm();
+    return std::sqrt(sum);
+}
+
+Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
+    const RestState& rest = shell.rest;
+    Iterate at;
+    at.turn = rotation_differences(shell.poses);
+    at.jump = jumps(rest, shell.poses, at.turn);
+    const Eigen::MatrixXd g6 = energy_gradient(rest, at.turn, at.jump, loads);
+    at.gradient.resize(6 * rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
+    at.norm = scaled_norm(rest, g6, false);
+    at.scale = scaled_norm(rest, applied_forces(rest, at.turn, loads), false);
+    if (at.scale == 0) at.scale = scaled_norm(rest, g6, true);  // strains only: the reactions
+    return at;
+}
+
+/// Shortens a step so that no prism turns or travels too far.
+double cap(const RestState& rest, Eigen::VectorXd& twist) {
+    double turn = 0, travel = 0;
+    for (int f = 0; f < rest.num_free(); ++f) {
+        turn = std::max(turn, twist.segment<3>(6 * f).norm());
+        travel = std::max(travel, twist.segment<3>(6 * f + 3).norm());
+    }
+    const double factor = std::min(
+        {1.0, largest_turn / std::max(turn, 1e-300), largest_travel * rest.diagonal / std::max(travel, 1e-300)});
+    if (factor < 1) twist *= factor;
+    return factor;
+}
+
+/// One solve: what all attempts share.
+struct Attempt {
+    PrimoShell::Impl& shell;
+    const SolveOptions& options;
+    const SolveProgress& progress;
+    Equilibrium& end;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    bool cancelled = false;
+
+    bool out_of_budget() const { return cancelled || end.iterations >= options.max_iterations; }
+
+    void record(const Iterate& at, const Loads& loads, double step) {
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        end.records.push_back({++end.iterations, energy(shell.rest, at.jump, loads),
+                               at.norm / std::max(at.scale, 1e-300), step, seconds});
+        end.last_step = step;
+        if (progress && !progress(end.records.back())) cancelled = true;
+    }
+
+    /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
+    void factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
+        ++end.factorizations;
+        if (shell.factorize()) return;
+        shell.assemble(at.turn, stress, loads, StressTerm::clipped);
+        ++end.factorizations;
+        if (!shell.factorize())
+            throw SolverError("deform: the stiffness without stress is not positive definite; a part is barely held");
+    }
+
+    Eigen::VectorXd newton_step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
+                                bool reuse) {
+        shell.assemble(at.turn, stress, loads, term);
+        if (reuse) {
+            const CgResult cg = conjugate_gradients(shell, -at.gradient, 1e-3, cg_limit);
+            if (cg.positive && cg.relative_residual <= 1e-3) return cg.x;
+        }
+        factorize(at, stress, loads);
+        return shell.precondition(-at.gradient);
+    }
+
+    bool mixed(const Loads& loads, bool pins_moved, bool reuse);
+    bool line_search(const Loads& loads);
+    bool finish(const Loads& loads);
+    bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
+};
+
+bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
+    Iterate at = iterate(shell, loads);
+    Jumps stress = at.jump;
+    // Pins that jumped leave gaping faces: their stress means nothing yet.
+    StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
+    reuse = reuse && shell.factor.has_factor();
+    double step = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < attempt_limit && !out_of_budget(); ++i) {
+        const int factorizations = end.factorizations;
+        Eigen::VectorXd twist = newton_step(at, stress, loads, term, reuse);
+        if (!twist.allFinite()) return false;
+        if (end.factorizations > factorizations && !options.keep_factor) reuse = false;
+        cap(shell.rest, twist);
+        const Jumps rate = jump_rates(shell.rest, at.turn, twist);
+        stress = sum(at.jump, rate);
+        term = StressTerm::exact;
+        shell.advance(twist);
+        at = iterate(shell, loads);
+        step = step_size(shell.rest, twist);
+        record(at, loads, step);
+        if (!std::isfinite(at.norm)) return false;
+        if (step < nearly_there) return finish(loads);
+    }
+    return false;
+}
+
+/// Exact Newton steps to the floor, and the proof that the end is a minimum.
+bool Attempt::finish(const Loads& loads) {
+    Iterate at = iterate(shell, loads);
+    double moved = std::numeric_limits<double>::infinity();  // since the factorization
+    for (int i = 0; i < 8 && !out_of_budget(); ++i) {
+        shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
+        if (moved > 1e-7) {
+            ++end.factorizations;
+            if (!shell.factorize()) {
+                end.reason =
+                    "the equilibrium is not a stable minimum (the exact Hessian is indefinite): the shell buckles";
+                return false;
+            }
+            moved = 0;
+        }
+        const CgResult cg = conjugate_gradients(shell, -at.gradient, 1e-8, cg_limit);
+        if (!cg.positive || !cg.x.allFinite()) return false;
+        const double before = at.norm;
+        const Poses poses = shell.poses;
+        shell.advance(cg.x);
+        at = iterate(shell, loads);
+        const double step = step_size(shell.rest, cg.x);
+        record(at, loads, step);
+        moved += step;
+        if (step >= options.min_step) continue;
+        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
+        end.gradient_norm = at.norm;
+        end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
+        end.energy = energy(shell.rest, at.jump, loads);
+        shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
+        shell.has_tangent = true;
+        end.stable = true;
+        return true;
+    }
+    return false;
+}
+
+bool Attempt::line_search(const Loads& loads) {
+    Iterate at = iterate(shell, loads);
+    while (!out_of_budget()) {
+        Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, false);
+        if (!twist.allFinite()) return false;
+        cap(shell.rest, twist);
+        const double E = energy(shell.rest, at.jump, loads), slope = at.gradient.dot(twist);
+        const Poses poses = shell.poses;
+        double length = 1;
+        for (int halvings = 0; halvings < 20; ++halvings, length /= 2) {
+            shell.poses = poses;
+            shell.advance(length * twist);
+            at = iterate(shell, loads);
+            // Below the round-off of E itself descent cannot be seen.
+            if (energy(shell.rest, at.jump, loads) <= E + 1e-4 * length * slope + 1e-14 * std::abs(E)) break;
+        }
+        const double step = length * step_size(shell.rest, twist);
+        record(at, loads, step);
+        if (!std::isfinite(at.norm)) return false;
+        if (step < nearly_there && length == 1) return finish(loads);
+        if (step < 1e-3 * options.min_step) return false;
+    }
+    return false;
+}
+
+bool Attempt::load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count) {
+    shell.reset_poses();
+    end.load_steps = count;
+    for (int s = 1; s <= count; ++s) {
+        const double share = static_cast<double>(s) / count;
+        Loads part = loads;
+        part.force *= share;
+        std::vector<RigidMotion> moved = motions;
+        for (RigidMotion& motion : moved) motion.rotation *= share, motion.translation *= share;
+        shell.place_pinned(moved);
+        if (!mixed(part, !motions.empty(), false)) return false;
+    }
+    return true;
+}
+
+void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions) {
+    int wanted = 0;
+    for (const int pin : rest.pin) wanted = std::max(wanted, pin);
+    if (static_cast<int>(motions.size()) != wanted)
+        throw InvalidInput(text("shell: ", motions.size(), " motions for ", wanted, " pinned regions"));
+    for (const RigidMotion& motion : motions)
+        if (!motion.rotation.allFinite() || !motion.translation.allFinite() || !motion.about.allFinite())
+            throw InvalidInput("shell: a pinned motion is not finite");
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (!rest.on_plane[k] || rest.fixed_vertex[k]) continue;
+        for (const int i : rest.vertex_prisms[k]) {
+            if (rest.pin[i] <= 0) continue;
+            const RigidMotion& motion = motions[rest.pin[i] - 1];
+            const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
+            const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
+            if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
+                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
+                                        " off the symmetry plane by ", rest.symmetry->normal.dot(d),
+                                        "; move it within the plane only"));
+        }
+    }
+}
+
+bool differ(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b) {
+    if (a.size() != b.size()) return true;
+    for (std::size_t i = 0; i < a.size(); ++i)
+        if (a[i].rotation != b[i].rotation || a[i].translation != b[i].translation || a[i].about != b[i].about)
+            return true;
+    return false;
+}
+
+}  // namespace
+
+CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, double tolerance, int max_iterations) {
+    CgResult result;
+    result.x = Eigen::VectorXd::Zero(b.size());
+    const double target = tolerance * b.norm();
+    result.relative_residual = 0;
+    if (b.norm() == 0) return result;
+    Eigen::VectorXd r = b, z = shell.precondition(r), p = z;
+    double rz = r.dot(z);
+    for (; result.iterations < max_iterations && r.norm() > target; ++result.iterations) {
+        const Eigen::VectorXd Hp = shell.H.multiply(p);
+        const double curvature = p.dot(Hp);
+        if (!(curvature > 0)) {
+            result.positive = false;
+            break;
+        }
+        const double alpha = rz / curvature;
+        result.x += alpha * p;
+        r -= alpha * Hp;
+        if (r.norm() <= target) {
+            ++result.iterations;
+            break;
+        }
+        z = shell.precondition(r);
+        const double next = r.dot(z);
+        p = z + next / rz * p;
+        rz = next;
+    }
+    result.relative_residual = r.norm() / b.norm();
+    return result;
+}
+
+Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>& motions, const SolveOptions& options,
+                              const SolveProgress& progress) {
+    Impl& shell = *impl_;
+    if (!(options.min_step > 0) || options.max_iterations < 1)
+        throw InvalidInput(text("shell: min_step ", options.min_step, " must be > 0 and max_iterations ",
+                                options.max_iterations, " >= 1"));
+    const Loads loads = complete(given, shell.rest.mesh.num_vertices());
+    check_motions(shell.rest, motions);
+    check_held(shell.rest, loads.spring);
+    shell.seconds = {};
+    shell.prepare(loads.spring);
+    const Poses before = shell.poses;
+    const bool pins_moved = differ(motions, shell.motions);
+
+    Equilibrium end;
+    Attempt attempt{shell, options, progress, end};
+    shell.place_pinned(motions);
+    bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
+    if (!done && !attempt.out_of_budget()) {
+        shell.poses = before;
+        shell.place_pinned(motions);
+        end.reason.clear();
+        done = !pins_moved && attempt.line_search(loads);
+    }
+    for (int steps = 4; !done && steps <= 16 && !attempt.out_of_budget(); steps *= 4) {
+        end.reason.clear();
+        done = attempt.load_steps(loads, motions, steps);
+    }
+    end.seconds = shell.seconds;
+    if (done) {
+        end.status = SolveStatus::converged;
+        end.reason = text("equilibrium after ", end.iterations, " Newton iterations");
+        shell.loads = loads;
+        shell.motions = motions;
+        return end;
+    }
+    end.status = attempt.cancelled    ? SolveStatus::cancelled
+                 : end.reason.empty() ? SolveStatus::not_converged
+                                      : SolveStatus::unstable;
+    if (attempt.cancelled)
+        end.reason = "cancelled";
+    else if (end.reason.empty())
+        end.reason = text("no equilibrium after ", end.iterations, " Newton iterations (last step ", end.last_step,
+                          " diagonals): the loads are too large or the shell buckles");
+    shell.poses = before;
+    shell.has_tangent = false;
+    shell.factor.drop_factor();
+    return end;
+}
+
+}  // namespace strake

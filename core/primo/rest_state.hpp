@@ -1,0 +1,67 @@
+#pragma once
+#include "core/mesh/adjacency.hpp"
+#include "core/primo/shell.hpp"
+
+#include <array>
+
+/// The undeformed shell: prisms, the faces they share, and the map from prisms to vertices. Everything here
+/// is constant during a solve. Prism i stands on triangle i; points are stored as arms from its rest centroid.
+namespace strake {
+
+using Arms = std::array<Eigen::Vector3d, 4>;  ///< the 2 x 2 Gauss points of a prism face
+
+/// The face that prisms i and j share, Eqs. (3)-(5): E = w/4 sum_g |y_i(g) - y_j(g)|^2. The integrand is biquadratic,
+/// so that four Gauss points are exact (the bilinear mass matrix M_kl gives the same number).
+struct SharedFace {
+    int i, j;
+    double weight;  ///< w_ij = |e|^2 / (A_i + A_j)
+    Arms arm_i, arm_j;
+    std::array<int, 2> vertex;              ///< ends of the edge
+    std::array<Eigen::Vector3d, 2> normal;  ///< along which the face is extruded at either end
+};
+
+/// A boundary face on the symmetry plane and its mirror image: E = w/2 sum_g (n . (y(g) - X(g)))^2, half of the pair's
+/// energy.
+struct MirroredFace {
+    int i;
+    double weight;  ///< w_s = |e|^2 / (2 A_i)
+    Arms arm;
+    std::array<int, 2> vertex;
+    std::array<Eigen::Vector3d, 2> normal;
+};
+
+/// Gauss coordinates along the edge (u) and through the thickness (z) of point g = 2 a + b.
+struct GaussPoint {
+    double u, z;
+};
+const std::array<GaussPoint, 4>& gauss_points();
+
+struct RestState {
+    TriMesh mesh;
+    double diagonal = 0;
+    Points centroid;               ///< m x 3
+    Eigen::VectorXd area;          ///< m
+    Eigen::VectorXd height;        ///< per vertex
+    Eigen::VectorXd prism_height;  ///< m: mean of the three
+    Eigen::VectorXd prism_radius;  ///< m: largest distance of a prism corner from the centroid
+    std::vector<int> pin;          ///< m
+    std::vector<int> free_index;   ///< m: number among the free prisms, -1 if pinned
+    std::vector<int> free_prisms;
+    std::vector<SharedFace> faces;
+    std::vector<MirroredFace> mirrored;
+    IntLists vertex_prisms;          ///< prisms that a vertex follows; none: it stays (fixed, or of no triangle)
+    std::vector<char> fixed_vertex;  ///< copied from the start
+    std::vector<char> on_plane;      ///< vertex on the symmetry plane: its motion is projected into it
+    std::optional<SymmetryPlane> symmetry;
+    Eigen::Matrix3d plane_projector = Eigen::Matrix3d::Identity();  ///< I - n n^T
+
+    int num_prisms() const { return static_cast<int>(pin.size()); }
+    int num_free() const { return static_cast<int>(free_prisms.size()); }
+    /// Arm of vertex k in prism i at rest.
+    Eigen::Vector3d vertex_arm(int k, int i) const { return (mesh.vertices.row(k) - centroid.row(i)).transpose(); }
+};
+
+/// @throws InvalidInput as PrimoShell's constructor.
+RestState rest_state(const TriMesh& mesh, const ShellOptions& options);
+
+}  // namespace strake

@@ -1,0 +1,180 @@
+#include "core/primo/shell.hpp"
+
+#include <chrono>
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/primo/shell_impl.hpp"
+
+namespace strake {
+namespace {
+
+struct Timer {
+    double& total;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    explicit Timer(double& seconds) : total(seconds) {}
+    ~Timer() { total += std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count(); }
+};
+
+}  // namespace
+
+std::string to_string(SolveStatus status) {
+    switch (status) {
+        case SolveStatus::converged:
+            return "converged";
+        case SolveStatus::not_converged:
+            return "not_converged";
+        case SolveStatus::unstable:
+            return "unstable";
+        case SolveStatus::cancelled:
+            return "cancelled";
+    }
+    return "unknown";
+}
+
+Eigen::Quaterniond rotation_of(const Eigen::Vector3d& r) {
+    const double angle = r.norm();
+    const double s = angle < 1e-4 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
+    Eigen::Quaterniond q;
+    q.w() = std::cos(angle / 2);
+    q.vec() = s * r;
+    return q;
+}
+
+Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& r) {
+    Eigen::Matrix3d C;
+    C << 0, -r.z(), r.y(), r.z(), 0, -r.x(), -r.y(), r.x(), 0;
+    const double a = r.norm(), a2 = a * a;
+    const double p = a < 1e-3 ? 0.5 - a2 / 24 : (1 - std::cos(a)) / a2;
+    const double q = a < 1e-3 ? 1.0 / 6 - a2 / 120 : (a - std::sin(a)) / (a2 * a);
+    return Eigen::Matrix3d::Identity() + p * C + q * C * C;
+}
+
+PrimoShell::Impl::Impl(const TriMesh& mesh, const ShellOptions& options) : rest(rest_state(mesh, options)) {
+    if (rest.num_free() == 0) throw InvalidInput("shell: every triangle is fixed or pinned; nothing is free to move");
+    reset_poses();
+    loads = complete({}, mesh.num_vertices());
+}
+
+void PrimoShell::Impl::reset_poses() {
+    poses.rotation.assign(rest.num_prisms(), Eigen::Quaterniond::Identity());
+    poses.displacement = Points::Zero(rest.num_prisms(), 3);
+    has_tangent = false;
+}
+
+void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
+    for (int i = 0; i < rest.num_prisms(); ++i) {
+        if (rest.pin[i] <= 0) continue;
+        const RigidMotion& motion = given[rest.pin[i] - 1];
+        poses.rotation[i] = rotation_of(motion.rotation);
+        const Eigen::Vector3d arm = rest.centroid.row(i).transpose() - motion.about;
+        Poses one{{poses.rotation[i]}, Points()};
+        poses.displacement.row(i) = (rotation_differences(one)[0] * arm + motion.translation).transpose();
+    }
+}
+
+void PrimoShell::Impl::prepare(const Eigen::VectorXd& spring) {
+    std::vector<char> pattern(spring.size());
+    for (int k = 0; k < spring.size(); ++k) pattern[k] = spring[k] > 0;
+    if (H.size() > 0 && pattern == spring_pattern) return;
+    const Timer timer(seconds.ordering);
+    spring_pattern = pattern;
+    H = hessian_pattern(rest, spring);
+    has_tangent = false;
+    factor.analyze(H);
+}
+
+void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress, const Loads& under,
+                                StressTerm term) {
+    const Timer timer(seconds.assembly);
+    assemble_hessian(rest, turn, stress, under, term, H);
+    has_tangent = false;
+}
+
+bool PrimoShell::Impl::factorize() {
+    const Timer timer(seconds.factorization);
+    if (!factor.factorize(H)) return false;
+    factor_rotation.resize(rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) factor_rotation[f] = poses.rotation[rest.free_prisms[f]];
+    return true;
+}
+
+Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
+    const Timer timer(seconds.substitution);
+    std::vector<Eigen::Matrix3d> turn(rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f)
+        turn[f] = (poses.rotation[rest.free_prisms[f]] * factor_rotation[f].conjugate()).toRotationMatrix();
+    Eigen::MatrixXd local(B.rows(), B.cols());
+    for (int f = 0; f < rest.num_free(); ++f) {
+        local.middleRows<3>(6 * f).noalias() = turn[f].transpose() * B.middleRows<3>(6 * f);
+        local.middleRows<3>(6 * f + 3).noalias() = turn[f].transpose() * B.middleRows<3>(6 * f + 3);
+    }
+    const Eigen::MatrixXd solved = factor.solve(local);
+    for (int f = 0; f < rest.num_free(); ++f) {
+        local.middleRows<3>(6 * f).noalias() = turn[f] * solved.middleRows<3>(6 * f);
+        local.middleRows<3>(6 * f + 3).noalias() = turn[f] * solved.middleRows<3>(6 * f + 3);
+    }
+    return local;
+}
+
+void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
+    for (int f = 0; f < rest.num_free(); ++f) {
+        const int i = rest.free_prisms[f];
+        poses.rotation[i] = (rotation_of(twist.segment<3>(6 * f)) * poses.rotation[i]).normalized();
+        poses.displacement.row(i) += twist.segment<3>(6 * f + 3).transpose();
+    }
+    has_tangent = false;
+}
+
+Points PrimoShell::Impl::vertices() const {
+    const Jumps jump = jumps(rest, poses, rotation_differences(poses));
+    Points v = rest.mesh.vertices;
+    for (int k = 0; k < v.rows(); ++k)
+        if (!rest.vertex_prisms[k].empty()) v.row(k) += jump.vertex.row(k);
+    return v;
+}
+
+double step_size(const RestState& rest, const Eigen::VectorXd& twist) {
+    double largest = 0;
+    for (int f = 0; f < rest.num_free(); ++f)
+        largest = std::max(largest, twist.segment<3>(6 * f + 3).norm() +
+                                        twist.segment<3>(6 * f).norm() * rest.prism_radius[rest.free_prisms[f]]);
+    return twist.allFinite() ? largest / rest.diagonal : std::numeric_limits<double>::infinity();
+}
+
+PrimoShell::PrimoShell(const TriMesh& mesh, const ShellOptions& options)
+    : impl_(std::make_unique<Impl>(mesh, options)) {}
+PrimoShell::~PrimoShell() = default;
+PrimoShell::PrimoShell(PrimoShell&&) noexcept = default;
+PrimoShell& PrimoShell::operator=(PrimoShell&&) noexcept = default;
+
+Points PrimoShell::vertices() const { return impl_->vertices(); }
+Poses PrimoShell::poses() const { return impl_->poses; }
+void PrimoShell::reset() { impl_->reset_poses(); }
+int PrimoShell::num_free_prisms() const { return impl_->rest.num_free(); }
+const std::vector<char>& PrimoShell::fixed_vertices() const { return impl_->rest.fixed_vertex; }
+
+void PrimoShell::set_poses(const Poses& poses) {
+    const int m = impl_->rest.num_prisms();
+    if (static_cast<int>(poses.rotation.size()) != m || poses.displacement.rows() != m)
+        throw InvalidInput(text("shell: ", poses.rotation.size(), " poses for ", m, " prisms"));
+    impl_->poses = poses;
+    impl_->has_tangent = false;
+}
+
+double PrimoShell::energy(const Loads& loads) const {
+    const Jumps jump = jumps(impl_->rest, impl_->poses, rotation_differences(impl_->poses));
+    return strake::energy(impl_->rest, jump, complete(loads, impl_->rest.mesh.num_vertices()));
+}
+
+Eigen::MatrixXd PrimoShell::gradient(const Loads& loads) const {
+    const RestState& rest = impl_->rest;
+    const auto turn = rotation_differences(impl_->poses);
+    Eigen::MatrixXd g =
+        energy_gradient(rest, turn, jumps(rest, impl_->poses, turn), complete(loads, rest.mesh.num_vertices()));
+    for (int i = 0; i < rest.num_prisms(); ++i)
+        if (rest.pin[i] != free_prism) g.row(i).setZero();
+    return g;
+}
+
+}  // namespace strake

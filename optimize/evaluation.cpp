@@ -1,0 +1,155 @@
+#include "optimize/evaluation.hpp"
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+std::vector<std::string> value_names(const Problem& problem) {
+    std::vector<std::string> names;
+    for (const Quantity& quantity : problem.quantities)
+        for (const std::string& name : quantity.names) {
+            if (std::find(names.begin(), names.end(), name) != names.end())
+                throw InvalidInput(text("two quantities are called '", name, "'"));
+            names.push_back(name);
+        }
+    return names;
+}
+
+}  // namespace
+
+std::string to_string(EvaluationStatus status) {
+    switch (status) {
+        case EvaluationStatus::ok:
+            return "ok";
+        case EvaluationStatus::not_converged:
+            return "not_converged";
+        case EvaluationStatus::unstable:
+            return "unstable";
+        case EvaluationStatus::invalid:
+            return "invalid";
+        case EvaluationStatus::quantity_failed:
+            return "quantity_failed";
+    }
+    return "unknown";
+}
+
+ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const RestFacts> rest,
+                               const std::vector<std::string>& differentiated)
+    : problem_(problem), rest_(std::move(rest)), guard_(rest_->surface, rest_->adjacent), names_(value_names(problem)) {
+    for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));
+}
+
+int ShapeEvaluator::index_of(const std::string& name) const {
+    const auto at = std::find(names_.begin(), names_.end(), name);
+    if (at != names_.end()) return static_cast<int>(at - names_.begin());
+    std::string known;
+    for (const std::string& other : names_) known += (known.empty() ? "" : ", ") + other;
+    throw InvalidInput(text("no quantity is called '", name, "'; there are: ", known));
+}
+
+void ShapeEvaluator::enter(const DesignSpace& space) {
+    space_ = space;
+    last_.reset();
+}
+
+void ShapeEvaluator::accept() {
+    if (last_) accepted_ = last_;
+}
+
+/// A shell serves as long as pins and heights stay; loads and motions change freely.
+void ShapeEvaluator::build_shell(const ShellDemand& demand) {
+    if (shell_ && shell_pin_ == space_.pin && shell_height_ == demand.prism_height) return;
+    ShellOptions options = rest_->setup.options;
+    options.pin = space_.pin;
+    options.prism_height = demand.prism_height;
+    shell_.reset();  // before the new one: two factors may not fit
+    shell_ = std::make_unique<PrimoShell>(rest_->surface, options);
+    shell_pin_ = space_.pin;
+    shell_height_ = demand.prism_height;
+}
+
+bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    const ShellDemand wanted = demand(space_, x);
+    build_shell(wanted);
+    if (accepted_) shell_->set_poses(*accepted_);
+    SolveOptions options;
+    options.keep_factor = true;
+    last_.reset();
+    const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
+    if (end.status != SolveStatus::converged) {
+        result.status =
+            end.status == SolveStatus::unstable ? EvaluationStatus::unstable : EvaluationStatus::not_converged;
+        result.reason = end.reason;
+        return false;
+    }
+    last_ = shell_->poses();
+    last_x_ = x;
+    const Points vertices = shell_->vertices();
+    result.reason = guard_.defect(vertices, *last_);
+    if (!result.reason.empty()) {
+        result.status = EvaluationStatus::invalid;
+        last_.reset();
+        return false;
+    }
+    result.vertices = vertices;
+    result.max_displacement = std::sqrt((vertices - rest_->surface.vertices).rowwise().squaredNorm().maxCoeff());
+    return true;
+}
+
+void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    const TriMesh surface = with_vertices(rest_->surface, result.vertices);
+    std::vector<Points> dJ_dv;
+    for (const Quantity& quantity : problem_.quantities) {
+        // A program is asked for gradients only if one of its values needs them.
+        const int first = static_cast<int>(result.values.size()),
+                  next = first + static_cast<int>(quantity.names.size());
+        const bool gradients =
+            std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
+        QuantityResult measured =
+            quantity.evaluate({surface, gradients, number, space_.level, physical_values(space_, x)});
+        if (!measured.failure && measured.values.size() != quantity.names.size())
+            measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
+                                                           quantity.names.size(), " (", quantity.names[0], ", ...)")};
+        for (const double value : measured.values)
+            if (!measured.failure && !std::isfinite(value))
+                measured.failure = Failure{"not_finite", text(quantity.names[0], ": the value ", value)};
+        if (measured.failure) {
+            result.status = EvaluationStatus::quantity_failed;
+            result.reason = text(quantity.names[0], ": ", measured.failure->kind, ": ", measured.failure->message);
+            result.values.clear();
+            return;
+        }
+        result.values.insert(result.values.end(), measured.values.begin(), measured.values.end());
+        measured.dJ_dv.resize(measured.values.size());
+        dJ_dv.insert(dJ_dv.end(), measured.dJ_dv.begin(), measured.dJ_dv.end());
+    }
+    for (const int i : differentiated_) {
+        if (dJ_dv[i].rows() != surface.num_vertices() || !dJ_dv[i].allFinite()) {
+            result.status = EvaluationStatus::quantity_failed;
+            result.reason = text(names_[i], ": no finite vertex sensitivities (", dJ_dv[i].rows(), " rows for ",
+                                 surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
+            return;
+        }
+        result.dJ_dv.push_back(std::move(dJ_dv[i]));
+    }
+    result.status = EvaluationStatus::ok;
+}
+
+ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
+    ShapeEvaluation result;
+    if (deform(x, result)) measure(number, x, result);
+    return result;
+}
+
+void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
+    if (evaluation.status != EvaluationStatus::ok || !last_)
+        throw InvalidInput("differentiate: the last evaluation gave no shape");
+    const std::vector<ShellSensitivities> all = shell_->adjoint(evaluation.dJ_dv);
+    evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
+    if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
+}
+
+}  // namespace strake

@@ -1,0 +1,69 @@
+#pragma once
+#include "optimize/design_space.hpp"
+#include "optimize/validity.hpp"
+
+/// One evaluation: x -> loads -> equilibrium -> a valid surface -> values, and by one adjoint call their gradients.
+namespace strake {
+
+enum class EvaluationStatus {
+    ok,
+    not_converged,   ///< the shell found no equilibrium
+    unstable,        ///< it found one that is no stable minimum
+    invalid,         ///< inverted, collapsed or folded: the surface is not handed on
+    quantity_failed  ///< a quantity gave no value
+};
+std::string to_string(EvaluationStatus status);
+
+struct ShapeEvaluation {
+    EvaluationStatus status = EvaluationStatus::not_converged;
+    std::string reason;           ///< why it is not ok
+    Points vertices;              ///< n x 3; empty unless a valid surface was reached
+    std::vector<double> values;   ///< in the order of `ShapeEvaluator::names()`; empty unless ok
+    std::vector<Points> dJ_dv;    ///< of the differentiated values, in their order; empty without gradients
+    Eigen::MatrixXd gradients;    ///< differentiated values x variables, once `differentiate` was called
+    double max_displacement = 0;  ///< from the start surface, length
+};
+
+/// Keeps the shell, its factor and the last accepted poses between evaluations. Not thread-safe.
+class ShapeEvaluator {
+public:
+    /// @param differentiated names of the values whose gradients are wanted; empty: never ask a quantity for any.
+    /// @throws InvalidInput on unknown or repeated names.
+    ShapeEvaluator(const Problem& problem, std::shared_ptr<const RestFacts> rest,
+                   const std::vector<std::string>& differentiated);
+
+    /// Evaluates in this space from now on; the poses are kept.
+    void enter(const DesignSpace& space);
+
+    /// Deforms and evaluates; gradients of quantities come along, those by x only with `differentiate`.
+    /// @param number of the evaluation within the run, for external programs. Failing is a result.
+    /// @throws UnheldPart, InvalidInput and SolverError as PrimoShell::solve does.
+    ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
+    /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
+    void differentiate(ShapeEvaluation& evaluation);
+    /// The next evaluations start from the equilibrium of the last one.
+    void accept();
+
+    const std::vector<std::string>& names() const { return names_; }
+    int index_of(const std::string& name) const;  ///< @throws InvalidInput with the known names
+    PrimoShell& shell() { return *shell_; }       ///< at the equilibrium of the last evaluation, if that was ok
+    const DesignSpace& space() const { return space_; }
+
+private:
+    void build_shell(const ShellDemand& demand);
+    bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
+
+    const Problem& problem_;
+    std::shared_ptr<const RestFacts> rest_;
+    ValidityGuard guard_;
+    std::vector<std::string> names_;
+    std::vector<int> differentiated_;  ///< indices into names_
+    DesignSpace space_;
+    std::unique_ptr<PrimoShell> shell_;
+    std::vector<int> shell_pin_;
+    Eigen::VectorXd shell_height_, last_x_;
+    std::optional<Poses> accepted_, last_;
+};
+
+}  // namespace strake

@@ -1,0 +1,218 @@
+#include "optimize/minimizer.hpp"
+
+#include "core/error.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace strake;
+using Eigen::VectorXd;
+
+namespace {
+
+/// Rosenbrock's function in n variables, optionally inside the disc |x|^2 <= radius^2.
+struct Rosenbrock {
+    double radius = 0;
+    int evaluations = 0, differentiations = 0;
+    std::function<void(const VectorXd&, Sample&)> spoil;
+
+    NonlinearProgram program(const VectorXd& start) {
+        NonlinearProgram p;
+        p.start = start;
+        p.lower = VectorXd::Constant(start.size(), -2);
+        p.upper = VectorXd::Constant(start.size(), 2);
+        p.num_inequalities = radius > 0 ? 1 : 0;
+        p.evaluate = [this](const VectorXd& x) {
+            ++evaluations;
+            Sample s;
+            s.objective = 0;
+            for (Eigen::Index i = 0; i + 1 < x.size(); ++i)
+                s.objective += 100 * std::pow(x[i + 1] - x[i] * x[i], 2) + std::pow(1 - x[i], 2);
+            s.constraints.resize(radius > 0 ? 1 : 0);
+            if (radius > 0) s.constraints[0] = x.squaredNorm() / (radius * radius) - 1;
+            if (spoil) spoil(x, s);
+            return s;
+        };
+        p.differentiate = [this](const VectorXd& x, Sample& s) {
+            ++differentiations;
+            s.gradient = VectorXd::Zero(x.size());
+            for (Eigen::Index i = 0; i + 1 < x.size(); ++i) {
+                s.gradient[i] += -400 * x[i] * (x[i + 1] - x[i] * x[i]) - 2 * (1 - x[i]);
+                s.gradient[i + 1] += 200 * (x[i + 1] - x[i] * x[i]);
+            }
+            s.jacobian.resize(radius > 0 ? 1 : 0, x.size());
+            if (radius > 0) s.jacobian.row(0) = 2 * x.transpose() / (radius * radius);
+        };
+        return p;
+    }
+};
+
+MinimizeOptions tight(Method method = Method::slsqp) {
+    MinimizeOptions o;
+    o.method = method;
+    o.max_evaluations = 2000;
+    o.objective_tolerance = 1e-12;
+    o.step_tolerance = 1e-9;
+    return o;
+}
+
+VectorXd vec(std::initializer_list<double> v) { return Eigen::Map<const VectorXd>(v.begin(), v.size()); }
+
+}  // namespace
+
+TEST(Minimizer, EveryMethodFindsTheValley) {
+    for (const Method method : {Method::slsqp, Method::mma, Method::lbfgs, Method::cobyla}) {
+        Rosenbrock f;
+        MinimizeOptions options = tight(method);
+        options.max_evaluations = 20000;
+        const MinimizeResult r = minimize(f.program(vec({-1.2, 1})), options);
+        EXPECT_LT((r.x - vec({1, 1})).norm(), method == Method::slsqp || method == Method::lbfgs ? 1e-5 : 0.1)
+            << static_cast<int>(method) << " " << r.reason;
+        EXPECT_EQ(r.evaluations, f.evaluations);
+    }
+}
+
+TEST(Minimizer, ConstraintIsActiveAndMet) {
+    Rosenbrock f;
+    f.radius = 1;
+    const MinimizeResult r = minimize(f.program(vec({-0.5, 0.5})), tight());
+    EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+    EXPECT_TRUE(r.is_feasible);
+    EXPECT_LE(r.violation, 1e-6);
+    EXPECT_LT((r.x - vec({0.786415, 0.617698})).norm(), 1e-4);  // published: Rosenbrock on the unit disc
+}
+
+TEST(Minimizer, EqualityIsMetBySlsqpAndRefusedByOthers) {
+    Rosenbrock f;
+    f.radius = 1;
+    NonlinearProgram p = f.program(vec({-0.5, 0.5}));
+    std::swap(p.num_inequalities, p.num_equalities);
+    const MinimizeResult r = minimize(p, tight());
+    EXPECT_NEAR(r.x.norm(), 1, 1e-6);
+    EXPECT_THROW(minimize(p, tight(Method::mma)), InvalidInput);
+    EXPECT_THROW(minimize(p, tight(Method::lbfgs)), InvalidInput);
+}
+
+TEST(Minimizer, NotANumberNeverReachesTheResult) {
+    for (const Method method : {Method::slsqp, Method::mma, Method::lbfgs, Method::cobyla}) {
+        Rosenbrock f;
+        f.spoil = [](const VectorXd& x, Sample& s) {
+            if (x[0] > 0.5) s.objective = std::numeric_limits<double>::quiet_NaN();
+        };
+        const MinimizeResult r = minimize(f.program(vec({-1.2, 1})), tight(method));
+        EXPECT_TRUE(r.x.allFinite());
+        EXPECT_TRUE(std::isfinite(r.best.objective));
+        EXPECT_LE(r.x[0], 0.5);
+        EXPECT_LT(r.best.objective, 24.2) << static_cast<int>(method);  // better than the start
+        EXPECT_LE(r.evaluations, 2000);
+    }
+}
+
+TEST(Minimizer, FailureShrinksTheBoxAndGoesOnToTheOptimum) {
+    Rosenbrock f;  // fails on the far side of the valley, where the first long steps lead
+    f.spoil = [](const VectorXd& x, Sample& s) {
+        if (x[0] > 1.1 || x[1] > 1.3 || x[1] < -0.6) s.failure = "triangle 3 is inverted";
+    };
+    std::vector<std::string> events;
+    MinimizeOptions options = tight();
+    options.on_event = [&](const std::string& e) { events.push_back(e); };
+    const MinimizeResult r = minimize(f.program(vec({-1.2, 1})), options);
+    EXPECT_GT(r.shrinks, 0);
+    EXPECT_LT((r.x - vec({1, 1})).norm(), 1e-4) << r.reason;
+    ASSERT_FALSE(events.empty());
+    EXPECT_NE(events[0].find("triangle 3 is inverted"), std::string::npos);
+}
+
+TEST(Minimizer, FailureEverywhereElseIsBlocked) {
+    Rosenbrock f;
+    const VectorXd start = vec({-1.2, 1});
+    f.spoil = [&](const VectorXd& x, Sample& s) {
+        if (x != start) s.failure = "no";
+    };
+    const MinimizeResult r = minimize(f.program(start), tight());
+    EXPECT_EQ(r.stop, MinimizeStop::blocked);
+    EXPECT_EQ(r.x, start);
+    EXPECT_LE(r.evaluations, 10);
+    f.spoil = [](const VectorXd&, Sample& s) { s.failure = "never"; };
+    EXPECT_EQ(minimize(f.program(start), tight()).stop, MinimizeStop::failed);
+}
+
+TEST(Minimizer, TheOriginalExceptionComesOut) {
+    Rosenbrock f;
+    f.spoil = [&](const VectorXd&, Sample&) {
+        if (f.evaluations == 3) throw SolverError("the factor has a pivot at row 7");
+    };
+    try {
+        minimize(f.program(vec({-1.2, 1})), tight());
+        FAIL();
+    } catch (const SolverError& e) {
+        EXPECT_STREQ(e.what(), "the factor has a pivot at row 7");
+    }
+}
+
+TEST(Minimizer, LimitsHoldAndTheBestPointIsOurs) {
+    for (const Method method : {Method::slsqp, Method::mma, Method::lbfgs, Method::cobyla}) {
+        Rosenbrock f;
+        f.radius = method == Method::lbfgs ? 0 : 1;
+        MinimizeOptions options = tight(method);
+        options.max_evaluations = 12;
+        double best = std::numeric_limits<double>::infinity();
+        options.on_step = [&](const MinimizeStep& s) {
+            if (s.is_feasible) best = std::min(best, s.sample.objective);
+            return true;
+        };
+        const MinimizeResult r = minimize(f.program(vec({-0.5, 0.5})), options);
+        EXPECT_LE(f.evaluations, 12);
+        EXPECT_EQ(r.stop, MinimizeStop::evaluations) << static_cast<int>(method) << " " << r.reason;
+        EXPECT_EQ(r.best.objective, best);
+    }
+}
+
+TEST(Minimizer, FixedVariablesAreRemoved) {
+    Rosenbrock f;
+    NonlinearProgram p = f.program(vec({0.5, 0.5}));
+    p.lower[0] = p.upper[0] = 0.5;
+    const MinimizeResult r = minimize(p, tight());
+    EXPECT_EQ(r.x[0], 0.5);
+    EXPECT_NEAR(r.x[1], 0.25, 1e-6);
+    p.lower[1] = p.upper[1] = 0.5;
+    EXPECT_EQ(minimize(p, tight()).evaluations, 1);
+}
+
+TEST(Minimizer, FlatObjectiveSaysSo) {
+    NonlinearProgram p;
+    p.start = p.lower = VectorXd::Zero(2);
+    p.upper = VectorXd::Ones(2);
+    p.evaluate = [](const VectorXd&) { return Sample{3.0, VectorXd(), {}, {}, {}, false}; };
+    p.differentiate = [](const VectorXd& x, Sample& s) {
+        s.gradient = VectorXd::Zero(x.size());
+        s.jacobian.resize(0, x.size());
+    };
+    const MinimizeResult r = minimize(p, {});
+    EXPECT_NE(r.reason.find("does not change"), std::string::npos);
+}
+
+TEST(Minimizer, ScaleOfTheObjectiveDoesNotMatter) {
+    for (const double factor : {1.0, 1e-20, 1e20}) {
+        Rosenbrock f;
+        NonlinearProgram p = f.program(vec({-1.2, 1}));
+        const auto evaluate = p.evaluate;
+        const auto differentiate = p.differentiate;
+        p.evaluate = [=](const VectorXd& x) {
+            Sample s = evaluate(x);
+            s.objective *= factor;
+            return s;
+        };
+        p.differentiate = [=](const VectorXd& x, Sample& s) {
+            differentiate(x, s);
+            s.gradient *= factor;
+        };
+        const MinimizeResult r = minimize(p, tight());
+        EXPECT_LT((r.x - vec({1, 1})).norm(), 1e-5);
+    }
+}
+
+TEST(Minimizer, RefusesAStartOutsideTheBounds) {
+    Rosenbrock f;
+    NonlinearProgram p = f.program(vec({3, 0}));
+    EXPECT_THROW(minimize(p, {}), InvalidInput);
+}

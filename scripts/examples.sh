@@ -1,0 +1,23 @@
+#!/bin/bash
+# Makes the surfaces of the example cases where they are missing: examples.sh CASES_FOLDER BIN [WING [BODY]]
+# CASES_FOLDER holds wing/ and lifting_body/; BIN holds strake and make_surface; WING and BODY: numbers of triangles.
+set -euo pipefail
+cases=$1 bin=$2 wing_triangles=${3:-22000} body_triangles=${4:-30000}
+wing=$cases/wing/generated body=$cases/lifting_body/generated
+mkdir -p "$wing" "$body"
+
+# Written under another name first: whatever stands there is complete.
+if [ ! -e "$wing/wing.obj" ]; then
+    "$bin/make_surface" wing --triangles "$wing_triangles" -o "$wing/part.obj"
+    mv "$wing/part.obj" "$wing/wing.obj"
+fi
+if [ ! -e "$body/lifting_body.stl" ]; then
+    "$bin/make_surface" lifting_body --triangles "$body_triangles" -o "$body/part.stl"
+    mv "$body/part.stl" "$body/lifting_body.stl"
+fi
+# The shape that cases/wing/fit.yaml is to recover.
+if [ ! -e "$wing/target.obj" ] || [ "$cases/wing/target.yaml" -nt "$wing/target.obj" ] ||
+   [ "$wing/wing.obj" -nt "$wing/target.obj" ]; then
+    "$bin/strake" deform "$cases/wing/target.yaml" -o "$wing/part.obj" >&2
+    mv "$wing/part.obj" "$wing/target.obj"
+fi

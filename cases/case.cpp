@@ -1,0 +1,152 @@
+#include "cases/case.hpp"
+
+#include "cases/case_source.hpp"
+#include "cases/schema.hpp"
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+/// Built-in quantities that are used without an entry get one.
+void add_built_in(Case& c) {
+    const auto used = [&](const std::string& name) {
+        return c.objective.name == name || std::any_of(c.constraints.begin(), c.constraints.end(), [&](const auto& entry) {
+                   return entry.constraint.quantity == name;
+               });
+    };
+    const auto declared = [&](const std::string& name) {
+        return std::any_of(c.quantities.begin(), c.quantities.end(), [&](const auto& q) { return q.name == name; });
+    };
+    const auto place = [&](const std::string& name) {
+        for (const ConstraintEntry& entry : c.constraints)
+            if (entry.constraint.quantity == name) return entry.place;
+        return c.objective.place;
+    };
+    if (used("volume") && !declared("volume")) c.quantities.push_back({"volume", place("volume"), VolumeEntry{}});
+    if (used("area") && !declared("area")) c.quantities.push_back({"area", place("area"), AreaEntry{}});
+}
+
+std::string quoted(const std::string& text) {
+    std::string out = "\"";
+    for (const char c : text) {
+        const auto byte = static_cast<unsigned char>(c);
+        if (c == '"' || c == '\\')
+            out += {'\\', c};
+        else if (byte < 0x20 || byte == 0x7F)
+            out += "\\x" + printable(std::string(1, c)).substr(2);
+        else
+            out += c;
+    }
+    return out + "\"";
+}
+
+/// `path` as seen from `folder`: relative where it lies below it, else absolute.
+std::string rebased(const std::filesystem::path& path, const std::filesystem::path& folder) {
+    const auto whole = [](const std::filesystem::path& p) { return std::filesystem::absolute(p).lexically_normal(); };
+    const std::filesystem::path relative = whole(path).lexically_relative(whole(folder));
+    const bool inside = !relative.empty() && *relative.begin() != "..";
+    return (inside ? relative : whole(path)).string();
+}
+
+/// Writes the checked tree as YAML; every scalar as it was written, except for paths.
+class Emitter {
+public:
+    Emitter(const Case& the_case, const std::filesystem::path& folder) : case_(the_case), folder_(folder) {}
+
+    std::string flow(const Value& value, const std::string& path) const {
+        if (value.form == Value::Form::scalar) return scalar(value, path);
+        const bool is_map = value.form == Value::Form::map;
+        std::string out = is_map ? "{" : "[";
+        bool first = true;
+        for (const Entry& entry : value.entries) {
+            const std::string below = is_map ? path + "." + entry.key : path + "[]";
+            if (skipped(below, entry.value)) continue;
+            out += first ? "" : ", ";
+            first = false;
+            if (is_map) out += key(entry.key) + ": ";
+            out += flow(entry.value, below);
+        }
+        return out + (is_map ? "}" : "]");
+    }
+
+    std::string block(const Value& root) const {
+        std::string out;
+        for (const Entry& entry : root.entries) {
+            const bool is_named_map = entry.key == "regions" || entry.key == "quantities" || entry.key == "constraints" ||
+                                      entry.key == "optimize" || entry.key == "parameters";
+            if (!is_named_map || entry.value.entries.empty()) {
+                out += key(entry.key) + ": " + flow(entry.value, entry.key) + "\n";
+                continue;
+            }
+            out += key(entry.key) + ":\n";
+            for (const Entry& child : entry.value.entries) {
+                const std::string below = entry.key + "." + child.key;
+                if (!skipped(below, child.value)) out += "  " + key(child.key) + ": " + flow(child.value, below) + "\n";
+            }
+        }
+        return out;
+    }
+
+private:
+    const Case& case_;
+    const std::filesystem::path& folder_;
+
+    /// A fit refuses what it does not use, so these defaults are not written.
+    bool skipped(const std::string& path, const Value& value) const {
+        return !case_.fit.empty() && value.from_default &&
+               (path == "optimize.method" || path == "optimize.tolerances.constraint");
+    }
+
+    static std::string key(const std::string& name) {
+        const bool plain = !name.empty() && name.find_first_not_of("abcdefghijklmnopqrstuvwxyz_") == std::string::npos;
+        return plain && name != "null" && name != "true" && name != "false" ? name : quoted(name);
+    }
+
+    std::string scalar(const Value& value, const std::string& path) const {
+        if (path == "output.dir") return quoted(rebased(case_.output.dir, folder_));
+        const Type type = value.accepted->type == Type::list ? value.accepted->element : value.accepted->type;
+        const std::filesystem::path here = case_.file.parent_path();
+        if (type == Type::file) return quoted(rebased(here / value.text, folder_));
+        if (path.ends_with(".command[]") && is_program(value)) return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
+        if (type == Type::text || type == Type::name || type == Type::path) return quoted(value.text);
+        return value.text;
+    }
+
+    /// The first argument of a command, where it is a path.
+    bool is_program(const Value& value) const {
+        if (value.text.find('/') == std::string::npos) return false;
+        const Value* quantities = case_.source->root.find("quantities");
+        for (const Entry& quantity : quantities->entries)
+            if (const Value* command = quantity.value.find("command"))
+                if (&command->entries[0].value == &value) return true;
+        return false;
+    }
+};
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& file, Purpose purpose) {
+    const std::string bytes = read_case_file(file.string());
+    auto source = std::make_shared<Case::Source>();
+    source->root = parse_yaml(bytes, file.string());
+    source->lines = split_lines(bytes);
+    Diagnostics errors(file.string(), source->lines);
+    Case the_case;
+    the_case.file = file;
+    validate(source->root, file.parent_path(), errors);
+    read_case(source->root, file.parent_path(), the_case, errors);
+    cross_check(source->root, purpose, the_case, errors);
+    errors.throw_if_any();
+    add_built_in(the_case);
+    the_case.source = std::move(source);
+    return the_case;
+}
+
+std::string resolved_case(const Case& the_case, const std::filesystem::path& folder) {
+    return Emitter(the_case, folder).block(the_case.source->root);
+}
+
+Diagnostics diagnostics_of(const Case& the_case) { return {the_case.file.string(), the_case.source->lines}; }
+
+}  // namespace strake

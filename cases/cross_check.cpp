@@ -1,0 +1,264 @@
+#include "cases/case_source.hpp"
+
+#include <unistd.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace strake {
+namespace {
+
+const Entry* entry_of(const Value* map, const std::string& key) {
+    if (!map) return nullptr;
+    for (const Entry& entry : map->entries)
+        if (entry.key == key) return &entry;
+    return nullptr;
+}
+
+std::vector<std::string> region_names(const Case& the_case) {
+    std::vector<std::string> names;
+    for (const Region& region : the_case.regions) names.push_back(region.name);
+    return names;
+}
+
+void check_fixed(const Case& c, Diagnostics& errors) {
+    std::set<std::string> held, seen_fixed;
+    for (const Reference& fixed : c.fixed) {
+        check_region(c, fixed, errors);
+        if (!seen_fixed.insert(fixed.name).second)
+            errors.add(fixed.place, text("region '", fixed.name, "' is named twice under fixed"));
+        held.insert(fixed.name);
+    }
+    std::set<std::string> strained;
+    for (const StrainEntry& strain : c.strains) {
+        check_region(c, strain.region, errors);
+        if (!strained.insert(strain.region.name).second)
+            errors.add(strain.region.place, text("region '", strain.region.name, "' is named twice under strains"));
+        if (held.count(strain.region.name))
+            errors.add(strain.region.place,
+                       text("region '", strain.region.name, "' is under fixed and under strains; it can only be one"));
+    }
+    for (const LoadEntry& load : c.loads) {
+        check_region(c, load.region, errors);
+        if (held.count(load.region.name) || strained.count(load.region.name))
+            errors.add(load.region.place, text("region '", load.region.name, "' is under loads and under ",
+                                               held.count(load.region.name) ? "fixed" : "strains",
+                                               "; a held region cannot be loaded"));
+    }
+}
+
+void check_loads(const Value* list, Diagnostics& errors) {
+    if (!list) return;
+    for (const Entry& load : list->entries) {
+        if (load.value.form != Value::Form::map) continue;
+        std::vector<std::string> given;
+        for (const char* key : {"traction", "force", "displacement"})
+            if (entry_of(&load.value, key)) given.push_back(key);
+        if (given.size() > 1)
+            errors.add(load.value.place, text("a load must have only one of ", joined(given)));
+        if (given.empty() && !entry_of(&load.value, "spring"))
+            errors.add(load.value.place, "a load must have traction, force, displacement or spring");
+    }
+}
+
+void check_thickness(const Case& c, Diagnostics& errors) {
+    for (const ThicknessEntry& entry : c.thickness_by_region) check_region(c, entry.region, errors);
+    for (const Region& region : c.regions)
+        if (region.name == "default")
+            errors.add(region.place, "regions.default: 'default' is a key of shell.thickness; use another name");
+}
+
+void check_parameters(const Value* parameters, const Case& c, Diagnostics& errors) {
+    if (!parameters) return;
+    const ParameterEntry& p = c.parameters;
+    if (const Value* levels = parameters->find("levels"))
+        for (std::size_t k = 1; k < p.levels_deg.size(); ++k)
+            if (!(p.levels_deg[k] < p.levels_deg[k - 1]))
+                errors.add(k < levels->entries.size() ? levels->entries[k].value.place : levels->place,
+                           text("parameters.levels[", k, "] = ", p.levels_deg[k], "deg must be < parameters.levels[",
+                                k - 1, "] = ", p.levels_deg[k - 1], "deg"));
+    if (const Value* wanted = parameters->find("patches_per_level"))
+        for (std::size_t k = 1; k < p.patches_per_level.size(); ++k)
+            if (p.patches_per_level[k] <= p.patches_per_level[k - 1])
+                errors.add(k < wanted->entries.size() ? wanted->entries[k].value.place : wanted->place,
+                           text("parameters.patches_per_level[", k, "] = ", p.patches_per_level[k],
+                                " must be > parameters.patches_per_level[", k - 1, "] = ", p.patches_per_level[k - 1]));
+    const Value* variables = parameters->find("variables");
+    if (!variables) return;
+    std::set<std::string> seen;
+    for (const Entry& entry : variables->entries)
+        if (entry.value.accepted && !seen.insert(entry.value.text).second)
+            errors.add(entry.value.place, text("parameters.variables names '", entry.value.text, "' twice"));
+    if (seen.count("load") && seen.count("load_normal"))
+        errors.add(variables->place, "parameters.variables: load contains load_normal; use one of them");
+}
+
+/// Empty when the program of a command exists and may be executed.
+std::string program_error(const std::string& program, const std::filesystem::path& case_dir) {
+    const auto executable = [](const std::filesystem::path& path) {
+        std::error_code error;
+        return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
+    };
+    if (program.find('/') != std::string::npos) {
+        const std::filesystem::path path = case_dir / program;
+        std::error_code error;
+        if (!std::filesystem::exists(path, error))
+            return text("does not exist (", printable(path.string(), 300), ")");
+        return executable(path) ? "" : text("is not executable (", printable(path.string(), 300), ")");
+    }
+    const char* search = std::getenv("PATH");
+    std::istringstream folders(search ? search : "");
+    for (std::string folder; std::getline(folders, folder, ':');)
+        if (executable(std::filesystem::path(folder.empty() ? "." : folder) / program)) return "";
+    return "is not a program in PATH; a program beside the case file is written './name'";
+}
+
+void check_quantities(const Value* list, const Case& c, Diagnostics& errors) {
+    for (const QuantityEntry& quantity : c.quantities) {
+        const auto* external = std::get_if<ExternalEntry>(&quantity.what);
+        if (!external || external->command.empty()) continue;
+        const Entry* entry = entry_of(list, quantity.name);
+        const Value* command = entry ? entry->value.find("command") : nullptr;
+        const std::string shown = "quantities." + quantity.name;
+        if (command && command->entries[0].value.accepted) {
+            const std::string why = program_error(external->command[0], c.file.parent_path());
+            if (!why.empty())
+                errors.add(command->entries[0].value.place,
+                           text(shown, ".command[0] = ", printable(external->command[0]), " ", why));
+        }
+        std::set<std::string> seen;
+        for (const std::string& name : external->gives)
+            if (!seen.insert(name).second)
+                errors.add(quantity.place, text(shown, ".gives names '", name, "' twice"));
+    }
+}
+
+std::string unknown_value(const Case& c, const std::string& name) {
+    std::vector<std::string> known = known_values(c);
+    const std::string near = nearest(name, known);
+    return text("quantity '", printable(name), "' is not known",
+                near.empty() ? "" : text("; did you mean '", near, "'?"), near.empty() ? "; q" : " Q",
+                "uantities: ", joined(known));
+}
+
+/// The quantity that gives the value of this name, or null.
+const QuantityEntry* quantity_of(const Case& c, const std::string& value) {
+    for (const QuantityEntry& quantity : c.quantities)
+        for (const std::string& name : quantity.value_names())
+            if (name == value) return &quantity;
+    return nullptr;
+}
+
+void check_gradients(const Case& c, const Reference& value, Diagnostics& errors) {
+    const QuantityEntry* quantity = quantity_of(c, value.name);
+    const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
+    if (external && !external->has_gradients && c.optimize.method != Method::cobyla)
+        errors.add(value.place, text("'", value.name, "' has no gradients; optimize.method must be cobyla"));
+}
+
+void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
+    const std::vector<std::string> known = known_values(c);
+    const auto check = [&](const Reference& value) {
+        if (std::find(known.begin(), known.end(), value.name) == known.end())
+            errors.add(value.place, unknown_value(c, value.name));
+        else if (!is_fit)
+            check_gradients(c, value, errors);
+    };
+    if (!c.objective.name.empty()) check(c.objective);
+    for (const ConstraintEntry& entry : c.constraints) check({entry.constraint.quantity, entry.place});
+    std::set<std::string> seen;
+    for (const Reference& target : c.fit) {
+        const QuantityEntry* quantity = quantity_of(c, target.name);
+        check(target);
+        if (quantity ? !std::holds_alternative<TargetShapeEntry>(quantity->what)
+                     : target.name == "volume" || target.name == "area")
+            errors.add(target.place, text("quantity '", target.name, "' has no residuals; fit needs type: target_shape"));
+        if (!seen.insert(target.name).second)
+            errors.add(target.place, text("quantity '", target.name, "' is named twice under fit"));
+    }
+}
+
+void check_method(const Value& root, const Case& c, Diagnostics& errors) {
+    const Value* optimize = root.find("optimize");
+    const Value* method = optimize ? optimize->find("method") : nullptr;
+    if (!method) return;
+    for (const ConstraintEntry& entry : c.constraints) {
+        if (c.optimize.method == Method::lbfgs)
+            errors.add(entry.place, "optimize.method lbfgs takes no constraints; use slsqp, mma or cobyla");
+        if (c.optimize.method == Method::mma && entry.constraint.equals)
+            errors.add(entry.place, "optimize.method mma takes no equality constraints; use slsqp or cobyla");
+    }
+}
+
+/// What a fit would ignore is refused.
+void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
+    for (const ConstraintEntry& entry : c.constraints)
+        errors.add(entry.place, "constraints are not supported together with fit");
+    const Value* optimize = root.find("optimize");
+    if (!optimize) return;
+    const Entry* method = entry_of(optimize, "method");
+    if (method && !method->value.from_default)
+        errors.add(method->key_place, "optimize.method is not used by fit, which is always a least-squares fit");
+    const Value* tolerances = optimize->find("tolerances");
+    const Entry* constraint = entry_of(tolerances, "constraint");
+    if (constraint && !constraint->value.from_default)
+        errors.add(constraint->key_place, "optimize.tolerances.constraint is not used by fit");
+}
+
+void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostics& errors) {
+    const Entry *objective = entry_of(&root, "objective"), *fit = entry_of(&root, "fit");
+    if (objective && fit)
+        errors.add(fit->key_place, "objective and fit exclude each other");
+    else if (purpose == Purpose::run && !objective)
+        errors.add(root.place, fit ? "objective is missing; this case is one for 'strake fit'" : "objective is missing");
+    else if (purpose == Purpose::fit && !fit)
+        errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'" : "fit is missing");
+    else if (fit)
+        check_fit(root, c, errors);
+    if (!fit) check_method(root, c, errors);
+    if (const Entry* constraints = entry_of(&root, "constraints"); constraints && !objective && !fit)
+        errors.add(constraints->key_place, "constraints without an objective");
+}
+
+}  // namespace
+
+void check_region(const Case& the_case, const Reference& reference, Diagnostics& errors) {
+    const std::vector<std::string> names = region_names(the_case);
+    if (std::find(names.begin(), names.end(), reference.name) != names.end()) return;
+    const std::string near = nearest(reference.name, names);
+    const std::string list = names.empty() ? "no region is declared" : text("Regions: ", joined(names));
+    errors.add(reference.place, text("region '", printable(reference.name), "' is not declared; ",
+                                     near.empty() ? "" : text("did you mean '", near, "'? "), list));
+}
+
+std::vector<std::string> known_values(const Case& the_case) {
+    std::vector<std::string> known;
+    for (const QuantityEntry& quantity : the_case.quantities)
+        for (const std::string& name : quantity.value_names()) known.push_back(name);
+    for (const char* built_in : {"volume", "area"})
+        if (std::find(known.begin(), known.end(), built_in) == known.end()) known.push_back(built_in);
+    return known;
+}
+
+std::vector<std::string> QuantityEntry::value_names() const {
+    const auto* external = std::get_if<ExternalEntry>(&what);
+    if (!external || external->gives.empty()) return {name};
+    std::vector<std::string> names;
+    for (const std::string& value : external->gives) names.push_back(name + "." + value);
+    return names;
+}
+
+void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics& errors) {
+    check_fixed(the_case, errors);
+    check_loads(root.find("loads"), errors);
+    check_thickness(the_case, errors);
+    check_parameters(root.find("parameters"), the_case, errors);
+    if (purpose != Purpose::deform) check_quantities(root.find("quantities"), the_case, errors);
+    check_targets(the_case, !the_case.fit.empty(), errors);
+    check_purpose(root, purpose, the_case, errors);
+}
+
+}  // namespace strake

@@ -96,19 +96,11 @@ Arms face_arms(const RestState& rest, const std::array<int, 2>& edge, const std:
 }
 
 /// The face's extrusion directions: the vertex normals, or the normal of prism i where they cancel.
-std::array<Eigen::Vector3d, 2> face_normals(const RestState& rest, const Points& normals,
-                                            const std::array<int, 2>& edge, int i) {
-    std::array<Eigen::Vector3d, 2> result;
-    for (int k = 0; k < 2; ++k) {
-        result[k] = normals.row(edge[k]).transpose();
-        if (result[k].squaredNorm() > 0) continue;
-        result[k] = area_vector(rest.mesh, i).normalized();
-        if (rest.on_plane[edge[k]]) result[k] = (rest.plane_projector * result[k]).normalized();
-    }
-    return result;
+std::array<Eigen::Vector3d, 2> face_normals(const RestState& rest, const std::array<int, 2>& edge, int i) {
+    return {corner_normal(rest, edge[0], i), corner_normal(rest, edge[1], i)};
 }
 
-void add_faces(RestState& rest, const Adjacency& adjacent, const Points& normals) {
+void add_faces(RestState& rest, const Adjacency& adjacent) {
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         const auto triangles = adjacent.edge_triangles[e];
         const std::array<int, 2> edge = adjacent.edges[e];
@@ -116,13 +108,13 @@ void add_faces(RestState& rest, const Adjacency& adjacent, const Points& normals
         for (std::size_t p = 0; p < triangles.size(); ++p)
             for (std::size_t q = p + 1; q < triangles.size(); ++q) {
                 const int i = triangles[p], j = triangles[q];
-                const auto normal = face_normals(rest, normals, edge, i);
+                const auto normal = face_normals(rest, edge, i);
                 rest.faces.push_back({i, j, length2 / (rest.area[i] + rest.area[j]), face_arms(rest, edge, normal, i),
                                       face_arms(rest, edge, normal, j), edge, normal});
             }
         if (triangles.size() == 1 && rest.on_plane[edge[0]] && rest.on_plane[edge[1]]) {
             const int i = triangles[0];
-            const auto normal = face_normals(rest, normals, edge, i);
+            const auto normal = face_normals(rest, edge, i);
             rest.mirrored.push_back({i, length2 / (2 * rest.area[i]), face_arms(rest, edge, normal, i), edge, normal});
         }
     }
@@ -152,6 +144,12 @@ const std::array<GaussPoint, 4>& gauss_points() {
     static const std::array<GaussPoint, 4> points{
         {{0.5 - 0.5 * s, -s}, {0.5 - 0.5 * s, s}, {0.5 + 0.5 * s, -s}, {0.5 + 0.5 * s, s}}};
     return points;
+}
+
+Eigen::Vector3d corner_normal(const RestState& rest, int v, int i) {
+    if (rest.normal.row(v).squaredNorm() > 0) return rest.normal.row(v).transpose();
+    const Eigen::Vector3d own = area_vector(rest.mesh, i).normalized();
+    return rest.on_plane[v] ? Eigen::Vector3d((rest.plane_projector * own).normalized()) : own;
 }
 
 RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
@@ -187,7 +185,8 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
         rest.free_index[t] = rest.num_free();
         rest.free_prisms.push_back(t);
     }
-    add_faces(rest, adjacent, vertex_normals(rest));
+    rest.normal = vertex_normals(rest);
+    add_faces(rest, adjacent);
     add_vertex_map(rest, adjacent);
     return rest;
 }

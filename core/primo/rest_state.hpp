@@ -44,6 +44,7 @@ struct RestState {
     Eigen::VectorXd height;        ///< per vertex
     Eigen::VectorXd prism_height;  ///< m: mean of the three
     Eigen::VectorXd prism_radius;  ///< m: largest distance of a prism corner from the centroid
+    Points normal;                 ///< per vertex, unit; zero where the triangles' normals cancel
     std::vector<int> pin;          ///< m
     std::vector<int> free_index;   ///< m: number among the free prisms, -1 if pinned
     std::vector<int> free_prisms;
@@ -60,6 +61,10 @@ struct RestState {
     /// Arm of vertex k in prism i at rest.
     Eigen::Vector3d vertex_arm(int k, int i) const { return (mesh.vertices.row(k) - centroid.row(i)).transpose(); }
 };
+
+/// Unit direction along which prism i stands at vertex v: the vertex normal, or the normal of triangle i where normals
+/// cancel.
+Eigen::Vector3d corner_normal(const RestState& rest, int v, int i);
 
 /// @throws InvalidInput as PrimoShell's constructor.
 RestState rest_state(const TriMesh& mesh, const ShellOptions& options);

@@ -177,4 +177,25 @@ Eigen::MatrixXd PrimoShell::gradient(const Loads& loads) const {
     return g;
 }
 
+TriMesh PrimoShell::prism_surface() const {
+    const RestState& rest = impl_->rest;
+    constexpr int sides[8][3] = {{2, 1, 0}, {3, 4, 5}, {0, 1, 4}, {0, 4, 3},
+                                 {1, 2, 5}, {1, 5, 4}, {2, 0, 3}, {2, 3, 5}};
+    TriMesh prisms;
+    prisms.vertices.resize(6 * rest.num_prisms(), 3);
+    prisms.triangles.resize(8 * rest.num_prisms(), 3);
+    for (int i = 0; i < rest.num_prisms(); ++i) {
+        for (int corner = 0; corner < 6; ++corner) {
+            const int v = rest.mesh.triangles(i, corner % 3);
+            const double half = (corner < 3 ? -0.5 : 0.5) * rest.height[v];
+            const Eigen::Vector3d arm = rest.vertex_arm(v, i) + half * corner_normal(rest, v, i);
+            prisms.vertices.row(6 * i + corner) =
+                rest.centroid.row(i) + impl_->poses.displacement.row(i) + (impl_->poses.rotation[i] * arm).transpose();
+        }
+        for (int s = 0; s < 8; ++s)
+            for (int k = 0; k < 3; ++k) prisms.triangles(8 * i + s, k) = 6 * i + sides[s][k];
+    }
+    return prisms;
+}
+
 }  // namespace strake

@@ -138,6 +138,9 @@ public:
     /// exact Hessian.
     std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv);
 
+    /// The prisms at the present poses, to look at: 8 triangles each (bottom, top, sides), in the order of the prisms.
+    TriMesh prism_surface() const;
+
     int num_free_prisms() const;
     const std::vector<char>& fixed_vertices() const;  ///< per vertex: copied from the start, bit for bit
 

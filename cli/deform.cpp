@@ -1,0 +1,127 @@
+#include "cases/build_problem.hpp"
+#include "cli/commands.hpp"
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/mesh/io.hpp"
+#include "core/mesh/vtp.hpp"
+#include "optimize/shell_setup.hpp"
+
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace strake::cli {
+namespace {
+
+struct DeformArguments {
+    std::string case_file, out, prisms;
+    bool linear = false, json = false, quiet = false;
+};
+
+double largest_displacement(const Points& from, const Points& to) { return (to - from).rowwise().norm().maxCoeff(); }
+
+/// A number, or null where there is none: JSON has no NaN.
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status, double moved) {
+    nlohmann::ordered_json j;
+    j["status"] = status;
+    j["reason"] = end.reason;
+    j["energy"] = number(end.energy);
+    j["gradient_norm"] = number(end.gradient_norm);
+    j["relative_gradient"] = number(end.relative_gradient);
+    j["iterations"] = end.iterations;
+    j["last_step"] = number(end.last_step);
+    j["max_displacement"] = number(moved);
+    j["stable"] = end.stable;
+    j["factorizations"] = end.factorizations;
+    j["load_steps"] = end.load_steps;
+    j["seconds"] = {{"assembly", end.seconds.assembly},
+                    {"ordering", end.seconds.ordering},
+                    {"factorization", end.seconds.factorization},
+                    {"substitution", end.seconds.substitution}};
+    return j;
+}
+
+void write_prisms(const DeformArguments& args, const PrimoShell& shell) {
+    const TriMesh prisms = shell.prism_surface();
+    std::vector<int> triangle(prisms.num_triangles());
+    for (int s = 0; s < prisms.num_triangles(); ++s) triangle[s] = s / 8;
+    write_vtp(args.prisms, prisms, {}, {{"triangle", triangle}});
+}
+
+void report(const DeformArguments& args, const Equilibrium& end, const std::string& status, double moved,
+            double diagonal) {
+    if (args.json) {
+        fmt::print("{}\n", summary(end, status, moved).dump(2));
+        return;
+    }
+    fmt::print("status            {}: {}\n", status, end.reason);
+    if (std::isfinite(end.energy)) fmt::print("energy            {:.10g}\n", end.energy);
+    if (end.iterations > 0)
+        fmt::print("relative gradient {:.2e}\nlast step         {:.2e} of the diagonal\n", end.relative_gradient,
+                   end.last_step);
+    if (std::isfinite(moved))
+        fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", moved, 100 * moved / diagonal);
+}
+
+void deform(const DeformArguments& args) {
+    if (!args.out.empty()) format_of(args.out);  // a wrong extension is told before the work
+    const Case the_case = load_case(args.case_file, Purpose::deform);
+    const BuiltProblem built = build_problem(the_case, Purpose::deform);
+    const TriMesh& mesh = built.problem.surface;
+    const double diagonal = box_diagonal(mesh);
+    const ShellSetup setup = shell_setup(built.problem);
+    for (const auto* list : {&built.warnings, &setup.warnings})
+        for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
+
+    PrimoShell shell(mesh, setup.options);
+    Equilibrium end;
+    Points vertices;
+    std::string status;
+    if (args.linear) {
+        vertices = shell.linear_response(setup.loads, setup.motions);
+        status = "linear";
+        end.reason = "one linear solve at rest";
+    } else {
+        const auto progress = [&](const SolveRecord& r) {
+            if (!args.quiet && !args.json)
+                fmt::print(stderr, "iteration {:3}  energy {: .10e}  step {:.1e}  gradient {:.1e}  {:.1f} s\n",
+                           r.iteration, r.energy, r.step, r.relative_gradient, r.seconds);
+            return true;
+        };
+        end = shell.solve(setup.loads, setup.motions, {}, progress);
+        status = to_string(end.status);
+        if (end.status != SolveStatus::converged) {
+            report(args, end, status, std::numeric_limits<double>::quiet_NaN(), diagonal);
+            fmt::print(stderr, "strake: deform: {}; nothing was written\n", end.reason);
+            throw ExitStatus{run_failed};
+        }
+        vertices = shell.vertices();
+    }
+    if (!args.out.empty()) {
+        const bool same_kind =
+            format_of(args.out) == SurfaceFormat::ply_binary && built.format == SurfaceFormat::ply_ascii;
+        write_surface(args.out, with_vertices(mesh, vertices), same_kind ? built.format : format_of(args.out));
+    }
+    if (!args.prisms.empty()) write_prisms(args, shell);
+    report(args, end, status, largest_displacement(mesh.vertices, vertices), diagonal);
+}
+
+}  // namespace
+
+void add_deform(CLI::App& app) {
+    auto args = std::make_shared<DeformArguments>();
+    CLI::App* command = app.add_subcommand("deform", "one deformation: fixed regions, loads and strains of a case");
+    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("-o,--output", args->out, "deformed surface (.stl, .obj, .ply, .off, .tri)")->required();
+    command->add_flag("--linear", args->linear, "the single linear solve at rest instead of the equilibrium");
+    command->add_option("--prisms", args->prisms, "the deformed prisms for ParaView (.vtp)");
+    command->add_flag("--json", args->json, "results as JSON on standard output");
+    command->add_flag("-q,--quiet", args->quiet, "no progress");
+    command->callback([args] { deform(*args); });
+}
+
+}  // namespace strake::cli

@@ -3,7 +3,7 @@
 
 #include <filesystem>
 
-/// Other people's programs (DESIGN section 7, External evaluation).
+/// Other people's programs (DESIGN section 7, External evaluation; for users docs/external.md).
 namespace strake {
 
 struct ExternalCommand {
@@ -12,15 +12,24 @@ struct ExternalCommand {
         command;  ///< argument list, run without a shell; placeholders {surface} {request} {result} {folder} {case_dir}
     std::vector<std::string> gives;  ///< names of the values; empty: one value
     double timeout_s = 3600;         ///< per evaluation, > 0; then TERM, grace, KILL to the process group
-    double grace_s = 5;
-    std::string format;                     ///< of the surface handed over: stl, stl-ascii, obj, ply, off, tri
-    std::filesystem::path case_dir;         ///< program paths containing '/' are relative to it
+    double grace_s = 5;              ///< >= 0
+    std::string format;              ///< of the surface handed over: stl, stl-ascii, obj, ply, ply-ascii, off, tri
+    std::filesystem::path case_dir;  ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
     bool has_gradients = true;              ///< false: never asked for sensitivities
-    double diagonal = 0;  ///< of the start surface; rows with coordinates are matched within 1e-5 of it
+    double diagonal = 0;  ///< of the start surface; rows with coordinates are matched within 1e-5 of it, > 0
     std::string units;    ///< of length, as the case states it, for request.json
 };
 
+/// A quantity that runs `command` once an evaluation, in the fresh folder evaluations_dir/NNNNNN. Whatever the program
+/// does wrong is the result's `failure` (kinds spawn, exit, signal, timeout, no_result, unreadable, missing_key,
+/// wrong_type, not_finite, wrong_count), whose message ends with the program's last lines. Must be called from a
+/// thread that lives as long as the program runs: the program gets TERM when that thread ends.
+/// @throws InvalidInput for wrong options; `evaluate` throws OutputError when the folder exists or cannot be written,
+/// InvalidInput for an evaluation number < 0 or a variable that is not finite.
 Quantity external(const ExternalCommand& command);
+
+/// Why the command's program cannot be started (kind spawn), before anything runs; nothing when it can.
+std::optional<Failure> check_program(const ExternalCommand& command);
 
 }  // namespace strake

@@ -1,0 +1,11 @@
+#pragma once
+#include "objectives/quantity.hpp"
+
+namespace strake {
+
+/// Thrown within this folder only; `external` turns it into the result's failure.
+struct Refused {
+    Failure failure;
+};
+
+}  // namespace strake

@@ -1,0 +1,145 @@
+#include "objectives/external/result.hpp"
+
+#include "core/error.hpp"
+#include "objectives/external/handed_over.hpp"
+#include "objectives/external/log.hpp"
+#include "objectives/external/refused.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <nlohmann/json.hpp>
+
+namespace strake {
+namespace {
+
+using nlohmann::json;
+
+[[noreturn]] void refuse(const char* kind, const std::string& message) {
+    throw Refused{{kind, "result.json: " + message}};
+}
+
+/// "result.json:3:14: …" for the byte at `offset`.
+[[noreturn]] void refuse_at(const char* kind, const std::string& bytes, std::size_t offset, const std::string& what) {
+    const std::string before = bytes.substr(0, offset);
+    const auto line = 1 + std::count(before.begin(), before.end(), '\n');
+    const auto column = before.size() - (before.find_last_of('\n') + 1) + 1;  // npos + 1 is 0
+    throw Refused{{kind, text("result.json:", line, ":", column, ": ", what)}};
+}
+
+/// Python and others write NaN and Infinity, which JSON does not have: say that, not "invalid literal".
+[[noreturn]] void refuse_syntax(const std::string& bytes, const json::parse_error& error) {
+    if (bytes.find_first_not_of(" \t\r\n") == std::string::npos)
+        refuse("unreadable", bytes.empty() ? "the file is empty" : "the file holds nothing but blanks");
+    const std::size_t last = std::min(bytes.size(), error.byte) - (error.byte > 0 ? 1 : 0);
+    const auto part_of_word = [&](std::size_t k) { return std::isalpha(static_cast<unsigned char>(bytes[k])) != 0; };
+    std::size_t begin = last, end = last;
+    while (begin > 0 && part_of_word(begin - 1)) --begin;
+    while (end < bytes.size() && part_of_word(end)) ++end;
+    std::string word = bytes.substr(begin, end - begin);
+    std::transform(word.begin(), word.end(), word.begin(), [](unsigned char c) { return std::tolower(c); });
+    if (word == "nan" || word == "inf" || word == "infinity")
+        refuse_at("not_finite", bytes, begin,
+                  text("'", printable(bytes.substr(begin, end - begin)), "' is not a finite number"));
+    const std::string what = error.what();  // "[json.exception…] parse error at line 1, column 3: syntax error …"
+    const std::size_t reason = what.find("syntax error");
+    refuse_at("unreadable", bytes, last,
+              reason == std::string::npos ? "not JSON" : printable(std::string_view(what).substr(reason)));
+}
+
+json parse(const std::string& bytes) {
+    try {
+        return json::parse(bytes);
+    } catch (const json::parse_error& error) {
+        refuse_syntax(bytes, error);
+    } catch (const json::out_of_range& error) {  // "number overflow parsing '1e400'"
+        const std::string what = error.what();
+        const std::size_t quote = what.find('\'');
+        const std::string number =
+            quote == std::string::npos ? "" : what.substr(quote + 1, what.rfind('\'') - quote - 1);
+        refuse_at("not_finite", bytes, number.empty() ? 0 : std::min(bytes.find(number), bytes.size()),
+                  text("number ", printable(number), " is too large"));
+    }
+}
+
+double number(const json& node, const std::string& where) {
+    if (!node.is_number())
+        refuse("wrong_type", text(where, " is ", node.type_name(), " ",
+                                  printable(node.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 60)),
+                                  ", must be a number"));
+    const double value = node.get<double>();
+    if (!std::isfinite(value)) refuse("not_finite", text(where, " = ", value));
+    return value;
+}
+
+std::string file_name(const json& node, const std::string& where) {
+    if (!node.is_string())
+        refuse("wrong_type", text(where, " is ", node.type_name(), ", must be the name of a CSV file"));
+    return node.get<std::string>();
+}
+
+std::string names_in(const json& object) {
+    std::string names;
+    for (const auto& [key, value] : object.items()) names += (names.empty() ? "" : ", ") + printable(key);
+    return names.empty() ? "nothing" : names;
+}
+
+[[noreturn]] void refuse_missing(const json& object, const std::string& where, const std::string& key) {
+    for (const auto& [name, value] : object.items())
+        if (similar(key, name))
+            refuse("missing_key",
+                   text("no '", key, "' ", where, "; it has '", printable(name), "', did you mean '", key, "'?"));
+    refuse("missing_key", text("no '", key, "' ", where, "; it has: ", names_in(object)));
+}
+
+/// The entries for `gives`, in order, from the map `plural` or, where there is one, from the short form `singular`.
+std::vector<json> entries(const json& result, const char* plural, const char* singular,
+                          const std::vector<std::string>& gives) {
+    const bool has_map = result.contains(plural), has_short = result.contains(singular);
+    if (has_map && has_short)
+        refuse("wrong_type", text("has both '", plural, "' and '", singular, "', must have one of them"));
+    if (has_short && gives.size() > 1)
+        refuse("missing_key", text("'", singular, "' is for a command that gives one value, this one gives ",
+                                   gives.size(), ": write \"", plural, "\": {\"", gives.front(), "\": ...}"));
+    if (has_short) return {result[singular]};
+    if (!has_map) refuse_missing(result, "at the top", gives.size() > 1 ? plural : singular);
+    const json& map = result[plural];
+    if (!map.is_object()) refuse("wrong_type", text("'", plural, "' is ", map.type_name(), ", must be an object"));
+    std::vector<json> found;
+    const std::vector<std::string> unnamed{singular};
+    for (const std::string& name : gives.empty() ? unnamed : gives) {
+        if (!map.contains(name)) refuse_missing(map, text("in '", plural, "'"), name);
+        found.push_back(map[name]);
+    }
+    return found;
+}
+
+void check_variables(const json& variables) {
+    if (!variables.is_object())
+        refuse("wrong_type", text("'variables' is ", variables.type_name(), ", must be an object"));
+    for (const auto& [name, derivatives] : variables.items()) {
+        const std::string where = text("'variables.", printable(name), "'");
+        if (!derivatives.is_object())
+            refuse("wrong_type", text(where, " is ", derivatives.type_name(), ", must be an object"));
+        for (const auto& [variable, value] : derivatives.items()) number(value, text(where, " ", printable(variable)));
+    }
+}
+
+}  // namespace
+
+ProgramResult parse_result(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients) {
+    const json result = parse(bytes);
+    if (!result.is_object()) refuse("wrong_type", text("is ", result.type_name(), ", must be an object"));
+    const auto shown = [&](const char* plural, const char* singular, std::size_t k) {
+        return gives.empty() ? text("'", singular, "'") : text("'", plural, ".", gives[k], "'");
+    };
+    ProgramResult found;
+    for (const json& entry : entries(result, "values", "value", gives))
+        found.values.push_back(number(entry, shown("values", "value", found.values.size())));
+    if (result.contains("variables")) check_variables(result["variables"]);
+    if (!want_gradients) return found;
+    for (const json& entry : entries(result, "gradients", "gradient", gives))
+        found.gradient_files.push_back(file_name(entry, shown("gradients", "gradient", found.gradient_files.size())));
+    return found;
+}
+
+}  // namespace strake

@@ -1,0 +1,48 @@
+#include "objectives/finite.hpp"
+
+#include "core/error.hpp"
+
+#include <cmath>
+
+namespace strake {
+namespace {
+
+int first_non_finite_row(const Points& rows) {
+    for (int k = 0; k < static_cast<int>(rows.rows()); ++k)
+        if (!rows.row(k).allFinite()) return k;
+    return -1;
+}
+
+}  // namespace
+
+std::optional<Failure> vertices_finite(const std::string& quantity, const TriMesh& surface) {
+    const int k = first_non_finite_row(surface.vertices);
+    if (k < 0) return {};
+    return Failure{"undefined",
+                   text(quantity, ": vertex ", k, " of the surface is not finite: (", surface.vertices(k, 0), ", ",
+                        surface.vertices(k, 1), ", ", surface.vertices(k, 2), ")")};
+}
+
+QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv) {
+    QuantityResult result;
+    const int k = first_non_finite_row(dJ_dv);
+    if (!std::isfinite(value))
+        result.failure =
+            Failure{"undefined", text(quantity, " = ", value, ": the surface is too large or too small for it")};
+    else if (k >= 0)
+        result.failure = Failure{"undefined", text(quantity, ": the sensitivity to vertex ", k, " is not finite")};
+    else {
+        result.values = {value};
+        if (dJ_dv.rows() > 0) result.dJ_dv.push_back(std::move(dJ_dv));
+    }
+    return result;
+}
+
+void require_same_counts(const std::string& quantity, const TriMesh& surface, int num_vertices, int num_triangles) {
+    if (surface.num_vertices() == num_vertices && surface.num_triangles() == num_triangles) return;
+    throw InvalidInput(text(quantity, ": made for a surface of ", num_vertices, " vertices and ", num_triangles,
+                            " triangles, asked about one of ", surface.num_vertices(), " and ",
+                            surface.num_triangles()));
+}
+
+}  // namespace strake

@@ -1,0 +1,17 @@
+#pragma once
+#include "objectives/quantity.hpp"
+
+/// What every quantity does before it answers: nothing that is not finite goes in or out.
+namespace strake {
+
+/// A failure of kind `undefined` naming the first vertex with a coordinate that is not finite; nothing when all are.
+std::optional<Failure> vertices_finite(const std::string& quantity, const TriMesh& surface);
+
+/// The result of one value and, where asked for, its sensitivities (else 0 rows); a failure of kind `undefined`
+/// where either is not finite.
+QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv);
+
+/// @throws InvalidInput when `surface` has not the counts of the surface the quantity was made for.
+void require_same_counts(const std::string& quantity, const TriMesh& surface, int num_vertices, int num_triangles);
+
+}  // namespace strake

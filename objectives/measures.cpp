@@ -1,0 +1,193 @@
+#include "objectives/measures.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
+#include "core/mesh/geometry.hpp"
+#include "objectives/finite.hpp"
+
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr double on_plane_rel = 1e-6;      // of the diagonal, DESIGN section 4 (Symmetry)
+constexpr double zero_volume_rel = 1e-12;  // of area times diagonal: what round-off leaves of a flat surface
+
+/// Triangles that run through edge e from its smaller to its larger vertex, minus those that run the other way.
+/// Zero at every edge is what the divergence theorem needs, also where more than two triangles meet.
+int imbalance(const TriMesh& mesh, const Adjacency& adjacent, int e) {
+    int sum = 0;
+    for (const int t : adjacent.edge_triangles[e])
+        for (int k = 0; k < 3; ++k)
+            if (adjacent.triangle_edges(t, k) == e) sum += mesh.triangles(t, k) == adjacent.edges[e][0] ? 1 : -1;
+    return sum;
+}
+
+std::string at(const TriMesh& mesh, int v) {
+    return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
+}
+
+/// "; all open edges lie in the plane y = 0: …" where that is so, because then a half model is the likeliest reason.
+std::string symmetry_hint(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,
+                          double diagonal) {
+    for (int axis = 0; axis < 3; ++axis) {
+        const double c = mesh.vertices(adjacent.edges[open.front()][0], axis);
+        bool flat = true;
+        for (const int e : open)
+            for (const int v : adjacent.edges[e])
+                flat = flat && std::abs(mesh.vertices(v, axis) - c) <= on_plane_rel * diagonal;
+        const double shown = std::abs(c) <= on_plane_rel * diagonal ? 0 : c;
+        if (flat)
+            return text("; all open edges lie in the plane ", "xyz"[axis], " = ", shown,
+                        ": for a half model say symmetry: {plane: ", "xyz"[axis], ", at: ", shown, "}");
+    }
+    return "; close the holes first";
+}
+
+[[noreturn]] void refuse_open(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,
+                              const std::optional<SymmetryPlane>& symmetry, double diagonal) {
+    const int e = open.front();
+    const auto [a, b] = adjacent.edges[e];
+    const std::string where = text("edge from ", at(mesh, a), " to ", at(mesh, b));
+    if (adjacent.edge_triangles[e].size() > 1)
+        throw InvalidInput(text("volume: the ", adjacent.edge_triangles[e].size(), " triangles at the ", where,
+                                " disagree in orientation (first of ", open.size(),
+                                " such or open edges); orient the surface first"));
+    if (!symmetry)
+        throw InvalidInput(text("volume: the surface is open at the ", where, ", first of ", open.size(), " open edges",
+                                symmetry_hint(mesh, adjacent, open, diagonal)));
+    const auto off = [&](int v) { return std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset); };
+    throw InvalidInput(text("volume: the surface is open at the ", where, ", first of ", open.size(),
+                            " open edges that are not on the symmetry plane: ", std::max(off(a), off(b)),
+                            " away from it, the limit is 1e-6 of the diagonal = ", on_plane_rel * diagonal));
+}
+
+/// Vertices at boundary edges on the plane, one flag each. @throws InvalidInput at any other unbalanced edge.
+std::vector<char> boundary_vertices(const TriMesh& mesh, const std::optional<SymmetryPlane>& symmetry,
+                                    double diagonal) {
+    const Adjacency adjacent = adjacency(mesh);
+    std::vector<char> boundary(mesh.num_vertices(), 0);
+    std::vector<int> open;
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        if (imbalance(mesh, adjacent, e) == 0) continue;
+        bool on_plane = symmetry.has_value() && adjacent.edge_triangles[e].size() == 1;
+        for (const int v : adjacent.edges[e])
+            on_plane = on_plane && std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset) <=
+                                       on_plane_rel * diagonal;
+        if (!on_plane)
+            open.push_back(e);
+        else
+            for (const int v : adjacent.edges[e]) boundary[v] = 1;
+    }
+    if (!open.empty()) refuse_open(mesh, adjacent, open, symmetry, diagonal);
+    return boundary;
+}
+
+/// The fixed point o from which the cones are measured: the origin, so that anybody's plain formula gives the same
+/// bits, but the box's centre (on the plane, for a half model) where the origin is so far off that digits would go.
+Vector3d measuring_point(const TriMesh& mesh, const std::optional<SymmetryPlane>& symmetry) {
+    const Box box = bounding_box(mesh);
+    const Vector3d centre = 0.5 * (box.min + box.max);
+    const bool origin_on_plane = !symmetry || symmetry->offset == 0;
+    if (origin_on_plane && centre.norm() <= 10 * (box.max - box.min).norm()) return Vector3d::Zero();
+    if (!symmetry) return centre;
+    return centre - (symmetry->normal.dot(centre) - symmetry->offset) * symmetry->normal;
+}
+
+struct VolumeOf {
+    std::vector<char> boundary;
+    Vector3d o = Vector3d::Zero();
+    double sign = 1;
+
+    /// Twice the area vector. Differences first: an offset of the surface costs no digits.
+    static Vector3d normal(const Vector3d& a, const Vector3d& b, const Vector3d& c) {
+        const Vector3d u = b - a, w = c - a;
+        return {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
+    }
+
+    double value(const TriMesh& mesh) const {
+        double sum = 0;
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const Vector3d p = mesh.vertices.row(mesh.triangles(t, 0)), a = p - o;
+            const Vector3d n =
+                normal(p, mesh.vertices.row(mesh.triangles(t, 1)), mesh.vertices.row(mesh.triangles(t, 2)));
+            // Written out: the order of the sum must not depend on Eigen's reductions.
+            sum += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6;
+        }
+        return sign * sum;
+    }
+
+    /// dV/da = 1/6 sum over the fan of a of (b - o) x (c - o) = 1/6 sum [n_t + (a - o) x (c - b)]; the second part
+    /// telescopes to zero around a closed fan and is left out there.
+    Points gradient(const TriMesh& mesh) const {
+        Points dV_dv = Points::Zero(mesh.num_vertices(), 3), link = Points::Zero(mesh.num_vertices(), 3);
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const Vector3d p[3] = {mesh.vertices.row(mesh.triangles(t, 0)), mesh.vertices.row(mesh.triangles(t, 1)),
+                                   mesh.vertices.row(mesh.triangles(t, 2))};
+            const Vector3d share = normal(p[0], p[1], p[2]) / 6;
+            for (int k = 0; k < 3; ++k) {
+                dV_dv.row(mesh.triangles(t, k)) += share;
+                link.row(mesh.triangles(t, k)) += p[(k + 2) % 3] - p[(k + 1) % 3];
+            }
+        }
+        for (int v = 0; v < mesh.num_vertices(); ++v)
+            if (boundary[v]) dV_dv.row(v) += (Vector3d(mesh.vertices.row(v)) - o).cross(Vector3d(link.row(v))) / 6;
+        return sign * dV_dv;
+    }
+};
+
+}  // namespace
+
+Quantity volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmetry) {
+    const double diagonal = box_diagonal(start);
+    if (start.num_triangles() == 0 || !start.vertices.allFinite())
+        throw InvalidInput(text("volume: needs a surface of at least one triangle and finite vertices, got ",
+                                start.num_triangles(), " triangles"));
+    VolumeOf of{boundary_vertices(start, symmetry, diagonal), measuring_point(start, symmetry), 1};
+    const double V = of.value(start), limit = zero_volume_rel * surface_area(start) * diagonal;
+    if (!(std::abs(V) > limit))
+        throw InvalidInput(text("volume: the surface encloses no volume: ", V, " at the start, the limit is 1e-12 of ",
+                                "area times diagonal = ", limit));
+    of.sign = V > 0 ? 1 : -1;
+    Quantity quantity;
+    quantity.names = {"volume"};
+    quantity.evaluate = [of, nv = start.num_vertices(), nt = start.num_triangles()](const QuantityRequest& request) {
+        require_same_counts("volume", request.surface, nv, nt);
+        if (auto failure = vertices_finite("volume", request.surface)) return QuantityResult{{}, {}, failure};
+        return one_value("volume", of.value(request.surface),
+                         request.want_sensitivities ? of.gradient(request.surface) : Points());
+    };
+    return quantity;
+}
+
+Quantity area() {
+    Quantity quantity;
+    quantity.names = {"area"};
+    quantity.evaluate = [](const QuantityRequest& request) {
+        const TriMesh& mesh = request.surface;
+        if (auto failure = vertices_finite("area", mesh)) return QuantityResult{{}, {}, failure};
+        if (!request.want_sensitivities) return one_value("area", surface_area(mesh), {});
+        double sum = 0;
+        Points dA_dv = Points::Zero(mesh.num_vertices(), 3);
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const Vector3d s = area_vector(mesh, t);
+            const double A = s.stableNorm();
+            if (!(A > 0))
+                return QuantityResult{
+                    {}, {}, Failure{"undefined", text("area: triangle ", t, " has area 0, no sensitivity there")}};
+            sum += A;
+            const Vector3d half_normal = 0.5 / A * s;
+            for (int k = 0; k < 3; ++k) {
+                const Vector3d opposite = mesh.vertices.row(mesh.triangles(t, (k + 2) % 3)) -
+                                          mesh.vertices.row(mesh.triangles(t, (k + 1) % 3));
+                dA_dv.row(mesh.triangles(t, k)) += half_normal.cross(opposite);
+            }
+        }
+        return one_value("area", sum, std::move(dA_dv));
+    };
+    return quantity;
+}
+
+}  // namespace strake

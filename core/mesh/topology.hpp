@@ -10,17 +10,30 @@ namespace strake {
 
 struct TopologyFacts {
     int components = 0;                            ///< edge-connected
-    std::vector<std::vector<int>> boundary_loops;  ///< vertex cycles
+    std::vector<std::vector<int>> boundary_loops;  ///< vertices of each connected boundary; loops that touch are one
     std::vector<int> nonmanifold_edges;            ///< edge numbers: more than two triangles
     std::vector<int> nonmanifold_vertices;         ///< whose triangles do not form one fan
     std::vector<int> misoriented_edges;
     std::vector<int> duplicate_triangles;   ///< same three vertices as an earlier one
     std::vector<int> degenerate_triangles;  ///< area below 1e-14 diagonal^2 or a repeated vertex
+    std::vector<int> isolated_vertices;     ///< in no triangle
+    std::vector<int> duplicate_vertices;    ///< at the coordinates of an earlier one
+    bool orientable = true;                 ///< turning triangles can make those at every edge of two agree
     bool closed = false;                    ///< every edge has two triangles that agree, at least one triangle
 };
 TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent);
 
-/// Pairs of triangles that intersect elsewhere than at the vertices and edges they share, ascending. Exact predicates.
+/// Pairs of triangles that intersect elsewhere than at the vertices and edges they share, each list ascending.
+/// Vertices with equal coordinates count as shared. Exact predicates. Duplicate triangles and triangles on a line are
+/// left to TopologyFacts.
+struct Intersections {
+    std::vector<std::array<int, 2>> apart;     ///< sharing no vertex
+    std::vector<std::array<int, 2>> adjacent;  ///< sharing a vertex or an edge: folded or pierced beside it
+};
+/// Cost: n log n plus the pairs whose boxes meet, among them all pairs around a vertex.
+Intersections intersections(const TriMesh& mesh);
+
+/// intersections().apart.
 std::vector<std::array<int, 2>> self_intersections(const TriMesh& mesh);
 
 }  // namespace strake

@@ -21,4 +21,6 @@ struct ExitStatus {
     int status;
 };
 
+void add_info(CLI::App& app);
+
 }  // namespace strake::cli

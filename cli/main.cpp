@@ -10,6 +10,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
     app.set_version_flag("--version", "strake 0.1.0");
     app.require_subcommand(1);
+    cli::add_info(app);
     try {
         app.parse(argc, argv);
         return cli::done;

@@ -1,0 +1,99 @@
+#!/usr/bin/env python3
+"""Runs what README.md and docs/*.md tell people to type: check_snippets.py BIN
+
+- ```sh blocks run in order, page by page, in a fresh copy of the cases, with BIN (strake, make_surface) on the PATH;
+  the examples' surfaces are small ones. Lines that start `./run.sh` or `./test.sh` are not run here (this script is
+  part of test.sh, which runs the same job in its step "main job"): the script and the case named must exist.
+- ```yaml blocks that are whole cases (they have the keys `case` and `surface`) go through `strake check`, in the
+  page's folder.
+Other fences (text, console, cpp) are output or code for reading. Exit status 1 if anything fails.
+"""
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+FENCE = re.compile(r"^```(\w*)[^\n]*\n(.*?)^```", re.MULTILINE | re.DOTALL)
+SECONDS_PER_BLOCK = 300
+
+
+def blocks(page):
+    text = page.read_text(encoding="utf-8")
+    for match in FENCE.finditer(text):
+        yield text.count("\n", 0, match.start()) + 1, match.group(1), match.group(2)
+
+
+def fresh_copy(folder, bin_folder):
+    """The repository as a reader sees it, without builds; example surfaces at a size that keeps this cheap."""
+    for name in ("cases", "scripts"):
+        shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated", "*.cpp", "*.hpp"))
+    for name in ("run.sh", "test.sh", "README.md"):
+        shutil.copy2(ROOT / name, folder / name)
+    subprocess.run([ROOT / "scripts/examples.sh", folder / "cases", bin_folder, "4000", "4000"], check=True,
+                   stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+
+
+def split_covered(code, where, failures):
+    """Takes out the lines that call run.sh or test.sh, after a look at what they name."""
+    kept = []
+    for line in code.splitlines():
+        words = line.split("#")[0].split()
+        if not words or words[0] not in ("./run.sh", "./test.sh"):
+            kept.append(line)
+            continue
+        for name in words:
+            if not (ROOT / name).is_file():
+                failures.append(f"{where}: '{line.strip()}' names {name}, which does not exist")
+    return "\n".join(kept)
+
+
+def run(command, where, folder, environment, failures, text=None):
+    try:
+        done = subprocess.run(command, cwd=folder, env=environment, input=text, text=True, timeout=SECONDS_PER_BLOCK,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    except subprocess.TimeoutExpired:
+        failures.append(f"{where}: not done after {SECONDS_PER_BLOCK} s")
+        return
+    if done.returncode != 0:
+        tail = "\n    ".join(done.stdout.splitlines()[-15:])
+        failures.append(f"{where}: exit status {done.returncode}\n    {tail}")
+
+
+def main():
+    if len(sys.argv) != 2:
+        sys.exit(__doc__)
+    bin_folder = pathlib.Path(sys.argv[1]).resolve()
+    environment = dict(os.environ, PATH=f"{bin_folder}{os.pathsep}{os.environ['PATH']}")
+    failures, counts = [], {"sh": 0, "yaml": 0}
+    with tempfile.TemporaryDirectory() as temporary:
+        pristine = pathlib.Path(temporary) / "pristine"
+        pristine.mkdir()
+        fresh_copy(pristine, bin_folder)
+        for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+            folder = pathlib.Path(temporary) / page.stem
+            shutil.copytree(pristine, folder)
+            for line, kind, code in blocks(page):
+                where = f"{page.relative_to(ROOT)}:{line}"
+                if kind in ("sh", "bash", "shell"):
+                    counts["sh"] += 1
+                    code = split_covered(code, where, failures)
+                    if code.strip():
+                        run(["bash", "-euo", "pipefail", "-s"], where, folder, environment, failures, code)
+                elif kind == "yaml" and re.search(r"^case:", code, re.M) and re.search(r"^surface:", code, re.M):
+                    counts["yaml"] += 1
+                    snippet = folder / f"snippet_{line}.yaml"
+                    snippet.write_text(code, encoding="utf-8")
+                    run([str(bin_folder / "strake"), "check", str(snippet)], where, folder, environment, failures)
+    print(f"{counts['sh']} shell blocks and {counts['yaml']} cases in the documentation, {len(failures)} failures")
+    print(*failures, sep="\n")
+    if not counts["sh"]:
+        failures.append("no shell block found")
+    sys.exit(1 if failures else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,81 @@
+#!/bin/bash
+# All checks: set-up, format, warnings as errors, tests, sanitizers on the readers, the shipped cases, the main job at
+# reduced size, and the commands in the documentation. Ends with a summary; exit status 0 only if everything passed.
+# Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
+set -uo pipefail
+cd "$(dirname "$0")"
+export CLICOLOR=0
+logs=build/test-logs
+mkdir -p $logs
+passed=0 failed=0 summary=()
+
+# step NAME COMMAND...: runs it, keeps its output in a log, shows the end of it after a failure.
+step() {
+    local name=$1 log=$logs/${1// /-}.log begin=$SECONDS
+    shift
+    printf '== %s\n' "$name"
+    if "$@" >"$log" 2>&1; then
+        passed=$((passed + 1))
+        summary+=("$(printf 'passed  %4d s  %s' $((SECONDS - begin)) "$name")")
+        grep -E '^(100%|[0-9]+% tests passed|Total Test time)' "$log" || true
+    else
+        failed=$((failed + 1))
+        summary+=("$(printf 'FAILED  %4d s  %s (%s)' $((SECONDS - begin)) "$name" "$log")")
+        tail -n 60 "$log"
+    fi
+}
+finish() {
+    printf '\n'
+    printf '%s\n' "${summary[@]}"
+    printf '%d passed, %d failed\n' $passed $failed
+    [ $failed = 0 ]
+    exit
+}
+
+sources() { find cases cli core objectives optimize report tests bench \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
+format() { sources | xargs -0 clang-format --dry-run -Werror; }
+configure() {  # PRESET
+    local launcher=()
+    ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+    cmake --preset "$1" "${launcher[@]}"
+}
+release_build() { configure release && cmake --build --preset release; }
+# The programs that read what others wrote: every test program of readers and case loader, under ASan and UBSan.
+sanitized() {
+    local -a tests
+    mapfile -t tests < <(grep -v '^#' scripts/sanitized_tests.txt)
+    [ ${#tests[@]} -gt 0 ] || { echo "scripts/sanitized_tests.txt names no test"; return 1; }
+    configure debug && cmake --build --preset debug --target "${tests[@]}" || return 1
+    local pattern
+    pattern=$(IFS='|'; echo "${tests[*]}")
+    ctest --test-dir build/debug --output-on-failure --no-tests=error -j2 -R "^($pattern)\$"
+}
+unit_tests() { ctest --preset release -j2; }
+check_cases() {
+    scripts/examples.sh cases "$bin" || return 1
+    local file count=0 bad=0
+    while IFS= read -r -d '' file; do
+        grep -q '^case *:' "$file" || continue
+        count=$((count + 1))
+        "$bin/strake" check "$file" || { echo "$file: status $?"; bad=$((bad + 1)); }
+    done < <(find cases -name '*.yaml' -not -path '*/generated/*' -print0 | sort -z)
+    echo "$count cases checked"
+    [ $count -gt 0 ] && [ $bad = 0 ]
+}
+main_job() { scripts/main_job.sh "$bin" 4000; }
+snippets() { scripts/check_snippets.py "$bin"; }
+
+step "set-up" scripts/setup.sh run test
+[ $failed = 0 ] || finish
+step "format" format
+step "release build" release_build
+[ $failed = 0 ] || finish
+bin=$PWD/build/test-bin
+mkdir -p "$bin"
+ln -sf ../release/cli/strake ../release/cases/geometry/make_surface "$bin"
+step "tests" unit_tests
+step "cases" check_cases
+step "main job" main_job
+step "snippets" snippets
+step "sanitizers" sanitized
+finish

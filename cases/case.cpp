@@ -11,9 +11,9 @@ namespace {
 /// Built-in quantities that are used without an entry get one.
 void add_built_in(Case& c) {
     const auto used = [&](const std::string& name) {
-        return c.objective.name == name || std::any_of(c.constraints.begin(), c.constraints.end(), [&](const auto& entry) {
-                   return entry.constraint.quantity == name;
-               });
+        return c.objective.name == name ||
+               std::any_of(c.constraints.begin(), c.constraints.end(),
+                           [&](const auto& entry) { return entry.constraint.quantity == name; });
     };
     const auto declared = [&](const std::string& name) {
         return std::any_of(c.quantities.begin(), c.quantities.end(), [&](const auto& q) { return q.name == name; });
@@ -73,8 +73,9 @@ public:
     std::string block(const Value& root) const {
         std::string out;
         for (const Entry& entry : root.entries) {
-            const bool is_named_map = entry.key == "regions" || entry.key == "quantities" || entry.key == "constraints" ||
-                                      entry.key == "optimize" || entry.key == "parameters";
+            const bool is_named_map = entry.key == "regions" || entry.key == "quantities" ||
+                                      entry.key == "constraints" || entry.key == "optimize" ||
+                                      entry.key == "parameters";
             if (!is_named_map || entry.value.entries.empty()) {
                 out += key(entry.key) + ": " + flow(entry.value, entry.key) + "\n";
                 continue;
@@ -108,7 +109,8 @@ private:
         const Type type = value.accepted->type == Type::list ? value.accepted->element : value.accepted->type;
         const std::filesystem::path here = case_.file.parent_path();
         if (type == Type::file) return quoted(rebased(here / value.text, folder_));
-        if (path.ends_with(".command[]") && is_program(value)) return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
+        if (path.ends_with(".command[]") && is_program(value))
+            return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
         if (type == Type::text || type == Type::name || type == Type::path) return quoted(value.text);
         return value.text;
     }

@@ -62,9 +62,9 @@ struct Reference {
 struct LoadEntry {
     Reference region;
     Place place;
-    std::optional<Eigen::Vector3d> traction;  ///< force per area, 1/length
-    std::optional<Eigen::Vector3d> force;     ///< total over the region, length
-    std::optional<Length> displacement;       ///< wanted largest displacement by the linear response
+    std::optional<Eigen::Vector3d> traction;              ///< force per area, 1/length
+    std::optional<Eigen::Vector3d> force;                 ///< total over the region, length
+    std::optional<Length> displacement;                   ///< wanted largest displacement by the linear response
     Eigen::Vector3d direction = Eigen::Vector3d::Zero();  ///< unit, with `displacement`
     std::optional<double> spring;                         ///< lambda_A of this region, 1/length^2
 };
@@ -88,7 +88,8 @@ struct NearPoint {
 struct SplitEntry {
     enum class Kind { all, largest, containing } kind = Kind::all;
     int largest = 1;
-    std::vector<std::pair<std::variant<int, NearPoint>, Place>> containing;  ///< triangle number, or the triangle nearest
+    std::vector<std::pair<std::variant<int, NearPoint>, Place>>
+        containing;  ///< triangle number, or the triangle nearest
 };
 
 struct ParameterEntry {

@@ -1,12 +1,8 @@
 #include "cases/case_source.hpp"
-
-#include <unistd.h>
+#include "objectives/external/external.hpp"
 
 #include <algorithm>
-#include <cstdlib>
-#include <map>
 #include <set>
-#include <sstream>
 
 namespace strake {
 namespace {
@@ -44,9 +40,9 @@ void check_fixed(const Case& c, Diagnostics& errors) {
     for (const LoadEntry& load : c.loads) {
         check_region(c, load.region, errors);
         if (held.count(load.region.name) || strained.count(load.region.name))
-            errors.add(load.region.place, text("region '", load.region.name, "' is under loads and under ",
-                                               held.count(load.region.name) ? "fixed" : "strains",
-                                               "; a held region cannot be loaded"));
+            errors.add(load.region.place,
+                       text("region '", load.region.name, "' is under loads and under ",
+                            held.count(load.region.name) ? "fixed" : "strains", "; a held region cannot be loaded"));
     }
 }
 
@@ -57,8 +53,7 @@ void check_loads(const Value* list, Diagnostics& errors) {
         std::vector<std::string> given;
         for (const char* key : {"traction", "force", "displacement"})
             if (entry_of(&load.value, key)) given.push_back(key);
-        if (given.size() > 1)
-            errors.add(load.value.place, text("a load must have only one of ", joined(given)));
+        if (given.size() > 1) errors.add(load.value.place, text("a load must have only one of ", joined(given)));
         if (given.empty() && !entry_of(&load.value, "spring"))
             errors.add(load.value.place, "a load must have traction, force, displacement or spring");
     }
@@ -96,43 +91,32 @@ void check_parameters(const Value* parameters, const Case& c, Diagnostics& error
         errors.add(variables->place, "parameters.variables: load contains load_normal; use one of them");
 }
 
-/// Empty when the program of a command exists and may be executed.
-std::string program_error(const std::string& program, const std::filesystem::path& case_dir) {
-    const auto executable = [](const std::filesystem::path& path) {
-        std::error_code error;
-        return std::filesystem::is_regular_file(path, error) && ::access(path.c_str(), X_OK) == 0;
-    };
-    if (program.find('/') != std::string::npos) {
-        const std::filesystem::path path = case_dir / program;
-        std::error_code error;
-        if (!std::filesystem::exists(path, error))
-            return text("does not exist (", printable(path.string(), 300), ")");
-        return executable(path) ? "" : text("is not executable (", printable(path.string(), 300), ")");
+/// Empty when the program of a command can be started.
+std::string program_error(const QuantityEntry& quantity, const ExternalEntry& entry, const Case& c) {
+    ExternalCommand command;
+    command.name = quantity.name;
+    command.command = entry.command;
+    command.gives = entry.gives;
+    command.timeout_s = entry.timeout_s;
+    command.format = entry.format.empty() ? "stl" : entry.format;
+    command.case_dir = c.file.parent_path();
+    command.diagonal = 1;  // not known yet, and of no matter here
+    try {
+        const auto failure = check_program(command);
+        return failure ? failure->message : "";
+    } catch (const InvalidInput& e) {
+        return e.what();
     }
-    const char* search = std::getenv("PATH");
-    std::istringstream folders(search ? search : "");
-    for (std::string folder; std::getline(folders, folder, ':');)
-        if (executable(std::filesystem::path(folder.empty() ? "." : folder) / program)) return "";
-    return "is not a program in PATH; a program beside the case file is written './name'";
 }
 
 void check_quantities(const Value* list, const Case& c, Diagnostics& errors) {
     for (const QuantityEntry& quantity : c.quantities) {
         const auto* external = std::get_if<ExternalEntry>(&quantity.what);
-        if (!external || external->command.empty()) continue;
         const Entry* entry = entry_of(list, quantity.name);
         const Value* command = entry ? entry->value.find("command") : nullptr;
-        const std::string shown = "quantities." + quantity.name;
-        if (command && command->entries[0].value.accepted) {
-            const std::string why = program_error(external->command[0], c.file.parent_path());
-            if (!why.empty())
-                errors.add(command->entries[0].value.place,
-                           text(shown, ".command[0] = ", printable(external->command[0]), " ", why));
-        }
-        std::set<std::string> seen;
-        for (const std::string& name : external->gives)
-            if (!seen.insert(name).second)
-                errors.add(quantity.place, text(shown, ".gives names '", name, "' twice"));
+        const bool complete = external && command && external->command.size() == command->entries.size();
+        const std::string why = complete ? program_error(quantity, *external, c) : "";
+        if (!why.empty()) errors.add(command->place, "quantities." + why);
     }
 }
 
@@ -175,7 +159,8 @@ void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
         check(target);
         if (quantity ? !std::holds_alternative<TargetShapeEntry>(quantity->what)
                      : target.name == "volume" || target.name == "area")
-            errors.add(target.place, text("quantity '", target.name, "' has no residuals; fit needs type: target_shape"));
+            errors.add(target.place,
+                       text("quantity '", target.name, "' has no residuals; fit needs type: target_shape"));
         if (!seen.insert(target.name).second)
             errors.add(target.place, text("quantity '", target.name, "' is named twice under fit"));
     }
@@ -213,7 +198,8 @@ void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostic
     if (objective && fit)
         errors.add(fit->key_place, "objective and fit exclude each other");
     else if (purpose == Purpose::run && !objective)
-        errors.add(root.place, fit ? "objective is missing; this case is one for 'strake fit'" : "objective is missing");
+        errors.add(root.place,
+                   fit ? "objective is missing; this case is one for 'strake fit'" : "objective is missing");
     else if (purpose == Purpose::fit && !fit)
         errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'" : "fit is missing");
     else if (fit)

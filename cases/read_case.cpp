@@ -257,7 +257,8 @@ private:
         const Value& map = entry.value;
         QuantityEntry quantity{entry.key, entry.key_place, VolumeEntry{}};
         const Value *type = map.find("type"), *command = map.find("command"), *file = map.find("file");
-        const bool has_type = std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "type"; });
+        const bool has_type =
+            std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "type"; });
         const bool has_command =
             std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "command"; });
         if (map.form == Value::Form::map && has_type == has_command)

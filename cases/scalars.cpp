@@ -168,25 +168,41 @@ std::string check_limits(const Value& value, Type type, const Limits& limits) {
 }
 
 std::string convert(Value& value, Type type, const Key& key, const ScalarContext& context) {
+    if (value.text.find('\0') != std::string::npos) return "must not contain a NUL character";
     switch (type) {
-        case Type::text: return value.text.empty() ? "must not be empty" : "";
-        case Type::path: return value.text.empty() ? "must name a file or folder" : "";
-        case Type::name: return read_name(value.text);
-        case Type::word: return read_word(value, key);
-        case Type::file: return check_file(value.text, context.case_dir);
-        default: break;
+        case Type::text:
+            return value.text.empty() ? "must not be empty" : "";
+        case Type::path:
+            return value.text.empty() ? "must name a file or folder" : "";
+        case Type::name:
+            return read_name(value.text);
+        case Type::word:
+            return read_word(value, key);
+        case Type::file:
+            return check_file(value.text, context.case_dir);
+        default:
+            break;
     }
     if (value.quoted) return quoted_word(type);
     switch (type) {
-        case Type::flag: return read_flag(value.text, value.number);
-        case Type::integer: return read_integer(value.text, value.number);
-        case Type::number: return read_number(value.text, value.number);
-        case Type::fraction: return read_fraction(value.text, value.number);
-        case Type::length: return read_length(value.text, context, true, value);
-        case Type::coordinate: return read_length(value.text, context, false, value);
-        case Type::angle: return read_angle(value.text, value.number);
-        case Type::duration: return read_duration(value.text, value.number);
-        default: return "must be a list or a map";
+        case Type::flag:
+            return read_flag(value.text, value.number);
+        case Type::integer:
+            return read_integer(value.text, value.number);
+        case Type::number:
+            return read_number(value.text, value.number);
+        case Type::fraction:
+            return read_fraction(value.text, value.number);
+        case Type::length:
+            return read_length(value.text, context, true, value);
+        case Type::coordinate:
+            return read_length(value.text, context, false, value);
+        case Type::angle:
+            return read_angle(value.text, value.number);
+        case Type::duration:
+            return read_duration(value.text, value.number);
+        default:
+            return "must be a list or a map";
     }
 }
 

@@ -37,16 +37,16 @@ struct Limits {
 struct Key {
     std::string path;  ///< "loads[].traction", "regions.*.box"; several rows of one path: one a form
     Type type = Type::map;
-    std::string doc = "";            ///< one sentence
-    std::string fallback = "";       ///< default as it would be written; empty: none
+    std::string doc = "";       ///< one sentence
+    std::string fallback = "";  ///< default as it would be written; empty: none
     bool required = false;
     Limits limits = {};
     std::vector<std::string> words = {};
-    Type element = Type::map;        ///< of lists of scalars
-    int count = 0;                   ///< of lists: exact length; 0: any, at least one
-    std::string when = "";           ///< "plane", "type=target_shape", "levels=[]": only beside such a key
-    bool loose_word = false;         ///< upper case, NLopt prefixes and '-' make no difference
-    bool may_be_empty = false;       ///< lists and maps of names
+    Type element = Type::map;   ///< of lists of scalars
+    int count = 0;              ///< of lists: exact length; 0: any, at least one
+    std::string when = "";      ///< "plane", "type=target_shape", "levels=[]": only beside such a key
+    bool loose_word = false;    ///< upper case, NLopt prefixes and '-' make no difference
+    bool may_be_empty = false;  ///< lists and maps of names
 };
 
 const std::vector<Key>& schema();

@@ -9,21 +9,36 @@ std::string code(const std::string& text) { return "`" + text + "`"; }
 
 std::string type_name(Type type) {
     switch (type) {
-        case Type::map: return "map";
-        case Type::list: return "list";
-        case Type::text: return "text";
-        case Type::name: return "name";
-        case Type::word: return "word";
-        case Type::flag: return "true or false";
-        case Type::integer: return "integer";
-        case Type::number: return "number";
-        case Type::fraction: return "number or %";
-        case Type::length: return "length";
-        case Type::coordinate: return "coordinate";
-        case Type::angle: return "angle";
-        case Type::duration: return "time";
-        case Type::file: return "file";
-        case Type::path: return "path";
+        case Type::map:
+            return "map";
+        case Type::list:
+            return "list";
+        case Type::text:
+            return "text";
+        case Type::name:
+            return "name";
+        case Type::word:
+            return "word";
+        case Type::flag:
+            return "true or false";
+        case Type::integer:
+            return "integer";
+        case Type::number:
+            return "number";
+        case Type::fraction:
+            return "number or %";
+        case Type::length:
+            return "length";
+        case Type::coordinate:
+            return "coordinate";
+        case Type::angle:
+            return "angle";
+        case Type::duration:
+            return "time";
+        case Type::file:
+            return "file";
+        case Type::path:
+            return "path";
     }
     return "";
 }
@@ -46,7 +61,9 @@ std::string limits_of(const Key& key) {
     const Limits& limit = key.limits;
     const Type type = key.type == Type::list ? key.element : key.type;
     const std::string unit = type == Type::angle ? "deg" : "";
-    const auto shown = [&](double v) { return type == Type::fraction ? text(v * 100, "%") : text(v, v != 0 ? unit : ""); };
+    const auto shown = [&](double v) {
+        return type == Type::fraction ? text(v * 100, "%") : text(v, v != 0 ? unit : "");
+    };
     const bool has_max = limit.max < std::numeric_limits<double>::infinity();
     const bool has_min = limit.min > -std::numeric_limits<double>::infinity();
     if (has_max)

@@ -47,21 +47,36 @@ const std::vector<std::string> later_keys{"repair",
 
 const char* described(Type type) {
     switch (type) {
-        case Type::map: return "a map";
-        case Type::list: return "a list";
-        case Type::name: return "a name";
-        case Type::word: return "a word";
-        case Type::flag: return "true or false";
-        case Type::integer: return "an integer";
-        case Type::number: return "a number";
-        case Type::fraction: return "a number or a percentage";
-        case Type::length: return "a length";
-        case Type::coordinate: return "a coordinate";
-        case Type::angle: return "an angle";
-        case Type::duration: return "a time";
-        case Type::file: return "a file";
-        case Type::path: return "a path";
-        case Type::text: return "text";
+        case Type::map:
+            return "a map";
+        case Type::list:
+            return "a list";
+        case Type::name:
+            return "a name";
+        case Type::word:
+            return "a word";
+        case Type::flag:
+            return "true or false";
+        case Type::integer:
+            return "an integer";
+        case Type::number:
+            return "a number";
+        case Type::fraction:
+            return "a number or a percentage";
+        case Type::length:
+            return "a length";
+        case Type::coordinate:
+            return "a coordinate";
+        case Type::angle:
+            return "an angle";
+        case Type::duration:
+            return "a time";
+        case Type::file:
+            return "a file";
+        case Type::path:
+            return "a path";
+        case Type::text:
+            return "text";
     }
     return "a value";
 }
@@ -147,9 +162,9 @@ private:
             if (is_new)
                 kept.push_back(std::move(entry));
             else
-                errors_.add(entry.key_place, text("key '", printable(entry.key), "' given twice",
-                                                  shown.empty() ? "" : " in " + shown, " (first on line ",
-                                                  known->second, ")"));
+                errors_.add(entry.key_place,
+                            text("key '", printable(entry.key), "' given twice", shown.empty() ? "" : " in " + shown,
+                                 " (first on line ", known->second, ")"));
         }
         value.entries = std::move(kept);
     }
@@ -174,8 +189,7 @@ private:
         return text("'", when.substr(0, equal), ": ", when.substr(equal + 1), "'");
     }
 
-    void child(Value& map, const std::string& name, const std::string& pattern,
-               const std::string& shown) {
+    void child(Value& map, const std::string& name, const std::string& pattern, const std::string& shown) {
         const std::string path = below(pattern, name), shown_path = below(shown, name);
         const Key& row = *schema_index().rows.at(path).front();
         for (Entry& entry : map.entries)
@@ -221,8 +235,7 @@ private:
             return;
         }
         const std::string near = nearest(entry.key, names);
-        const std::string hint =
-            near.empty() ? text("; keys: ", joined(names)) : text("; did you mean '", near, "'?");
+        const std::string hint = near.empty() ? text("; keys: ", joined(names)) : text("; did you mean '", near, "'?");
         errors_.add(entry.key_place, text("unknown key '", key, "'", in, hint));
     }
 

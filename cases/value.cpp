@@ -159,7 +159,8 @@ private:
         }
     }
     void take_key(Frame& frame, const Value& value) {
-        if (value.form != Value::Form::scalar || value.null) fail(file_, lines_, value.place, "a key must be plain text");
+        if (value.form != Value::Form::scalar || value.null)
+            fail(file_, lines_, value.place, "a key must be plain text");
         if (value.text == "<<" && !value.quoted)
             fail(file_, lines_, value.place, "merge keys (<<) are not supported; write the keys out");
         frame.has_key = true;

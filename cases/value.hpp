@@ -22,8 +22,8 @@ struct Value {
     // Set by validate().
     const Key* accepted = nullptr;  ///< the row of the table; null: refused, and reported
     bool from_default = false;
-    double number = 0;              ///< value of a scalar: surface unit, radians, seconds, 0 or 1
-    bool relative = false;          ///< a length given as a percentage
+    double number = 0;      ///< value of a scalar: surface unit, radians, seconds, 0 or 1
+    bool relative = false;  ///< a length given as a percentage
 
     /// The accepted value of a map's key, or null.
     const Value* find(const std::string& key) const;

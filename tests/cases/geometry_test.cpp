@@ -3,6 +3,7 @@
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
+#include "core/mesh/topology.hpp"
 
 #include <gtest/gtest.h>
 
@@ -213,6 +214,21 @@ TEST(NacaWing, IsATubeWithASharpTrailingEdge) {
     EXPECT_GT(*std::min_element(trailing.begin(), trailing.end()), 160.0);
     EXPECT_GT(triangle_normals(mesh).col(2).cwiseAbs().maxCoeff(), 0.9);
     EXPECT_GT(enclosed_volume(mesh), 0.0) << "outward";
+}
+
+TEST(Examples, HaveNoDefects) {
+    for (const TriMesh& mesh :
+         {example::wing(22'000), example::wing(1500), example::lifting_body(30'000), example::lifting_body(1500)}) {
+        const TopologyFacts facts = topology(mesh, adjacency(mesh));
+        EXPECT_EQ(facts.components, 1);
+        EXPECT_TRUE(facts.nonmanifold_vertices.empty());
+        EXPECT_TRUE(facts.degenerate_triangles.empty());
+        EXPECT_TRUE(facts.isolated_vertices.empty());
+        EXPECT_TRUE(facts.duplicate_vertices.empty());
+        const Intersections crossings = intersections(mesh);
+        EXPECT_TRUE(crossings.apart.empty()) << crossings.apart.size();
+        EXPECT_TRUE(crossings.adjacent.empty()) << crossings.adjacent.size();
+    }
 }
 
 TEST(Examples, RefuseWrongRequests) {

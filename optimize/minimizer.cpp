@@ -173,9 +173,9 @@ private:
         const Box box = box_around(guard_.program, guard_.best_x, radius_);
         const nlopt::result code = run_nlopt(guard_, box);
         if (guard_.cause == Cause::failure) return shrink();
-        if (guard_.cause == Cause::asked_nonfinite || code == nlopt::FAILURE || code == nlopt::INVALID_ARGS)
-            return broke_down();
+        if (guard_.cause == Cause::asked_nonfinite) return broke_down();
         if (guard_.cause != Cause::none) return end_by_cause(), true;
+        if (code == nlopt::FAILURE || code == nlopt::INVALID_ARGS) return broke_down();
         if (lies_on_artificial_side(guard_.program, box, guard_.best_x)) return grow();
         const double gain = before - guard_.best.objective,
                      floor = 10 * guard_.options.objective_tolerance * std::abs(guard_.best.objective);

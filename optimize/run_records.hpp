@@ -1,0 +1,72 @@
+#pragma once
+#include "optimize/design_space.hpp"
+
+/// What a run or a fit tells while it goes on, and what it ends with.
+namespace strake {
+
+struct EvaluationRecord {
+    int evaluation = 0;  ///< from 1, over the whole run
+    int level = 0;
+    std::string status;  ///< "ok", or why there is no value, in one word
+    std::string reason;  ///< the same in words; empty when ok
+    double objective =
+        std::numeric_limits<double>::quiet_NaN();  ///< as the case states it (a fit: mean square distance)
+    std::vector<double> values;  ///< of all quantities, in the order of `RunResult::names`; empty when not ok
+    double max_violation = std::numeric_limits<double>::quiet_NaN();  ///< largest scaled constraint violation
+    bool accepted = false;                                            ///< the best design so far
+    double max_displacement = 0;                                      ///< of the surface from its start, length
+    double seconds = 0;  ///< wall clock of this evaluation; not part of the history
+};
+
+/// A best-so-far design; views are valid during the call.
+struct AcceptedDesign {
+    const EvaluationRecord& record;
+    const DesignSpace& space;
+    const Eigen::VectorXd& x;
+    const Points& vertices;
+    const Points& dJ_dv;  ///< of the objective, n x 3; empty when not at hand
+};
+
+struct LevelStart {
+    const DesignSpace& space;
+    const Eigen::VectorXd& x;
+};
+
+struct LevelSummary {
+    int level = 0, patches = 0, variables = 0, evaluations = 0;
+    std::string stop;  ///< why the level ended, one sentence
+    double objective_start = 0, objective_end = 0;
+    double inherited_shape_change = 0;      ///< largest vertex motion by the refinement, in diagonals
+    double inherited_objective_change = 0;  ///< relative
+};
+
+struct RunEvents {
+    std::function<void(const LevelStart&)> level;
+    std::function<void(const EvaluationRecord&)> evaluation;
+    std::function<void(const AcceptedDesign&)> accepted;
+    std::function<void(const LevelSummary&)> level_end;
+    std::function<void(const std::string&)> note;
+};
+
+struct RunResult {
+    /// converged | budget (evaluations or time) | progress (it slackened on the last level) | roundoff | blocked (valid
+    /// evaluations end next to the best design) | infeasible | failed | evaluation_failed (a quantity gave no value)
+    std::string status = "failed";
+    std::string reason;  ///< one sentence or two: why, and what to do next
+    int level = 0, evaluations = 0;
+    double objective_start = std::numeric_limits<double>::quiet_NaN();
+    double objective = std::numeric_limits<double>::quiet_NaN();  ///< of the best design
+    double max_violation = std::numeric_limits<double>::quiet_NaN();
+    int best_evaluation = 0;         ///< 0: there is no design
+    std::vector<std::string> names;  ///< of all values
+    std::vector<double> values_start, values;
+    Points vertices;    ///< of the best design; empty: none
+    DesignSpace space;  ///< in which it was found
+    Eigen::VectorXd x;
+    std::vector<LevelSummary> levels;
+    bool is_done() const {
+        return status == "converged" || status == "budget" || status == "progress" || status == "roundoff";
+    }
+};
+
+}  // namespace strake

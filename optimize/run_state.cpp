@@ -1,0 +1,141 @@
+#include "optimize/run_state.hpp"
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+constexpr double inheritance_tolerance = 1e-10;
+
+/// So that inheritance and level numbers need no special case: a tree that ends at level 0 is optimized on it.
+int first_level(const PatchHierarchy& tree) {
+    if (tree.levels.empty()) throw InvalidInput("the patch tree is empty");
+    return tree.levels.size() > 1 ? 1 : 0;
+}
+
+}  // namespace
+
+RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::string>& differentiated)
+    : problem(p), events(e), rest(rest_facts(p)), evaluator(p, rest, differentiated) {
+    if (p.optimize.max_evaluations < 1)
+        throw InvalidInput(text("max_evaluations = ", p.optimize.max_evaluations, " must be >= 1"));
+    result.names = evaluator.names();
+    for (const std::string& warning : rest->setup.warnings) note(warning);
+}
+
+double RunState::seconds_left() const {
+    if (problem.optimize.max_seconds <= 0) return std::numeric_limits<double>::infinity();
+    return problem.optimize.max_seconds -
+           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
+}
+
+ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
+    const auto begin = std::chrono::steady_clock::now();
+    ShapeEvaluation evaluation = evaluator.evaluate(x, ++result.evaluations);
+    last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    return evaluation;
+}
+
+void RunState::check_inheritance(const ShapeEvaluation& evaluation, double objective) {
+    LevelSummary& summary = result.levels.back();
+    if (level_best_vertices.rows() > 0 && evaluation.vertices.rows() > 0) {
+        summary.inherited_shape_change =
+            std::sqrt((evaluation.vertices - level_best_vertices).rowwise().squaredNorm().maxCoeff()) / rest->diagonal;
+        const double before = level_best_objective;
+        summary.inherited_objective_change =
+            std::abs(objective - before) / std::max(std::abs(before), std::numeric_limits<double>::min());
+        if (summary.inherited_shape_change > inheritance_tolerance)
+            note(text("level ", summary.level, " starts ", summary.inherited_shape_change,
+                      " diagonals off the shape that it inherits (limit ", inheritance_tolerance, ")"));
+    }
+    summary.objective_start = objective;
+}
+
+bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, double objective, const Rank& rank,
+                      const Points& dJ_dv) {
+    const bool ok = evaluation.status == EvaluationStatus::ok;
+    if (!level_has_started_) check_inheritance(evaluation, objective);
+    const bool is_level_best = ok && (!level_has_started_ || rank.better_than(level_best));
+    level_has_started_ = true;
+    EvaluationRecord record;
+    record.evaluation = result.evaluations;
+    record.level = space.level;
+    record.status = to_string(evaluation.status);
+    record.reason = evaluation.reason;
+    record.max_displacement = evaluation.max_displacement;
+    record.seconds = last_seconds_;
+    if (ok) {
+        record.objective = objective;
+        record.values = evaluation.values;
+        record.max_violation = rank.violation;
+        record.accepted = result.best_evaluation == 0 || rank.better_than(run_best);
+    }
+    if (is_level_best) {
+        level_best = rank;
+        level_best_vertices = evaluation.vertices;
+        level_best_objective = objective;
+        evaluator.accept();
+    }
+    if (record.accepted) {
+        if (result.best_evaluation == 0) {
+            result.objective_start = objective;
+            result.values_start = evaluation.values;
+        }
+        run_best = rank;
+        result.best_evaluation = record.evaluation;
+        result.objective = objective;
+        result.values = evaluation.values;
+        result.max_violation = rank.violation;
+        result.vertices = evaluation.vertices;
+        result.space = space;
+        result.x = x;
+        result.level = space.level;
+    }
+    if (events.evaluation) events.evaluation(record);
+    if (record.accepted && events.accepted) events.accepted({record, space, x, evaluation.vertices, dJ_dv});
+    return is_level_best;
+}
+
+Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x) {
+    Eigen::VectorXd start;
+    if (result.levels.empty()) {
+        space = design_space(rest, first_level(*rest->tree));
+        start = Eigen::VectorXd::Zero(space.size());
+    } else {
+        InheritedSpace inherited = refine(space, x);
+        space = std::move(inherited.space);
+        start = std::move(inherited.x);
+    }
+    evaluator.enter(space);
+    LevelSummary summary;
+    summary.level = space.level;
+    summary.patches = static_cast<int>(space.patches().patches.size());
+    summary.variables = space.size();
+    summary.evaluations = result.evaluations;  // until end_level: those before
+    result.levels.push_back(summary);
+    level_has_started_ = false;
+    for (const std::string& words : space.notes) note(text("level ", space.level, ": ", words));
+    if (events.level) events.level({space, start});
+    return start;
+}
+
+void RunState::end_level(const std::string& why) {
+    LevelSummary& summary = result.levels.back();
+    summary.evaluations = result.evaluations - summary.evaluations;
+    summary.stop = why;
+    summary.objective_end = level_best_objective;
+    if (events.level_end) events.level_end(summary);
+}
+
+bool ProgressWatch::slackened(const Rank& best) {
+    // Reaching feasibility starts a new count: the objective may have to rise on the way there.
+    if (best.feasible && !feasible_) merit_.clear(), feasible_ = true;
+    merit_.push_back(best.feasible ? best.merit : best.violation);
+    const int count = static_cast<int>(merit_.size());
+    if (fraction_ <= 0 || count < 2 * window) return false;
+    double best_gain = 0;
+    for (int i = window; i < count; ++i) best_gain = std::max(best_gain, merit_[i - window] - merit_[i]);
+    return merit_[count - 1 - window] - merit_[count - 1] <= fraction_ * best_gain;
+}
+
+}  // namespace strake

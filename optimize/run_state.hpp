@@ -1,0 +1,74 @@
+#pragma once
+#include "optimize/evaluation.hpp"
+#include "optimize/run_records.hpp"
+
+#include <chrono>
+
+/// What `optimize` and `fit` share while they walk down the levels: counting, records, the best design. Internal.
+namespace strake {
+
+/// How an evaluation ranks: feasible ones by objective (as minimized), others by violation.
+struct Rank {
+    bool feasible = false;
+    double violation = std::numeric_limits<double>::infinity(), merit = std::numeric_limits<double>::infinity();
+    bool better_than(const Rank& other) const {
+        if (feasible != other.feasible) return feasible;
+        return feasible ? merit < other.merit : violation < other.violation;
+    }
+};
+
+class RunState {
+public:
+    RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated);
+
+    /// Evaluates x as the next evaluation of the run.
+    ShapeEvaluation evaluate(const Eigen::VectorXd& x);
+    /// Records the last evaluation. `objective` as the case states it. Returns whether it is the best of the level;
+    /// then the next evaluation starts from its equilibrium.
+    bool record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, double objective, const Rank& rank,
+                const Points& dJ_dv);
+
+    /// Makes the space of the next level (from `x` of the present one) and enters it.
+    Eigen::VectorXd next_level(const Eigen::VectorXd& x);
+    void end_level(const std::string& why);  ///< completes the level's summary
+
+    int evaluations_left() const { return problem.optimize.max_evaluations - result.evaluations; }
+    int last_level() const { return static_cast<int>(rest->tree->levels.size()) - 1; }
+    double seconds_left() const;  ///< of the whole run; infinite without a limit
+    void note(const std::string& words) const {
+        if (events.note) events.note(words);
+    }
+
+    const Problem& problem;
+    const RunEvents& events;
+    std::shared_ptr<const RestFacts> rest;
+    ShapeEvaluator evaluator;
+    DesignSpace space;  ///< of the present level
+    RunResult result;
+    Rank level_best, run_best;
+    Points level_best_vertices;
+    double level_best_objective = std::numeric_limits<double>::quiet_NaN();
+
+private:
+    void check_inheritance(const ShapeEvaluation& evaluation, double objective);
+
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double last_seconds_ = 0;
+    bool level_has_started_ = false;
+};
+
+/// Has progress slackened? The gain per evaluation over the last `window` of them, against the best such rate of the
+/// level.
+class ProgressWatch {
+public:
+    explicit ProgressWatch(double fraction) : fraction_(fraction) {}
+    bool slackened(const Rank& best);
+
+private:
+    static constexpr int window = 5;
+    double fraction_;
+    bool feasible_ = false;
+    std::vector<double> merit_;
+};
+
+}  // namespace strake

@@ -1,0 +1,120 @@
+#include "optimize/coarse_to_fine.hpp"
+
+#include "core/error.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace strake;
+
+namespace {
+
+Problem more_volume() {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.objective = "volume";
+    problem.maximize = true;
+    Constraint limit;
+    limit.quantity = "area";
+    limit.max = 1.02;
+    limit.relative = true;
+    problem.constraints = {limit};
+    return problem;
+}
+
+}  // namespace
+
+TEST(CoarseToFine, GainsVolumeUnderAnAreaLimit) {
+    std::vector<EvaluationRecord> history;
+    int accepted = 0;
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord& r) { history.push_back(r); };
+    events.accepted = [&](const AcceptedDesign& d) {
+        ++accepted;
+        EXPECT_EQ(d.vertices.rows(), d.dJ_dv.rows());
+    };
+    const Problem problem = more_volume();
+    const RunResult r = optimize(problem, events);
+    EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
+    EXPECT_GT(r.objective, 1.03 * r.objective_start);
+    EXPECT_LE(r.values[1], (1.02 + 1.1e-6) * r.values_start[1]);
+    ASSERT_EQ(r.levels.size(), 3u);
+    for (std::size_t k = 1; k < 3; ++k) {
+        EXPECT_LT(r.levels[k].inherited_shape_change, 1e-10);
+        EXPECT_LT(r.levels[k].inherited_objective_change, 1e-10);
+        EXPECT_GE(r.levels[k].objective_end, r.levels[k].objective_start);
+    }
+    EXPECT_EQ(static_cast<int>(history.size()), r.evaluations);
+    double best = 0;
+    for (const EvaluationRecord& record : history)
+        if (record.status == "ok" && record.max_violation <= 1e-6) best = std::max(best, record.objective);
+    EXPECT_EQ(r.objective, best);
+    for (const int t : problem.fixed)
+        for (int k = 0; k < 3; ++k) {
+            const int v = problem.surface.triangles(t, k);
+            EXPECT_EQ(problem.surface.vertices.row(v), r.vertices.row(v));
+        }
+    for (const LevelSummary& s : r.levels)
+        std::printf("level %d: %d variables, %d evaluations, %.9g -> %.9g, %s\n", s.level, s.variables, s.evaluations,
+                    s.objective_start, s.objective_end, s.stop.c_str());
+    std::printf("%s: %s\n", r.status.c_str(), r.reason.c_str());
+}
+
+TEST(CoarseToFine, SameInputGivesTheSameHistory) {
+    std::vector<double> first, second;
+    Problem problem = more_volume();
+    problem.optimize.max_evaluations = 9;
+    for (auto* list : {&first, &second}) {
+        RunEvents events;
+        events.evaluation = [&](const EvaluationRecord& r) { list->push_back(r.objective); };
+        const RunResult r = optimize(problem, events);
+        EXPECT_EQ(r.status, "budget");
+        EXPECT_LE(r.evaluations, 9);
+    }
+    EXPECT_EQ(first, second);
+}
+
+TEST(CoarseToFine, QuantityFailureEndsTheRun) {
+    Problem problem = more_volume();
+    const auto evaluate = problem.quantities[0].evaluate;
+    problem.quantities[0].evaluate = [=](const QuantityRequest& request) {
+        QuantityResult result = evaluate(request);
+        if (request.evaluation == 3) result.failure = Failure{"timeout", "solver.sh: killed after 2 s"};
+        return result;
+    };
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "evaluation_failed");
+    EXPECT_NE(r.reason.find("killed after 2 s"), std::string::npos);
+    EXPECT_EQ(r.evaluations, 3);
+    problem.quantities[0].evaluate = [=](const QuantityRequest& request) {
+        QuantityResult result = evaluate(request);
+        result.values[0] = std::numeric_limits<double>::quiet_NaN();
+        return result;
+    };
+    EXPECT_EQ(optimize(problem).status, "evaluation_failed");
+}
+
+TEST(CoarseToFine, UnreachableConstraintIsInfeasible) {
+    Problem problem = more_volume();
+    problem.constraints[0].max = {};
+    problem.constraints[0].min = 50;
+    problem.optimize.max_evaluations = 12;
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "infeasible");
+    EXPECT_GT(r.max_violation, 0.1);
+}
+
+TEST(CoarseToFine, WrongProblemsAreRefused) {
+    Problem problem = more_volume();
+    problem.objective = "drag";
+    EXPECT_THROW(optimize(problem), InvalidInput);
+    problem = more_volume();
+    problem.objective.clear();
+    EXPECT_THROW(optimize(problem), InvalidInput);
+    problem = more_volume();
+    problem.constraints[0].min = 1.5;
+    EXPECT_THROW(optimize(problem), InvalidInput);
+    problem = more_volume();
+    problem.fixed.clear();
+    for (int t = 0; t + 1 < problem.surface.num_triangles(); ++t) problem.fixed.push_back(t);
+    EXPECT_ANY_THROW(optimize(problem));
+}

@@ -1,0 +1,42 @@
+#!/bin/bash
+# Renders docs/pictures from run folders, off screen with VTK: pictures.sh [BIN] [RUN_OF_FIT RUN_OF_WING RUN_OF_BODY]
+# Without run folders it takes the newest under runs/ (as ./run.sh leaves them). Needs: scripts/setup.sh pictures
+set -euo pipefail
+cd "$(dirname "$0")/.."
+bin=${1:-build/run/bin}
+newest() { find runs -maxdepth 1 -name "$1-*" -type d 2>/dev/null | sort | tail -n 1; }
+fit=${2:-$(newest wing-fit)} wing=${3:-$(newest wing-case)} body=${4:-$(newest lifting_body-case)}
+out=docs/pictures
+mkdir -p $out
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+
+picture() {  # OUT.png and the arguments of render.py
+    xvfb-run -a /usr/bin/python3 scripts/render.py "$out/$1" "${@:2}"
+    echo "$out/$1"
+}
+patches() {  # SURFACE NAME WANTED PER LEVEL: the tree as the case sees it
+    "$bin/strake" patches "$1" --angle auto -o "$work/$2.vtp" >/dev/null
+}
+
+scripts/examples.sh cases "$bin"
+start=cases/wing/generated/wing.obj
+patches $start wing
+patches cases/lifting_body/generated/lifting_body.stl body
+
+picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$work/wing.vtp:level_3" \
+    --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
+picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_2" "$work/body.vtp:level_3" \
+    --view=-1,-1,1 --titles "level 1|level 2|level 3" --size 640,480
+if [ -n "$wing" ]; then
+    picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
+        --view=-0.5,-0.7,1.2 --titles "before|after: more volume within the area allowed|patches, level 2" --size 640,520
+fi
+if [ -n "$fit" ]; then
+    picture wing-fit.png $start cases/wing/generated/target.obj "$fit"/best.obj \
+        --view=-1,-1,0.8 --titles "start|target|recovered" --size 640,520
+fi
+if [ -n "$body" ]; then
+    picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \
+        --view=-1,-1,0.8 --titles "before|after: more volume within the area allowed" --size 800,560
+fi

@@ -1,6 +1,6 @@
 #!/bin/bash
 # The wing's two cases from bare surface to optimized shape, at reduced size: main_job.sh BIN TRIANGLES
-# Fails unless both end converged, the fit recovers its target, and the volume grows within the area allowed.
+# Fails unless both converge, the fit recovers its target, and the volume grows within the area allowed.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=$1 triangles=$2
@@ -25,7 +25,7 @@ for name in ("fit", "run"):
     with open(f"{name}.json") as file:
         end = json.load(file)
     print(name, {key: end.get(key) for key in ("status", "reason", "level", "evaluations", "objective", "max_violation")})
-    if end.get("status") not in ("converged", "stopped", "limit"):
+    if end.get("status") not in ("converged", "progress", "roundoff"):
         problems.append(f"{name} ended with status {end.get('status')!r}: {end.get('reason')}")
     with open(f"{name}/history.csv") as file:
         rows = list(csv.DictReader(file))

@@ -172,15 +172,16 @@ QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& r
     process.grace_s = command.grace_s;
     const ProcessEnd end = run_process(process);
 
-    std::optional<Failure> failure = end.failure;
-    if (!failure) try {
-            return read_results(command, request, call, want_gradients);
-        } catch (const Refused& refused) {
-            failure = refused.failure;
-        }
-    failure->message = text(command.name, ", evaluation ", request.evaluation, ": ", failure->message, "\n  in ",
-                            call.folder.string());
-    if (!end.last_lines.empty()) failure->message += "\n  the program's last lines:\n" + end.last_lines;
+    Failure failure;
+    try {
+        if (end.failure) throw Refused{*end.failure};
+        return read_results(command, request, call, want_gradients);
+    } catch (const Refused& refused) {
+        failure = refused.failure;
+    }
+    failure.message =
+        text(command.name, ", evaluation ", request.evaluation, ": ", failure.message, "\n  in ", call.folder.string());
+    if (!end.last_lines.empty()) failure.message += "\n  the program's last lines:\n" + end.last_lines;
     return {{}, {}, failure};
 }
 
@@ -189,6 +190,9 @@ QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& r
 std::optional<Failure> check_program(const ExternalCommand& command) {
     validate(command);
     const Call nowhere;
+    if (replaced(command.command.front(), nowhere, command) != command.command.front() &&
+        command.command.front().find("{case_dir}") == std::string::npos)
+        return {};  // a program in the evaluation's folder: there is none yet
     try {
         find_program(program_of(command, replaced(command.command.front(), nowhere, command)));
     } catch (const Refused& refused) {
@@ -200,7 +204,7 @@ std::optional<Failure> check_program(const ExternalCommand& command) {
 Quantity external(const ExternalCommand& command) {
     validate(command);
     Quantity quantity;
-    if (command.gives.size() < 2)
+    if (command.gives.empty())
         quantity.names = {command.name};
     else
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);

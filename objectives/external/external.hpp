@@ -7,7 +7,7 @@
 namespace strake {
 
 struct ExternalCommand {
-    std::string name;  ///< of the quantity; values are called name.value, or name where there is one
+    std::string name;  ///< of the quantity; values are called name.value, or name where `gives` is empty
     std::vector<std::string>
         command;  ///< argument list, run without a shell; placeholders {surface} {request} {result} {folder} {case_dir}
     std::vector<std::string> gives;  ///< names of the values; empty: one value

@@ -47,8 +47,13 @@ using nlohmann::json;
 }
 
 json parse(const std::string& bytes) {
+    // Bounded, because copying and printing a value recurse.
+    const json::parser_callback_t bounded = [](int depth, json::parse_event_t, json&) {
+        if (depth > 64) refuse("unreadable", "is nested deeper than 64 levels");
+        return true;
+    };
     try {
-        return json::parse(bytes);
+        return json::parse(bytes, bounded);
     } catch (const json::parse_error& error) {
         refuse_syntax(bytes, error);
     } catch (const json::out_of_range& error) {  // "number overflow parsing '1e400'"

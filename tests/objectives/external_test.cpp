@@ -48,6 +48,19 @@ TEST_F(External, SeveralValuesAreNamedAndOthersLeftAlone) {
     EXPECT_EQ(result.dJ_dv.at(1), 2 * Points::Ones(mesh.num_vertices(), 3));
 }
 
+TEST_F(External, OneNamedValueMayUseTheShortForm) {
+    ExternalCommand command = fake("ok");
+    EXPECT_EQ(external(command).names, std::vector<std::string>{"aero"});
+    command.gives = {"drag"};
+    EXPECT_EQ(external(command).names, std::vector<std::string>{"aero.drag"});
+    EXPECT_FALSE(ask(command, true, 1).failure);
+    command.gives = {"drag", "lift"};
+    const QuantityResult result = ask(command, true, 2);
+    ASSERT_TRUE(result.failure);
+    EXPECT_EQ(result.failure->kind, "missing_key");
+    EXPECT_TRUE(has(result.failure->message, "for a command that gives one value")) << result.failure->message;
+}
+
 TEST_F(External, EachEvaluationHasAFreshNumberedFolder) {
     const ExternalCommand command = fake("ok");
     EXPECT_FALSE(ask(command, false, 12).failure);
@@ -103,6 +116,7 @@ TEST_F(External, EveryWrongResultIsAFailureOfItsKind) {
         {"overflow", "not_finite", "result.json:1:11: number 1e400"},
         {"string", "wrong_type", "'value' is string \"1.0\", must be a number"},
         {"array", "wrong_type", "must be an object"},
+        {"deep", "unreadable", "nested deeper"},
         {"missing_key", "missing_key", "did you mean 'value'?"},
         {"both_forms", "wrong_type", "both"},
         {"no_gradient", "missing_key", "no 'gradient'"},
@@ -151,6 +165,24 @@ TEST_F(External, BuiltInVolumeAndTheExampleScriptAgree) {
     // Bit for bit: the same sums in the same order, and 17 digits both ways.
     EXPECT_EQ(theirs.values.at(0), ours.values.at(0));
     EXPECT_EQ(theirs.dJ_dv.at(0), ours.dJ_dv.at(0));
+}
+
+TEST_F(External, ExampleScriptAgreesOnAHalfModelToo) {
+    ExternalCommand command = fake("unused");
+    command.command = {"./volume.py", "{request}", "{result}"};
+    command.case_dir = EXAMPLE_DIR;
+    mesh = strip(1, 1, 4, 4);  // a bulge over z = 0 whose rim lies in that plane
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        const double x = mesh.vertices(v, 0), y = mesh.vertices(v, 1);
+        mesh.vertices(v, 2) = x * (1 - x) * y * (1 - y) * (1 + x + y);
+    }
+    const Quantity built_in = volume(mesh, SymmetryPlane{Eigen::Vector3d::UnitZ(), 0});
+    const QuantityResult theirs = ask(command, true), ours = built_in.evaluate({mesh, true, 1, 0, {}});
+    ASSERT_FALSE(theirs.failure) << theirs.failure->message;
+    EXPECT_EQ(theirs.values.at(0), ours.values.at(0));
+    for (int v = 0; v < mesh.num_vertices(); ++v)  // on the plane they differ across it, where nothing can move
+        for (int c = 0; c < (mesh.vertices(v, 2) == 0 ? 2 : 3); ++c)
+            EXPECT_EQ(theirs.dJ_dv.at(0)(v, c), ours.dJ_dv.at(0)(v, c));
 }
 
 TEST_F(External, WrongOptionsAreRefused) {

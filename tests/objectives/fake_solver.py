@@ -167,6 +167,7 @@ ROLES = {
     "overflow": lambda: write_text('{"value": 1e400}'),
     "string": lambda: write_text('{"value": "1.0"}'),
     "array": lambda: write_text("[1.0]"),
+    "deep": lambda: write_text('{"value": ' + "[" * 1000000 + "]" * 1000000 + "}"),
     "missing_key": lambda: write_text('{"valeu": 1.0}'),
     "both_forms": lambda: write_text('{"value": 1.0, "values": {"value": 1.0}}'),
     "no_gradient": lambda: write_text('{"value": 1.0}'),

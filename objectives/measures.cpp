@@ -29,39 +29,58 @@ std::string at(const TriMesh& mesh, int v) {
     return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
 }
 
-/// "; all open edges lie in the plane y = 0: …" where that is so, because then a half model is the likeliest reason.
-std::string symmetry_hint(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,
-                          double diagonal) {
-    for (int axis = 0; axis < 3; ++axis) {
-        const double c = mesh.vertices(adjacent.edges[open.front()][0], axis);
-        bool flat = true;
+std::string edge_between(const TriMesh& mesh, const std::array<int, 2>& edge) {
+    return text("edge from ", at(mesh, edge[0]), " to ", at(mesh, edge[1]));
+}
+
+/// What to do about open edges. The likeliest reason is a half model, so look for the side of the bounding box that
+/// holds most of them: all (then say which symmetry: line is missing), or all but some holes.
+std::string remedy(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open, double diagonal) {
+    const Box box = bounding_box(mesh);
+    int best_axis = 0;
+    double best_c = 0;
+    std::vector<int> best_off = open;
+    for (int side = 0; side < 6; ++side) {
+        const int axis = side / 2;
+        const double c = side % 2 == 0 ? box.min[axis] : box.max[axis];
+        std::vector<int> off;
         for (const int e : open)
             for (const int v : adjacent.edges[e])
-                flat = flat && std::abs(mesh.vertices(v, axis) - c) <= on_plane_rel * diagonal;
-        const double shown = std::abs(c) <= on_plane_rel * diagonal ? 0 : c;
-        if (flat)
-            return text("; all open edges lie in the plane ", "xyz"[axis], " = ", shown,
-                        ": for a half model say symmetry: {plane: ", "xyz"[axis], ", at: ", shown, "}");
+                if (std::abs(mesh.vertices(v, axis) - c) > on_plane_rel * diagonal) {
+                    off.push_back(e);
+                    break;
+                }
+        if (off.size() >= best_off.size()) continue;
+        best_off = off;
+        best_axis = axis;
+        best_c = std::abs(c) <= on_plane_rel * diagonal ? 0 : c;
     }
-    return "; close the holes first";
+    if (best_off.size() == open.size()) return "close the holes first";
+    const char name = "xyz"[best_axis];
+    const std::string line = text("symmetry: {plane: ", name, ", at: ", best_c, "}");
+    if (best_off.empty()) return text("all lie in the plane ", name, " = ", best_c, ": for a half model say ", line);
+    return text(open.size() - best_off.size(), " of them lie in the plane ", name, " = ", best_c, " (a half model? ",
+                line, "), the other ", best_off.size(), " are holes to be closed first, the first at the ",
+                edge_between(mesh, adjacent.edges[best_off.front()]));
 }
 
 [[noreturn]] void refuse_open(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,
                               const std::optional<SymmetryPlane>& symmetry, double diagonal) {
     const int e = open.front();
     const auto [a, b] = adjacent.edges[e];
-    const std::string where = text("edge from ", at(mesh, a), " to ", at(mesh, b));
+    const std::string where = edge_between(mesh, adjacent.edges[e]);
     if (adjacent.edge_triangles[e].size() > 1)
         throw InvalidInput(text("volume: the ", adjacent.edge_triangles[e].size(), " triangles at the ", where,
                                 " disagree in orientation (first of ", open.size(),
                                 " such or open edges); orient the surface first"));
-    if (!symmetry)
-        throw InvalidInput(text("volume: the surface is open at the ", where, ", first of ", open.size(), " open edges",
-                                symmetry_hint(mesh, adjacent, open, diagonal)));
+    const std::string first = text("volume: the surface is open at the ", where, ", first of ", open.size(),
+                                   open.size() == 1 ? " open edge" : " open edges");
+    const std::string then = remedy(mesh, adjacent, open, diagonal);
+    if (!symmetry) throw InvalidInput(text(first, "; ", then));
     const auto off = [&](int v) { return std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset); };
-    throw InvalidInput(text("volume: the surface is open at the ", where, ", first of ", open.size(),
-                            " open edges that are not on the symmetry plane: ", std::max(off(a), off(b)),
-                            " away from it, the limit is 1e-6 of the diagonal = ", on_plane_rel * diagonal));
+    throw InvalidInput(text(first, " that are not on the symmetry plane: ", std::max(off(a), off(b)),
+                            " away from it, the limit is 1e-6 of the diagonal = ", on_plane_rel * diagonal, "; ",
+                            then));
 }
 
 /// Vertices at boundary edges on the plane, one flag each. @throws InvalidInput at any other unbalanced edge.

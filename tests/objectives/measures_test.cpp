@@ -124,6 +124,19 @@ TEST(Volume, HalfModelWithoutItsPlaneIsToldAboutSymmetry) {
     EXPECT_TRUE(has(off, "limit")) << off;
 }
 
+TEST(Volume, HalfModelWithAHoleIsToldAboutBoth) {
+    TriMesh half = half_above(box_surface({2, 2, 4}, 2), 1);
+    const Points centroids = triangle_centroids(half);
+    int hole = 0;  // a triangle of the far side
+    while (centroids(hole, 1) < 2) ++hole;
+    half.triangles.row(hole) = half.triangles.row(half.num_triangles() - 1);
+    half.triangles.conservativeResize(half.num_triangles() - 1, 3);
+    const std::string message = refusal([&] { volume(half); });
+    EXPECT_TRUE(has(message, "8 of them lie in the plane y = 1 ")) << message;
+    EXPECT_TRUE(has(message, "the other 3 are holes")) << message;
+    EXPECT_TRUE(has(refusal([&] { volume(half, y_is_one); }), "first of 3 open edges that are not on")) << message;
+}
+
 TEST(Volume, BoundaryWithinAMillionthOfTheDiagonalIsOnThePlane) {
     TriMesh half = half_above(box_surface({2, 2, 4}, 2), 1);
     const double diagonal = box_diagonal(half);

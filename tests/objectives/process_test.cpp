@@ -4,6 +4,7 @@
 #include "objectives/external/log.hpp"
 
 #include <sys/stat.h>
+#include <sys/wait.h>
 #include <chrono>
 #include <csignal>
 #include <thread>
@@ -143,6 +144,23 @@ TEST_F(Process, GrandchildThatLeftTheGroupAndHoldsThePipeDoesNotHoldUs) {
     ::kill(std::stoi(pid), SIGKILL);
     EXPECT_FALSE(result.failure);
     EXPECT_LT(seconds, std::chrono::seconds(10));
+}
+
+TEST_F(Process, ProgramEndsWhenWeAreKilled) {
+    ExternalCommand command = fake("unused");
+    command.command = {"sh", "-c", "echo $$ > pid.new; mv pid.new pid; exec sleep 60"};
+    const pid_t we = ::fork();
+    if (we == 0) {
+        ask(command);
+        ::_exit(0);
+    }
+    const auto file = folder / "evaluations/000001/pid";
+    for (int k = 0; k < 1000 && !std::filesystem::exists(file); ++k)
+        std::this_thread::sleep_for(std::chrono::milliseconds(10));
+    ::kill(we, SIGKILL);
+    ::waitpid(we, nullptr, 0);
+    ASSERT_TRUE(std::filesystem::exists(file));
+    EXPECT_TRUE(goes_within_two_seconds(std::stoi(contents(file))));
 }
 
 TEST_F(Process, FloodOfOutputIsCutInTheMiddleAndCostsNoMemory) {

@@ -73,6 +73,7 @@ private:
         program.num_equalities = num_equalities_;
         program.evaluate = [&](const Eigen::VectorXd& x) { return evaluate(x); };
         program.differentiate = [&](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
+        program.reach = [&](const Eigen::VectorXd& direction) { return state_.evaluator.reach(direction); };
         MinimizeOptions how;
         how.method = options.method;
         how.objective_tolerance = options.objective_tolerance;

@@ -155,6 +155,22 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
     }
 }
 
+Points response_along(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& direction) {
+    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+    std::vector<std::array<Points, 6>> by_motion;
+    Points moved = Points::Zero(space.rest->surface.num_vertices(), 3);
+    for (int j = 0; j < space.size(); ++j) {
+        const Variable& variable = space.variables[j];
+        const double value = direction[j] * variable.unit;
+        if (is_load(variable.kind)) add_traction(space, variable, value, traction);
+        if (variable.kind != VariableKind::strain) continue;
+        if (by_motion.empty()) by_motion = shell.motion_response();
+        moved += by_motion[space.motion[variable.patch]][variable.component] * value;
+    }
+    if (!traction.isZero(0)) moved += shell.response({traction_forces(space.rest->surface, traction)})[0];
+    return moved;
+}
+
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x) {
     std::vector<std::pair<std::string, double>> values;
     for (int j = 0; j < space.size(); ++j) values.emplace_back(space.variables[j].name, x[j] * space.variables[j].unit);

@@ -83,6 +83,9 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 void design_response(const DesignSpace& space, PrimoShell& shell,
                      const std::function<void(int j, const Points& dv)>& consume);
 
+/// sum_j direction_j dv/dx_j (n x 3) at the shell's equilibrium; stiffness variables are left out.
+Points response_along(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& direction);
+
 /// Physical values with names, for programs and for the files of a level.
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);
 

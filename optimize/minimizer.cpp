@@ -121,12 +121,44 @@ nlopt::result run_nlopt(Guard& guard, const Box& box) {
     }
 }
 
-/// So that the first step of a method that starts with a unit Hessian moves the most effective variable by a fifth.
-double objective_scale(Guard& guard) {
+/// The direction in which a method with a unit Hessian starts: the gradient without what active constraints and bounds
+/// forbid (least-squares multipliers, those of the wrong sign dropped once).
+VectorXd start_direction(const Guard& guard) {
+    constexpr double nearly_active = 1e-2;
+    const NonlinearProgram& p = guard.program;
+    std::vector<int> rows;
+    for (int i = 0; i < p.num_inequalities + p.num_equalities; ++i)
+        if (i >= p.num_inequalities || guard.best.constraints[i] > -nearly_active) rows.push_back(i);
+    VectorXd direction = -guard.best.gradient;
+    for (int pass = 0; pass < 2 && !rows.empty(); ++pass) {
+        Eigen::MatrixXd normals(direction.size(), static_cast<Eigen::Index>(rows.size()));
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            normals.col(static_cast<Eigen::Index>(i)) = guard.best.jacobian.row(rows[i]);
+        const VectorXd multiplier = normals.colPivHouseholderQr().solve(-guard.best.gradient);
+        direction = -guard.best.gradient - normals * multiplier;
+        std::vector<int> kept;
+        for (std::size_t i = 0; i < rows.size(); ++i)
+            if (rows[i] >= p.num_inequalities || multiplier[static_cast<Eigen::Index>(i)] > 0) kept.push_back(rows[i]);
+        if (kept.size() == rows.size()) break;
+        rows = kept;
+        if (rows.empty()) direction = -guard.best.gradient;
+    }
+    for (Eigen::Index j = 0; j < direction.size(); ++j)
+        if ((guard.best_x[j] <= p.lower[j] && direction[j] < 0) || (guard.best_x[j] >= p.upper[j] && direction[j] > 0))
+            direction[j] = 0;
+    return direction;
+}
+
+/// So that the first step leads half as far as is reasonable. Without this a method that starts with a unit Hessian
+/// adds up the full steps of all variables, or crawls.
+double objective_scale(const Guard& guard) {
     if (!guard.wants_gradient) return std::abs(guard.best.objective) > 0 ? std::abs(guard.best.objective) : 1;
-    double largest = 0;
-    for (const int j : guard.free) largest = std::max(largest, std::abs(guard.best.gradient[j]));
-    return largest > 0 ? 5 * largest : 1;
+    constexpr double first_step = 0.5, floor = 1e-3;  // of the unconstrained gradient's reach
+    const auto reach = [&](const VectorXd& direction) {
+        return guard.program.reach ? guard.program.reach(direction) : direction.lpNorm<1>();
+    };
+    const double scale = std::max(reach(start_direction(guard)), floor * reach(guard.best.gradient)) / first_step;
+    return scale > 0 && std::isfinite(scale) ? scale : 1;
 }
 
 /// The state of `minimize`: how often the algorithm was started anew, and in which box.

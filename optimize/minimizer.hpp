@@ -25,6 +25,9 @@ struct NonlinearProgram {
     std::function<Sample(const Eigen::VectorXd& x)> evaluate;
     /// Adds the gradients to the sample of the last `evaluate`. Not called by gradient-free methods.
     std::function<void(const Eigen::VectorXd& x, Sample& sample)> differentiate;
+    /// How far a small step leads, per unit of the step, as a share of what is reasonable; called at the start. Sets
+    /// the length of the first step. Empty: the sum of the absolute entries.
+    std::function<double(const Eigen::VectorXd& direction)> reach;
 };
 
 /// One evaluation, told as it happens.

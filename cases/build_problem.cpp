@@ -193,7 +193,10 @@ private:
                 out_.warnings.push_back(text("strains: ", fixed, " of ", held.size(), " triangles of region '",
                                              strain.region.name, "' are fixed as well and stay fixed"));
             warn_shared_vertices(strain, held, is_fixed);
-            GivenStrain given{held, {}};
+            // The fixed ones stay fixed, so they are no part of the motion.
+            GivenStrain given;
+            for (const int t : held)
+                if (!is_fixed[t]) given.triangles.push_back(t);
             given.motion.rotation = strain.rotate;
             for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
             given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
@@ -359,7 +362,7 @@ private:
         command.gives = program.gives;
         command.timeout_s = program.timeout_s;
         command.format = program.format.empty() ? name_of(out_.format) : program.format;
-        command.case_dir = case_.file.parent_path();
+        command.case_dir = case_.dir();
         command.evaluations_dir = case_.output.dir / "evaluations";
         command.has_gradients = program.has_gradients;
         command.diagonal = start_.diagonal;

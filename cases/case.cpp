@@ -43,7 +43,9 @@ std::string quoted(const std::string& text) {
 
 /// `path` as seen from `folder`: relative where it lies below it, else absolute.
 std::string rebased(const std::filesystem::path& path, const std::filesystem::path& folder) {
-    const auto whole = [](const std::filesystem::path& p) { return std::filesystem::absolute(p).lexically_normal(); };
+    const auto whole = [](const std::filesystem::path& p) {
+        return std::filesystem::absolute(p.empty() ? "." : p).lexically_normal();
+    };
     const std::filesystem::path relative = whole(path).lexically_relative(whole(folder));
     const bool inside = !relative.empty() && *relative.begin() != "..";
     return (inside ? relative : whole(path)).string();
@@ -107,11 +109,11 @@ private:
     std::string scalar(const Value& value, const std::string& path) const {
         if (path == "output.dir") return quoted(rebased(case_.output.dir, folder_));
         const Type type = value.accepted->type == Type::list ? value.accepted->element : value.accepted->type;
-        const std::filesystem::path here = case_.file.parent_path();
+        const std::filesystem::path here = case_.dir();
         if (type == Type::file) return quoted(rebased(here / value.text, folder_));
         if (path.ends_with(".command[]") && is_program(value))
             return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
-        if (type == Type::text || type == Type::name || type == Type::path) return quoted(value.text);
+        if (type == Type::text || type == Type::name || type == Type::path) return key(value.text);
         return value.text;
     }
 

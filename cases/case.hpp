@@ -158,6 +158,9 @@ struct Case {
         ParaView paraview = ParaView::every_accepted;
     } output;
 
+    /// Folder of the case file, "." when it was named without one.
+    std::filesystem::path dir() const { return file.has_parent_path() ? file.parent_path() : "."; }
+
     struct Source;  ///< the checked tree, for messages and for `resolved_case`
     std::shared_ptr<const Source> source;
 };

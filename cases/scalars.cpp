@@ -160,7 +160,7 @@ std::string check_limits(const Value& value, Type type, const Limits& limits) {
     if (!low && !high) return "";
     const auto shown = [&](double limit) {
         if (type == Type::fraction) return text(limit * 100, "%");
-        return text(limit, is_angle && limit != 0 ? "deg" : "");
+        return text(limit, is_angle ? "deg" : "");
     };
     if (std::isinf(limits.max)) return text("must be ", limits.min_open ? "> " : ">= ", shown(limits.min));
     return text("must be in ", limits.min_open ? "(" : "[", shown(limits.min), ", ", shown(limits.max),

@@ -61,9 +61,7 @@ std::string limits_of(const Key& key) {
     const Limits& limit = key.limits;
     const Type type = key.type == Type::list ? key.element : key.type;
     const std::string unit = type == Type::angle ? "deg" : "";
-    const auto shown = [&](double v) {
-        return type == Type::fraction ? text(v * 100, "%") : text(v, v != 0 ? unit : "");
-    };
+    const auto shown = [&](double v) { return type == Type::fraction ? text(v * 100, "%") : text(v, unit); };
     const bool has_max = limit.max < std::numeric_limits<double>::infinity();
     const bool has_min = limit.min > -std::numeric_limits<double>::infinity();
     if (has_max)

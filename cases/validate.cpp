@@ -234,6 +234,11 @@ private:
             errors_.add(entry.key_place, text("key '", key, "'", in, " is not supported by this version"));
             return;
         }
+        if (entry.value.null && !key.empty() && key.find_first_not_of("0123456789") == std::string::npos) {
+            errors_.add(entry.key_place,
+                        text("unknown key '", key, "'", in, "; numbers take a decimal point, no comma"));
+            return;
+        }
         const std::string near = nearest(entry.key, names);
         const std::string hint = near.empty() ? text("; keys: ", joined(names)) : text("; did you mean '", near, "'?");
         errors_.add(entry.key_place, text("unknown key '", key, "'", in, hint));

@@ -1,0 +1,164 @@
+#include "cases/build_problem.hpp"
+#include "cli/commands.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/primo/held.hpp"
+#include "optimize/shell_setup.hpp"
+
+#include <fmt/core.h>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// `strake check`: everything that can be known about a case without running it.
+namespace strake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct CheckArguments {
+    std::string case_file;
+    bool json = false, print_resolved = false;
+};
+
+bool has(const Problem& problem, VariableKind kind) {
+    const auto& kinds = problem.parameters.kinds;
+    return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
+}
+
+/// Most variables that a level can have: those that turn out to move nothing are left out by the run.
+int most_variables(const Problem& problem, const PatchLevel& level, const std::vector<int>& pin) {
+    int count = 0;
+    for (const Patch& patch : level.patches) {
+        bool is_free = false, is_on = problem.parameters.on.empty();
+        for (const int t : patch.triangles) {
+            is_free |= pin[t] == free_prism;
+            is_on |= !problem.parameters.on.empty() && problem.parameters.on[t];
+        }
+        if (!is_free || !is_on) continue;
+        count += 3 * has(problem, VariableKind::load) + has(problem, VariableKind::load_normal) +
+                 6 * has(problem, VariableKind::strain) + has(problem, VariableKind::stiffness);
+    }
+    return count;
+}
+
+std::string limits_text(const Constraint& c) {
+    const char* unit = c.relative ? " x start" : "";
+    if (c.equals) return fmt::format("{} = {:.10g}{}", c.quantity, *c.equals, unit);
+    std::string out = c.min ? fmt::format("{:.10g}{} <= ", *c.min, unit) : "";
+    out += c.quantity;
+    return c.max ? out + fmt::format(" <= {:.10g}{}", *c.max, unit) : out;
+}
+
+/// A part that nothing holds would stop the run: told here. @throws UnheldPart.
+std::vector<std::string> check_shell(const Case& the_case, const Problem& problem) {
+    const ShellSetup setup = shell_setup(problem);
+    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
+    if (is_search && has(problem, VariableKind::strain)) return setup.warnings;  // strain cores hold, too
+    const Eigen::VectorXd spring =
+        setup.loads.spring.size() > 0 ? setup.loads.spring : Eigen::VectorXd::Zero(problem.surface.num_vertices());
+    try {
+        check_held(rest_state(problem.surface, setup.options), spring);
+    } catch (const UnheldPart& e) {
+        throw UnheldPart(fmt::format("{}: {}", printable(the_case.file.string(), 400), e.what()));
+    }
+    return setup.warnings;
+}
+
+Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings, const std::vector<int>& pin) {
+    const Problem& problem = built.problem;
+    Json j;
+    j["status"] = "ok";
+    j["case"] = problem.name;
+    j["surface"] = {{"vertices", problem.surface.num_vertices()},
+                    {"triangles", problem.surface.num_triangles()},
+                    {"diagonal", box_diagonal(problem.surface)}};
+    j["regions"] = Json::array();
+    for (const RegionTriangles& region : built.regions)
+        j["regions"].push_back({{"name", region.name}, {"triangles", region.triangles.size()}, {"area", region.area}});
+    j["fixed_triangles"] = problem.fixed.size();
+    j["levels"] = Json::array();
+    for (std::size_t k = 1; k < problem.tree.levels.size(); ++k) {
+        const PatchLevel& level = problem.tree.levels[k];
+        j["levels"].push_back({{"level", k},
+                               {"angle_deg", level.angle_deg},
+                               {"patches", level.patches.size()},
+                               {"max_variables", most_variables(problem, level, pin)}});
+    }
+    j["objective"] = problem.objective.empty() ? Json(nullptr) : Json(problem.objective);
+    j["fit"] = problem.fit;
+    j["constraints"] = Json::array();
+    for (const Constraint& c : problem.constraints) j["constraints"].push_back(limits_text(c));
+    j["warnings"] = warnings;
+    return j;
+}
+
+void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
+                 const std::vector<int>& pin) {
+    const Problem& problem = built.problem;
+    fmt::print("case        {} ({})\n", problem.name, printable(args.case_file, 400));
+    fmt::print("surface     {}: {} vertices, {} triangles, diagonal {:.6g}{}{}\n",
+               printable(the_case.surface.string(), 400), problem.surface.num_vertices(),
+               problem.surface.num_triangles(), box_diagonal(problem.surface), the_case.units.empty() ? "" : " ",
+               the_case.units);
+    for (const RegionTriangles& region : built.regions)
+        fmt::print("region      {}: {} triangles, area {:.6g}\n", region.name, region.triangles.size(), region.area);
+    fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
+    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
+    for (std::size_t k = 1; is_search && k < problem.tree.levels.size(); ++k)
+        fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
+                   problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
+                   most_variables(problem, problem.tree.levels[k], pin));
+    if (!problem.objective.empty())
+        fmt::print("objective   {} {}\n", problem.maximize ? "maximize" : "minimize", problem.objective);
+    if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));
+    for (const Constraint& c : problem.constraints) fmt::print("constraint  {}\n", limits_text(c));
+    fmt::print("no errors\n");
+}
+
+void check(const CheckArguments& args) {
+    const Case the_case = load_case(args.case_file);
+    const BuiltProblem built = build_problem(the_case);
+    std::vector<std::string> warnings = built.warnings;
+    for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
+    const std::vector<int> pin = shell_setup(built.problem).options.pin;
+    const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
+    if (args.json) {
+        Json j = as_json(built, warnings, pin);
+        if (args.print_resolved) j["resolved"] = resolved;
+        fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+        return;
+    }
+    for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
+    if (args.print_resolved)
+        fmt::print("{}", resolved);
+    else
+        print_words(args, the_case, built, pin);
+}
+
+void print_errors(const CaseError& error) {
+    Json j;
+    j["status"] = "error";
+    j["errors"] = Json::array();
+    for (const Diagnostic& d : error.diagnostics)
+        j["errors"].push_back({{"line", d.place.line}, {"column", d.place.column}, {"message", d.message}});
+    fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+}  // namespace
+
+void add_check(CLI::App& app) {
+    auto args = std::make_shared<CheckArguments>();
+    CLI::App* command = app.add_subcommand("check", "all that is wrong with a case, without running it");
+    command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    command->add_flag("--json", args->json, "one JSON object instead of words");
+    command->add_flag("--print-resolved", args->print_resolved, "the case with every default filled in");
+    command->callback([args] {
+        try {
+            check(*args);
+        } catch (const CaseError& error) {
+            if (args->json) print_errors(error);
+            throw;
+        }
+    });
+}
+
+}  // namespace strake::cli

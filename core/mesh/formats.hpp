@@ -34,7 +34,7 @@ SurfaceFile read_ply(std::string_view bytes, const std::string& name);
 SurfaceFile read_off(std::string_view bytes, const std::string& name);
 SurfaceFile read_tri(std::string_view bytes, const std::string& name);
 
-/// Writers: the whole file as bytes.
+/// Writers: the whole file as bytes. Numbers do not go through streams, which follow the program's locale.
 std::string stl_binary(const TriMesh& mesh, const std::string& name);  ///< @throws OutputError beyond single precision
 std::string stl_ascii(const TriMesh& mesh);
 std::string obj(const TriMesh& mesh);
@@ -44,6 +44,7 @@ std::string tri(const TriMesh& mesh);
 
 void append(std::string& out, double value);  ///< the shortest text that reads back to the same bits
 void append(std::string& out, int value);
+void append_counts(std::string& out, const TriMesh& mesh);  ///< one line: vertices, triangles
 /// One line "a b c\n" behind `lead`.
 void append_row(std::string& out, std::string_view lead, const double* row);
 void append_row(std::string& out, std::string_view lead, const int* row, int offset);

@@ -51,6 +51,13 @@ void append(std::string& out, int value) {
     out.append(digits, std::to_chars(digits, digits + sizeof digits, value).ptr);
 }
 
+void append_counts(std::string& out, const TriMesh& mesh) {
+    append(out, mesh.num_vertices());
+    out += ' ';
+    append(out, mesh.num_triangles());
+    out += '\n';
+}
+
 void append_row(std::string& out, std::string_view lead, const double* row) {
     out += lead;
     for (int k = 0; k < 3; ++k) {

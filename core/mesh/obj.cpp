@@ -29,6 +29,7 @@ void read_vertex(TextScanner& in, SurfaceBuilder& builder) {
 int corner_vertex(const TextScanner& in, std::string_view corner, int num_vertices) {
     std::array<std::int64_t, 3> index{};
     std::string_view left = corner;
+    if (left.starts_with('/')) in.unexpected(corner, "a corner like 1, 1/2, 1//3 or 1/2/3");
     for (int part = 0; part < 3; ++part) {
         const std::size_t slash = left.find('/');
         const std::string_view digits = left.substr(0, slash);
@@ -38,7 +39,7 @@ int corner_vertex(const TextScanner& in, std::string_view corner, int num_vertic
         }
         if (slash == left.npos) break;
         left = left.substr(slash + 1);
-        if (part == 2 || (left.empty() && digits.empty())) in.unexpected(corner, "a corner like 1, 1/2, 1//3 or 1/2/3");
+        if (part == 2) in.unexpected(corner, "a corner like 1, 1/2, 1//3 or 1/2/3");
     }
     const std::int64_t v = index[0] > 0 ? index[0] - 1 : num_vertices + index[0];
     if (v < 0) in.fail(text("vertex number ", index[0], " of a face: only ", num_vertices, " vertices precede it"));

@@ -90,7 +90,10 @@ SurfaceFile read_off(std::string_view bytes, const std::string& name) {
 }
 
 std::string off(const TriMesh& mesh) {
-    std::string out = text("OFF\n", mesh.num_vertices(), " ", mesh.num_triangles(), " 0\n");
+    std::string out = "OFF\n";
+    append_counts(out, mesh);
+    out.back() = ' ';
+    out += "0\n";
     for (int v = 0; v < mesh.num_vertices(); ++v) append_row(out, "", mesh.vertices.data() + 3 * v);
     for (int t = 0; t < mesh.num_triangles(); ++t) append_row(out, "3 ", mesh.triangles.data() + 3 * t, 0);
     return out;

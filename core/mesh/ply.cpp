@@ -227,10 +227,13 @@ SurfaceFile read_ply(std::string_view bytes, const std::string& name) {
 }
 
 std::string ply(const TriMesh& mesh, bool binary) {
-    std::string out =
-        text("ply\nformat ", binary ? "binary_little_endian" : "ascii", " 1.0\nelement vertex ", mesh.num_vertices(),
-             "\nproperty double x\nproperty double y\nproperty double z\n", "element face ", mesh.num_triangles(),
-             "\nproperty list uchar int vertex_indices\nend_header\n");
+    std::string out = "ply\nformat ";
+    out += binary ? "binary_little_endian" : "ascii";
+    out += " 1.0\nelement vertex ";
+    append(out, mesh.num_vertices());
+    out += "\nproperty double x\nproperty double y\nproperty double z\nelement face ";
+    append(out, mesh.num_triangles());
+    out += "\nproperty list uchar int vertex_indices\nend_header\n";
     if (binary) out.append(reinterpret_cast<const char*>(mesh.vertices.data()), 8 * mesh.vertices.size());
     for (int v = 0; v < mesh.num_vertices() && !binary; ++v) append_row(out, "", mesh.vertices.data() + 3 * v);
     for (int t = 0; t < mesh.num_triangles(); ++t) {

@@ -29,6 +29,7 @@ PlyType parse_type(const TextScanner& in, std::string_view word) {
 /// Lines end as the first one does: after "end_header" of a binary file the next byte may look like a line end.
 std::size_t header_size(std::string_view bytes, const TextScanner& in) {
     const std::size_t first = bytes.find_first_of("\r\n");
+    if (first == bytes.npos) in.fail("the header has no line 'end_header'");
     const std::string_view line_end = bytes.substr(first, 2) == "\r\n" ? "\r\n" : bytes.substr(first, 1);
     std::size_t at = 0;
     while ((at = bytes.find("end_header", at)) != bytes.npos) {

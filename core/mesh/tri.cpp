@@ -189,7 +189,8 @@ SurfaceFile read_tri(std::string_view bytes, const std::string& name) {
 }
 
 std::string tri(const TriMesh& mesh) {
-    std::string out = text(mesh.num_vertices(), " ", mesh.num_triangles(), "\n");
+    std::string out;
+    append_counts(out, mesh);
     for (int v = 0; v < mesh.num_vertices(); ++v) append_row(out, "", mesh.vertices.data() + 3 * v);
     for (int t = 0; t < mesh.num_triangles(); ++t) append_row(out, "", mesh.triangles.data() + 3 * t, 1);
     const std::vector<std::string> numbers = component_numbers(mesh);

@@ -37,8 +37,9 @@ struct Document {
     std::string xml, data;
 
     void array(const std::string& name, const char* type, int components, const void* values, std::size_t bytes) {
-        xml += text("<DataArray type=\"", type, "\" Name=\"", escaped(name), "\" NumberOfComponents=\"", components,
-                    "\" format=\"appended\" offset=\"", data.size(), "\"/>\n");
+        xml +=
+            text("<DataArray type=\"", type, "\" Name=\"", escaped(name), "\" NumberOfComponents=\"",
+                 std::to_string(components), "\" format=\"appended\" offset=\"", std::to_string(data.size()), "\"/>\n");
         const std::uint64_t length = bytes;
         data.append(reinterpret_cast<const char*>(&length), sizeof length);
         data.append(static_cast<const char*>(values), bytes);
@@ -85,7 +86,7 @@ void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std
     out.xml = text(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
         "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"",
-        mesh.num_vertices(), "\" NumberOfPolys=\"", mesh.num_triangles(), "\">\n");
+        std::to_string(mesh.num_vertices()), "\" NumberOfPolys=\"", std::to_string(mesh.num_triangles()), "\">\n");
     add_fields(out, "PointData", point_fields, mesh.num_vertices(), "vertices");
     add_fields(out, "CellData", cell_fields, mesh.num_triangles(), "triangles");
     out.xml += "<Points>\n";

@@ -1,0 +1,312 @@
+#include "core/mesh/io.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/formats.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/mesh/temp_folder.hpp"
+#include "core/mesh/vtp.hpp"
+#include "derivatives.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/stat.h>
+
+#include <bit>
+#include <clocale>
+#include <cstring>
+#include <locale>
+#include <sstream>
+
+namespace strake {
+namespace {
+
+constexpr SurfaceFormat all_formats[] = {SurfaceFormat::stl_binary, SurfaceFormat::stl_ascii,  SurfaceFormat::obj,
+                                         SurfaceFormat::ply_ascii,  SurfaceFormat::ply_binary, SurfaceFormat::off,
+                                         SurfaceFormat::tri};
+
+/// A sphere whose coordinates need all digits; vertices in the order in which triangles meet them, as STL has them.
+TriMesh rough_sphere() {
+    TriMesh mesh = icosphere(2);
+    const Eigen::VectorXd r = random_vector(mesh.vertices.size(), 3);
+    for (int i = 0; i < mesh.vertices.size(); ++i) mesh.vertices.data()[i] *= 1 + 1e-3 * r[i];
+    mesh.vertices(0, 0) = 1.0 / 3 * 1e-300;
+    mesh.vertices(1, 1) = 5e-324;
+    std::vector<int> number(static_cast<std::size_t>(mesh.num_vertices()), -1);
+    TriMesh ordered = mesh;
+    int count = 0;
+    for (int i = 0; i < mesh.triangles.size(); ++i) {
+        int& n = number[mesh.triangles.data()[i]];
+        if (n < 0) ordered.vertices.row(n = count++) = mesh.vertices.row(mesh.triangles.data()[i]);
+        ordered.triangles.data()[i] = n;
+    }
+    return ordered;
+}
+
+SurfaceFile obj_of(const std::string& s) { return formats::read_obj(s, "f.obj"); }
+SurfaceFile off_of(const std::string& s) { return formats::read_off(s, "f.off"); }
+SurfaceFile ply_of(const std::string& s) { return formats::read_ply(s, "f.ply"); }
+SurfaceFile stl_of(const std::string& s) { return formats::read_stl(s, "f.stl"); }
+SurfaceFile tri_of(const std::string& s) { return formats::read_tri(s, "f.tri"); }
+
+std::string with_crlf(const std::string& s) {
+    std::string out;
+    for (const char c : s) (c == '\n' ? out += '\r' : out) += c;
+    return out;
+}
+
+TEST(SurfaceIo, RoundTripKeepsEveryBitInDoubleFormatsAndFloatsInBinaryStl) {
+    const TempFolder folder;
+    const TriMesh mesh = rough_sphere();
+    for (const SurfaceFormat format : all_formats) {
+        const auto file = folder / text("sphere", extension_of(format));
+        write_surface(file, mesh, format);
+        const SurfaceFile back = read_surface(file);
+        EXPECT_EQ(back.format, format);
+        EXPECT_EQ(back.mesh.triangles, mesh.triangles) << static_cast<int>(format);
+        if (format == SurfaceFormat::stl_binary)
+            EXPECT_EQ(back.mesh.vertices, mesh.vertices.cast<float>().cast<double>());
+        else
+            EXPECT_EQ(std::memcmp(back.mesh.vertices.data(), mesh.vertices.data(), 8 * mesh.vertices.size()), 0)
+                << static_cast<int>(format);
+    }
+}
+
+TEST(SurfaceIo, RoundTripKeepsGroupsWhereTheFormatHasThem) {
+    const TempFolder folder;
+    TriMesh mesh = box_surface();
+    mesh.group = {2, 2, 0, 0, 1, 1, 0, 0, 2, 2, 1, 1};
+    mesh.group_names = {"upper side", "2", "tail"};
+    for (const SurfaceFormat format : {SurfaceFormat::stl_ascii, SurfaceFormat::obj, SurfaceFormat::tri}) {
+        const auto file = folder / text("box", extension_of(format));
+        write_surface(file, mesh, format);
+        const TriMesh back = read_surface(file).mesh;
+        ASSERT_EQ(back.group.size(), mesh.group.size());
+        for (std::size_t t = 0; t < mesh.group.size(); ++t) {
+            const std::string& name = back.group_names[back.group[t]];
+            EXPECT_EQ(name, format == SurfaceFormat::tri ? std::to_string(mesh.group[t] + 1)
+                                                         : mesh.group_names[mesh.group[t]]);
+        }
+    }
+    mesh.group_names = {"11", "7", "1012"};  // component numbers survive
+    write_surface(folder / "box.tri", mesh, SurfaceFormat::tri);
+    const TriMesh back = read_surface(folder / "box.tri").mesh;
+    for (std::size_t t = 0; t < mesh.group.size(); ++t)
+        EXPECT_EQ(back.group_names[back.group[t]], mesh.group_names[mesh.group[t]]);
+}
+
+TEST(SurfaceIo, ObjVariants) {
+    const std::string file =
+        "# comment\nmtllib never_opened.mtl\no part\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\n"
+        "vn 0 0 1\nusemtl red\ns off\nf 1/1/1 2//1 3/1 4 # quad\ng a  b\nf -4 -3 \\\n -2\n";
+    for (const std::string& s : {file, with_crlf(file), "\n\n" + file}) {
+        const TriMesh mesh = obj_of(s).mesh;
+        EXPECT_EQ(mesh.num_vertices(), 4);
+        ASSERT_EQ(mesh.num_triangles(), 3);
+        EXPECT_EQ(mesh.triangles.row(1), Eigen::RowVector3i(0, 2, 3));
+        EXPECT_EQ(mesh.triangles.row(2), Eigen::RowVector3i(0, 1, 2));
+        EXPECT_EQ(mesh.group, (std::vector<int>{0, 0, 1}));
+        EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"part", "a  b"}));
+    }
+    EXPECT_EQ(obj_of("f 1 2 3\nv 0 0 0\nv 1 0 0\nv 0 1 0").mesh.num_triangles(), 1);  // faces first, no line end
+}
+
+TEST(SurfaceIo, PlyVariants) {
+    const std::string ascii =
+        "ply\nformat ascii 1.0\ncomment made by hand\nobj_info x\nelement camera 1\nproperty list uint8 float32 view\n"
+        "element vertex 4\nproperty float confidence\nproperty double x\nproperty int16 y\nproperty float64 z\n"
+        "element face 2\nproperty uchar red\nproperty list uchar uint vertex_index\nproperty list uchar float uv\n"
+        "element edge 1\nproperty int vertex1\nend_header\n"
+        "2 1 nan\nnan 0 0 0\n1 1 0 0.5\n1 1 1 0\n1 0 1 0\n7 4 0 1 2 3 0\n7 3 0 1 2 2 0.5 0.5\n3\n";
+    for (const std::string& s : {ascii, with_crlf(ascii)}) {
+        const SurfaceFile surface = ply_of(s);
+        EXPECT_EQ(surface.format, SurfaceFormat::ply_ascii);
+        EXPECT_EQ(surface.mesh.num_vertices(), 4);
+        EXPECT_EQ(surface.mesh.num_triangles(), 3);
+        EXPECT_EQ(surface.mesh.vertices(1, 2), 0.5);
+    }
+}
+
+TEST(SurfaceIo, PlyOfBothByteOrders) {
+    for (const bool big : {false, true})
+        for (const std::string line_end : {"\n", "\r\n", "\r"}) {
+            std::string s = "ply" + line_end + "format binary_" + (big ? "big" : "little") + "_endian 1.0" + line_end;
+            for (const char* line : {"element vertex 3", "property float x", "property float y", "property float z",
+                                     "element face 1", "property list uchar ushort vertex_indices", "end_header"})
+                s += line + line_end;
+            const auto put = [&]<class T>(T value) {
+                char raw[sizeof(T)];
+                std::memcpy(raw, &value, sizeof(T));
+                if (big) std::reverse(raw, raw + sizeof(T));
+                s.append(raw, sizeof(T));
+            };
+            for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 2.f, 10.f}) put(x);
+            s += '\3';
+            for (const std::uint16_t v : {0, 1, 2}) put(v);
+            const TriMesh mesh = ply_of(s).mesh;
+            EXPECT_EQ(mesh.vertices(2, 1), 2);
+            EXPECT_EQ(mesh.triangles.row(0), Eigen::RowVector3i(0, 1, 2));
+        }
+}
+
+TEST(SurfaceIo, OffVariants) {
+    const std::string plain = "OFF # cube corner\n3 1 0\n0 0 0\n1 0 0\n\n# between\n0 1 0\n3 0 1 2 255 0 0\n";
+    for (const std::string& s : {plain, with_crlf(plain), std::string("OFF 3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2"),
+                                 std::string("3 1 3\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"),
+                                 std::string("COFF\n3 1 0\n0 0 0 1 0 0 1\n1 0 0 1 0 0 1\n0 1 0 1 0 0 1\n3 0 1 2\n"),
+                                 std::string("NOFF\n3 1 0\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 0 1\n3 0 1 2 0.5\n")}) {
+        const TriMesh mesh = off_of(s).mesh;
+        EXPECT_EQ(mesh.num_vertices(), 3);
+        EXPECT_EQ(mesh.triangles.row(0), Eigen::RowVector3i(0, 1, 2));
+    }
+}
+
+TEST(SurfaceIo, StlVariants) {
+    const std::string facet =
+        "FACET Normal nan nan nan\nouter LOOP\nvertex 0 0 0\nvertex +1.0E0 0 -0.0\nvertex 0 1. .0\nendloop\nendfacet\n";
+    const std::string file = "Solid Tip of wing\n" + facet + "endsolid Tip of wing\n\nsolid\n" + facet + "endsolid\n";
+    for (const std::string& s : {file, with_crlf(file)}) {
+        const SurfaceFile surface = stl_of(s);
+        EXPECT_EQ(surface.file_vertices, 6);
+        EXPECT_EQ(surface.mesh.num_vertices(), 3);
+        EXPECT_EQ(surface.mesh.num_triangles(), 2);
+        EXPECT_EQ(surface.mesh.group_names, (std::vector<std::string>{"Tip of wing", "solid_2"}));
+    }
+    EXPECT_TRUE(stl_of("solid\n" + facet + "endsolid").mesh.group.empty());
+    std::string binary = formats::stl_binary(icosphere(1), "f.stl");
+    std::memcpy(binary.data(), "solid facet normal", 18);  // a header that looks like text
+    EXPECT_EQ(stl_of(binary).format, SurfaceFormat::stl_binary);
+    EXPECT_EQ(stl_of(binary).mesh.num_triangles(), 80);
+}
+
+TEST(SurfaceIo, StlWeldsZeroAndMinusZeroInTheOrderOfAppearance) {
+    const std::string two =
+        "solid\nfacet normal 0 0 1\nouter loop\nvertex 5 0 0\nvertex 6 0 0\nvertex 5 1 0\nendloop\nendfacet\n"
+        "facet normal 0 0 1\nouter loop\nvertex 5 1 -0\nvertex 6 -0 0\nvertex 6 1 0\nendloop\nendfacet\nendsolid\n";
+    const TriMesh mesh = stl_of(two).mesh;
+    ASSERT_EQ(mesh.num_vertices(), 4);
+    EXPECT_EQ(mesh.triangles.row(1), Eigen::RowVector3i(2, 1, 3));
+    EXPECT_EQ(mesh.vertices.row(3), Eigen::RowVector3d(6, 1, 0));
+}
+
+TEST(SurfaceIo, TriVariants) {
+    const std::string vertices = "0 0 0\n1.0D+00 0 0\n0 .1D1 0\n", faces = "1 2 3\n";
+    EXPECT_EQ(tri_of(" 3  1\n" + vertices + faces).mesh.vertices(1, 0), 1);
+    EXPECT_EQ(tri_of("3 1\r\n" + with_crlf(vertices + faces + "42\n")).mesh.group_names[0], "42");
+    // Fortran breaks lines where it likes.
+    EXPECT_EQ(tri_of("3 1\n0 0 0 1 0\n0 0 1 0 1 2 3 7\n").mesh.group_names[0], "7");
+    // Nine columns a vertex.
+    const TriMesh nine = tri_of("3 1\n0 0 0 9 9 9 1 1 1\n1 0 0 9 9 9 1 1 1\n0 1 0 9 9 9 1 1 1\n1 2 3\n1\n").mesh;
+    EXPECT_EQ(nine.vertices.row(2), Eigen::RowVector3d(0, 1, 0));
+}
+
+TEST(SurfaceIo, TriRecordsOfBothByteOrdersAndPrecisions) {
+    for (const bool big : {false, true})
+        for (const bool doubles : {false, true}) {
+            std::string s;
+            const auto put = [&]<class T>(T value) {
+                char raw[sizeof(T)];
+                std::memcpy(raw, &value, sizeof(T));
+                if (big) std::reverse(raw, raw + sizeof(T));
+                s.append(raw, sizeof(T));
+            };
+            const auto integers = [&](std::initializer_list<int> values) {
+                put(static_cast<int>(4 * values.size()));
+                for (const int v : values) put(v);
+                put(static_cast<int>(4 * values.size()));
+            };
+            integers({3, 1});
+            put(doubles ? 72 : 36);
+            for (const float x : {0.f, 0.f, 0.f, 1.f, 0.f, 0.f, 0.f, 2.f, 10.f})
+                doubles ? put(static_cast<double>(x)) : put(x);
+            put(doubles ? 72 : 36);
+            integers({1, 2, 3});
+            integers({5});
+            const TriMesh mesh = tri_of(s).mesh;
+            EXPECT_EQ(mesh.vertices(2, 2), 10);
+            EXPECT_EQ(mesh.triangles.row(0), Eigen::RowVector3i(0, 1, 2));
+            EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"5"}));
+        }
+}
+
+/// Numbers as written in German: 1.234,5.
+struct GermanNumbers : std::numpunct<char> {
+    char do_decimal_point() const override { return ','; }
+    char do_thousands_sep() const override { return '.'; }
+    std::string do_grouping() const override { return "\3"; }
+};
+
+TEST(SurfaceIo, NumbersDoNotDependOnTheLocale) {
+    const TempFolder folder;
+    const TriMesh mesh = icosphere(4);  // more than a thousand vertices
+    const std::locale before = std::locale::global(std::locale(std::locale::classic(), new GermanNumbers));
+    std::setlocale(LC_ALL, "de_DE.UTF-8");
+    std::ostringstream in_force;
+    in_force << 1234.5;
+    EXPECT_EQ(in_force.str(), "1.234,5");
+    for (const SurfaceFormat format : all_formats) {
+        const auto file = folder / std::string("f").append(extension_of(format));
+        write_surface(file, mesh, format);
+        EXPECT_EQ(read_surface(file).mesh.num_triangles(), mesh.num_triangles());
+    }
+    write_vtp(folder / "f.vtp", mesh);
+    EXPECT_NE(bytes_of(folder / "f.vtp").find("NumberOfPoints=\"2562\""), std::string::npos);
+    std::locale::global(before);
+}
+
+TEST(SurfaceIo, LargePolygonsAndLongCommentsTakeNoTime) {
+    std::string s = std::string("# ").append(2000000, 'x') + "\n", face = "f";
+    for (int v = 0; v < 50000; ++v) {
+        s += text("v ", v, " ", v % 7, " 0\n");
+        face += text(" ", v + 1);
+    }
+    EXPECT_EQ(obj_of(s + face).mesh.num_triangles(), 49998);
+}
+
+TEST(SurfaceIo, ScaleAndOffsetKeepTheVolume) {
+    for (const double offset : {0.0, 1e7}) {
+        TriMesh cube = box_surface();
+        cube.vertices.array() += offset;
+        EXPECT_NEAR(enclosed_volume(tri_of(formats::tri(cube)).mesh), 1, 1e-6);
+    }
+}
+
+TEST(SurfaceIo, WritesThroughLinksWithTheUmaskAndLeavesNothingBehind) {
+    const TempFolder folder;
+    const TriMesh mesh = icosphere(0);
+    std::filesystem::create_symlink(folder / "real.off", folder / "link.off");
+    folder.write("real.off", "old");
+    write_surface(folder / "link.off", mesh, SurfaceFormat::off);
+    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.off"));
+    EXPECT_EQ(read_surface(folder / "real.off").mesh.num_triangles(), 20);
+    const mode_t old = umask(077);
+    write_surface(folder / "private.off", mesh, SurfaceFormat::off);
+    umask(old);
+    struct stat st;
+    ASSERT_EQ(stat((folder / "private.off").c_str(), &st), 0);
+    EXPECT_EQ(st.st_mode & 0777, 0600u);
+    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
+}
+
+TEST(SurfaceIo, AFailedWriteKeepsTheOldFile) {
+    const TempFolder folder;
+    TriMesh mesh = icosphere(0);
+    const auto file = folder.write("a.stl", "old");
+    mesh.vertices(0, 0) = 1e300;
+    EXPECT_THROW(write_surface(file, mesh, SurfaceFormat::stl_binary), OutputError);
+    mesh.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(write_surface(file, mesh, SurfaceFormat::off), InvalidInput);
+    EXPECT_EQ(bytes_of(file), "old");
+    EXPECT_THROW(write_surface(folder / "none/a.off", icosphere(0), SurfaceFormat::off), OutputError);
+    EXPECT_THROW(write_surface(folder.path(), icosphere(0), SurfaceFormat::off), OutputError);
+}
+
+TEST(SurfaceIo, FormatsHaveNames) {
+    EXPECT_EQ(format_of("a/B.STL"), SurfaceFormat::stl_binary);
+    EXPECT_EQ(format_named("stl-ascii"), SurfaceFormat::stl_ascii);
+    EXPECT_THROW(format_of("a.step"), InvalidInput);
+    EXPECT_THROW(format_named("step"), InvalidInput);
+    for (const SurfaceFormat f : all_formats) EXPECT_EQ(extension_of(f)[0], '.');
+}
+
+}  // namespace
+}  // namespace strake

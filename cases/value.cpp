@@ -154,6 +154,7 @@ private:
         } else if (!frame.has_key) {
             take_key(frame, value);
         } else {
+            if (value.null) value.place = frame.key_place;  // nothing has no place of its own
             frame.value.entries.push_back({std::move(frame.key), frame.key_place, std::move(value)});
             frame.has_key = false;
         }
@@ -211,15 +212,15 @@ void check_encoding(const std::string& bytes, const std::string& file, const std
 }
 
 /// yaml-cpp reports a tab at the start of a line as something else, so its message is replaced.
-std::string explained(const YAML::Exception& e, const std::vector<std::string>& lines) {
+[[noreturn]] void explain(const YAML::Exception& e, const std::string& file, const std::vector<std::string>& lines) {
     const int line = e.mark.line;
     if (line >= 0 && line < static_cast<int>(lines.size())) {
         const std::string& source = lines[line];
         const std::size_t first = source.find_first_not_of(" \t");
         if (source.substr(0, first).find('\t') != std::string::npos)
-            return "this line is indented with a tab; YAML wants blanks";
+            fail(file, lines, {line + 1, 1}, "this line is indented with a tab; YAML wants blanks");
     }
-    return text("not YAML: ", e.msg);
+    fail(file, lines, {line + 1, e.mark.column + 1}, text("not YAML: ", e.msg));
 }
 
 }  // namespace
@@ -273,7 +274,7 @@ Value parse_yaml(const std::string& raw, const std::string& file) {
         while (parser.HandleNextDocument(builder)) {
         }
     } catch (const YAML::Exception& e) {
-        fail(file, lines, {e.mark.line + 1, e.mark.column + 1}, explained(e, lines));
+        explain(e, file, lines);
     }
     if (!builder.has_root || builder.root.null) fail(file, lines, {0, 0}, "is empty");
     return std::move(builder.root);

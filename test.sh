@@ -40,11 +40,10 @@ configure() {  # PRESET
     cmake --preset "$1" "${launcher[@]}"
 }
 release_build() { configure release && cmake --build --preset release; }
-# The programs that read what others wrote: every test program of readers and case loader, under ASan and UBSan.
+# The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader.
 sanitized() {
     local -a tests
-    mapfile -t tests < <(grep -v '^#' scripts/sanitized_tests.txt)
-    [ ${#tests[@]} -gt 0 ] || { echo "scripts/sanitized_tests.txt names no test"; return 1; }
+    mapfile -t tests < <(find tests/core/mesh/io*_test.cpp tests/cases/*_test.cpp -printf '%f\n' | sed 's/\.cpp$//')
     configure debug && cmake --build --preset debug --target "${tests[@]}" || return 1
     local pattern
     pattern=$(IFS='|'; echo "${tests[*]}")

@@ -1,0 +1,75 @@
+#include "cli/run_strake.hpp"
+#include "core/mesh/io.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+namespace strake {
+namespace {
+
+TEST(Info, JsonHasTheKeysThatProgramsRelyOn) {
+    const TempFolder folder;
+    write_surface(folder / "box.off", box_surface({1, 2, 3}), SurfaceFormat::off);
+    const ProgramRun run = run_strake({"info", (folder / "box.off").string(), "--json"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.err, "");
+    const auto j = nlohmann::json::parse(run.out);
+    EXPECT_EQ(j.at("vertices"), 8);
+    EXPECT_EQ(j.at("triangles"), 12);
+    EXPECT_EQ(j.at("components"), 1);
+    for (const char* key : {"boundary_loops", "nonmanifold_edges", "nonmanifold_vertices", "misoriented_edges",
+                            "duplicate_triangles", "degenerate_triangles", "self_intersections"})
+        EXPECT_EQ(j.at(key), 0) << key;
+    EXPECT_EQ(j.at("closed"), true);
+    EXPECT_EQ(j.at("box"), nlohmann::json::parse("[[0, 0, 0], [1, 2, 3]]"));
+    EXPECT_DOUBLE_EQ(j.at("diagonal"), std::sqrt(14.0));
+    EXPECT_DOUBLE_EQ(j.at("area"), 22);
+    EXPECT_DOUBLE_EQ(j.at("volume"), 6);
+}
+
+TEST(Info, WordsNameEveryDefectWithCountAndFirstIds) {
+    const TempFolder folder;
+    const auto file = folder.write(
+        "bad.off",
+        "OFF\n11 8 0\n0 0 0\n1 0 0\n0 1 0\n0 0 1\n0 -1 0\n0.2 0.2 -1\n0.2 0.2 1\n0.9 0.9 0\n5 5 5\n5 5 5\n2 0 0\n"
+        "3 0 1 2\n3 1 0 3\n3 0 1 4\n3 5 6 7\n3 2 1 0\n3 0 1 10\n3 5 6 8\n3 1 1 2\n");
+    const ProgramRun run = run_strake({"info", file.string()});
+    ASSERT_EQ(run.status, 0) << run.err;
+    for (const char* defect :
+         {"open boundary loop(s): ", "non-manifold edge(s)", "0-1", "non-manifold vertex(es)",
+          "1 edge(s) whose two triangles disagree in orientation, vertices: 5-6",
+          "1 duplicate triangle(s), same vertices as an earlier one, triangles: 4",
+          "2 degenerate triangle(s), area below 1e-14 diagonal^2, triangles: 5, 7",
+          "1 isolated vertex(es), in no triangle, vertices: 9",
+          "1 duplicate vertex(es), at the place of an earlier one, vertices: 9", "pair(s) of triangles intersect"})
+        EXPECT_NE(run.out.find(defect), std::string::npos) << defect << "\nnot in\n" << run.out;
+}
+
+TEST(Info, NamesInwardOrientationAndTheWeld) {
+    const TempFolder folder;
+    TriMesh mesh = icosphere(1);
+    for (int t = 0; t < mesh.num_triangles(); ++t) mesh.triangles.row(t).reverseInPlace();
+    write_surface(folder / "in.stl", mesh, SurfaceFormat::stl_binary);
+    const ProgramRun run = run_strake({"info", (folder / "in.stl").string()});
+    EXPECT_NE(run.out.find("42 (240 corners welded where coordinates are equal, tolerance 0)"), std::string::npos);
+    EXPECT_NE(run.out.find("oriented inward"), std::string::npos);
+}
+
+TEST(Info, FileNamesAreBytes) {
+    const TempFolder folder;
+    for (const std::string name : {"-a b'\"$(echo).off", "line\nbreak.off", "\xff\xfe.off"}) {
+        write_surface(folder / name, icosphere(0), SurfaceFormat::off);
+        const ProgramRun run = run_strake({"info", (folder / name).string()});
+        EXPECT_EQ(run.status, 0) << name << run.err;
+        EXPECT_EQ(run.out.find(".off (OFF)\n"), run.out.find('\n') - 10) << run.out;
+    }
+}
+
+TEST(Info, UsageErrorsHaveStatusTwo) {
+    EXPECT_EQ(run_strake({"info"}).status, 2);
+    EXPECT_EQ(run_strake({"info", "a.off", "--jsn"}).status, 2);
+}
+
+}  // namespace
+}  // namespace strake

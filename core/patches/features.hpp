@@ -8,6 +8,9 @@ namespace strake {
 
 enum class VertexClass { smooth, ridge, corner };
 
+/// Every comparison of an angle with a threshold is `angle >= threshold - angle_slack`.
+inline constexpr double angle_slack = 1e-9;
+
 /// What the tensor A = sum w_i n_i n_i^T says about one vertex; w_i the corner angles. Independent of any
 /// threshold, so it is evaluated once per surface.
 struct VertexFeature {
@@ -18,8 +21,12 @@ struct VertexFeature {
     double angle_defect = 0;         ///< |2 pi - sum w_i| (pi at an open boundary), radians
 };
 
-/// One feature per vertex. Triangles of zero area carry no weight.
+/// One feature per vertex. Triangles of zero area carry no weight; a vertex without any weight is smooth.
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent);
+
+/// Ridge or corner at threshold tau: 2 atan sqrt(l2 / l1) >= tau (the paper's test), or |mu|^2 < 1/2 (acute creases,
+/// where the two large eigenvalues have swapped). @param tau radians, in (0, pi/2], not checked.
+bool is_nonsmooth(const VertexFeature& feature, double tau);
 
 /// @param tau threshold in radians, 0 < tau <= pi/2 @throws InvalidInput outside of it.
 VertexClass classify(const VertexFeature& feature, double tau);

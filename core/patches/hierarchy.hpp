@@ -7,13 +7,18 @@
 
 /// The nested tree of patches (paper, III.B). Level 0 is the whole surface; every patch of a level lies in
 /// exactly one patch of the level above it, by construction.
+///
+/// Names are paths: the whole surface is `all`; the parts it is split into are `p1`, `p2`, …; those of `p2` are `p2.1`,
+/// `p2.2`, … A patch that is carried over, or not split, keeps its name at the next level, and no name ever means two
+/// different sets of triangles. Siblings are counted in the order of their centroids along the coordinate axis on which
+/// these spread most, so names follow places, not triangle numbers. They need no quotes in YAML.
 namespace strake {
 
 enum class PatchClass { smooth, nonsmooth };
 
 struct Patch {
     int id = 0;        ///< number within its level, in the order of the smallest triangle
-    std::string name;  ///< stable and readable, unique within the tree: a single child keeps its parent's
+    std::string name;  ///< see below
     int parent = -1;   ///< id in the level above
     PatchClass patch_class = PatchClass::smooth;
     std::vector<int> triangles;  ///< ascending
@@ -51,15 +56,28 @@ PatchHierarchy segment(const TriMesh& mesh, const Adjacency& adjacent, const std
                        const SegmentationOptions& options = {});
 
 struct AutomaticLevels {
-    std::vector<int> patches_per_level{4, 16, 64};    ///< wanted numbers, rising
+    std::vector<int> patches_per_level{4, 16, 64};    ///< wanted numbers, not falling
     std::vector<double> max_share{0.50, 0.25, 0.12};  ///< of the area; the last holds for deeper levels
-    double sharp_angle_deg = 40;
+    double sharp_angle_deg = 40;   ///< what counts as a crease, about (see below); used within [10, 53]
+    double min_patch_percent = 0;  ///< no patch below this percentage of the area is cut off, in [0, 100)
     Split split = SplitAll{};
 };
 
-/// Levels with thresholds chosen from the distribution of theta, sizes by area, and what curvature leaves
-/// too large split into compact parts. Deterministic, independent of numbering and rigid motion, and stable
-/// under remeshing. The wanted number of a level is met between one half and twice.
+/// Levels that fit the surface: about the wanted number of patches (between half and twice), none above its share of
+/// the area (but single triangles). Deterministic, independent of numbering and rigid motion, and stable under
+/// remeshing, for which reason it uses only what converges with the mesh. Each chosen patch gets a number of parts in
+/// proportion to its area and is cut, again and again, in the first of these ways that yields two parts worth having:
+///  1. along creases: chains of edges above the level's threshold, gaps bridged. The threshold is the largest of three
+///     (30 degrees apart at most) at which creases alone give the wanted number, else the smallest: 9/8, 8/8, 7/8, 6/8
+///     of the sharp angle at levels 1 to 4, 45 degrees at the first. A smaller angle between neighbouring triangles
+///     tells the edge length, not the shape;
+///  2. a sheet with two sides (a wing) into these, where the normal is square to the sheet's own direction;
+///  3. by a plane across the principal axis of the body along which the patch extends most, at equal areas.
+/// Parts below half a fair share join the neighbour with which they share most smooth border. Patches are
+/// edge-connected where the surface is; many tiny components are joined with the nearest part. Exactly symmetric bodies
+/// without own axes (cube, sphere, body of revolution) are cut along coordinate axes and so do not turn with the body.
+/// `SplitLargest` goes by area here. Cost: O(m log m) a level.
+/// @throws InvalidInput on an empty, falling or non-positive list, a share outside (0, 1], a surface without area.
 PatchHierarchy segment_automatically(const TriMesh& mesh, const Adjacency& adjacent,
                                      const AutomaticLevels& options = {});
 

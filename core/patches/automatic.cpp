@@ -1,0 +1,315 @@
+#include "core/error.hpp"
+#include "core/patches/parts.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+constexpr double radians = std::numbers::pi / 180;
+
+/// Parts that an area of `x` fair shares is worth. Rounds up late, so that the half of an odd number of shares, which
+/// symmetric bodies have often, falls on the same side on every mesh.
+int worth(double x) { return std::max(1, static_cast<int>(std::floor(x + 0.45))); }
+
+/// Cuts sets of triangles into a wanted number of parts of similar area. In this order: along creases; a sheet that
+/// lies on both sides of itself (a wing) into its two sides; by a plane across one of the body's principal axes.
+class Cutter {
+public:
+    Cutter(const Body& body, const Creases& creases, double min_area)
+        : body_(body), parts_(body, creases), creases_(creases), min_area_(min_area) {}
+
+    std::vector<TriangleSet> cut(const TriangleSet& set, int wanted) {
+        std::vector<TriangleSet> pieces;
+        cut_into(pieces, set, wanted);
+        return pieces;
+    }
+    double area(const TriangleSet& set) const { return parts_.area(set); }
+    /// Joins the smallest of the pieces of `set` with a neighbour.
+    std::vector<TriangleSet> without_smallest(const TriangleSet& set, const std::vector<TriangleSet>& pieces);
+    std::vector<TriangleSet> along_creases(const TriangleSet& set, int wanted);
+
+private:
+    /// What a part needs to stand alone: half a fair share.
+    double least(const TriangleSet& set, int wanted) const { return std::max(min_area_, 0.5 * area(set) / wanted); }
+    void cut_into(std::vector<TriangleSet>& pieces, const TriangleSet& set, int wanted);
+    std::vector<TriangleSet> two_sides(const TriangleSet& set, int wanted);
+    std::vector<TriangleSet> across_axis(const TriangleSet& set, int wanted, int axis);
+    std::array<int, 3> axes_by_extent(const TriangleSet& set) const;
+
+    const Body& body_;
+    Parts parts_;
+    const Creases& creases_;
+    double min_area_;
+};
+
+void Cutter::cut_into(std::vector<TriangleSet>& pieces, const TriangleSet& set, int wanted) {
+    std::vector<TriangleSet> found{set};
+    if (wanted > 1 && set.size() > 1) {
+        found = along_creases(set, wanted);
+        if (found.size() < 2) found = two_sides(set, wanted);
+        const std::array<int, 3> axes = axes_by_extent(set);
+        for (int j = 0; j < 3 && found.size() < 2; ++j) found = across_axis(set, wanted, axes[j]);
+    }
+    if (found.size() < 2) {
+        pieces.push_back(set);
+        return;
+    }
+    const double total = area(set);
+    for (const TriangleSet& piece : found) cut_into(pieces, piece, worth(wanted * area(piece) / total));
+}
+
+std::vector<TriangleSet> Cutter::along_creases(const TriangleSet& set, int wanted) {
+    std::vector<int> key(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) key[i] = creases_.near[set[i]] ? -1 : 0;
+    return parts_.split(set, key, true, least(set, wanted));
+}
+
+/// A sheet: nearly all normals along one direction d, a quarter of the area at least facing either way. The border runs
+/// where the normal is square to d, which on a rounded leading edge is the same line on every mesh.
+std::vector<TriangleSet> Cutter::two_sides(const TriangleSet& set, int wanted) {
+    Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
+    for (const int t : set) N += body_.features.areas[t] * body_.normals.row(t).transpose() * body_.normals.row(t);
+    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> solver(N / area(set));
+    if (!(solver.eigenvalues()[2] >= 0.7)) return {set};
+    const Eigen::Vector3d d = solver.eigenvectors().col(2);
+    std::vector<int> key(set.size());
+    double up = 0, down = 0;
+    for (std::size_t i = 0; i < set.size(); ++i) {
+        const double c = body_.normals.row(set[i]).dot(d);
+        key[i] = c > 0.1 ? 1 : c < -0.1 ? 0 : -1;
+        if (key[i] == 1) up += body_.features.areas[set[i]];
+        if (key[i] == 0) down += body_.features.areas[set[i]];
+    }
+    if (std::min(up, down) < 0.25 * area(set)) return {set};
+    return parts_.split(set, key, false, least(set, wanted));
+}
+
+/// At the plane that leaves the fraction floor(wanted / 2) / wanted of the area below it.
+std::vector<TriangleSet> Cutter::across_axis(const TriangleSet& set, int wanted, int axis) {
+    std::vector<double> at(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i)
+        at[i] = body_.axes.col(axis).dot(body_.centroids.row(set[i]).transpose());
+    std::vector<int> order(set.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return at[a] != at[b] ? at[a] < at[b] : a < b; });
+    const double below = area(set) * (wanted / 2) / wanted;
+    // Triangles count half at their centroids; between two of these the area grows linearly.
+    double sum = 0, previous = 0, where = at[order[0]], plane = at[order.back()];
+    for (const int i : order) {
+        const double half = 0.5 * body_.features.areas[set[i]];
+        if (sum + half >= below) {
+            const double gain = sum + half - previous;
+            plane = gain > 0 ? where + (at[i] - where) * std::clamp((below - previous) / gain, 0.0, 1.0) : at[i];
+            break;
+        }
+        previous = sum + half, where = at[i], sum += 2 * half;
+    }
+    // Centroids in the plane itself (structured and mirrored meshes) stay together whatever the round-off.
+    plane += 1e-9 * std::sqrt(body_.area);
+    std::vector<int> key(set.size());
+    for (std::size_t i = 0; i < set.size(); ++i) key[i] = at[i] > plane;
+    return parts_.split(set, key, false, least(set, wanted));
+}
+
+/// Principal axes in the order of the set's extent (second moment) along them. The longer axes of the body are
+/// preferred by 25 % each: a square part, which halving produces all the time, is not at the mercy of noise.
+std::array<int, 3> Cutter::axes_by_extent(const TriangleSet& set) const {
+    Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
+    for (const int t : set) {
+        const Eigen::Vector3d c = body_.axes.transpose() * (body_.centroids.row(t).transpose() - body_.centre);
+        mean += body_.features.areas[t] * c;
+        square += body_.features.areas[t] * c.cwiseAbs2();
+    }
+    const double total = area(set);
+    const Eigen::Vector3d spread =
+        (square / total - (mean / total).cwiseAbs2()).cwiseProduct(Eigen::Vector3d(1, 0.8, 0.64));
+    std::array<int, 3> axes{0, 1, 2};
+    std::stable_sort(axes.begin(), axes.end(), [&](int a, int b) { return spread[a] > spread[b]; });
+    return axes;
+}
+
+std::vector<TriangleSet> Cutter::without_smallest(const TriangleSet& set, const std::vector<TriangleSet>& pieces) {
+    double smallest = area(pieces[0]);
+    for (const TriangleSet& piece : pieces) smallest = std::min(smallest, area(piece));
+    std::vector<int> owner(body_.mesh().num_triangles(), -1), key;
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (const int t : pieces[p]) owner[t] = static_cast<int>(p);
+    for (const int t : set) key.push_back(owner[t]);
+    return parts_.split(set, key, false, smallest * (1 + 1e-9) + 1e-300);
+}
+
+void check(const AutomaticLevels& options) {
+    if (options.patches_per_level.empty()) throw InvalidInput("automatic levels: patches_per_level is empty");
+    for (std::size_t k = 0; k < options.patches_per_level.size(); ++k) {
+        const int wanted = options.patches_per_level[k], above = k > 0 ? options.patches_per_level[k - 1] : 0;
+        if (wanted < 1 || wanted < above)
+            throw InvalidInput(
+                text("automatic levels: patches_per_level[", k, "] = ", wanted, " must be >= ", std::max(1, above)));
+    }
+    if (options.max_share.empty()) throw InvalidInput("automatic levels: max_share is empty");
+    for (std::size_t k = 0; k < options.max_share.size(); ++k)
+        if (!(options.max_share[k] > 0 && options.max_share[k] <= 1))
+            throw InvalidInput(
+                text("automatic levels: max_share[", k, "] = ", options.max_share[k], " must be in (0, 1]"));
+}
+
+/// One level being made: which patches of the level above are cut, and into what.
+struct LevelCut {
+    const Body& body;
+    const PatchLevel& above;
+    const std::vector<char>& chosen;
+    int wanted;
+    double max_share, min_area;
+
+    /// Parts that creases of at least `tau_deg` alone would make.
+    int crease_parts(double tau_deg) const {
+        const Creases creases = creases_at(tau_deg);
+        Cutter cutter(body, creases, min_area);
+        int count = 0;
+        for (const Patch& p : above.patches)
+            count += chosen[p.id] ? static_cast<int>(cutter.along_creases(p.triangles, parts_of(p)).size()) : 1;
+        return count;
+    }
+
+    /// Pieces by parent.
+    std::vector<std::vector<TriangleSet>> cut(double tau_deg) const {
+        const Creases creases = creases_at(tau_deg);
+        Cutter cutter(body, creases, min_area);
+        std::vector<std::vector<TriangleSet>> pieces(above.patches.size());
+        for (const Patch& p : above.patches)
+            pieces[p.id] =
+                chosen[p.id] ? cutter.cut(p.triangles, parts_of(p)) : std::vector<TriangleSet>(1, p.triangles);
+        keep_shares(cutter, pieces);
+        keep_count(cutter, pieces);
+        return pieces;
+    }
+
+    Creases creases_at(double tau_deg) const {
+        return persistent_creases(body, tau_deg * radians, 0.05 * std::sqrt(body.area / wanted));
+    }
+    int parts_of(const Patch& p) const {
+        const double share = p.area / body.area;
+        return std::max(worth(wanted * share), static_cast<int>(std::ceil(share / max_share - 1e-6)));
+    }
+    void keep_shares(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const;
+    void keep_count(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const;
+    void halve(Cutter& cutter, std::vector<TriangleSet>& siblings, std::size_t i) const {
+        const std::vector<TriangleSet> halves = cutter.cut(siblings[i], 2);
+        siblings[i] = halves[0];
+        siblings.insert(siblings.end(), halves.begin() + 1, halves.end());
+    }
+};
+
+/// Halves what is above its share of the area (single triangles stay).
+void LevelCut::keep_shares(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const {
+    for (std::size_t p = 0; p < pieces.size(); ++p)
+        for (std::size_t i = 0; chosen[p] && i < pieces[p].size();) {
+            const std::size_t before = pieces[p].size();
+            if (cutter.area(pieces[p][i]) > max_share * body.area) halve(cutter, pieces[p], i);
+            if (pieces[p].size() == before) ++i;
+        }
+}
+
+/// Between half and twice the wanted number: halves the largest pieces, or joins the smallest with siblings.
+void LevelCut::keep_count(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const {
+    const auto extreme = [&](bool largest, std::size_t least_siblings) {
+        std::array<int, 2> best{-1, -1};
+        double best_area = 0;
+        for (std::size_t p = 0; p < pieces.size(); ++p)
+            for (std::size_t i = 0; chosen[p] && pieces[p].size() >= least_siblings && i < pieces[p].size(); ++i) {
+                const double a = cutter.area(pieces[p][i]);
+                if (best[0] < 0 || (largest ? a > best_area : a < best_area))
+                    best = {static_cast<int>(p), static_cast<int>(i)}, best_area = a;
+            }
+        return best;
+    };
+    const auto count = [&] {
+        int sum = 0;
+        for (const auto& siblings : pieces) sum += static_cast<int>(siblings.size());
+        return sum;
+    };
+    const bool all = std::count(chosen.begin(), chosen.end(), 0) == 0;
+    for (int before = 0; all && before != count() && 2 * count() < wanted;) {
+        before = count();
+        if (const auto [p, i] = extreme(true, 1); p >= 0) halve(cutter, pieces[p], i);
+    }
+    for (int before = 0; before != count() && count() > 2 * wanted;) {
+        before = count();
+        if (const auto [p, i] = extreme(false, 2); p >= 0)
+            pieces[p] = cutter.without_smallest(above.patches[p].triangles, pieces[p]);
+    }
+}
+
+/// Largest of three thresholds at which creases alone make the wanted number, else the smallest, which falls from level
+/// to level (k = 1, 2, …). Below that an angle is a matter of the edge length.
+double threshold(const LevelCut& level, int k, double sharp_deg, double above_deg) {
+    const double lowest = std::clamp(sharp_deg, 10.0, 53.0) * (k <= 4 ? (10 - k) / 8.0 : 0.75 * std::pow(0.9, k - 4));
+    if (level.crease_parts(lowest) < level.wanted) return lowest;
+    for (const double higher : {lowest + 30, lowest + 15})
+        if (higher < above_deg && level.crease_parts(higher) >= level.wanted) return higher;
+    return lowest;
+}
+
+/// `split` with sizes measured by area.
+std::vector<char> chosen_by_area(const PatchLevel& level, const Split& split) {
+    const auto* largest = std::get_if<SplitLargest>(&split);
+    if (!largest) return chosen_patches(level, split);
+    std::vector<char> chosen = chosen_patches(level, split);  // checks the count
+    std::vector<int> order(level.patches.size());
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return level.patches[a].area > level.patches[b].area; });
+    chosen.assign(chosen.size(), 0);
+    for (std::size_t i = 0; i < order.size() && i < static_cast<std::size_t>(largest->count); ++i) chosen[order[i]] = 1;
+    return chosen;
+}
+
+/// Smooth where a triangle has a vertex that is smooth at the threshold, as at given thresholds (step 3).
+PatchClass class_of(const SurfaceFeatures& features, const TriangleSet& set, double tau) {
+    for (const int t : set)
+        for (int k = 0; k < 3; ++k)
+            if (!is_nonsmooth(features.vertices[features.mesh.triangles(t, k)], tau)) return PatchClass::smooth;
+    return PatchClass::nonsmooth;
+}
+
+}  // namespace
+
+PatchHierarchy segment_automatically(const TriMesh& mesh, const Adjacency& adjacent, const AutomaticLevels& options) {
+    check(options);
+    PatchHierarchy tree = whole_surface(mesh);
+    const SurfaceFeatures features = surface_features(mesh, adjacent);
+    const Body body = measured(features);
+    for (std::size_t k = 0; k < options.patches_per_level.size(); ++k) {
+        const PatchLevel& above = tree.levels.back();
+        std::vector<char> chosen = chosen_by_area(above, options.split);
+        if (k == 0) chosen.assign(1, 1);  // level 1 always splits the whole surface
+        const int wanted = options.patches_per_level[k];
+        const LevelCut level{body,
+                             above,
+                             chosen,
+                             wanted,
+                             options.max_share[std::min(k, options.max_share.size() - 1)],
+                             options.min_patch_percent / 100 * body.area};
+        const double tau_deg =
+            threshold(level, static_cast<int>(k) + 1, options.sharp_angle_deg, k > 0 ? above.angle_deg : 91);
+        std::vector<int> label(mesh.num_triangles());
+        std::vector<PatchClass> classes;
+        const auto pieces = level.cut(tau_deg);
+        for (const Patch& parent : above.patches)
+            for (const TriangleSet& piece : pieces[parent.id]) {
+                for (const int t : piece) label[t] = static_cast<int>(classes.size());
+                classes.push_back(chosen[parent.id] ? class_of(features, piece, tau_deg * radians)
+                                                    : parent.patch_class);
+            }
+        append_level(tree, features, tau_deg, label, classes);
+    }
+    return tree;
+}
+
+}  // namespace strake

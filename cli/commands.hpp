@@ -22,5 +22,7 @@ struct ExitStatus {
 };
 
 void add_info(CLI::App& app);
+void add_run(CLI::App& app);
+void add_fit(CLI::App& app);
 
 }  // namespace strake::cli

@@ -1,0 +1,175 @@
+#include "report/run_folder.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/vtp.hpp"
+
+#include <iomanip>
+#include <nlohmann/json.hpp>
+
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+
+std::ostringstream digits() {
+    std::ostringstream s;
+    s.imbue(std::locale::classic());
+    s << std::setprecision(17);
+    return s;
+}
+
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+const char* kind_word(VariableKind kind) {
+    switch (kind) {
+        case VariableKind::load:
+            return "load";
+        case VariableKind::load_normal:
+            return "load_normal";
+        case VariableKind::strain:
+            return "strain";
+        case VariableKind::stiffness:
+            return "stiffness";
+    }
+    return "unknown";
+}
+
+std::string labels_csv(const PatchLevel& level) {
+    std::string rows = "patch\n";
+    for (const int p : level.label) rows += std::to_string(p) + "\n";
+    return rows;
+}
+
+/// x times unit is the physical value: traction 1/length, radians, length, or the logarithm of a factor.
+std::string variables_csv(const DesignSpace& space, const Eigen::VectorXd& x) {
+    std::ostringstream rows = digits();
+    rows << "name,kind,patch,x,lower,upper,unit,value\n";
+    for (int j = 0; j < space.size(); ++j) {
+        const Variable& v = space.variables[j];
+        rows << v.name << ',' << kind_word(v.kind) << ',' << v.patch << ',' << x[j] << ',' << space.lower[j] << ','
+             << space.upper[j] << ',' << v.unit << ',' << x[j] * v.unit << '\n';
+    }
+    return rows.str();
+}
+
+nlohmann::ordered_json level_json(const LevelSummary& level) {
+    return {{"level", level.level},
+            {"patches", level.patches},
+            {"variables", level.variables},
+            {"evaluations", level.evaluations},
+            {"objective_start", number(level.objective_start)},
+            {"objective_end", number(level.objective_end)},
+            {"inherited_shape_change", number(level.inherited_shape_change)},
+            {"inherited_objective_change", number(level.inherited_objective_change)},
+            {"stop", level.stop}};
+}
+
+}  // namespace
+
+void check_run_folder(const fs::path& folder) {
+    std::error_code why;
+    const fs::file_status status = fs::status(folder, why);
+    if (!fs::exists(status)) return;
+    if (!fs::is_directory(status)) throw OutputError(text(folder.string(), ": exists and is not a folder"));
+    const bool empty = fs::is_empty(folder, why);
+    if (why) throw OutputError(text(folder.string(), ": ", why.message()));
+    if (!empty)
+        throw OutputError(text(folder.string(),
+                               ": the folder is not empty, and a run never overwrites another; give "
+                               "--out a new folder, or remove this one"));
+}
+
+RunFolder::RunFolder(const fs::path& folder) : folder_(folder) {
+    check_run_folder(folder);
+    std::error_code why;
+    fs::create_directories(folder, why);
+    if (why) throw OutputError(text(folder.string(), ": cannot make the folder: ", why.message()));
+}
+
+void RunFolder::remember(const std::string& name) {
+    if (std::find(files_.begin(), files_.end(), name) == files_.end()) files_.push_back(name);
+}
+
+void RunFolder::write(const std::string& name, const std::string& bytes) {
+    const fs::path file = folder_ / name;
+    std::error_code why;
+    fs::create_directories(file.parent_path(), why);
+    if (why) throw OutputError(text(file.parent_path().string(), ": cannot make the folder: ", why.message()));
+    write_atomically(file, bytes);
+    remember(name);
+}
+
+void RunFolder::write_case(const std::string& yaml) { write("case.yaml", yaml); }
+
+void RunFolder::begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,
+                      SeriesPolicy policy) {
+    problem_ = &problem;
+    format_ = format;
+    policy_ = policy;
+    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names);
+    remember("history.csv");
+}
+
+void RunFolder::add(const EvaluationRecord& record) { history_->add(record); }
+
+void RunFolder::add(const LevelStart& level) {
+    const std::string number = std::to_string(level.space.level);
+    write("levels/labels_" + number + ".csv", labels_csv(level.space.patches()));
+    write("levels/variables_" + number + ".csv", variables_csv(level.space, level.x));
+}
+
+void RunFolder::add(const AcceptedDesign& design) {
+    const std::string best = "best" + extension_of(format_);
+    write_surface(folder_ / best, with_vertices(problem_->surface, design.vertices), format_);
+    remember(best);
+    write("levels/best.csv", variables_csv(design.space, design.x));
+    const bool wanted = policy_ == SeriesPolicy::every_accepted || (policy_ == SeriesPolicy::best && steps_.empty());
+    if (wanted) add_to_series(design.record.evaluation, design.vertices, design.dJ_dv);
+}
+
+void RunFolder::add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv) {
+    std::ostringstream name;
+    name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
+    std::vector<Field> points{{"displacement", Points(vertices - problem_->surface.vertices)}};
+    if (dJ_dv.rows() > 0) points.push_back({"objective_sensitivity", dJ_dv});
+    std::vector<Field> cells;
+    for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
+        cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
+    std::error_code why;
+    fs::create_directories(folder_ / "series", why);
+    if (why) throw OutputError(text((folder_ / "series").string(), ": cannot make the folder: ", why.message()));
+    write_vtp(folder_ / name.str(), with_vertices(problem_->surface, vertices), points, cells);
+    steps_.emplace_back(evaluation, name.str());
+    write_pvd(folder_ / "series.pvd", steps_);
+    remember("series.pvd");
+}
+
+void RunFolder::finish(const RunResult& result) {
+    if (policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
+        add_to_series(result.best_evaluation, result.vertices, {});
+    remember("run.json");
+    write("run.json", run_json(result, files_) + "\n");
+}
+
+std::string run_json(const RunResult& result, const std::vector<std::string>& files) {
+    nlohmann::ordered_json j;
+    j["status"] = result.status;
+    j["reason"] = result.reason;
+    j["level"] = result.level;
+    j["evaluations"] = result.evaluations;
+    j["objective"] = number(result.objective);
+    j["best"] = number(result.objective);
+    j["max_violation"] = number(result.max_violation);
+    j["files"] = files;
+    j["objective_start"] = number(result.objective_start);
+    j["best_evaluation"] = result.best_evaluation;
+    for (std::size_t i = 0; i < result.values.size(); ++i)
+        j["values"][result.names[i]] = {{"start", number(result.values_start[i])}, {"best", number(result.values[i])}};
+    j["levels"] = nlohmann::ordered_json::array();
+    for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));
+    return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);
+}
+
+}  // namespace strake

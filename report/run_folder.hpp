@@ -1,0 +1,59 @@
+#pragma once
+#include "core/mesh/io.hpp"
+#include "optimize/history.hpp"
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+
+/// The folder of a run (DESIGN section 7): case.yaml, history.csv, levels/, series.pvd + series/*.vtp, best.<format>,
+/// run.json. Everything but history.csv, which grows row by row, is written atomically.
+namespace strake {
+
+enum class SeriesPolicy { every_accepted, best, none };
+
+class RunFolder {
+public:
+    /// Makes the folder. @throws OutputError when it exists and is not empty, with the remedy; or cannot be made.
+    explicit RunFolder(const std::filesystem::path& folder);
+
+    void write_case(const std::string& yaml);
+
+    /// Starts the records. `problem` must outlive the folder.
+    void begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,
+               SeriesPolicy policy);
+
+    void add(const EvaluationRecord& record);
+    /// levels/labels_K.csv (patch of each triangle, file order) and levels/variables_K.csv.
+    void add(const LevelStart& level);
+    /// best.<format>, levels/best.csv, and the next data set of the series.
+    void add(const AcceptedDesign& design);
+    /// Completes series and run.json.
+    void finish(const RunResult& result);
+
+    const std::filesystem::path& folder() const { return folder_; }
+    /// Names of the files written so far, relative to the folder.
+    const std::vector<std::string>& files() const { return files_; }
+
+private:
+    void write(const std::string& name, const std::string& bytes);
+    void add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv);
+    void remember(const std::string& name);
+
+    std::filesystem::path folder_;
+    const Problem* problem_ = nullptr;
+    std::unique_ptr<HistoryWriter> history_;
+    SurfaceFormat format_ = SurfaceFormat::stl_binary;
+    SeriesPolicy policy_ = SeriesPolicy::every_accepted;
+    std::vector<std::pair<double, std::string>> steps_;
+    std::vector<std::string> files_;
+};
+
+/// What finish() writes as run.json, and `strake run --json` prints: {status, reason, level, evaluations, objective,
+/// best, max_violation, files, ...}. `objective` and `best` are those of the best design; null where there is none.
+std::string run_json(const RunResult& result, const std::vector<std::string>& files);
+
+/// Throws what the constructor of RunFolder would throw about an existing folder, without making one.
+void check_run_folder(const std::filesystem::path& folder);
+
+}  // namespace strake

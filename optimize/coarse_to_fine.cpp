@@ -65,15 +65,19 @@ private:
     MinimizeResult run_level(const Eigen::VectorXd& start) {
         const OptimizeOptions& options = state_.problem.optimize;
         const bool last = state_.space.level == state_.last_level();
+        // The optimizer works in y = weight * x.
+        weight_ = weights(state_.space);
         NonlinearProgram program;
-        program.start = start;
-        program.lower = state_.space.lower;
-        program.upper = state_.space.upper;
+        program.start = start.cwiseProduct(weight_);
+        program.lower = state_.space.lower.cwiseProduct(weight_);
+        program.upper = state_.space.upper.cwiseProduct(weight_);
         program.num_inequalities = num_inequalities_;
         program.num_equalities = num_equalities_;
-        program.evaluate = [&](const Eigen::VectorXd& x) { return evaluate(x); };
+        program.evaluate = [&](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
         program.differentiate = [&](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
-        program.reach = [&](const Eigen::VectorXd& direction) { return state_.evaluator.reach(direction); };
+        program.reach = [&](const Eigen::VectorXd& direction) {
+            return state_.evaluator.reach(direction.cwiseQuotient(weight_));
+        };
         MinimizeOptions how;
         how.method = options.method;
         how.objective_tolerance = options.objective_tolerance;
@@ -85,7 +89,13 @@ private:
         ProgressWatch watch(options.progress_below * (last ? patience_on_last_level : 1));
         how.on_step = [&](const MinimizeStep&) { return !watch.slackened(state_.level_best); };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
-        return minimize(program, how);
+        MinimizeResult result = minimize(program, how);
+        result.x = unscaled(result.x);
+        return result;
+    }
+
+    Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const {
+        return y.cwiseQuotient(weight_).cwiseMax(state_.space.lower).cwiseMin(state_.space.upper);
     }
 
     Sample evaluate(const Eigen::VectorXd& x) {
@@ -119,11 +129,12 @@ private:
 
     void differentiate(Sample& sample) {
         state_.evaluator.differentiate(current_);
-        sample.gradient = sign() * current_.gradients.row(0).transpose();
+        sample.gradient = sign() * current_.gradients.row(0).transpose().cwiseQuotient(weight_);
         sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), state_.space.size());
         for (std::size_t i = 0; i < rows_.rows.size(); ++i)
             sample.jacobian.row(static_cast<Eigen::Index>(i)) =
-                rows_.rows[i].sign / rows_.rows[i].scale * current_.gradients.row(rows_.rows[i].gradient);
+                rows_.rows[i].sign / rows_.rows[i].scale *
+                current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
     }
 
     static std::string level_words(const MinimizeResult& level) {
@@ -199,6 +210,7 @@ private:
     int objective_ = 0, num_inequalities_ = 0, num_equalities_ = 0;
     std::vector<int> constrained_, gradient_row_;
     ConstraintRows rows_;
+    Eigen::VectorXd weight_;
     ShapeEvaluation current_;
     bool quantity_failed_ = false;
 };

@@ -91,16 +91,22 @@ void list_candidates(DesignSpace& space) {
     }
 }
 
-/// Largest displacement of the linear response at rest to each variable at physical value 1; NaN for stiffness.
-std::vector<double> rest_responses(const DesignSpace& space) {
-    std::vector<double> largest(space.size(), std::numeric_limits<double>::quiet_NaN());
+/// Linear response at rest to each variable at physical value 1.
+struct RestResponse {
+    std::vector<double> largest;  ///< displacement; NaN for stiffness
+    std::vector<double> work;     ///< of the forces; NaN for all but loads
+};
+RestResponse rest_responses(const DesignSpace& space) {
+    RestResponse result;
+    result.largest.assign(space.size(), std::numeric_limits<double>::quiet_NaN());
+    result.work = result.largest;
     DesignSpace movers = space;  // without stiffness, which has no response at rest
     std::vector<int> number;
     movers.variables.clear();
     for (int j = 0; j < space.size(); ++j)
         if (space.variables[j].kind != VariableKind::stiffness)
             movers.variables.push_back(space.variables[j]), number.push_back(j);
-    if (movers.variables.empty()) return largest;
+    if (movers.variables.empty()) return result;
     ShellOptions options = space.rest->setup.options;
     options.pin = space.pin;
     PrimoShell shell(space.rest->surface, options);
@@ -111,15 +117,19 @@ std::vector<double> rest_responses(const DesignSpace& space) {
     const Equilibrium start = shell.solve({{}, space.rest->setup.loads.spring}, at_rest);
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
     design_response(movers, shell, [&](int j, const Points& dv) {
-        largest[number[j]] = std::sqrt(dv.rowwise().squaredNorm().maxCoeff());
+        result.largest[number[j]] = std::sqrt(dv.rowwise().squaredNorm().maxCoeff());
+        if (movers.variables[j].kind != VariableKind::strain)
+            result.work[number[j]] = unit_forces(movers, j).cwiseProduct(dv).sum();
     });
-    return largest;
+    return result;
 }
 
 /// Units so that x = 1 moves the surface by max_displacement; variables that move nothing are left out with a note.
 void scale(DesignSpace& space) {
     const RestFacts& rest = *space.rest;
-    const std::vector<double> response = rest_responses(space);
+    const RestResponse at_rest = rest_responses(space);
+    const std::vector<double>& response = at_rest.largest;
+    double least_work = std::numeric_limits<double>::infinity();
     double largest_load = 0;
     for (int j = 0; j < space.size(); ++j)
         if (space.variables[j].kind != VariableKind::strain && response[j] > largest_load) largest_load = response[j];
@@ -135,8 +145,16 @@ void scale(DesignSpace& space) {
         } else {
             variable.unit = rest.parameters.max_displacement * rest.diagonal / response[j];
         }
+        if (std::isfinite(at_rest.work[j])) {
+            const double work = at_rest.work[j] * variable.unit * variable.unit;
+            variable.weight = std::sqrt(work);
+            least_work = std::min(least_work, work);
+        }
         kept.push_back(variable);
     }
+    for (Variable& variable : kept)
+        if (variable.kind == VariableKind::load || variable.kind == VariableKind::load_normal)
+            variable.weight /= std::sqrt(least_work);
     space.variables = std::move(kept);
     space.lower = Eigen::VectorXd::Constant(space.size(), -1);
     space.upper = Eigen::VectorXd::Constant(space.size(), 1);

@@ -125,6 +125,18 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
     return gradient;
 }
 
+Points unit_forces(const DesignSpace& space, int j) {
+    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+    add_traction(space, space.variables[j], space.variables[j].unit, traction);
+    return traction_forces(space.rest->surface, traction);
+}
+
+Eigen::VectorXd weights(const DesignSpace& space) {
+    Eigen::VectorXd all(space.size());
+    for (int j = 0; j < space.size(); ++j) all[j] = space.variables[j].weight;
+    return all;
+}
+
 void design_response(const DesignSpace& space, PrimoShell& shell,
                      const std::function<void(int j, const Points& dv)>& consume) {
     std::vector<std::array<Points, 6>> by_motion;
@@ -135,7 +147,6 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
                 "load_normal or strain variables, or `strake run` on the same target");
         if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell.motion_response();
     }
-    const int m = space.rest->surface.num_triangles();
     for (int j = 0; j < space.size();) {
         const Variable& variable = space.variables[j];
         if (variable.kind == VariableKind::strain) {
@@ -146,9 +157,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         std::vector<Points> forces;
         const int first = j;
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
-            Points traction = Points::Zero(m, 3);
-            add_traction(space, space.variables[j], space.variables[j].unit, traction);
-            forces.push_back(traction_forces(space.rest->surface, traction));
+            forces.push_back(unit_forces(space, j));
         }
         const std::vector<Points> moved = shell.response(forces);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);

@@ -15,6 +15,8 @@ struct Variable {
     int patch = 0;      ///< id in its level
     int component = 0;  ///< load: x, y, z; strain: rotation x, y, z, translation x, y, z; else 0
     double unit = 1;    ///< physical value at x = 1: 1/length, radians, length, or log of a factor
+    double weight = 1;  ///< root of the elastic energy at x = 1 over the least of the loads, >= 1: in weight * x a step
+                        ///< of given length costs the same energy, stiff (in-plane) loads do not run into buckling
 };
 
 /// What x asks of the shell.
@@ -71,6 +73,8 @@ struct InheritedSpace {
 /// equal motion and equal height of every triangle. Bounds are widened where an inherited value lies outside.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x);
 
+Eigen::VectorXd weights(const DesignSpace& space);  ///< Variable::weight of all
+
 /// Tractions, motions and heights of x. Forces are summed over triangles in their order, whatever the patches.
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x);
 
@@ -85,6 +89,9 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
 
 /// sum_j direction_j dv/dx_j (n x 3) at the shell's equilibrium; stiffness variables are left out.
 Points response_along(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& direction);
+
+/// Forces of variable j at x = 1 (n x 3). @pre a load or normal load.
+Points unit_forces(const DesignSpace& space, int j);
 
 /// Physical values with names, for programs and for the files of a level.
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);

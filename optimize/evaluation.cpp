@@ -6,7 +6,7 @@ namespace strake {
 namespace {
 
 /// A reasonable step takes fewer than 20; more are better spent on a shorter step.
-constexpr int max_iterations = 25;
+constexpr int max_iterations = 18;
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;

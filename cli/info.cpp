@@ -15,6 +15,7 @@
 #include <memory>
 #include <numbers>
 #include <optional>
+#include <set>
 
 /// `strake info`: what a surface file holds, and what is wrong with it.
 namespace strake::cli {
@@ -173,6 +174,23 @@ std::string first_loops(const Report& r) {
                      [&](std::size_t i) { return text(loops[i].size(), " vertices from ", loops[i].front()); });
 }
 
+/// Vertices on open boundaries with another one closer than `tolerance`: the two sides of a crack.
+int crack_vertices(const Report& r, double tolerance) {
+    // Swept along a direction in which no usual surface is flat.
+    const Eigen::Vector3d direction = Eigen::Vector3d(0.8191, 0.4527, 0.3517).normalized();
+    std::set<int> vertices;
+    for (const auto& loop : r.facts.boundary_loops) vertices.insert(loop.begin(), loop.end());
+    std::vector<std::pair<double, int>> sweep;
+    const Points& p = r.surface.mesh.vertices;
+    for (const int v : vertices) sweep.push_back({p.row(v).dot(direction), v});
+    std::sort(sweep.begin(), sweep.end());
+    std::vector<char> near(sweep.size());
+    for (std::size_t i = 0; i < sweep.size(); ++i)
+        for (std::size_t j = i + 1; j < sweep.size() && sweep[j].first - sweep[i].first <= tolerance; ++j)
+            if ((p.row(sweep[j].second) - p.row(sweep[i].second)).norm() <= tolerance) near[i] = near[j] = 1;
+    return static_cast<int>(std::count(near.begin(), near.end(), 1));
+}
+
 /// Every defect in a sentence of its own.
 std::vector<std::string> defects(const Report& r) {
     std::vector<std::string> list;
@@ -181,6 +199,10 @@ std::vector<std::string> defects(const Report& r) {
     };
     const TopologyFacts& f = r.facts;
     add(f.boundary_loops.size(), "open boundary loop(s)", first_loops(r));
+    const double tolerance = 1e-6 * r.diagonal;
+    if (const int cracks = crack_vertices(r, tolerance); cracks > 0)
+        list.push_back(text("cracks: ", cracks, " boundary vertices lie within 1e-6 diagonal of another; a weld with ",
+                            "tolerance ", tolerance, " may close them"));
     add(f.nonmanifold_edges.size(), "non-manifold edge(s), more than two triangles, vertices",
         first_edges(r, f.nonmanifold_edges));
     add(f.nonmanifold_vertices.size(), "non-manifold vertex(es), triangles in more than one fan, vertices",

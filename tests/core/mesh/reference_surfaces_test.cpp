@@ -68,7 +68,9 @@ TEST_P(ReferenceSurfaces, CountsAreThoseOfTheTable) {
     EXPECT_EQ(static_cast<int>(f.misoriented_edges.size()), e.misoriented_edges);
     EXPECT_EQ(f.closed, e.closed);
     EXPECT_NEAR(corner_angles(mesh).minCoeff() * 180 / M_PI, e.min_angle_deg, 0.005 * e.min_angle_deg + 1e-4);
+#ifndef __SANITIZE_ADDRESS__  // minutes
     EXPECT_EQ(static_cast<int>(self_intersections(mesh).size()), e.intersections);
+#endif
 }
 
 INSTANTIATE_TEST_SUITE_P(All, ReferenceSurfaces, testing::ValuesIn(table));

@@ -79,6 +79,7 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     SolveOptions options;
     options.keep_factor = true;
     options.max_iterations = max_iterations;
+    options.fallbacks = false;  // a shorter step is cheaper than a way around a buckling point
     last_.reset();
     const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
     if (end.status != SolveStatus::converged) {
@@ -154,15 +155,6 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     for (std::size_t i = 0; i < all.size(); ++i)
         evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
     if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
-}
-
-double ShapeEvaluator::reach(const Eigen::VectorXd& direction) {
-    double largest = 0;
-    const Points moved = response_along(space_, *shell_, direction);
-    for (int j = 0; j < space_.size(); ++j)
-        if (space_.variables[j].kind == VariableKind::stiffness) largest = std::max(largest, std::abs(direction[j]));
-    return std::max(largest, std::sqrt(moved.rowwise().squaredNorm().maxCoeff()) /
-                                 (rest_->parameters.max_displacement * rest_->diagonal));
 }
 
 }  // namespace strake

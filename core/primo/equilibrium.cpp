@@ -16,6 +16,7 @@ constexpr double largest_turn = 1.0;    // radians a prism may turn in one step
 constexpr double largest_travel = 1.0;  // diagonals a prism may travel in one step
 constexpr double nearly_there = 1e-5;   // diagonals: from here the exact Hessian takes over
 constexpr int attempt_limit = 25;       // iterations of one mixed attempt
+constexpr int growth_limit = 4;         // iterations in a row that lead away
 constexpr int cg_limit = 30;            // substitutions after which a new factor is cheaper
 
 struct Iterate {
@@ -113,22 +114,26 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
     reuse = reuse && shell.factor.has_factor();
-    double step = std::numeric_limits<double>::infinity();
+    double smallest = std::numeric_limits<double>::infinity();
+    int growing = 0;  // iterations in a row with a step well above the smallest
     for (int i = 0; i < attempt_limit && !out_of_budget(); ++i) {
         const int factorizations = end.factorizations;
         Eigen::VectorXd twist = newton_step(at, stress, loads, term, reuse);
         if (!twist.allFinite()) return false;
-        if (end.factorizations > factorizations && !options.keep_factor) reuse = false;
+        if (end.factorizations > factorizations) reuse = false;  // what did not help here will not help further on
         cap(shell.rest, twist);
         const Jumps rate = jump_rates(shell.rest, at.turn, twist);
         stress = sum(at.jump, rate);
         term = StressTerm::exact;
         shell.advance(twist);
         at = iterate(shell, loads);
-        step = step_size(shell.rest, twist);
+        const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
         if (step < nearly_there) return finish(loads);
+        growing = step > 1.5 * smallest ? growing + 1 : 0;
+        smallest = std::min(smallest, step);
+        if (growing >= growth_limit) return false;
     }
     return false;
 }
@@ -292,13 +297,13 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     Attempt attempt{shell, options, progress, end};
     shell.place_pinned(motions);
     bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
-    if (!done && !attempt.out_of_budget()) {
+    if (!done && options.fallbacks && !attempt.out_of_budget()) {
         shell.poses = before;
         shell.place_pinned(motions);
         end.reason.clear();
         done = !pins_moved && attempt.line_search(loads);
     }
-    for (int steps = 4; !done && steps <= 16 && !attempt.out_of_budget(); steps *= 4) {
+    for (int steps = 4; !done && options.fallbacks && steps <= 16 && !attempt.out_of_budget(); steps *= 4) {
         end.reason.clear();
         done = attempt.load_steps(loads, motions, steps);
     }

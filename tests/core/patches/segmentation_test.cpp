@@ -130,12 +130,12 @@ TEST(Segmentation, UpperAndLowerSurfaceOfAWingLieInDifferentPatches) {
 }
 
 TEST(Segmentation, FlatTriangleBetweenCreasesBelongsToTheSmoothPatchBesideIt) {
-    // A cube's face whose two triangles have all vertices on creases, with one face refined: painting crosses flat
-    // edges.
-    const auto tree = segmented(box_surface({1, 1, 1}, 2), {20});
-    for (const Patch& p : tree.levels[1].patches) EXPECT_EQ(p.patch_class, PatchClass::smooth);
-    for (const Patch& p : segmented(box_surface(), {20}).levels[1].patches)
-        EXPECT_EQ(p.patch_class, PatchClass::nonsmooth);
+    // A corner of a face of 2 x 2 cells is cut off by a triangle whose three vertices lie on creases.
+    const PatchHierarchy fine = segmented(box_surface({1, 1, 1}, 2), {20});
+    EXPECT_EQ(fine.levels[1].patches.size(), 6u);
+    for (const Patch& p : fine.levels[1].patches) EXPECT_EQ(p.patch_class, PatchClass::smooth);
+    const PatchHierarchy coarse = segmented(box_surface(), {20});
+    for (const Patch& p : coarse.levels[1].patches) EXPECT_EQ(p.patch_class, PatchClass::nonsmooth);
 }
 
 TEST(Segmentation, EqualsThePlainestImplementation) {

@@ -65,8 +65,8 @@ private:
     MinimizeResult run_level(const Eigen::VectorXd& start) {
         const OptimizeOptions& options = state_.problem.optimize;
         const bool last = state_.space.level == state_.last_level();
-        // The optimizer works in y = weight * x.
-        weight_ = weights(state_.space);
+        // The optimizer works in y = weight * x, in which every variable has the same size.
+        weight_ = state_.space.metric.diagonal().cwiseSqrt();
         NonlinearProgram program;
         program.start = start.cwiseProduct(weight_);
         program.lower = state_.space.lower.cwiseProduct(weight_);
@@ -75,9 +75,8 @@ private:
         program.num_equalities = num_equalities_;
         program.evaluate = [&](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
         program.differentiate = [&](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
-        program.reach = [&](const Eigen::VectorXd& direction) {
-            return state_.evaluator.reach(direction.cwiseQuotient(weight_));
-        };
+        program.metric =
+            weight_.cwiseInverse().asDiagonal() * state_.space.metric * weight_.cwiseInverse().asDiagonal();
         MinimizeOptions how;
         how.method = options.method;
         how.objective_tolerance = options.objective_tolerance;
@@ -87,7 +86,7 @@ private:
         how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.confirm = last;
         ProgressWatch watch(options.progress_below * (last ? patience_on_last_level : 1));
-        how.on_step = [&](const MinimizeStep&) { return !watch.slackened(state_.level_best); };
+        how.on_step = [&](const MinimizeStep& step) { return !watch.slackened(step.merit, step.violation); };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         MinimizeResult result = minimize(program, how);
         result.x = unscaled(result.x);

@@ -91,15 +91,42 @@ void list_candidates(DesignSpace& space) {
     }
 }
 
-/// Linear response at rest to each variable at physical value 1.
+/// Linear response at rest to each variable at physical value 1. Stiffness, which has none, is left at zero.
 struct RestResponse {
-    std::vector<double> largest;  ///< displacement; NaN for stiffness
-    std::vector<double> work;     ///< of the forces; NaN for all but loads
+    Eigen::VectorXd largest;  ///< displacement
+    Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
+    Eigen::MatrixXd work;     ///< entry (i, j): work of load i in the response to load j; zero for strains
 };
+
+constexpr int most_samples = 3000;  ///< vertices for the metric: a mean square needs no more
+
+/// Work of the force of every load variable in the displacement dv.
+Eigen::VectorXd work_of_loads(const DesignSpace& space, const Points& dv) {
+    const RestFacts& rest = *space.rest;
+    const auto& patches = space.patches().patches;
+    Points vector = Points::Zero(static_cast<Eigen::Index>(patches.size()), 3);
+    Eigen::VectorXd normal = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patches.size()));
+    for (int t = 0; t < rest.surface.num_triangles(); ++t) {
+        Eigen::RowVector3d moved = Eigen::RowVector3d::Zero();
+        for (int k = 0; k < 3; ++k) moved += rest.area[t] / 3 * dv.row(rest.surface.triangles(t, k));
+        vector.row(space.patches().label[t]) += moved;
+        normal[space.patches().label[t]] += moved.dot(rest.normal.row(t));
+    }
+    Eigen::VectorXd work = Eigen::VectorXd::Zero(space.size());
+    for (int j = 0; j < space.size(); ++j) {
+        const Variable& variable = space.variables[j];
+        if (variable.kind == VariableKind::load) work[j] = vector(variable.patch, variable.component);
+        if (variable.kind == VariableKind::load_normal) work[j] = normal[variable.patch];
+    }
+    return work;
+}
+
 RestResponse rest_responses(const DesignSpace& space) {
-    RestResponse result;
-    result.largest.assign(space.size(), std::numeric_limits<double>::quiet_NaN());
-    result.work = result.largest;
+    const RestFacts& rest = *space.rest;
+    const int stride = std::max(1, rest.surface.num_vertices() / most_samples);
+    const int samples = (rest.surface.num_vertices() + stride - 1) / stride;
+    RestResponse result{Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * samples, space.size()),
+                        Eigen::MatrixXd::Zero(space.size(), space.size())};
     DesignSpace movers = space;  // without stiffness, which has no response at rest
     std::vector<int> number;
     movers.variables.clear();
@@ -107,55 +134,84 @@ RestResponse rest_responses(const DesignSpace& space) {
         if (space.variables[j].kind != VariableKind::stiffness)
             movers.variables.push_back(space.variables[j]), number.push_back(j);
     if (movers.variables.empty()) return result;
-    ShellOptions options = space.rest->setup.options;
+    ShellOptions options = rest.setup.options;
     options.pin = space.pin;
-    PrimoShell shell(space.rest->surface, options);
+    PrimoShell shell(rest.surface, options);
     // Springs and pins belong to the rest state, given loads and motions do not.
-    std::vector<RigidMotion> at_rest(space.rest->setup.motions.size());
+    std::vector<RigidMotion> at_rest(rest.setup.motions.size());
     for (std::size_t p = 0; p < space.motion.size(); ++p)
         if (space.motion[p] >= 0) at_rest.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
-    const Equilibrium start = shell.solve({{}, space.rest->setup.loads.spring}, at_rest);
+    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, at_rest);
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
-    design_response(movers, shell, [&](int j, const Points& dv) {
-        result.largest[number[j]] = std::sqrt(dv.rowwise().squaredNorm().maxCoeff());
-        if (movers.variables[j].kind != VariableKind::strain)
-            result.work[number[j]] = unit_forces(movers, j).cwiseProduct(dv).sum();
+    double sampled_area = 0;
+    for (int v = 0; v < rest.surface.num_vertices(); v += stride) sampled_area += rest.vertex_area[v];
+    design_response(movers, shell, [&](int mover, const Points& dv) {
+        const int j = number[mover];
+        result.largest[j] = std::sqrt(dv.rowwise().squaredNorm().maxCoeff());
+        for (int s = 0; s < samples; ++s)
+            result.samples.block<3, 1>(3 * s, j) =
+                std::sqrt(rest.vertex_area[s * stride] / sampled_area) * dv.row(s * stride).transpose();
+        if (space.variables[j].kind != VariableKind::strain) result.work.col(j) = work_of_loads(space, dv);
     });
     return result;
+}
+
+bool is_load(const Variable& v) { return v.kind == VariableKind::load || v.kind == VariableKind::load_normal; }
+
+/// The metric of the variables as they are scaled.
+Eigen::MatrixXd metric(const DesignSpace& space, const RestResponse& response, const std::vector<int>& number) {
+    const double wanted = space.rest->parameters.max_displacement * space.rest->diagonal;
+    const Eigen::Index n = space.size();
+    Eigen::MatrixXd moved(response.samples.rows(), n), work = Eigen::MatrixXd::Zero(n, n);
+    std::vector<double> works;
+    for (Eigen::Index i = 0; i < n; ++i) {
+        moved.col(i) = 2 / wanted * space.variables[i].unit * response.samples.col(number[i]);
+        for (Eigen::Index j = 0; j < n; ++j)
+            if (is_load(space.variables[i]) && is_load(space.variables[j]))
+                work(i, j) = space.variables[i].unit * space.variables[j].unit * 0.5 *
+                             (response.work(number[i], number[j]) + response.work(number[j], number[i]));
+        if (work(i, i) > 0) works.push_back(work(i, i));
+    }
+    Eigen::MatrixXd sum = moved.transpose() * moved;
+    if (!works.empty()) {
+        std::nth_element(works.begin(), works.begin() + static_cast<std::ptrdiff_t>(works.size() / 4), works.end());
+        const double soft = works[works.size() / 4];
+        for (Eigen::Index i = 0; i < n; ++i)
+            for (Eigen::Index j = 0; j < n; ++j)
+                sum(i, j) += is_load(space.variables[i]) && is_load(space.variables[j]) ? work(i, j) / soft : 0.0;
+    }
+    for (Eigen::Index i = 0; i < n; ++i) {
+        if (space.variables[i].kind == VariableKind::stiffness) sum(i, i) += 1;
+        sum(i, i) *= 1 + 1e-9;  // definite also where loads are dependent, as a vector and a normal on a flat patch
+    }
+    return sum;
 }
 
 /// Units so that x = 1 moves the surface by max_displacement; variables that move nothing are left out with a note.
 void scale(DesignSpace& space) {
     const RestFacts& rest = *space.rest;
-    const RestResponse at_rest = rest_responses(space);
-    const std::vector<double>& response = at_rest.largest;
-    double least_work = std::numeric_limits<double>::infinity();
+    const RestResponse response = rest_responses(space);
     double largest_load = 0;
     for (int j = 0; j < space.size(); ++j)
-        if (space.variables[j].kind != VariableKind::strain && response[j] > largest_load) largest_load = response[j];
+        if (is_load(space.variables[j])) largest_load = std::max(largest_load, response.largest[j]);
     std::vector<Variable> kept;
+    std::vector<int> number;
     for (int j = 0; j < space.size(); ++j) {
         Variable variable = space.variables[j];
+        const double least = is_load(variable) ? negligible * largest_load : 0;
         if (variable.kind == VariableKind::stiffness) {
             variable.unit = std::numbers::ln2;
-        } else if (variable.kind == VariableKind::strain ? !(response[j] > 0)
-                                                         : !(response[j] > negligible * largest_load)) {
+        } else if (!(response.largest[j] > least)) {
             space.notes.push_back(text(variable.name, ": moves nothing, left out"));
             continue;
         } else {
-            variable.unit = rest.parameters.max_displacement * rest.diagonal / response[j];
-        }
-        if (std::isfinite(at_rest.work[j])) {
-            const double work = at_rest.work[j] * variable.unit * variable.unit;
-            variable.weight = std::sqrt(work);
-            least_work = std::min(least_work, work);
+            variable.unit = rest.parameters.max_displacement * rest.diagonal / response.largest[j];
         }
         kept.push_back(variable);
+        number.push_back(j);
     }
-    for (Variable& variable : kept)
-        if (variable.kind == VariableKind::load || variable.kind == VariableKind::load_normal)
-            variable.weight /= std::sqrt(least_work);
     space.variables = std::move(kept);
+    space.metric = metric(space, response, number);
     space.lower = Eigen::VectorXd::Constant(space.size(), -1);
     space.upper = Eigen::VectorXd::Constant(space.size(), 1);
 }

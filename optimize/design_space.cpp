@@ -125,18 +125,6 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
     return gradient;
 }
 
-Points unit_forces(const DesignSpace& space, int j) {
-    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
-    add_traction(space, space.variables[j], space.variables[j].unit, traction);
-    return traction_forces(space.rest->surface, traction);
-}
-
-Eigen::VectorXd weights(const DesignSpace& space) {
-    Eigen::VectorXd all(space.size());
-    for (int j = 0; j < space.size(); ++j) all[j] = space.variables[j].weight;
-    return all;
-}
-
 void design_response(const DesignSpace& space, PrimoShell& shell,
                      const std::function<void(int j, const Points& dv)>& consume) {
     std::vector<std::array<Points, 6>> by_motion;
@@ -157,27 +145,13 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         std::vector<Points> forces;
         const int first = j;
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
-            forces.push_back(unit_forces(space, j));
+            Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+            add_traction(space, space.variables[j], space.variables[j].unit, traction);
+            forces.push_back(traction_forces(space.rest->surface, traction));
         }
         const std::vector<Points> moved = shell.response(forces);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);
     }
-}
-
-Points response_along(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& direction) {
-    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
-    std::vector<std::array<Points, 6>> by_motion;
-    Points moved = Points::Zero(space.rest->surface.num_vertices(), 3);
-    for (int j = 0; j < space.size(); ++j) {
-        const Variable& variable = space.variables[j];
-        const double value = direction[j] * variable.unit;
-        if (is_load(variable.kind)) add_traction(space, variable, value, traction);
-        if (variable.kind != VariableKind::strain) continue;
-        if (by_motion.empty()) by_motion = shell.motion_response();
-        moved += by_motion[space.motion[variable.patch]][variable.component] * value;
-    }
-    if (!traction.isZero(0)) moved += shell.response({traction_forces(space.rest->surface, traction)})[0];
-    return moved;
 }
 
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x) {

@@ -15,8 +15,6 @@ struct Variable {
     int patch = 0;      ///< id in its level
     int component = 0;  ///< load: x, y, z; strain: rotation x, y, z, translation x, y, z; else 0
     double unit = 1;    ///< physical value at x = 1: 1/length, radians, length, or log of a factor
-    double weight = 1;  ///< root of the elastic energy at x = 1 over the least of the loads, >= 1: in weight * x a step
-                        ///< of given length costs the same energy, stiff (in-plane) loads do not run into buckling
 };
 
 /// What x asks of the shell.
@@ -45,6 +43,10 @@ struct DesignSpace {
     std::shared_ptr<const RestFacts> rest;
     int level = 0;
     std::vector<Variable> variables;
+    /// size() x size(), positive definite: x.metric.x is the size of a small change x. The sum of the squared root mean
+    /// square displacement (twice, over max_displacement) and of the elastic energy (over that of a soft load): neither
+    /// soft collective motions nor stiff in-plane loads, which run into buckling, look harmless in it.
+    Eigen::MatrixXd metric;
     Eigen::VectorXd lower, upper;        ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
     std::vector<std::string> notes;      ///< variables left out, and why
     std::vector<int> pin;                ///< ShellOptions::pin of this level: fixed, given strains, then the cores
@@ -73,8 +75,6 @@ struct InheritedSpace {
 /// equal motion and equal height of every triangle. Bounds are widened where an inherited value lies outside.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x);
 
-Eigen::VectorXd weights(const DesignSpace& space);  ///< Variable::weight of all
-
 /// Tractions, motions and heights of x. Forces are summed over triangles in their order, whatever the patches.
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x);
 
@@ -86,12 +86,6 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 /// `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for stiffness variables.
 void design_response(const DesignSpace& space, PrimoShell& shell,
                      const std::function<void(int j, const Points& dv)>& consume);
-
-/// sum_j direction_j dv/dx_j (n x 3) at the shell's equilibrium; stiffness variables are left out.
-Points response_along(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& direction);
-
-/// Forces of variable j at x = 1 (n x 3). @pre a load or normal load.
-Points unit_forces(const DesignSpace& space, int j);
 
 /// Physical values with names, for programs and for the files of a level.
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);

@@ -41,9 +41,6 @@ public:
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
     /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
-    /// Largest displacement of the linear response to `direction` at the last evaluation's equilibrium, over
-    /// max_displacement; a stiffness variable counts with its size. @pre as differentiate.
-    double reach(const Eigen::VectorXd& direction);
     /// The next evaluations start from the equilibrium of the last one.
     void accept();
 

@@ -1,21 +1,11 @@
 #include "optimize/guard.hpp"
 
 #include "core/error.hpp"
+#include "optimize/first_order.hpp"
 
 #include <nlopt.hpp>
 
 namespace strake {
-namespace {
-
-double violation_of(const NonlinearProgram& p, const Sample& s) {
-    double worst = 0;
-    for (int i = 0; i < p.num_inequalities + p.num_equalities; ++i)
-        worst = std::max(worst, i < p.num_inequalities ? s.constraints[i] : std::abs(s.constraints[i]));
-    return worst;
-}
-
-}  // namespace
-
 Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o) : program(p), options(o), best_x(p.start) {
     for (Eigen::Index j = 0; j < p.start.size(); ++j)
         if (p.lower[j] < p.upper[j]) free.push_back(static_cast<int>(j));
@@ -65,7 +55,7 @@ void Guard::evaluate(const Eigen::VectorXd& x) {
     if (!last_.failure.empty()) {
         failure = last_.failure;
         failed_x = x;
-        const bool go_on = tell({x, last_, 0, false, false});
+        const bool go_on = tell({x, last_, 0, false, false, best_merit});
         stop(last_.is_fatal ? Cause::fatal : go_on ? Cause::failure : Cause::stopped);
     }
     last_x_ = x;
@@ -73,7 +63,7 @@ void Guard::evaluate(const Eigen::VectorXd& x) {
 }
 
 void Guard::rank(const Eigen::VectorXd& x) {
-    const double violation = violation_of(program, last_);
+    const double violation = largest_violation(program, last_.constraints);
     const bool feasible = violation <= options.constraint_tolerance;
     const bool better =
         !has_best || (feasible && !best_feasible) ||
@@ -85,7 +75,9 @@ void Guard::rank(const Eigen::VectorXd& x) {
         best_feasible = feasible;
         best_violation = violation;
     }
-    if (!tell({x, last_, violation, better, feasible})) stop(Cause::stopped);
+    if (penalty == 0) penalty = 3 * std::abs(last_.objective);  // until multipliers are known
+    best_merit = std::min(best_merit, last_.objective + penalty * total_violation(program, last_.constraints));
+    if (!tell({x, last_, violation, better, feasible, best_merit})) stop(Cause::stopped);
 }
 
 void Guard::differentiate(const Eigen::VectorXd& x) {

@@ -24,7 +24,9 @@ public:
     const MinimizeOptions& options;
     std::vector<int> free;  ///< numbers of the variables whose bounds differ
     bool wants_gradient = true;
-    double scale = 1;  ///< NLopt sees objective / scale
+    double scale = 1;    ///< NLopt sees objective / scale
+    double penalty = 0;  ///< of a unit of violation, in the merit that is told
+    double best_merit = std::numeric_limits<double>::infinity();
     Eigen::VectorXd best_x;
     Sample best;
     bool has_best = false, best_feasible = false;

@@ -1,7 +1,9 @@
 #include "optimize/minimizer.hpp"
 
 #include "core/error.hpp"
+#include "optimize/first_order.hpp"
 #include "optimize/guard.hpp"
+#include "optimize/sqp.hpp"
 
 #include <nlopt.hpp>
 
@@ -121,44 +123,14 @@ nlopt::result run_nlopt(Guard& guard, const Box& box) {
     }
 }
 
-/// The direction in which a method with a unit Hessian starts: the gradient without what active constraints and bounds
-/// forbid (least-squares multipliers, those of the wrong sign dropped once).
-VectorXd start_direction(const Guard& guard) {
-    constexpr double nearly_active = 1e-2;
-    const NonlinearProgram& p = guard.program;
-    std::vector<int> rows;
-    for (int i = 0; i < p.num_inequalities + p.num_equalities; ++i)
-        if (i >= p.num_inequalities || guard.best.constraints[i] > -nearly_active) rows.push_back(i);
-    VectorXd direction = -guard.best.gradient;
-    for (int pass = 0; pass < 2 && !rows.empty(); ++pass) {
-        Eigen::MatrixXd normals(direction.size(), static_cast<Eigen::Index>(rows.size()));
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            normals.col(static_cast<Eigen::Index>(i)) = guard.best.jacobian.row(rows[i]);
-        const VectorXd multiplier = normals.colPivHouseholderQr().solve(-guard.best.gradient);
-        direction = -guard.best.gradient - normals * multiplier;
-        std::vector<int> kept;
-        for (std::size_t i = 0; i < rows.size(); ++i)
-            if (rows[i] >= p.num_inequalities || multiplier[static_cast<Eigen::Index>(i)] > 0) kept.push_back(rows[i]);
-        if (kept.size() == rows.size()) break;
-        rows = kept;
-        if (rows.empty()) direction = -guard.best.gradient;
-    }
-    for (Eigen::Index j = 0; j < direction.size(); ++j)
-        if ((guard.best_x[j] <= p.lower[j] && direction[j] < 0) || (guard.best_x[j] >= p.upper[j] && direction[j] > 0))
-            direction[j] = 0;
-    return direction;
-}
-
-/// So that the first step leads half as far as is reasonable. Without this a method that starts with a unit Hessian
-/// adds up the full steps of all variables, or crawls.
+/// So that the first step of a method that starts with a unit Hessian is half of a reasonable one.
 double objective_scale(const Guard& guard) {
     if (!guard.wants_gradient) return std::abs(guard.best.objective) > 0 ? std::abs(guard.best.objective) : 1;
-    constexpr double first_step = 0.5, floor = 1e-3;  // of the unconstrained gradient's reach
-    const auto reach = [&](const VectorXd& direction) {
-        return guard.program.reach ? guard.program.reach(direction) : direction.lpNorm<1>();
-    };
-    const double scale = std::max(reach(start_direction(guard)), floor * reach(guard.best.gradient)) / first_step;
-    return scale > 0 && std::isfinite(scale) ? scale : 1;
+    constexpr double first_step = 0.5, floor = 1e-3;  // of the unconstrained gradient's step
+    const NonlinearProgram& p = guard.program;
+    const VectorXd direction = descent_direction(p, guard.best_x, guard.best);
+    const double step = std::max(metric_norm(p, direction), floor * metric_norm(p, guard.best.gradient));
+    return step > 0 && std::isfinite(step) ? step / first_step : 1;
 }
 
 /// The state of `minimize`: how often the algorithm was started anew, and in which box.
@@ -168,8 +140,11 @@ public:
 
     MinimizeResult run() {
         if (start()) {
-            while (!once_more()) {
-            }
+            if (guard_.options.method == Method::slsqp)
+                run_sqp();
+            else
+                while (!once_more()) {
+                }
         }
         if (guard_.exception) std::rethrow_exception(guard_.exception);
         result_.x = guard_.best_x;
@@ -198,6 +173,26 @@ private:
         return true;
     }
 
+    void run_sqp() {
+        for (bool go_on = true; go_on;) {
+            const double before = guard_.best.objective;
+            const bool feasible_before = guard_.best_feasible;
+            const SqpEnd sqp = minimize_by_sqp(guard_);
+            result_.shrinks += sqp.shrinks;
+            end(sqp.stop, sqp.reason);
+            go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before);
+        }
+    }
+
+    /// A quasi-Newton method may stop short; what a fresh start gains tells.
+    bool wants_confirmation(double before, bool feasible_before) {
+        const double floor = 10 * guard_.options.objective_tolerance * std::abs(guard_.best.objective);
+        const bool gained = before - guard_.best.objective > floor || feasible_before != guard_.best_feasible;
+        if (!guard_.options.confirm || !gained || ++confirmations_ > 5) return false;
+        tell("converged; a fresh start from here confirms or continues");
+        return true;
+    }
+
     /// Runs the algorithm once in the present box. True: finished.
     bool once_more() {
         const double before = guard_.best.objective;
@@ -209,13 +204,7 @@ private:
         if (guard_.cause != Cause::none) return end_by_cause(), true;
         if (code == nlopt::FAILURE || code == nlopt::INVALID_ARGS) return broke_down();
         if (lies_on_artificial_side(guard_.program, box, guard_.best_x)) return grow();
-        const double gain = before - guard_.best.objective,
-                     floor = 10 * guard_.options.objective_tolerance * std::abs(guard_.best.objective);
-        const bool gained = gain > floor || feasible_before != guard_.best_feasible;
-        if (guard_.options.confirm && gained && ++confirmations_ <= 5) {
-            tell("converged; a fresh start from here confirms or continues");
-            return false;
-        }
+        if (wants_confirmation(before, feasible_before)) return false;
         if (code == nlopt::ROUNDOFF_LIMITED)
             return end(MinimizeStop::roundoff, "no further progress in double precision"), true;
         if (code == nlopt::MAXEVAL_REACHED)

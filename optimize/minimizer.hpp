@@ -25,9 +25,9 @@ struct NonlinearProgram {
     std::function<Sample(const Eigen::VectorXd& x)> evaluate;
     /// Adds the gradients to the sample of the last `evaluate`. Not called by gradient-free methods.
     std::function<void(const Eigen::VectorXd& x, Sample& sample)> differentiate;
-    /// How far a small step leads, per unit of the step, as a share of what is reasonable; called at the start. Sets
-    /// the length of the first step. Empty: the sum of the absolute entries.
-    std::function<double(const Eigen::VectorXd& direction)> reach;
+    /// n x n, positive definite: the size of a step d is sqrt(d.metric.d), about 1 for the largest reasonable one.
+    /// Empty: the identity.
+    Eigen::MatrixXd metric;
 };
 
 /// One evaluation, told as it happens.
@@ -38,6 +38,7 @@ struct MinimizeStep {
     bool is_best =
         false;  ///< the best point so far: feasible and lowest, or while none is feasible the least violation
     bool is_feasible = false;
+    double merit = 0;  ///< least of objective + penalty * violations so far
 };
 
 struct MinimizeOptions {

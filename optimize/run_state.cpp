@@ -127,10 +127,10 @@ void RunState::end_level(const std::string& why) {
     if (events.level_end) events.level_end(summary);
 }
 
-bool ProgressWatch::slackened(const Rank& best) {
+bool ProgressWatch::slackened(double merit, double violation) {
     // Reaching feasibility starts a new count: the objective may have to rise on the way there.
-    if (best.feasible && !feasible_) merit_.clear(), feasible_ = true;
-    merit_.push_back(best.feasible ? best.merit : best.violation);
+    if (!near_feasible_ && violation < 1e-3) merit_.clear(), near_feasible_ = true;
+    merit_.push_back(merit);
     const int count = static_cast<int>(merit_.size());
     if (fraction_ <= 0 || count < 2 * window) return false;
     double best_gain = 0;

@@ -62,12 +62,13 @@ private:
 class ProgressWatch {
 public:
     explicit ProgressWatch(double fraction) : fraction_(fraction) {}
-    bool slackened(const Rank& best);
+    /// @param merit the best so far, `violation` that of the last evaluation.
+    bool slackened(double merit, double violation);
 
 private:
     static constexpr int window = 5;
     double fraction_;
-    bool feasible_ = false;
+    bool near_feasible_ = false;
     std::vector<double> merit_;
 };
 

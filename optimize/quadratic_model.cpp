@@ -1,0 +1,101 @@
+#include "optimize/quadratic_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <nlopt.hpp>
+#include <vector>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// min |u|^2 / 2 + q.u  s.t. rows u <= limit (the first `inequalities`), = limit (the rest).
+struct LeastDistance {
+    VectorXd q;
+    MatrixXd inequality_rows, equality_rows;
+    VectorXd inequality_limits, equality_limits;
+};
+
+double objective(unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    const Eigen::Map<const VectorXd> at(u, n);
+    if (gradient) VectorXd::Map(gradient, n) = at + p.q;
+    return 0.5 * at.squaredNorm() + p.q.dot(at);
+}
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void linear(unsigned m, double* value, unsigned n, const double* u, double* gradient, const MatrixXd& rows,
+            const VectorXd& limits) {
+    VectorXd::Map(value, m) = rows * Eigen::Map<const VectorXd>(u, n) - limits;
+    if (gradient) RowMajor::Map(gradient, m, n) = rows;
+}
+void inequalities(unsigned m, double* value, unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    linear(m, value, n, u, gradient, p.inequality_rows, p.inequality_limits);
+}
+void equalities(unsigned m, double* value, unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    linear(m, value, n, u, gradient, p.equality_rows, p.equality_limits);
+}
+
+VectorXd solve(LeastDistance& p) {
+    const auto n = static_cast<unsigned>(p.q.size());
+    nlopt::opt opt(nlopt::LD_SLSQP, n);
+    opt.set_min_objective(objective, &p);
+    if (p.inequality_limits.size() > 0)
+        opt.add_inequality_mconstraint(inequalities, &p, std::vector<double>(p.inequality_limits.size(), 1e-12));
+    if (p.equality_limits.size() > 0)
+        opt.add_equality_mconstraint(equalities, &p, std::vector<double>(p.equality_limits.size(), 1e-12));
+    opt.set_ftol_rel(1e-12);
+    opt.set_xtol_rel(1e-10);
+    opt.set_maxeval(60);
+    std::vector<double> u(n, 0.0);
+    double value = 0;
+    try {
+        opt.optimize(u, value);
+    } catch (const nlopt::roundoff_limited&) {
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return {};
+    }
+    return VectorXd::Map(u.data(), n);
+}
+
+}  // namespace
+
+VectorXd solve_model(const QuadraticModel& model) {
+    const Eigen::Index n = model.gradient.size(), rows = model.constraints.size(), ineq = model.num_inequalities;
+    const Eigen::LLT<MatrixXd> llt(model.hessian);
+    if (llt.info() != Eigen::Success) return {};
+    // d = K u with K = L^-T; the last entry of u is the share t of the violation that is left, times `penalty`.
+    const MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
+    const VectorXd q = K.transpose() * model.gradient;
+    const double penalty = 1e3 * (1 + q.norm());
+    LeastDistance p;
+    p.q = VectorXd::Zero(n + 1);
+    p.q.head(n) = q;
+    p.inequality_rows = MatrixXd::Zero(2 * n + ineq + 1, n + 1);
+    p.inequality_rows.topLeftCorner(n, n) = K;
+    p.inequality_rows.block(n, 0, n, n) = -K;
+    p.inequality_limits.resize(2 * n + ineq + 1);
+    p.inequality_limits << model.upper, -model.lower, VectorXd::Zero(ineq + 1);
+    const MatrixXd AK = model.jacobian * K;
+    for (Eigen::Index i = 0; i < ineq; ++i) {
+        p.inequality_rows.row(2 * n + i).head(n) = AK.row(i);
+        p.inequality_rows(2 * n + i, n) = -std::max(model.constraints[i], 0.0) / penalty;
+        p.inequality_limits[2 * n + i] = -model.constraints[i];
+    }
+    p.inequality_rows(2 * n + ineq, n) = -1;  // t >= 0
+    p.equality_rows = MatrixXd::Zero(rows - ineq, n + 1);
+    p.equality_limits = -model.constraints.tail(rows - ineq);
+    p.equality_rows.leftCols(n) = AK.bottomRows(rows - ineq);
+    p.equality_rows.col(n) = -model.constraints.tail(rows - ineq) / penalty;
+    const VectorXd u = solve(p);
+    if (u.size() == 0 || !u.allFinite()) return {};
+    return (K * u.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
+}
+
+}  // namespace strake

@@ -1,0 +1,23 @@
+#pragma once
+#include <Eigen/Core>
+
+/// The model problem of one step of sequential quadratic programming. Internal.
+namespace strake {
+
+/// min g.d + d.H d / 2   s.t.  lower <= d <= upper,  c_i + a_i.d <= 0 (the first `num_inequalities` rows), = 0 (the
+/// rest).
+struct QuadraticModel {
+    Eigen::VectorXd gradient;  ///< n
+    Eigen::MatrixXd hessian;   ///< n x n, positive definite
+    Eigen::VectorXd lower, upper;
+    Eigen::VectorXd constraints;
+    Eigen::MatrixXd jacobian;  ///< rows x n
+    int num_inequalities = 0;
+};
+
+/// The step d. Where the linearized constraints cannot all be met within the bounds, their violation is reduced as far
+/// as a large penalty finds worth while. Solved by NLopt's SLSQP in coordinates in which the Hessian is the identity,
+/// so that its own first step is exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
+Eigen::VectorXd solve_model(const QuadraticModel& model);
+
+}  // namespace strake

@@ -1,0 +1,23 @@
+#pragma once
+#include "optimize/guard.hpp"
+
+/// Sequential quadratic programming in a trust region. Internal.
+///
+/// NLopt's own driver of SLSQP has no way to reject a point, starts from a unit Hessian and loses what it learned when
+/// it is restarted. Here NLopt's SLSQP solves the quadratic model of each step, and the globalization is ours: the
+/// Hessian starts as a multiple of the metric and learns by damped BFGS updates (Powell), a step is no longer than the
+/// trust region in the metric, an evaluation that fails halves the region and costs nothing else, and a merit function
+/// (objective + penalty * violations) decides about the rest.
+namespace strake {
+
+struct SqpEnd {
+    MinimizeStop stop;
+    std::string reason;
+    int shrinks;
+};
+
+/// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.
+/// @throws nlopt::forced_stop never: `guard.cause` of the end is turned into `stop`.
+SqpEnd minimize_by_sqp(Guard& guard);
+
+}  // namespace strake

@@ -1,3 +1,5 @@
+#include "core/patches/automatic.hpp"
+
 #include "core/error.hpp"
 #include "core/patches/cutter.hpp"
 
@@ -31,6 +33,7 @@ void check(const AutomaticLevels& options) {
 struct LevelCut {
     const Body& body;
     const PatchLevel& above;
+    const std::vector<double>& due;  ///< areas meant for the patches above
     const std::vector<char>& chosen;
     int wanted;
     double max_share, min_area;
@@ -46,13 +49,14 @@ struct LevelCut {
     }
 
     /// Pieces by parent.
-    std::vector<std::vector<TriangleSet>> cut(double tau_deg) const {
+    std::vector<std::vector<Piece>> cut(double tau_deg) const {
         const Creases creases = creases_at(tau_deg);
         Cutter cutter(body, creases, min_area);
-        std::vector<std::vector<TriangleSet>> pieces(above.patches.size());
-        for (const Patch& p : above.patches)
-            pieces[p.id] =
-                chosen[p.id] ? cutter.cut(p.triangles, parts_of(p)) : std::vector<TriangleSet>(1, p.triangles);
+        std::vector<std::vector<Piece>> pieces(above.patches.size());
+        for (const Patch& p : above.patches) {
+            const Piece whole{p.triangles, due[p.id]};
+            pieces[p.id] = chosen[p.id] ? cutter.cut(whole, parts_of(p)) : std::vector<Piece>{whole};
+        }
         keep_shares(cutter, pieces);
         keep_count(cutter, pieces);
         return pieces;
@@ -62,36 +66,36 @@ struct LevelCut {
         return persistent_creases(body, tau_deg * radians, 0.05 * std::sqrt(body.area / wanted));
     }
     int parts_of(const Patch& p) const {
-        const double share = p.area / body.area;
-        return std::max(worth(wanted * share), static_cast<int>(std::ceil(share / max_share - 1e-6)));
+        const int least = static_cast<int>(std::ceil(p.area / (max_share * body.area) - 1e-6));
+        return std::max(worth(wanted * due[p.id] / body.area), least);
     }
-    void keep_shares(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const;
-    void keep_count(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const;
-    void halve(Cutter& cutter, std::vector<TriangleSet>& siblings, std::size_t i) const {
-        const std::vector<TriangleSet> halves = cutter.cut(siblings[i], 2);
+    void keep_shares(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const;
+    void keep_count(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const;
+    void halve(Cutter& cutter, std::vector<Piece>& siblings, std::size_t i) const {
+        const std::vector<Piece> halves = cutter.cut(siblings[i], 2);
         siblings[i] = halves[0];
         siblings.insert(siblings.end(), halves.begin() + 1, halves.end());
     }
 };
 
 /// Halves what is above its share of the area (single triangles stay).
-void LevelCut::keep_shares(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const {
+void LevelCut::keep_shares(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const {
     for (std::size_t p = 0; p < pieces.size(); ++p)
         for (std::size_t i = 0; chosen[p] && i < pieces[p].size();) {
             const std::size_t before = pieces[p].size();
-            if (cutter.area(pieces[p][i]) > max_share * body.area) halve(cutter, pieces[p], i);
+            if (cutter.area(pieces[p][i].triangles) > max_share * body.area) halve(cutter, pieces[p], i);
             if (pieces[p].size() == before) ++i;
         }
 }
 
 /// Between half and twice the wanted number: halves the largest pieces, or joins the smallest with siblings.
-void LevelCut::keep_count(Cutter& cutter, std::vector<std::vector<TriangleSet>>& pieces) const {
+void LevelCut::keep_count(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const {
     const auto extreme = [&](bool largest, std::size_t least_siblings) {
         std::array<int, 2> best{-1, -1};
         double best_area = 0;
         for (std::size_t p = 0; p < pieces.size(); ++p)
             for (std::size_t i = 0; chosen[p] && pieces[p].size() >= least_siblings && i < pieces[p].size(); ++i) {
-                const double a = cutter.area(pieces[p][i]);
+                const double a = cutter.area(pieces[p][i].triangles);
                 if (best[0] < 0 || (largest ? a > best_area : a < best_area))
                     best = {static_cast<int>(p), static_cast<int>(i)}, best_area = a;
             }
@@ -148,34 +152,44 @@ PatchClass class_of(const SurfaceFeatures& features, const TriangleSet& set, dou
 
 }  // namespace
 
+void refine_automatically(PatchHierarchy& tree, const Body& body, std::vector<double>& due,
+                          const std::vector<char>& chosen, const AutomaticLevels& options) {
+    const std::size_t k = tree.levels.size() - 1;
+    const PatchLevel& above = tree.levels.back();
+    const LevelCut level{body,
+                         above,
+                         due,
+                         chosen,
+                         options.patches_per_level.at(k),
+                         options.max_share[std::min(k, options.max_share.size() - 1)],
+                         options.min_patch_percent / 100 * body.area};
+    const double tau_deg =
+        threshold(level, static_cast<int>(k) + 1, options.sharp_angle_deg, k > 0 ? above.angle_deg : 91);
+    std::vector<int> label(body.mesh().num_triangles());
+    std::vector<PatchClass> classes;
+    const auto pieces = level.cut(tau_deg);
+    for (const Patch& parent : above.patches)
+        for (const Piece& piece : pieces[parent.id]) {
+            for (const int t : piece.triangles) label[t] = static_cast<int>(classes.size());
+            classes.push_back(chosen[parent.id] ? class_of(body.features, piece.triangles, tau_deg * radians)
+                                                : parent.patch_class);
+        }
+    append_level(tree, body.features, tau_deg, label, classes);
+    due.resize(tree.levels.back().patches.size());
+    for (const auto& siblings : pieces)
+        for (const Piece& piece : siblings) due[tree.levels.back().label[piece.triangles.front()]] = piece.due;
+}
+
 PatchHierarchy segment_automatically(const TriMesh& mesh, const Adjacency& adjacent, const AutomaticLevels& options) {
     check(options);
     PatchHierarchy tree = whole_surface(mesh);
     const SurfaceFeatures features = surface_features(mesh, adjacent);
     const Body body = measured(features);
-    for (std::size_t k = 0; k < options.patches_per_level.size(); ++k) {
-        const PatchLevel& above = tree.levels.back();
-        std::vector<char> chosen = chosen_by_area(above, options.split);
-        if (k == 0) chosen.assign(1, 1);  // level 1 always splits the whole surface
-        const int wanted = options.patches_per_level[k];
-        const LevelCut level{body,
-                             above,
-                             chosen,
-                             wanted,
-                             options.max_share[std::min(k, options.max_share.size() - 1)],
-                             options.min_patch_percent / 100 * body.area};
-        const double tau_deg =
-            threshold(level, static_cast<int>(k) + 1, options.sharp_angle_deg, k > 0 ? above.angle_deg : 91);
-        std::vector<int> label(mesh.num_triangles());
-        std::vector<PatchClass> classes;
-        const auto pieces = level.cut(tau_deg);
-        for (const Patch& parent : above.patches)
-            for (const TriangleSet& piece : pieces[parent.id]) {
-                for (const int t : piece) label[t] = static_cast<int>(classes.size());
-                classes.push_back(chosen[parent.id] ? class_of(features, piece, tau_deg * radians)
-                                                    : parent.patch_class);
-            }
-        append_level(tree, features, tau_deg, label, classes);
+    std::vector<double> due{body.area};
+    while (tree.levels.size() <= options.patches_per_level.size()) {
+        std::vector<char> chosen = chosen_by_area(tree.levels.back(), options.split);
+        if (tree.levels.size() == 1) chosen.assign(1, 1);  // level 1 always splits the whole surface
+        refine_automatically(tree, body, due, chosen, options);
     }
     return tree;
 }

@@ -9,20 +9,34 @@ namespace strake {
 
 int worth(double x) { return std::max(1, static_cast<int>(std::floor(x + 0.45))); }
 
-void Cutter::cut_into(std::vector<TriangleSet>& pieces, const TriangleSet& set, int wanted) {
+void Cutter::cut_into(std::vector<Piece>& pieces, const Piece& piece, int wanted) {
+    const TriangleSet& set = piece.triangles;
     std::vector<TriangleSet> found{set};
+    bool planned = false;
     if (wanted > 1 && set.size() > 1) {
         found = along_creases(set, wanted);
         if (found.size() < 2) found = two_sides(set, wanted);
+        planned = found.size() < 2;
         const std::array<int, 3> axes = axes_by_extent(set);
         for (int j = 0; j < 3 && found.size() < 2; ++j) found = across_axis(set, wanted, axes[j]);
     }
     if (found.size() < 2) {
-        pieces.push_back(set);
+        pieces.push_back(piece);
         return;
     }
-    const double total = area(set);
-    for (const TriangleSet& piece : found) cut_into(pieces, piece, worth(wanted * area(piece) / total));
+    // A plane that gave two parts of about the areas it was placed for: these are due. Else what came out.
+    const double total = area(set), first = area(found[0]) / total;
+    const int below = wanted / 2, above = wanted - below;
+    const int lower = std::abs(first * wanted - below) <= std::abs(first * wanted - above) ? below : above;
+    if (planned && found.size() == 2 && std::abs(first * wanted - lower) < 0.2 * below) {
+        cut_into(pieces, {found[0], piece.due * lower / wanted}, lower);
+        cut_into(pieces, {found[1], piece.due * (wanted - lower) / wanted}, wanted - lower);
+        return;
+    }
+    for (const TriangleSet& part : found) {
+        const double share = area(part) / total;
+        cut_into(pieces, {part, piece.due * share}, worth(wanted * share));
+    }
 }
 
 std::vector<TriangleSet> Cutter::along_creases(const TriangleSet& set, int wanted) {
@@ -95,14 +109,17 @@ std::array<int, 3> Cutter::axes_by_extent(const TriangleSet& set) const {
     return axes;
 }
 
-std::vector<TriangleSet> Cutter::without_smallest(const TriangleSet& set, const std::vector<TriangleSet>& pieces) {
-    double smallest = area(pieces[0]);
-    for (const TriangleSet& piece : pieces) smallest = std::min(smallest, area(piece));
+std::vector<Piece> Cutter::without_smallest(const TriangleSet& set, const std::vector<Piece>& pieces) {
+    double smallest = area(pieces[0].triangles);
+    for (const Piece& piece : pieces) smallest = std::min(smallest, area(piece.triangles));
     std::vector<int> owner(body_.mesh().num_triangles(), -1), key;
     for (std::size_t p = 0; p < pieces.size(); ++p)
-        for (const int t : pieces[p]) owner[t] = static_cast<int>(p);
+        for (const int t : pieces[p].triangles) owner[t] = static_cast<int>(p);
     for (const int t : set) key.push_back(owner[t]);
-    return parts_.split(set, key, false, smallest * (1 + 1e-9) + 1e-300);
+    std::vector<Piece> fewer;
+    for (const TriangleSet& part : parts_.split(set, key, false, smallest * (1 + 1e-9) + 1e-300))
+        fewer.push_back({part, area(part)});
+    return fewer;
 }
 
 }  // namespace strake

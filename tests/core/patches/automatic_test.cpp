@@ -128,7 +128,7 @@ TEST(AutomaticLevels, DoNotDependOnNumberingOrRigidMotion) {
 }
 
 TEST(AutomaticLevels, RefinedSurfaceGivesTheSamePatches) {
-    for (const TriMesh& mesh : {lopsided(), naca0012_wing(30, 60, 4), box_surface({1.3, 1, 0.8}, 16)}) {
+    for (const TriMesh& mesh : {lopsided(), naca0012_wing(40, 80, 4), box_surface({1.3, 1, 0.8}, 24)}) {
         const TriMesh fine = refined(mesh);
         const PatchHierarchy a = automatic(mesh), b = automatic(fine);
         for (int l = 1; l <= 3; ++l) EXPECT_GT(overlap(mesh, a.levels[l].label, fine, b.levels[l].label), 0.9) << l;

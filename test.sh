@@ -61,7 +61,7 @@ check_cases() {
     echo "$count cases checked"
     [ $count -gt 0 ] && [ $bad = 0 ]
 }
-main_job() { scripts/main_job.sh "$bin" 4000; }
+main_job() { scripts/main_job.sh "$bin" 6000; }
 snippets() { scripts/check_snippets.py "$bin"; }
 
 step "set-up" scripts/setup.sh run test

@@ -33,7 +33,7 @@ def fresh_copy(folder, bin_folder):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated", "*.cpp", "*.hpp"))
     for name in ("run.sh", "test.sh", "README.md"):
         shutil.copy2(ROOT / name, folder / name)
-    subprocess.run([ROOT / "scripts/examples.sh", folder / "cases", bin_folder, "4000", "4000"], check=True,
+    subprocess.run([ROOT / "scripts/examples.sh", folder / "cases", bin_folder, "6000", "6000"], check=True,
                    stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
 
 

@@ -9,6 +9,7 @@ namespace {
 
 /// On the last level there is nothing to refine: it may go on until progress is this much slower still.
 constexpr double patience_on_last_level = 0.1;
+constexpr int failures_before_refining = 4;  ///< in a row; on the last level the minimizer's own limit holds
 
 /// Names whose gradients are needed: the objective first, then constrained values, each once.
 std::vector<std::string> differentiated_names(const Problem& problem) {
@@ -85,11 +86,15 @@ private:
         how.max_evaluations = std::max(1, state_.evaluations_left() / (state_.last_level() - state_.space.level + 1));
         how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.confirm = last;
+        how.first_step = first_step_;
+        if (!last) how.max_shrinks = failures_before_refining;
         ProgressWatch watch(options.progress_below * (last ? patience_on_last_level : 1));
         how.on_step = [&](const MinimizeStep& step) { return !watch.slackened(step.merit, step.violation); };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         MinimizeResult result = minimize(program, how);
         result.x = unscaled(result.x);
+        // What was too far on this level is too far on the next.
+        if (result.radius > 0) first_step_ = std::clamp(2 * result.radius, 0.05, 0.5);
         return result;
     }
 
@@ -210,6 +215,7 @@ private:
     std::vector<int> constrained_, gradient_row_;
     ConstraintRows rows_;
     Eigen::VectorXd weight_;
+    double first_step_ = 0.5;
     ShapeEvaluation current_;
     bool quantity_failed_ = false;
 };

@@ -123,14 +123,14 @@ nlopt::result run_nlopt(Guard& guard, const Box& box) {
     }
 }
 
-/// So that the first step of a method that starts with a unit Hessian is half of a reasonable one.
+/// So that the first step of a method that starts with a unit Hessian has the wanted length.
 double objective_scale(const Guard& guard) {
     if (!guard.wants_gradient) return std::abs(guard.best.objective) > 0 ? std::abs(guard.best.objective) : 1;
-    constexpr double first_step = 0.5, floor = 1e-3;  // of the unconstrained gradient's step
+    constexpr double floor = 1e-3;  // of the unconstrained gradient's step
     const NonlinearProgram& p = guard.program;
     const VectorXd direction = descent_direction(p, guard.best_x, guard.best);
     const double step = std::max(metric_norm(p, direction), floor * metric_norm(p, guard.best.gradient));
-    return step > 0 && std::isfinite(step) ? step / first_step : 1;
+    return step > 0 && std::isfinite(step) ? step / guard.options.first_step : 1;
 }
 
 /// The state of `minimize`: how often the algorithm was started anew, and in which box.
@@ -179,6 +179,7 @@ private:
             const bool feasible_before = guard_.best_feasible;
             const SqpEnd sqp = minimize_by_sqp(guard_);
             result_.shrinks += sqp.shrinks;
+            result_.radius = sqp.radius;
             end(sqp.stop, sqp.reason);
             go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before);
         }

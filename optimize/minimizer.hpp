@@ -48,7 +48,8 @@ struct MinimizeOptions {
     double objective_tolerance = 1e-6;   ///< relative change
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
-    int max_shrinks = 8;                 ///< halvings of the box after failures
+    int max_shrinks = 8;                 ///< cuts of the step after failures: in a row with slsqp, else in all
+    double first_step = 0.5;             ///< in the metric
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here
     std::function<void(const std::string&)> on_event;  ///< restarts and box changes, in words
@@ -72,6 +73,7 @@ struct MinimizeResult {
     MinimizeStop stop = MinimizeStop::failed;
     std::string reason;  ///< one sentence
     int evaluations = 0, shrinks = 0;
+    double radius = 0;  ///< slsqp: the last length of step that was allowed
 };
 
 /// Minimizes from `start` within the bounds. Variables with equal bounds are removed first. Every x is evaluated once,

@@ -68,11 +68,14 @@ VectorXd solve(LeastDistance& p) {
 
 VectorXd solve_model(const QuadraticModel& model) {
     const Eigen::Index n = model.gradient.size(), rows = model.constraints.size(), ineq = model.num_inequalities;
-    const Eigen::LLT<MatrixXd> llt(model.hessian);
+    // The unit of the objective must not matter to SLSQP's tolerances.
+    const double unit = model.hessian.trace() / static_cast<double>(n);
+    if (!(unit > 0) || !std::isfinite(unit)) return {};
+    const Eigen::LLT<MatrixXd> llt(model.hessian / unit);
     if (llt.info() != Eigen::Success) return {};
     // d = K u with K = L^-T; the last entry of u is the share t of the violation that is left, times `penalty`.
     const MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
-    const VectorXd q = K.transpose() * model.gradient;
+    const VectorXd q = K.transpose() * model.gradient / unit;
     const double penalty = 1e3 * (1 + q.norm());
     LeastDistance p;
     p.q = VectorXd::Zero(n + 1);

@@ -135,6 +135,7 @@ bool ProgressWatch::slackened(double merit, double violation) {
     if (fraction_ <= 0 || count < 2 * window) return false;
     double best_gain = 0;
     for (int i = window; i < count; ++i) best_gain = std::max(best_gain, merit_[i - window] - merit_[i]);
+    if (best_gain == 0) return count >= 4 * window;  // steps are still being shortened
     return merit_[count - 1 - window] - merit_[count - 1] <= fraction_ * best_gain;
 }
 

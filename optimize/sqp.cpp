@@ -33,6 +33,7 @@ public:
         while (!step()) {
         }
         restore();
+        end_.radius = radius_;
         return end_;
     }
 
@@ -51,7 +52,7 @@ private:
     void start_hessian() {
         const VectorXd lagrangian = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
         const double slope = std::max(dual_norm(p_, lagrangian), 1e-3 * dual_norm(p_, at_.gradient));
-        B_ = (slope > 0 ? slope / first_radius : 1.0) * metric_;
+        B_ = (slope > 0 ? slope / guard_.options.first_step : 1.0) * metric_;
         raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
     }
 
@@ -125,8 +126,8 @@ private:
         }
         const double ratio = decrease / predicted;
         const double length = metric_norm(p_, taken);
-        if (ratio < poor)
-            radius_ = 0.5 * std::min(radius_, length);
+        if (ratio < poor)  // where the parabola through the values has its least, within a tenth and a half
+            radius_ = std::clamp(0.5 / (1 - std::min(ratio, 0.0)), 0.1, 0.5) * std::min(radius_, length);
         else if (ratio > good && is_limited_)
             radius_ = std::min(2 * radius_, largest_radius);
         if (ratio < acceptable || !(decrease > 0)) return rejected(length);
@@ -193,10 +194,10 @@ private:
         guard_.cause = Cause::none;
         if (++failures_ > guard_.options.max_shrinks)
             return end(MinimizeStop::blocked, text("evaluations fail next to the best point even after ", failures_ - 1,
-                                                   " halvings of the step; the last failure: ", guard_.failure));
+                                                   " cuts of the step; the last failure: ", guard_.failure));
         ++end_.shrinks;
-        radius_ = 0.5 * std::min(radius_, metric_norm(p_, d));
-        tell(text("evaluation ", guard_.evaluations, " failed (", guard_.failure, "); the largest step is halved to ",
+        radius_ = (failures_ > 1 ? 0.25 : 0.5) * std::min(radius_, metric_norm(p_, d));
+        tell(text("evaluation ", guard_.evaluations, " failed (", guard_.failure, "); the largest step is cut to ",
                   radius_));
         return false;
     }
@@ -244,7 +245,7 @@ private:
             m.lower = p_.lower - x;
             m.upper = p_.upper - x;
             const VectorXd d = solve_model(m);
-            if (d.size() == 0 || metric_norm(p_, d) > first_radius) return;
+            if (d.size() == 0 || metric_norm(p_, d) > 0.5) return;
             x += d;
             if (!evaluate(x, false, s) || largest_violation(p_, s.constraints) <= tolerance()) return;
         }
@@ -264,10 +265,10 @@ private:
     VectorXd x_;
     Sample at_;  ///< at x_, with gradients
     MatrixXd metric_, B_;
-    double radius_ = first_radius;
+    double radius_ = guard_.options.first_step;
     bool is_limited_ = false;
     int calm_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
-    SqpEnd end_{MinimizeStop::failed, "", 0};
+    SqpEnd end_{MinimizeStop::failed, "", 0, 0};
 };
 
 }  // namespace

@@ -14,6 +14,7 @@ struct SqpEnd {
     MinimizeStop stop;
     std::string reason;
     int shrinks;
+    double radius;  ///< of the trust region at the end
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

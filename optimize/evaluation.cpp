@@ -78,8 +78,10 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (accepted_) shell_->set_poses(*accepted_);
     SolveOptions options;
     options.keep_factor = true;
-    options.max_iterations = max_iterations;
-    options.fallbacks = false;  // a shorter step is cheaper than a way around a buckling point
+    // From an accepted design on a shorter step is cheaper than a way around a buckling point; the first design has to
+    // be reached as it is.
+    if (accepted_) options.max_iterations = max_iterations;
+    options.fallbacks = !accepted_;
     last_.reset();
     const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
     if (end.status != SolveStatus::converged) {

@@ -23,8 +23,10 @@ void silence_glog() {
 constexpr int patience_on_last_level = 10;
 constexpr int line_search_steps = 3;  ///< along a step that was projected onto the bounds
 
+constexpr double first_radius = 3;  ///< Ceres' damping is 1 / radius of the squared column norms
+
 /// Share of the first root mean square residual that is as good as zero.
-constexpr double recovered = 1e-10;
+constexpr double recovered = 1e-8;
 
 class Fit {
 public:
@@ -187,7 +189,7 @@ private:
     bool ok_ = false, failed_ = false, out_of_budget_ = false, slackened_ = false, converged_ = false,
          is_recovered_ = false;
     int level_budget_ = 0, slow_iterations_ = 0;
-    double first_rms_ = -1, previous_rms_ = 0;
+    double radius_ = first_radius, first_rms_ = -1, previous_rms_ = 0;
     std::string words_;
     std::exception_ptr exception_;
 };
@@ -239,6 +241,8 @@ VectorXd Fit::run_level(const VectorXd& start) {
     options.max_num_consecutive_invalid_steps = 10;
     options.function_tolerance = how.objective_tolerance;
     options.parameter_tolerance = how.step_tolerance;
+    // Ceres' own start is a full Gauss-Newton step, on a soft surface far too long.
+    options.initial_trust_region_radius = radius_;
     options.gradient_tolerance = 0;  // has the unit of the objective; the two above decide
     options.num_threads = 1;
     options.max_num_line_search_step_size_iterations = line_search_steps;
@@ -246,6 +250,8 @@ VectorXd Fit::run_level(const VectorXd& start) {
     ceres::Solver::Summary summary;
     ceres::Solve(options, &problem, &summary);
     if (exception_) std::rethrow_exception(exception_);
+    if (!summary.iterations.empty())
+        radius_ = std::clamp(summary.iterations.back().trust_region_radius, first_radius, 1e3 * first_radius);
     converged_ = (summary.termination_type == ceres::CONVERGENCE && !slackened_) || is_recovered_;
     if (out_of_budget_)
         words_ = text("the limit of evaluations or time is reached");

@@ -10,7 +10,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// min |u|^2 / 2 + q.u  s.t. rows u <= limit (the first `inequalities`), = limit (the rest).
+/// min |w|^2 / 2 + q.w  s.t. rows w <= limit (the first `inequalities`), = limit (the rest).
 struct LeastDistance {
     VectorXd q;
     MatrixXd inequality_rows, equality_rows;
@@ -73,10 +73,13 @@ VectorXd solve_model(const QuadraticModel& model) {
     if (!(unit > 0) || !std::isfinite(unit)) return {};
     const Eigen::LLT<MatrixXd> llt(model.hessian / unit);
     if (llt.info() != Eigen::Success) return {};
-    // d = K u with K = L^-T; the last entry of u is the share t of the violation that is left, times `penalty`.
-    const MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
-    const VectorXd q = K.transpose() * model.gradient / unit;
-    const double penalty = 1e3 * (1 + q.norm());
+    // d = K w, K a multiple of L^-T with |q| = 1; the last entry of w is `penalty` times the share of the violation
+    // that is left.
+    MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
+    VectorXd q = K.transpose() * model.gradient / unit;
+    const double length = q.norm();
+    if (length > 0) K *= length, q /= length;
+    constexpr double penalty = 1e5;
     LeastDistance p;
     p.q = VectorXd::Zero(n + 1);
     p.q.head(n) = q;
@@ -96,9 +99,16 @@ VectorXd solve_model(const QuadraticModel& model) {
     p.equality_limits = -model.constraints.tail(rows - ineq);
     p.equality_rows.leftCols(n) = AK.bottomRows(rows - ineq);
     p.equality_rows.col(n) = -model.constraints.tail(rows - ineq) / penalty;
-    const VectorXd u = solve(p);
-    if (u.size() == 0 || !u.allFinite()) return {};
-    return (K * u.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
+    // Rows of length 1: SLSQP compares them with one tolerance.
+    const VectorXd row_length = p.inequality_rows.rowwise().norm();
+    for (Eigen::Index i = 0; i < row_length.size(); ++i)
+        if (row_length[i] > 0) p.inequality_rows.row(i) /= row_length[i], p.inequality_limits[i] /= row_length[i];
+    for (Eigen::Index i = 0; i < p.equality_rows.rows(); ++i)
+        if (const double norm = p.equality_rows.row(i).norm(); norm > 0)
+            p.equality_rows.row(i) /= norm, p.equality_limits[i] /= norm;
+    const VectorXd w = solve(p);
+    if (w.size() == 0 || !w.allFinite()) return {};
+    return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
 }
 
 }  // namespace strake

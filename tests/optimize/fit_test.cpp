@@ -41,7 +41,7 @@ TEST(Fit, RecoversItsOwnTarget) {
         const Problem problem = recoverable(3, kinds);
         const RunResult r = fit(problem);
         EXPECT_EQ(r.status, "converged") << r.reason;
-        EXPECT_LT(largest_distance(problem, r), 1e-8);
+        EXPECT_LT(largest_distance(problem, r), 1e-9);
         ASSERT_EQ(r.levels.size(), 3u);
         for (const LevelSummary& level : r.levels) {
             EXPECT_LT(level.objective_end, level.objective_start) << level.level;

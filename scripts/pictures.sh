@@ -15,14 +15,14 @@ picture() {  # OUT.png and the arguments of render.py
     xvfb-run -a /usr/bin/python3 scripts/render.py "$out/$1" "${@:2}"
     echo "$out/$1"
 }
-patches() {  # SURFACE NAME WANTED PER LEVEL: the tree as the case sees it
-    "$bin/strake" patches "$1" --angle auto -o "$work/$2.vtp" >/dev/null
+patches() {  # SURFACE NAME WANTED_PER_LEVEL: the tree that the case uses
+    "$bin/strake" patches "$1" --angle auto --patches-per-level "$3" -o "$work/$2.vtp" >/dev/null
 }
 
 scripts/examples.sh cases "$bin"
 start=cases/wing/generated/wing.obj
-patches $start wing
-patches cases/lifting_body/generated/lifting_body.stl body
+patches $start wing 2,6,16
+patches cases/lifting_body/generated/lifting_body.stl body 4,12,32
 
 picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$work/wing.vtp:level_3" \
     --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
@@ -30,11 +30,11 @@ picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_
     --view=-1,-1,1 --titles "level 1|level 2|level 3" --size 640,480
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
-        --view=-0.5,-0.7,1.2 --titles "before|after: more volume within the area allowed|patches, level 2" --size 640,520
+        --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420
 fi
 if [ -n "$fit" ]; then
     picture wing-fit.png $start cases/wing/generated/target.obj "$fit"/best.obj \
-        --view=-1,-1,0.8 --titles "start|target|recovered" --size 640,520
+        --view=-1,-0.7,0.45 --titles "start|target|recovered" --size 640,420
 fi
 if [ -n "$body" ]; then
     picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \

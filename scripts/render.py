@@ -18,7 +18,7 @@ from vtkmodules.vtkIOImage import vtkPNGWriter
 from vtkmodules.vtkIOPLY import vtkPLYReader
 from vtkmodules.vtkIOXML import vtkXMLPolyDataReader
 from vtkmodules.vtkRenderingAnnotation import vtkScalarBarActor
-from vtkmodules.vtkRenderingCore import (vtkActor, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkTextActor,
+from vtkmodules.vtkRenderingCore import (vtkActor, vtkLightKit, vtkPolyDataMapper, vtkRenderer, vtkRenderWindow, vtkTextActor,
                                          vtkWindowToImageFilter)
 import vtkmodules.vtkRenderingFreeType  # noqa: F401 (registers the fonts)
 import vtkmodules.vtkRenderingOpenGL2  # noqa: F401 (registers the back end)
@@ -137,20 +137,48 @@ def pane_of(spec, options, title):
     return pane, surface
 
 
-def aim(pane, options, bounds):
-    direction = VIEWS.get(options.view) or tuple(float(c) for c in options.view.split(","))
-    camera = pane.GetActiveCamera()
-    camera.SetFocalPoint(0, 0, 0)
-    camera.SetPosition(*direction)
-    camera.SetViewUp(*((0, 1, 0) if abs(direction[2]) > 3 * max(abs(direction[0]), abs(direction[1])) else (0, 0, 1)))
-    camera.ParallelProjectionOn()
-    pane.ResetCamera(bounds)
+def cross(a, b):
+    return (a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0])
+
+
+def unit(a):
+    length = sum(c * c for c in a) ** 0.5
+    return tuple(c / length for c in a)
+
+
+def frame_of(surfaces, direction, sky):
+    """Extents of all surfaces in the picture's plane: ((left, right), (low, high)), and the plane's axes."""
+    right = unit(cross(sky, direction))
+    up = cross(direction, right)
+    extents = []
+    for axis in (right, up):
+        values = [sum(x * a for x, a in zip(surface.GetPoint(k), axis))
+                  for surface in surfaces for k in range(0, surface.GetNumberOfPoints())]
+        extents.append((min(values), max(values)))
+    return extents, right, up
+
+
+def aim(panes, surfaces, options, width, height):
+    """One camera for all panes, so that before and after are seen at the same scale."""
+    direction = unit(VIEWS.get(options.view) or tuple(float(c) for c in options.view.split(",")))
+    sky = (0, 1, 0) if abs(direction[2]) > 0.95 else (0, 0, 1)
+    ((left, right_end), (low, high)), right, up = frame_of(surfaces, direction, sky)
+    middle = tuple((left + right_end) / 2 * r + (low + high) / 2 * u for r, u in zip(right, up))
     if options.centre:
-        focus = tuple(float(c) for c in options.centre.split(","))
-        camera.SetFocalPoint(*focus)
-        camera.SetPosition(*(f + 10 * d for f, d in zip(focus, direction)))
-    camera.Zoom(1.25 * options.zoom)
-    pane.ResetCameraClippingRange()
+        middle = tuple(float(c) for c in options.centre.split(","))
+    scale = 0.54 * max(high - low, (right_end - left) * height / width) / options.zoom
+    reach = 10 * (right_end - left + high - low)
+    for pane in panes:
+        camera = pane.GetActiveCamera()
+        camera.ParallelProjectionOn()
+        camera.SetFocalPoint(*middle)
+        camera.SetPosition(*(m + reach * d for m, d in zip(middle, direction)))
+        camera.SetViewUp(*sky)
+        camera.SetParallelScale(scale)
+        pane.ResetCameraClippingRange()
+        lights = vtkLightKit()
+        lights.SetKeyLightIntensity(0.9)
+        lights.AddLightsToRenderer(pane)
 
 
 def main():
@@ -175,14 +203,11 @@ def main():
     window.SetMultiSamples(4)
     window.SetSize(width * columns, height * rows)
     panes = [pane_of(spec, options, titles[k] if k < len(titles) else "") for k, spec in enumerate(options.surfaces)]
-    # One box for all, so that before and after are seen at the same scale.
-    boxes = [surface.GetBounds() for _, surface in panes]
-    bounds = [f(box[k] for box in boxes) for k, f in zip(range(6), (min, max) * 3)]
     for k, (pane, _) in enumerate(panes):
         row, column = divmod(k, columns)
         pane.SetViewport(column / columns, 1 - (row + 1) / rows, (column + 1) / columns, 1 - row / rows)
         window.AddRenderer(pane)
-        aim(pane, options, bounds)
+    aim([pane for pane, _ in panes], [surface for _, surface in panes], options, width, height)
     window.Render()
     picture = vtkWindowToImageFilter()
     picture.SetInput(window)

@@ -8,7 +8,7 @@ namespace strake {
 namespace {
 
 /// On the last level there is nothing to refine: it may go on until progress is this much slower still.
-constexpr double patience_on_last_level = 0.1;
+constexpr double patience_on_last_level = 0.5;
 constexpr int failures_before_refining = 4;  ///< in a row; on the last level the minimizer's own limit holds
 
 /// Names whose gradients are needed: the objective first, then constrained values, each once.

@@ -13,7 +13,7 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double first_radius = 0.5, largest_radius = 4;      // in the metric: 1 is the largest reasonable step
+constexpr double first_radius = 0.5, largest_radius = 2;      // in the metric: 1 is the largest reasonable step
 constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
 constexpr int restorations = 3;      ///< evaluations spent at the end on meeting the constraints
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do

@@ -1,9 +1,13 @@
 #include "optimize/coarse_to_fine.hpp"
 
 #include "core/error.hpp"
+#include "objectives/external/external.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
+#include <unistd.h>
+#include <cstdlib>
+#include <filesystem>
 
 using namespace strake;
 
@@ -53,10 +57,6 @@ TEST(CoarseToFine, GainsVolumeUnderAnAreaLimit) {
             const int v = problem.surface.triangles(t, k);
             EXPECT_EQ(problem.surface.vertices.row(v), r.vertices.row(v));
         }
-    for (const LevelSummary& s : r.levels)
-        std::printf("level %d: %d variables, %d evaluations, %.9g -> %.9g, %s\n", s.level, s.variables, s.evaluations,
-                    s.objective_start, s.objective_end, s.stop.c_str());
-    std::printf("%s: %s\n", r.status.c_str(), r.reason.c_str());
 }
 
 TEST(CoarseToFine, SameInputGivesTheSameHistory) {
@@ -117,4 +117,46 @@ TEST(CoarseToFine, WrongProblemsAreRefused) {
     problem.fixed.clear();
     for (int t = 0; t + 1 < problem.surface.num_triangles(); ++t) problem.fixed.push_back(t);
     EXPECT_ANY_THROW(optimize(problem));
+}
+
+TEST(CoarseToFine, ExternalObjectiveGivesTheHistoryOfTheBuiltInOne) {
+    if (std::system("python3 -c pass 2>/dev/null") != 0) GTEST_SKIP() << "needs python3";
+    namespace fs = std::filesystem;
+    const fs::path folder = fs::temp_directory_path() / ("strake_external_" + std::to_string(::getpid()));
+    fs::create_directories(folder);
+    const auto history = [&](bool external_volume) {
+        Problem problem = more_volume();
+        problem.surface = ellipsoid({1, 0.6, 0.4}, 2);
+        const Problem coarse = ellipsoid_problem(2, 2);
+        problem.tree = coarse.tree;
+        problem.prism_height = coarse.prism_height;
+        problem.fixed = coarse.fixed;
+        problem.optimize.max_evaluations = 10;
+        problem.quantities = coarse.quantities;
+        if (external_volume) {
+            ExternalCommand command;
+            command.name = "volume";
+            command.command = {"python3", std::string(STRAKE_CASES) + "/external/volume.py", "{request}", "{result}"};
+            command.format = "obj";
+            command.case_dir = folder;
+            command.evaluations_dir = folder / "evaluations";
+            command.diagonal = box_diagonal(problem.surface);
+            command.timeout_s = 60;
+            problem.quantities[0] = external(command);
+        }
+        std::vector<EvaluationRecord> records;
+        RunEvents events;
+        events.evaluation = [&](const EvaluationRecord& r) { records.push_back(r); };
+        optimize(problem, events);
+        return records;
+    };
+    const auto inside = history(false), outside = history(true);
+    fs::remove_all(folder);
+    ASSERT_EQ(inside.size(), outside.size());
+    for (std::size_t i = 0; i < inside.size(); ++i) {
+        EXPECT_EQ(inside[i].status, outside[i].status) << outside[i].reason;
+        EXPECT_EQ(inside[i].accepted, outside[i].accepted);
+        EXPECT_NEAR(inside[i].objective, outside[i].objective, 1e-10 * inside[i].objective);
+        EXPECT_NEAR(inside[i].values[1], outside[i].values[1], 1e-10 * inside[i].values[1]);
+    }
 }

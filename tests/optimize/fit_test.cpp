@@ -46,9 +46,6 @@ TEST(Fit, RecoversItsOwnTarget) {
         for (const LevelSummary& level : r.levels) {
             EXPECT_LT(level.objective_end, level.objective_start) << level.level;
             EXPECT_LT(level.inherited_shape_change, 1e-10);
-            std::printf("level %d: %d variables, %d evaluations, rms %.3g -> %.3g, %s\n", level.level, level.variables,
-                        level.evaluations, std::sqrt(level.objective_start), std::sqrt(level.objective_end),
-                        level.stop.c_str());
         }
     }
 }

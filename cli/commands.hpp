@@ -27,5 +27,6 @@ void add_deform(CLI::App& app);
 void add_check(CLI::App& app);
 void add_run(CLI::App& app);
 void add_fit(CLI::App& app);
+void add_schema(CLI::App& app);
 
 }  // namespace strake::cli

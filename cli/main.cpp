@@ -1,3 +1,4 @@
+#include "cases/diagnostics.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
 
@@ -16,6 +17,7 @@ int main(int argc, char** argv) {
     cli::add_check(app);
     cli::add_run(app);
     cli::add_fit(app);
+    cli::add_schema(app);
     try {
         app.parse(argc, argv);
         return cli::done;
@@ -23,6 +25,9 @@ int main(int argc, char** argv) {
         return end.status;
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? cli::done : cli::usage;
+    } catch (const CaseError& e) {
+        std::fprintf(stderr, "%s\n", e.quoted().c_str());
+        return cli::usage;
     } catch (const InputError& e) {
         std::fprintf(stderr, "strake: %s\n", e.what());
         return cli::surface_file;

@@ -1,0 +1,110 @@
+#include "cases/build_problem.hpp"
+#include "tests/cases/folder.hpp"
+
+#include <gtest/gtest.h>
+#include <cstdint>
+
+/// Mutants of a case: whatever happens to the text, the loader ends in a case or in a CaseError.
+namespace strake {
+namespace {
+
+const char* seed_case = R"(case: wing
+surface: {file: wing.obj, units: mm}
+regions:
+  root: &r {box: [[-1, -1, -1], [1, 0.01, 1]]}
+  tip:  {plane: {normal: [0, 1, 0], at: 0.5}, side: above}
+  ball: {sphere: {center: [0, 0, 0], radius: 5%}}
+  flap: {triangles: flap.txt}
+  copy: *r
+fixed: [root]
+symmetry: {plane: y, at: 0}
+shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple}
+loads:
+  - {region: tip, traction: [0.0, 0.0, 0.001]}
+  - {region: ball, displacement: 5%, direction: [0, 0, 1], spring: 2}
+strains:
+  - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
+parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {containing: [1, {near: [0, 0, 0]}]}}
+quantities:
+  match: {type: target_shape, file: wing.obj, match: same}
+  aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl}
+objective: {minimize: aero.drag}
+constraints:
+  volume: {min: 1.0, relative: true}
+  aero.lift: {equals: 0.3}
+optimize: {method: slsqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%}}
+output: {dir: runs/wing, paraview: best}
+)";
+
+const char* pieces[] = {"{",    "}",   "[",    "]",    ":",   ": ",    "- ",  "&a ", "*a ",  "<<: ", "!x ",   "'",
+                        "\"",   "\t",  "\n",   "# ",   "|\n", ">\n",   "? ",  "%",   "deg",  "mm",   "1e999", "-",
+                        ".nan", "0x1", "\xFF", "null", "~",   "---\n", "010", "1_0", "root", "all",  "\\x",   ","};
+
+class Random {
+public:
+    explicit Random(std::uint64_t seed) : state_(seed * 0x9E3779B97F4A7C15ull + 1) {}
+    std::size_t below(std::size_t n) {
+        state_ ^= state_ << 13;
+        state_ ^= state_ >> 7;
+        state_ ^= state_ << 17;
+        return static_cast<std::size_t>(state_ % n);
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+std::string mutated(std::string yaml, Random& random) {
+    for (std::size_t k = 1 + random.below(2) * random.below(4); k > 0 && !yaml.empty(); --k) {
+        const std::size_t at = random.below(yaml.size()), length = 1 + random.below(12);
+        switch (random.below(6)) {
+            case 0:
+                yaml.erase(at, length);
+                break;
+            case 1:
+                yaml.insert(at, pieces[random.below(std::size(pieces))]);
+                break;
+            case 2:
+                yaml.insert(random.below(yaml.size()), yaml.substr(at, length * 4));
+                break;
+            case 3:
+                yaml[at] = static_cast<char>(random.below(256));
+                break;
+            case 4:  // another digit
+                if (const std::size_t digit = yaml.find_first_of("0123456789", at); digit != std::string::npos)
+                    yaml[digit] = static_cast<char>('0' + random.below(10));
+                break;
+            default:
+                yaml.replace(at, length, pieces[random.below(std::size(pieces))]);
+                break;
+        }
+    }
+    return yaml;
+}
+
+TEST(CaseFuzz, MutantsEndInACaseOrInAnError) {
+    const Folder folder;
+    folder.write("wing.obj", tetrahedron_obj);
+    folder.write("flap.txt", "0\n");
+    int legal = 0, refused = 0;
+    for (int k = 0; k < 2000; ++k) {
+        Random random(static_cast<std::uint64_t>(k) + 1);
+        const std::string yaml = k == 0 ? seed_case : mutated(seed_case, random);
+        const auto file = folder.write("case.yaml", yaml);
+        try {
+            const Case c = load_case(file);
+            ++legal;
+            const auto again = load_case(folder.write("again.yaml", resolved_case(c, folder.path())));
+            EXPECT_EQ(resolved_case(again, folder.path()), resolved_case(c, folder.path())) << yaml;
+        } catch (const CaseError& e) {
+            ++refused;
+            EXPECT_FALSE(e.diagnostics.empty());
+            EXPECT_NE(k, 0) << e.what();
+        }
+    }
+    EXPECT_GT(legal, 20);
+    EXPECT_GT(refused, 1000);
+}
+
+}  // namespace
+}  // namespace strake

@@ -182,6 +182,12 @@ void check_method(const Value& root, const Case& c, Diagnostics& errors) {
 void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
     for (const ConstraintEntry& entry : c.constraints)
         errors.add(entry.place, "constraints are not supported together with fit");
+    const Value* parameters = root.find("parameters");
+    if (const Value* variables = parameters ? parameters->find("variables") : nullptr)
+        for (const Entry& entry : variables->entries)
+            if (entry.value.accepted && entry.value.text == "stiffness")
+                errors.add(entry.value.place,
+                           "parameters.variables: stiffness cannot be fitted; use load, load_normal or strain");
     const Value* optimize = root.find("optimize");
     if (!optimize) return;
     const Entry* method = entry_of(optimize, "method");

@@ -166,6 +166,9 @@ TEST_F(CaseErrors, PurposeDecidesWhatIsMissing) {
     EXPECT_EQ(errors(bare + "objective: {maximize: area}\nfit: [area]\n"),
               "case.yaml:4:1: objective and fit exclude each other\n"
               "case.yaml:4:7: quantity 'area' has no residuals; fit needs type: target_shape");
+    EXPECT_EQ(errors(bare + "quantities: {t: {type: target_shape, file: wing.obj}}\nfit: [t]\n"
+                            "parameters: {variables: [load, stiffness]}\n"),
+              "case.yaml:5:32: parameters.variables: stiffness cannot be fitted; use load, load_normal or strain");
     EXPECT_EQ(errors(bare + "constraints: {area: {max: 1}}\n"), "case.yaml:3:1: constraints without an objective");
 }
 

@@ -1,0 +1,350 @@
+#include "cases/build_problem.hpp"
+#include "core/mesh/geometry.hpp"
+#include "optimize/shell_setup.hpp"
+#include "surfaces.hpp"
+#include "tests/cases/folder.hpp"
+
+#include <gtest/gtest.h>
+#include <cmath>
+#include <cstdlib>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+class BuildProblem : public testing::Test {
+protected:
+    Folder folder;
+
+    void surface(const TriMesh& mesh) { write_surface(folder.path() / "s.obj", mesh, SurfaceFormat::obj); }
+    BuiltProblem build(const std::string& yaml, Purpose purpose = Purpose::any) {
+        return build_problem(load_case(folder.write("case.yaml", "case: c\nsurface: {file: s.obj}\n" + yaml), purpose),
+                             purpose);
+    }
+    /// The message of the error, without the folder.
+    std::string error(const std::string& yaml, Purpose purpose = Purpose::any) {
+        std::string message;
+        try {
+            build(yaml, purpose);
+        } catch (const InputError& e) {
+            message = e.what();
+        } catch (const CaseError& e) {
+            message = e.what();
+        }
+        const std::string prefix = folder.path().string() + "/";
+        for (std::size_t at; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
+        return message;
+    }
+    static bool contains(const std::string& all, const std::string& part) {
+        return all.find(part) != std::string::npos;
+    }
+    static const std::vector<int>& region(const BuiltProblem& built, const std::string& name) {
+        for (const RegionTriangles& r : built.regions)
+            if (r.name == name) return r.triangles;
+        throw std::out_of_range(name);
+    }
+};
+
+/// Triangles all of whose corners satisfy `inside`.
+template <class Inside>
+std::vector<int> expected(const TriMesh& mesh, const Inside& inside) {
+    std::vector<int> found;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        bool all = true;
+        for (int k = 0; k < 3; ++k) all &= inside(mesh.vertices.row(mesh.triangles(t, k)));
+        if (all) found.push_back(t);
+    }
+    return found;
+}
+
+TEST_F(BuildProblem, RegionsHoldTrianglesWithAllVerticesInsideBordersIncluded) {
+    const TriMesh mesh = strip(4, 1, 8, 2);
+    surface(mesh);
+    folder.write("list.txt", "7\n\n 3\r\n0\n");
+    const BuiltProblem built = build(R"(regions:
+  box:   {box: [[0, 0, 0], [1, 1, 0]]}
+  off:   {box: [[0.0000001, 0, 0], [1, 1, 0]]}
+  ball:  {sphere: {center: [0, 0, 0], radius: 1.2}}
+  above: {plane: {normal: [2, 0, 0], at: 3}, side: above}
+  below: {plane: {normal: [2, 0, 0], at: 3}, side: below}
+  all:   {component: 0}
+  list:  {triangles: list.txt}
+)",
+                                     Purpose::deform);
+    const auto x_at_most = [](double limit) { return [=](const auto& x) { return x[0] <= limit; }; };
+    EXPECT_EQ(region(built, "box"), expected(mesh, x_at_most(1)));
+    EXPECT_LT(region(built, "off").size(), region(built, "box").size()) << "1e-7 is more than the slack of 1e-9";
+    EXPECT_EQ(region(built, "ball"), expected(mesh, [](const auto& x) { return x.norm() <= 1.2; }));
+    EXPECT_EQ(region(built, "above"), expected(mesh, [](const auto& x) { return x[0] >= 3; }));
+    EXPECT_EQ(region(built, "below"), expected(mesh, x_at_most(3)));
+    EXPECT_EQ(static_cast<int>(region(built, "all").size()), mesh.num_triangles());
+    EXPECT_EQ(region(built, "list"), (std::vector<int>{0, 3, 7}));
+}
+
+TEST_F(BuildProblem, SolidsAndPatchesAreFoundByName) {
+    TriMesh cube = box_surface(Eigen::Vector3d::Ones(), 2);
+    cube.group_names = {"lid", "rest"};
+    cube.group.assign(cube.num_triangles(), 1);
+    cube.group[5] = cube.group[6] = 0;
+    surface(cube);
+    const std::string levels = "parameters: {levels: [20deg]}\n";
+    const BuiltProblem built = build(levels + "regions: {lid: {solid: lid}}\n");
+    EXPECT_EQ(region(built, "lid"), (std::vector<int>{5, 6}));
+    ASSERT_EQ(built.problem.tree.levels.size(), 2u);
+    EXPECT_EQ(built.problem.tree.levels[1].patches.size(), 6u);
+    const Patch& patch = built.problem.tree.levels[1].patches[2];
+    EXPECT_EQ(region(build(levels + "regions: {p: {patch: \"" + patch.name + "\"}}\n", Purpose::deform), "p"),
+              patch.triangles);
+    EXPECT_EQ(error("regions: {lid: {solid: lit}}\n", Purpose::deform),
+              "case.yaml:3:24: the surface has no solid 'lit'; did you mean 'lid'? solids: rest, lid");
+    EXPECT_TRUE(contains(error(levels + "regions: {p: {patch: nowhere}}\n"), "case.yaml:4:22: ")) << "unknown patch";
+}
+
+TEST_F(BuildProblem, EmptyAndWrongRegionsAreAllNamedAtOnce) {
+    surface(strip(4, 1, 8, 2));
+    folder.write("list.txt", "0\n12x\n");
+    folder.write("far.txt", "0\n32\n");
+    EXPECT_EQ(error(R"(regions:
+  far:  {box: [[10, 0, 0], [11, 1, 0]]}
+  two:  {component: 1}
+  list: {triangles: list.txt}
+  out:  {triangles: far.txt}
+)",
+                    Purpose::deform),
+              "case.yaml:4:15: region 'far' holds no triangle; a triangle is inside when its three vertices are; the "
+              "surface's box is [[0, 0, 0], [4, 1, 0]]\n"
+              "case.yaml:5:21: component 1 must be below 1, the number of connected pieces of the surface\n"
+              "case.yaml:6:21: list.txt:2: '12x' must be an integer\n"
+              "case.yaml:7:21: far.txt:2: triangle 32 must be in [0, 32)");
+}
+
+TEST_F(BuildProblem, HeightsFollowTheRegionsWithTheLogMeanBetween) {
+    const TriMesh mesh = strip(2, 1, 2, 1, 0);
+    surface(mesh);
+    const BuiltProblem built =
+        build("regions: {left: {box: [[0, 0, 0], [1, 1, 0]]}}\nshell: {thickness: {default: 0.04, left: 0.01}}\n",
+              Purpose::deform);
+    double at_left = 0, at_right = 0;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        if (mesh.vertices(v, 0) == 0) at_left = built.problem.prism_height[v];
+        if (mesh.vertices(v, 0) == 2) at_right = built.problem.prism_height[v];
+    }
+    EXPECT_NEAR(at_left, 0.01, 1e-15);
+    EXPECT_NEAR(at_right, 0.04, 1e-15);
+    EXPECT_GT(built.problem.prism_height.minCoeff(), 0.01 - 1e-12);
+    ASSERT_FALSE(built.warnings.empty()) << "thinner than half an edge";
+    EXPECT_TRUE(contains(error("regions: {a: {component: 0}, b: {component: 0}}\nshell: {thickness: {default: 1, a: 2, "
+                               "b: 3}}\n",
+                               Purpose::deform),
+                         "case.yaml:4:39: shell.thickness: regions 'a' and 'b' share triangles"));
+}
+
+TEST_F(BuildProblem, ForceIsSpreadOverTheAreaAndLoadsAddUp) {
+    surface(strip(4, 1, 8, 2));
+    const BuiltProblem built = build(R"(regions: {end: {box: [[3, 0, 0], [4, 1, 0]]}, all: {component: 0}}
+loads:
+  - {region: end, force: [0, 0, 6]}
+  - {region: all, traction: [1, 0, 0], spring: 0.5}
+shell: {spring: 2}
+)",
+                                     Purpose::deform);
+    const Points forces = traction_forces(built.problem.surface, built.problem.given_traction);
+    EXPECT_TRUE(forces.colwise().sum().isApprox(Eigen::RowVector3d(4, 0, 6), 1e-13)) << forces.colwise().sum();
+    EXPECT_EQ(built.problem.spring_per_area.minCoeff(), 0.5) << "the own one replaces shell.spring";
+    EXPECT_EQ(built.problem.spring_per_area.maxCoeff(), 0.5);
+}
+
+TEST_F(BuildProblem, SpringsStandUnderLoadedTrianglesOnly) {
+    surface(strip(4, 1, 8, 2));
+    const std::string regions = "regions: {end: {box: [[3, 0, 0], [4, 1, 0]]}}\nshell: {spring: 2}\n";
+    const Eigen::VectorXd given =
+        build(regions + "loads: [{region: end, traction: [0, 0, 0]}]\n", Purpose::deform).problem.spring_per_area;
+    EXPECT_EQ((given.array() > 0).count(), 8) << "a load of zero counts as a load";
+    const std::string run = regions + "objective: {minimize: area}\nparameters: {levels: [20deg], variables: [";
+    EXPECT_EQ((build(run + "load]}\n").problem.spring_per_area.array() > 0).count(), 32);
+    EXPECT_EQ((build(run + "load], on: [end]}\n").problem.spring_per_area.array() > 0).count(), 8);
+    EXPECT_EQ(build(run + "stiffness]}\n").problem.spring_per_area.size(), 0);
+}
+
+TEST_F(BuildProblem, DisplacementIsMetByTheLinearResponse) {
+    const TriMesh mesh = strip(4, 1, 16, 4);
+    surface(mesh);
+    const BuiltProblem built =
+        build(R"(regions: {root: {box: [[0, 0, 0], [0.5, 1, 0]]}, end: {box: [[3, 0, 0], [4, 1, 0]]}}
+fixed: [root]
+shell: {thickness: 0.3}
+loads: [{region: end, displacement: 5%, direction: [0, 0, 2]}]
+)",
+              Purpose::deform);
+    const ShellSetup setup = shell_setup(built.problem);
+    PrimoShell shell(built.problem.surface, setup.options);
+    const Points moved = shell.linear_response(setup.loads);
+    EXPECT_NEAR((moved - mesh.vertices).rowwise().norm().maxCoeff(), 0.05 * box_diagonal(mesh), 1e-9);
+    // What nothing holds is named with the place of the load.
+    EXPECT_THROW(
+        build("regions: {end: {component: 0}}\nloads: [{region: end, displacement: 1, direction: [0, 0, 1]}]\n",
+              Purpose::deform),
+        UnheldPart);
+}
+
+TEST_F(BuildProblem, FixedWinsOverStrainsAndStrainsMayNotOverlap) {
+    surface(strip(4, 1, 8, 2));
+    const std::string regions =
+        "regions: {a: {box: [[0, 0, 0], [1, 1, 0]]}, b: {box: [[0.5, 0, 0], [2, 1, 0]]}, c: {box: [[1, 0, 0], [2, 1, "
+        "0]]}}\n";
+    const BuiltProblem built =
+        build(regions + "fixed: [a]\nstrains: [{region: b, translate: [0, 0, 50%]}]\n", Purpose::deform);
+    ASSERT_EQ(built.warnings.size(), 3u);
+    EXPECT_EQ(built.warnings[1], "strains: 4 of 12 triangles of region 'b' are fixed as well and stay fixed");
+    EXPECT_EQ(built.warnings[2], "strains: region 'b' shares 3 vertices with fixed regions; they stay fixed");
+    const GivenStrain& strain = built.problem.strains[0];
+    EXPECT_EQ(strain.triangles.size(), 8u);
+    EXPECT_NEAR(strain.motion.translation[2], 0.5 * std::sqrt(17), 1e-14);
+    EXPECT_TRUE(strain.motion.about.isApprox(Eigen::Vector3d(1.25, 0.5, 0), 1e-14)) << "centroid of the whole region";
+    EXPECT_TRUE(shell_setup(built.problem).warnings.empty()) << "said once";
+    EXPECT_EQ(error(regions + "strains: [{region: b, translate: [0, 0, 1]}, {region: c, translate: [0, 0, 2]}]\n",
+                    Purpose::deform),
+              "case.yaml:4:55: strains: regions 'b' and 'c' share triangles that cannot follow both");
+    EXPECT_EQ(error(regions + "fixed: [b]\nstrains: [{region: c, translate: [0, 0, 1]}]\n", Purpose::deform),
+              "case.yaml:5:20: strains: every triangle of region 'c' is fixed");
+}
+
+TEST_F(BuildProblem, NothingLeftToVaryIsAnError) {
+    surface(box_surface());
+    const std::string yaml =
+        "regions: {all: {component: 0}}\nfixed: [all]\nobjective: {maximize: volume}\nparameters: "
+        "{levels: [20deg]}\n";
+    EXPECT_EQ(error(yaml),
+              "case.yaml:6:13: parameters: no triangle is left for design variables; all are under fixed or strains");
+}
+
+TEST_F(BuildProblem, SplitContainingTakesNumbersAndPoints) {
+    surface(box_surface(Eigen::Vector3d::Ones(), 2));
+    EXPECT_EQ(error("parameters: {levels: [20deg], split: {containing: [48, {near: [0, 0, 0]}]}}\n"),
+              "case.yaml:3:52: parameters.split.containing: triangle 48 must be below 48");
+    EXPECT_EQ(error("parameters: {levels: [20deg, 10deg], split: {containing: [47, {near: [0.4, 0.4, 9]}]}}\n"), "");
+    EXPECT_TRUE(contains(error("parameters: {levels: [20deg], on: [nowhere]}\n"),
+                         "case.yaml:3:36: parameters.on: 'nowhere' is not a declared region, and "));
+}
+
+TEST_F(BuildProblem, QuantitiesCarryTheNamesOfTheCase) {
+    surface(box_surface());
+    const BuiltProblem built = build(R"(regions: {low: {box: [[0, 0, 0], [1, 1, 0]]}}
+fixed: [low]
+quantities:
+  room: {type: volume}
+  t: {type: target_shape, file: s.obj, match: same}
+  one: {command: [sh, "-c", "true"], gives: [drag]}
+objective: {maximize: room}
+constraints: {one.drag: {max: 1}, area: {max: 1.1, relative: true}}
+parameters: {levels: [20deg], max_displacement: 0.5}
+)");
+    std::vector<std::string> names;
+    for (const Quantity& q : built.problem.quantities) names.insert(names.end(), q.names.begin(), q.names.end());
+    EXPECT_EQ(names, (std::vector<std::string>{"room", "t", "one.drag", "area"}));
+    EXPECT_DOUBLE_EQ(
+        built.problem.quantities[0].evaluate({.surface = built.problem.surface, .variables = {}}).values[0], 1);
+    EXPECT_TRUE(built.problem.quantities[1].residuals);
+    EXPECT_DOUBLE_EQ(built.problem.parameters.max_displacement, 0.5 / std::sqrt(3));
+}
+
+// --- Surfaces that cannot be used
+// -------------------------------------------------------------------------------------
+
+TEST_F(BuildProblem, OpenSurfaceIsRefusedOnlyWhereVolumeIsAsked) {
+    TriMesh open = box_surface();
+    open.triangles.conservativeResize(11, 3);
+    surface(open);
+    const std::string levels = "parameters: {levels: [20deg]}\n";
+    EXPECT_EQ(error(levels + "objective: {maximize: area}\n"), "");
+    const std::string message = error(levels + "objective: {maximize: volume}\n");
+    EXPECT_TRUE(contains(message, "s.obj: the surface cannot be used as it is")) << message;
+    EXPECT_TRUE(contains(message, "3 open edges in 1 boundary loops (first: vertices ")) << message;
+    EXPECT_TRUE(contains(message, "volume needs a closed surface")) << message;
+}
+
+TEST_F(BuildProblem, MisorientedNonManifoldAndDegenerateTrianglesAreNamed) {
+    TriMesh flipped = box_surface();
+    std::swap(flipped.triangles(4, 0), flipped.triangles(4, 1));
+    surface(flipped);
+    const std::string volume = "parameters: {levels: [20deg]}\nobjective: {maximize: volume}\n";
+    EXPECT_TRUE(
+        contains(error(volume), "3 edges where two triangles disagree about which side is outside (first: ver"));
+    EXPECT_EQ(error("parameters: {levels: [20deg]}\n"), "");
+
+    TriMesh fin = box_surface();
+    fin.vertices.conservativeResize(9, 3);
+    fin.vertices.row(8) << 2, 2, 2;
+    fin.triangles.conservativeResize(13, 3);
+    fin.triangles.row(12) << fin.triangles(0, 0), fin.triangles(0, 1), 8;
+    surface(fin);
+    EXPECT_TRUE(contains(error(""), "1 edge of more than two triangles (first: vertices "));
+    EXPECT_EQ(error("shell: {nonmanifold: couple}\nparameters: {levels: [20deg]}\n"), "");
+
+    TriMesh flat = box_surface();
+    flat.triangles.conservativeResize(13, 3);
+    flat.triangles.row(12) << 0, 0, 1;
+    surface(flat);
+    EXPECT_TRUE(contains(error(""), "1 triangle of no area (12)")) << error("");
+}
+
+TEST_F(BuildProblem, CracksAreRefused) {
+    const TriMesh left = strip(1, 1, 2, 2);
+    TriMesh both = left;
+    const int n = left.num_vertices(), m = left.num_triangles();
+    both.vertices.conservativeResize(2 * n, 3);
+    both.vertices.bottomRows(n) = left.vertices.rowwise() + Eigen::RowVector3d(1 + 1e-6, 0, 0);
+    both.triangles.conservativeResize(2 * m, 3);
+    both.triangles.bottomRows(m) = left.triangles.array() + n;
+    surface(both);
+    const std::string message = error("", Purpose::deform);
+    EXPECT_TRUE(contains(message, "4 of 16 open edges lie along other ones (first: vertices ")) << message;
+    EXPECT_TRUE(contains(message, "merge vertices closer than ")) << message;
+    both.vertices.bottomRows(n).col(0).array() += 0.1;
+    surface(both);
+    EXPECT_EQ(error("", Purpose::deform), "");
+}
+
+TEST_F(BuildProblem, SymmetryNeedsOpenEdgesOnThePlane) {
+    surface(box_surface());
+    EXPECT_TRUE(contains(error("symmetry: {plane: y}\n", Purpose::deform), "no open edge on the symmetry plane"));
+    surface(strip(1, 1, 2, 2));
+    EXPECT_EQ(error("symmetry: {plane: y}\n", Purpose::deform), "");
+}
+
+TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {
+    const char* data = std::getenv("STRAKE_DATA");
+    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
+    const std::string file = std::string(data) + "/wing_c172_pygeo.stl";
+    const auto yaml =
+        folder.write("case.yaml", "case: c172\nsurface: {file: " + file +
+                                      "}\nregions: {root: {box: [[-9, "
+                                      "-9, -9], [9, 9, 0.3]]}}\nfixed: [root]\nobjective: {maximize: volume}\n");
+    try {
+        build_problem(load_case(yaml));
+        FAIL() << "accepted";
+    } catch (const SurfaceRefused& e) {
+        const std::string message = e.what();
+        EXPECT_TRUE(
+            contains(message, "212 of 334 open edges lie along other ones (first: vertices 38-39, triangle 37"));
+        EXPECT_TRUE(contains(message, "Merge Close Vertices"));
+        EXPECT_TRUE(contains(message, "4 edges where two triangles disagree")) << message;
+        EXPECT_TRUE(contains(message, "334 open edges in 2 boundary loops")) << message;
+    }
+}
+
+/// What is good enough to be deformed must not be refused.
+TEST_F(BuildProblem, RealSurfacesAreAccepted) {
+    const char* data = std::getenv("STRAKE_DATA");
+    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
+    for (const char* name :
+         {"wing717_pyhyp.ply", "zeroebwb_93k.ply", "bunny_closed_cgal.off", "oneraM6_pyhyp_small.ply",
+          "supersonic_wing_body_pypan.stl", "dpw_w1_pypan.tri", "bunny70k_meshlab.ply"}) {
+        const auto yaml =
+            folder.write("case.yaml", std::string("case: c\nsurface: {file: ") + data + "/" + name + "}\n");
+        EXPECT_NO_THROW(build_problem(load_case(yaml, Purpose::deform), Purpose::deform)) << name;
+    }
+}
+
+}  // namespace
+}  // namespace strake

@@ -337,7 +337,7 @@ std::vector<Key> run_keys() {
         {.path = "optimize.budget.evaluations",
          .type = Type::integer,
          .doc = "Number of evaluations.",
-         .fallback = "200",
+         .fallback = "100",
          .limits = at_least_one},
         {.path = "optimize.budget.time",
          .type = Type::duration,

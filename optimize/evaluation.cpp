@@ -5,8 +5,8 @@
 namespace strake {
 namespace {
 
-/// A reasonable step takes fewer than 20; more are better spent on a shorter step.
-constexpr int max_iterations = 18;
+/// A reasonable step takes four to six; more than twelve are better spent on a shorter step.
+constexpr int max_iterations = 12;
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;

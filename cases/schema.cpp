@@ -328,8 +328,9 @@ std::vector<Key> run_keys() {
         {.path = "optimize", .doc = "How the optimum is searched, and when the search ends.", .fallback = "{}"},
         {.path = "optimize.method",
          .type = Type::word,
-         .doc = "NLopt's SLSQP (any constraints), MMA (no equalities), L-BFGS (no constraints), COBYLA (no gradients); "
-                "NLopt's own names are understood. Not for fit.",
+         .doc = "NLopt's SLSQP inside a trust region (any constraints), its MMA (no equalities), L-BFGS (no "
+                "constraints) or "
+                "COBYLA (no gradients); NLopt's own names are understood. Not for fit.",
          .fallback = "slsqp",
          .words = {"slsqp", "mma", "lbfgs", "cobyla"},
          .loose_word = true},

@@ -9,7 +9,7 @@ namespace {
 
 /// On the last level there is nothing to refine: it may go on until progress is this much slower still.
 constexpr double patience_on_last_level = 0.5;
-constexpr int failures_before_refining = 4;  ///< in a row; on the last level the minimizer's own limit holds
+constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
 
 /// Names whose gradients are needed: the objective first, then constrained values, each once.
 std::vector<std::string> differentiated_names(const Problem& problem) {
@@ -87,7 +87,7 @@ private:
         how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.confirm = last;
         how.first_step = first_step_;
-        if (!last) how.max_shrinks = failures_before_refining;
+        if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
         ProgressWatch watch(options.progress_below * (last ? patience_on_last_level : 1));
         how.on_step = [&](const MinimizeStep& step) { return !watch.slackened(step.merit, step.violation); };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
@@ -196,7 +196,9 @@ private:
                 break;
             case MinimizeStop::blocked:
                 r.status = "blocked";
-                r.reason = text(words, "; allow a smaller max_displacement or a larger thickness");
+                r.reason = text(words,
+                                "; the surface buckles or folds there: allow a smaller max_displacement, or give a "
+                                "larger thickness");
                 break;
             case MinimizeStop::failed:
                 r.status = "failed";

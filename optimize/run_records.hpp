@@ -49,8 +49,9 @@ struct RunEvents {
 };
 
 struct RunResult {
-    /// converged | budget (evaluations or time) | progress (it slackened on the last level) | roundoff | blocked (valid
-    /// evaluations end next to the best design) | infeasible | failed | evaluation_failed (a quantity gave no value)
+    /// One word: converged | budget (evaluations or time) | progress (it slackened on the last level) | roundoff |
+    /// blocked (valid evaluations end next to the best design) | infeasible | failed | evaluation_failed (a quantity
+    /// gave no value)
     std::string status = "failed";
     std::string reason;  ///< one sentence or two: why, and what to do next
     int level = 0, evaluations = 0;
@@ -64,8 +65,11 @@ struct RunResult {
     DesignSpace space;  ///< in which it was found
     Eigen::VectorXd x;
     std::vector<LevelSummary> levels;
+    /// There is a feasible design, and the run ended as it should or at a limit. A run that is blocked is done once it
+    /// has improved on the start: buckling is a limit too.
     bool is_done() const {
-        return status == "converged" || status == "budget" || status == "progress" || status == "roundoff";
+        return status == "converged" || status == "budget" || status == "progress" || status == "roundoff" ||
+               (status == "blocked" && best_evaluation > 1);
     }
 };
 

@@ -14,6 +14,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double first_radius = 0.5, largest_radius = 2;      // in the metric: 1 is the largest reasonable step
+constexpr double careful_growth = 1.4;                        // once an evaluation has failed
 constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
 constexpr int restorations = 3;      ///< evaluations spent at the end on meeting the constraints
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
@@ -129,7 +130,7 @@ private:
         if (ratio < poor)  // where the parabola through the values has its least, within a tenth and a half
             radius_ = std::clamp(0.5 / (1 - std::min(ratio, 0.0)), 0.1, 0.5) * std::min(radius_, length);
         else if (ratio > good && is_limited_)
-            radius_ = std::min(2 * radius_, largest_radius);
+            radius_ = std::min((end_.shrinks > 0 ? careful_growth : 2) * radius_, largest_radius);
         if (ratio < acceptable || !(decrease > 0)) return rejected(length);
         return accept(x_ + taken, trial, decrease);
     }
@@ -192,9 +193,10 @@ private:
     bool failed_at(const VectorXd& d) {
         if (guard_.cause != Cause::failure) return ended_by_guard();
         guard_.cause = Cause::none;
-        if (++failures_ > guard_.options.max_shrinks)
-            return end(MinimizeStop::blocked, text("evaluations fail next to the best point even after ", failures_ - 1,
-                                                   " cuts of the step; the last failure: ", guard_.failure));
+        if (++failures_ > guard_.options.max_shrinks || end_.shrinks >= guard_.options.max_failures)
+            return end(MinimizeStop::blocked,
+                       text("evaluations keep failing next to the best point (", end_.shrinks + 1, " of ",
+                            guard_.evaluations, ", ", failures_, " in a row); the last failure: ", guard_.failure));
         ++end_.shrinks;
         radius_ = (failures_ > 1 ? 0.25 : 0.5) * std::min(radius_, metric_norm(p_, d));
         tell(text("evaluation ", guard_.evaluations, " failed (", guard_.failure, "); the largest step is cut to ",

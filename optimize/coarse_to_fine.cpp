@@ -7,8 +7,6 @@
 namespace strake {
 namespace {
 
-/// On the last level there is nothing to refine: it may go on until progress is this much slower still.
-constexpr double patience_on_last_level = 0.5;
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
 
 /// Names whose gradients are needed: the objective first, then constrained values, each once.
@@ -88,8 +86,12 @@ private:
         how.confirm = last;
         how.first_step = first_step_;
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
-        ProgressWatch watch(options.progress_below * (last ? patience_on_last_level : 1));
-        how.on_step = [&](const MinimizeStep& step) { return !watch.slackened(step.merit, step.violation); };
+        // The rule says when to refine: on the last level only convergence and the budget end the search.
+        ProgressWatch watch(last ? 0 : options.progress_below);
+        how.on_step = [&](const MinimizeStep& step) {
+            const bool slackened = watch.slackened(step.merit, step.violation);
+            return !(slackened && state_.run_best.feasible);   // not before there is something to refine
+        };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         MinimizeResult result = minimize(program, how);
         result.x = unscaled(result.x);

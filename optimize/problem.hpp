@@ -39,7 +39,7 @@ enum class Method { slsqp, mma, lbfgs, cobyla };
 
 struct OptimizeOptions {
     Method method = Method::slsqp;
-    int max_evaluations = 100;  ///< whole run, >= 1
+    int max_evaluations = 60;  ///< whole run, >= 1
     double max_seconds = 0;     ///< whole run; 0: no limit
     double progress_below =
         0.01;  ///< refine when the gain per evaluation falls below this fraction of the level's best rate; 0: never

@@ -2,7 +2,9 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/mesh/topology.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 namespace strake {
@@ -26,10 +28,19 @@ struct Finding {
     }
 };
 
+/// All pairs of triangles that intersect elsewhere than at what they share, ascending.
+std::vector<std::array<int, 2>> intersecting_pairs(const TriMesh& mesh) {
+    Intersections found = intersections(mesh);
+    found.apart.insert(found.apart.end(), found.adjacent.begin(), found.adjacent.end());
+    std::sort(found.apart.begin(), found.apart.end());
+    return found.apart;
+}
+
 }  // namespace
 
 ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent)
     : triangles_(rest.triangles), normal_(triangle_normals(rest)), area_(triangle_areas(rest)), height_(area_.size()) {
+    intersecting_ = intersecting_pairs(rest);
     for (int t = 0; t < triangles_.rows(); ++t)
         height_[t] = smallest_height(rest.vertices, triangles_.row(t), area_[t]);
     for (int e = 0; e < adjacent.num_edges(); ++e) {
@@ -66,7 +77,18 @@ std::string ValidityGuard::defect(const Points& vertices, const Poses& poses) co
     if (folded.count > 0)
         return text("the edge between vertices ", hinge_edge_[folded.first][0], " and ", hinge_edge_[folded.first][1],
                     " is folded (", folded.count, " in all)");
-    return {};
+    return intersection(vertices);
+}
+
+std::string ValidityGuard::intersection(const Points& vertices) const {
+    TriMesh surface;
+    surface.vertices = vertices;
+    surface.triangles = triangles_;
+    std::vector<std::array<int, 2>> fresh;
+    const std::vector<std::array<int, 2>> now = intersecting_pairs(surface);
+    std::set_difference(now.begin(), now.end(), intersecting_.begin(), intersecting_.end(), std::back_inserter(fresh));
+    if (fresh.empty()) return {};
+    return text("triangles ", fresh[0][0], " and ", fresh[0][1], " intersect (", fresh.size(), " pairs in all)");
 }
 
 }  // namespace strake

@@ -338,7 +338,7 @@ std::vector<Key> run_keys() {
         {.path = "optimize.budget.evaluations",
          .type = Type::integer,
          .doc = "Number of evaluations.",
-         .fallback = "100",
+         .fallback = "60",
          .limits = at_least_one},
         {.path = "optimize.budget.time",
          .type = Type::duration,

@@ -92,7 +92,13 @@ void deform(const DeformArguments& args) {
                            r.iteration, r.energy, r.step, r.relative_gradient, r.seconds);
             return true;
         };
-        end = shell.solve(setup.loads, setup.motions, {}, progress);
+        try {
+            end = shell.solve(setup.loads, setup.motions, {}, progress);
+        } catch (const UnheldPart& loose) {
+            end.reason = loose.what();
+            report(args, end, "unheld", std::numeric_limits<double>::quiet_NaN(), diagonal);
+            throw;
+        }
         status = to_string(end.status);
         if (end.status != SolveStatus::converged) {
             report(args, end, status, std::numeric_limits<double>::quiet_NaN(), diagonal);

@@ -90,7 +90,7 @@ private:
         ProgressWatch watch(last ? 0 : options.progress_below);
         how.on_step = [&](const MinimizeStep& step) {
             const bool slackened = watch.slackened(step.merit, step.violation);
-            return !(slackened && state_.run_best.feasible);   // not before there is something to refine
+            return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         MinimizeResult result = minimize(program, how);

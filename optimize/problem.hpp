@@ -40,7 +40,7 @@ enum class Method { slsqp, mma, lbfgs, cobyla };
 struct OptimizeOptions {
     Method method = Method::slsqp;
     int max_evaluations = 60;  ///< whole run, >= 1
-    double max_seconds = 0;     ///< whole run; 0: no limit
+    double max_seconds = 0;    ///< whole run; 0: no limit
     double progress_below =
         0.01;  ///< refine when the gain per evaluation falls below this fraction of the level's best rate; 0: never
     double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective

@@ -7,8 +7,8 @@ namespace strake {
 
 /// A triangle is inverted when its normal makes more than 90 degrees with its rest normal turned by its own prism's
 /// rotation; collapsed when its area or smallest height falls below 1e-3 of the rest value. An interior edge is folded
-/// when its dihedral, below 120 degrees at rest, passes 170 degrees. Two triangles that intersect elsewhere than at what
-/// they share are a defect unless they did so at the start.
+/// when its dihedral, below 120 degrees at rest, passes 170 degrees. Two triangles that intersect elsewhere than at
+/// what they share are a defect unless they did so at the start.
 class ValidityGuard {
 public:
     ValidityGuard(const TriMesh& rest, const Adjacency& adjacent);
@@ -21,10 +21,10 @@ private:
 
     Triangles triangles_;
     std::vector<std::array<int, 2>> intersecting_;  ///< pairs at rest, ascending
-    Points normal_;                               ///< at rest
-    Eigen::VectorXd area_, height_;               ///< at rest: area and smallest height
-    std::vector<std::array<int, 2>> hinge_;       ///< the two triangles at interior edges that lie below 120 degrees
-    std::vector<std::array<int, 2>> hinge_edge_;  ///< their vertices
+    Points normal_;                                 ///< at rest
+    Eigen::VectorXd area_, height_;                 ///< at rest: area and smallest height
+    std::vector<std::array<int, 2>> hinge_;         ///< the two triangles at interior edges that lie below 120 degrees
+    std::vector<std::array<int, 2>> hinge_edge_;    ///< their vertices
 };
 
 }  // namespace strake

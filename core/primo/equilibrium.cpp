@@ -45,7 +45,13 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
     for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
     at.norm = scaled_norm(rest, g6, false);
     at.scale = scaled_norm(rest, applied_forces(rest, at.turn, loads), false);
-    if (at.scale == 0) at.scale = scaled_norm(rest, g6, true);  // strains only: the reactions
+    if (at.scale ==
+        0) {  // strains only: the reactions; for a motion that strains nothing, what it would take if it did
+        double moved = 0;
+        for (int i = 0; i < rest.num_prisms(); ++i)
+            if (rest.pin[i] > 0) moved = std::max(moved, shell.poses.displacement.row(i).norm());
+        at.scale = std::max(scaled_norm(rest, g6, true), 1e-3 * moved);
+    }
     return at;
 }
 

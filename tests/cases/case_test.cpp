@@ -147,7 +147,7 @@ constraints: {t: {max: 2}}
         EXPECT_TRUE(same(again.surface, c.surface)) << again.surface;
         EXPECT_TRUE(same(again.output.dir, c.output.dir)) << again.output.dir;
         EXPECT_EQ(again.quantities.size(), c.quantities.size());
-        EXPECT_NE(resolved.find("evaluations: 100"), std::string::npos) << "defaults are written";
+        EXPECT_NE(resolved.find("evaluations: 60"), std::string::npos) << "defaults are written";
         EXPECT_EQ(again.regions.size(), c.regions.size());
         if (const auto* external = std::get_if<ExternalEntry>(&again.quantities[0].what)) {
             EXPECT_EQ(external->command[2], "a \"b\"\n#c");

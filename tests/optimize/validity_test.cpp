@@ -62,3 +62,23 @@ TEST(Validity, AnEdgeThatIsSharpAtRestMayClose) {
     poses.rotation[1] = Eigen::Quaterniond(Eigen::AngleAxisd(-0.4, Eigen::Vector3d::UnitY()));
     EXPECT_EQ(guard.defect(turned_hinge(172).vertices, poses), "");
 }
+
+TEST(Validity, ASurfacePushedThroughItselfIsRefusedUnlessItWasSoAtTheStart) {
+    // Two spheres side by side; one is moved into the other.
+    const TriMesh one = icosphere(1);
+    TriMesh two;
+    two.vertices.resize(2 * one.num_vertices(), 3);
+    two.vertices << one.vertices, one.vertices.rowwise() + Eigen::RowVector3d(3, 0, 0);
+    two.triangles.resize(2 * one.num_triangles(), 3);
+    two.triangles << one.triangles, one.triangles.array() + one.num_vertices();
+    Poses poses;
+    poses.rotation.assign(two.num_triangles(), Eigen::Quaterniond::Identity());
+    poses.displacement = Points::Zero(two.num_triangles(), 3);
+    Points moved = two.vertices;
+    moved.bottomRows(one.num_vertices()).rowwise() -= Eigen::RowVector3d(1.5, 0.1, 0.2);
+    const ValidityGuard apart(two, adjacency(two));
+    EXPECT_EQ(apart.defect(two.vertices, poses), "");
+    EXPECT_NE(apart.defect(moved, poses).find("intersect"), std::string::npos) << apart.defect(moved, poses);
+    const ValidityGuard joined(with_vertices(two, moved), adjacency(two));
+    EXPECT_EQ(joined.defect(moved, poses), "");
+}

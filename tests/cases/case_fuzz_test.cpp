@@ -2,7 +2,9 @@
 #include "tests/cases/folder.hpp"
 
 #include <gtest/gtest.h>
+#include <algorithm>
 #include <cstdint>
+#include <cstdlib>
 
 /// Mutants of a case: whatever happens to the text, the loader ends in a case or in a CaseError.
 namespace strake {
@@ -86,8 +88,11 @@ TEST(CaseFuzz, MutantsEndInACaseOrInAnError) {
     const Folder folder;
     folder.write("wing.obj", tetrahedron_obj);
     folder.write("flap.txt", "0\n");
+    // More of them by hand: STRAKE_MUTANTS=100000.
+    const char* wanted = std::getenv("STRAKE_MUTANTS");
+    const int count = wanted ? std::max(1000, std::atoi(wanted)) : 2000;
     int legal = 0, refused = 0;
-    for (int k = 0; k < 2000; ++k) {
+    for (int k = 0; k < count; ++k) {
         Random random(static_cast<std::uint64_t>(k) + 1);
         const std::string yaml = k == 0 ? seed_case : mutated(seed_case, random);
         const auto file = folder.write("case.yaml", yaml);
@@ -103,7 +108,7 @@ TEST(CaseFuzz, MutantsEndInACaseOrInAnError) {
         }
     }
     EXPECT_GT(legal, 20);
-    EXPECT_GT(refused, 1000);
+    EXPECT_GT(refused, 500);
 }
 
 }  // namespace

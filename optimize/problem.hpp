@@ -10,7 +10,7 @@
 namespace strake {
 
 enum class VariableKind {
-    load,         ///< traction of a patch as a vector: three variables
+    load,         ///< traction of a patch as a vector: three variables, or one for each of `load_directions`
     load_normal,  ///< traction along each triangle's own rest normal: one variable
     strain,       ///< rigid motion of a pinned patch core: rotation and translation, six variables
     stiffness,    ///< logarithm of the prism height: one variable
@@ -22,11 +22,27 @@ struct GivenStrain {
     RigidMotion motion;
 };
 
+/// Which patches the next level splits. The rules by sensitivity choose during the run, among the patches of the tree.
+enum class SplitRule {
+    tree,         ///< those that the tree itself splits from level to level (all, the largest, those containing points)
+    sensitivity,  ///< those whose children promise the largest decrease in the response metric
+    gradient      ///< those with the largest integral of |dJ/dv| over their area (the paper's rule, IV)
+};
+
 struct Parameters {
     std::vector<VariableKind> kinds{VariableKind::load};
     double max_displacement = 0.05;  ///< bound of each variable by its own linear response, in diagonals, > 0
     std::vector<char>
         on;  ///< per triangle: may carry variables; empty: all. A patch takes part if any of its triangles does
+    SplitRule split = SplitRule::tree;
+    double split_share = 0.9;  ///< by sensitivity: split patches until they hold this share of all that is promised
+    double growth = 3;         ///< by sensitivity: most variables of a level, as a multiple of the level before, > 1
+    std::vector<char> frozen;  ///< per triangle: keeps what it inherits, is offered no variable; empty: none
+    std::vector<Eigen::Vector3d> load_directions;  ///< unit vectors for `load`; empty: x, y, z
+    bool mirror = false;                           ///< tie mirror images about the plane of symmetry of the surface
+    std::vector<std::vector<char>> groups;         ///< per group, per triangle: patches of a group share their values
+    double core = 0.25;                            ///< what a strain leaves free, as a share of the inradius, in (0, 1)
+    bool strain_rotates = true, strain_translates = true;  ///< components offered by `strain`
 };
 
 struct Constraint {
@@ -46,6 +62,9 @@ struct OptimizeOptions {
     double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
+    bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
+    int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1
+    unsigned seed = 1;                ///< of all that is random
 };
 
 struct Problem {

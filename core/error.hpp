@@ -1,4 +1,5 @@
 #pragma once
+#include <locale>
 #include <sstream>
 #include <stdexcept>
 #include <string>
@@ -27,10 +28,11 @@ struct SolverError : std::runtime_error {
     using runtime_error::runtime_error;
 };
 
-/// Joins its arguments to one string. (GCC 12 has no <format>.)
+/// Joins its arguments to one string, in the classic locale whatever the program's is. (GCC 12 has no <format>.)
 template <class... T>
 std::string text(const T&... parts) {
     std::ostringstream s;
+    s.imbue(std::locale::classic());  // the global one may write 1.234,5
     s.precision(10);
     (s << ... << parts);
     return s.str();

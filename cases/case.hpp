@@ -11,7 +11,7 @@
 
 /// A case file as written, checked and with its units resolved: lengths in the surface's unit (or relative to
 /// the diagonal), angles in radians, times in seconds, paths relative to the working directory or absolute. The keys,
-/// their defaults and limits stand in the table of cases/schema.cpp; docs/cases.md is made from it.
+/// their defaults and limits stand in the tables of cases/schema_*.cpp; docs/cases.md is made from it.
 namespace strake {
 
 /// A length: in the surface's unit, or a fraction of the diagonal of its bounding box.

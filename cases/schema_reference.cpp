@@ -84,7 +84,7 @@ std::string condition_of(const Key& key) {
 
 const char* introduction = R"(# Case file reference
 
-This page is made from the table in `cases/schema.cpp`; a test compares the two.
+This page is made from the tables in `cases/schema_*.cpp`; a test compares the two.
 
 A case is one YAML document in UTF-8. Paths are relative to the case file. In the table `*` is a name of your own
 and `[]` an entry of a list; several rows of one key are its alternative forms. Unknown keys, keys given twice and wrong

@@ -1,0 +1,79 @@
+#include "cases/problem_builder.hpp"
+#include "core/mesh/geometry.hpp"
+
+namespace strake {
+
+void ProblemBuilder::set_heights() {
+    const int m = start_.mesh.num_triangles();
+    Eigen::VectorXd height = Eigen::VectorXd::Constant(m, case_.thickness.in(start_.diagonal));
+    std::vector<const ThicknessEntry*> owner(m, nullptr);
+    for (const ThicknessEntry& entry : case_.thickness_by_region)
+        for (const int t : triangles(entry.region)) {
+            if (owner[t])
+                errors_.add(entry.region.place,
+                            text("shell.thickness: regions '", owner[t]->region.name, "' and '", entry.region.name,
+                                 "' share triangles; only one of them can have its own thickness"));
+            owner[t] = &entry;
+            height[t] = entry.height.in(start_.diagonal);
+        }
+    out_.problem.prism_height = vertex_heights(start_.mesh, height);
+    double edges = 0;
+    for (const auto& [a, b] : start_.adjacent.edges)
+        edges += (start_.mesh.vertices.row(a) - start_.mesh.vertices.row(b)).norm();
+    const double mean = edges / start_.adjacent.num_edges();
+    if (height.minCoeff() < 0.5 * mean)
+        out_.warnings.push_back(text("shell.thickness: ", height.minCoeff(), " is below half of the mean edge length ",
+                                     mean, "; the stiffness will depend on the triangulation"));
+}
+
+void ProblemBuilder::set_pins() {
+    std::vector<char> is_fixed(start_.mesh.num_triangles(), 0);
+    for (const Reference& region : case_.fixed)
+        for (const int t : triangles(region)) is_fixed[t] = 1;
+    for (int t = 0; t < start_.mesh.num_triangles(); ++t)
+        if (is_fixed[t]) out_.problem.fixed.push_back(t);
+    std::vector<const StrainEntry*> owner(start_.mesh.num_triangles(), nullptr);
+    for (const StrainEntry& strain : case_.strains) {
+        const std::vector<int>& held = triangles(strain.region);
+        int fixed = 0;
+        for (const int t : held) {
+            fixed += is_fixed[t];
+            if (owner[t] && !is_fixed[t])
+                errors_.add(strain.region.place, text("strains: regions '", owner[t]->region.name, "' and '",
+                                                      strain.region.name, "' share triangles that cannot follow both"));
+            owner[t] = &strain;
+        }
+        if (fixed == static_cast<int>(held.size()))
+            errors_.add(strain.region.place,
+                        text("strains: every triangle of region '", strain.region.name, "' is fixed"));
+        else if (fixed > 0)
+            out_.warnings.push_back(text("strains: ", fixed, " of ", held.size(), " triangles of region '",
+                                         strain.region.name, "' are fixed as well and stay fixed"));
+        warn_shared_vertices(strain, held, is_fixed);
+        // The fixed ones stay fixed, so they are no part of the motion.
+        GivenStrain given;
+        for (const int t : held)
+            if (!is_fixed[t]) given.triangles.push_back(t);
+        given.motion.rotation = strain.rotate;
+        for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
+        given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
+        out_.problem.strains.push_back(std::move(given));
+    }
+}
+
+void ProblemBuilder::warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
+                                          const std::vector<char>& is_fixed) {
+    std::vector<char> moved(start_.mesh.num_vertices(), 0), fixed(start_.mesh.num_vertices(), 0);
+    for (const int t : held)
+        if (!is_fixed[t])
+            for (int k = 0; k < 3; ++k) moved[start_.mesh.triangles(t, k)] = 1;
+    for (const int t : out_.problem.fixed)
+        for (int k = 0; k < 3; ++k) fixed[start_.mesh.triangles(t, k)] = 1;
+    int shared = 0;
+    for (int v = 0; v < start_.mesh.num_vertices(); ++v) shared += moved[v] && fixed[v];
+    if (shared > 0)
+        out_.warnings.push_back(text("strains: region '", strain.region.name, "' shares ", shared,
+                                     " vertices with fixed regions; they stay fixed"));
+}
+
+}  // namespace strake

@@ -1,0 +1,70 @@
+#include "cases/problem_builder.hpp"
+#include "cases/surface_check.hpp"
+#include "core/mesh/closest_point.hpp"
+#include "core/mesh/geometry.hpp"
+
+#include <algorithm>
+
+namespace strake {
+
+void ProblemBuilder::read_start() {
+    SurfaceFile file = read_surface(case_.surface);
+    out_.format = file.format;
+    start_.mesh = std::move(file.mesh);
+    start_.adjacent = adjacency(start_.mesh);
+    start_.area = triangle_areas(start_.mesh);
+    start_.diagonal = box_diagonal(start_.mesh);
+    SurfaceDemands demands{case_.couple_nonmanifold, false, case_.symmetry};
+    if (purpose_ != Purpose::deform)
+        for (const QuantityEntry& quantity : case_.quantities)
+            demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
+    check_surface(case_.surface, start_, demands);
+}
+
+Split ProblemBuilder::split() {
+    const SplitEntry& entry = case_.parameters.split;
+    if (entry.kind == SplitEntry::Kind::all) return SplitAll{};
+    if (entry.kind == SplitEntry::Kind::largest) return SplitLargest{entry.largest};
+    SplitContaining containing;
+    const ClosestPointTree closest(start_.mesh);
+    for (const auto& [what, place] : entry.containing) {
+        const int* number = std::get_if<int>(&what);
+        const int t = number ? *number : closest.find(std::get<NearPoint>(what).point).triangle;
+        if (t < start_.mesh.num_triangles())
+            containing.triangles.push_back(t);
+        else
+            errors_.add(place, text("parameters.split.containing: triangle ", t, " must be below ",
+                                    start_.mesh.num_triangles()));
+    }
+    return containing;
+}
+
+void ProblemBuilder::build_tree() {
+    const bool names_patch = std::any_of(case_.regions.begin(), case_.regions.end(), [](const Region& region) {
+        return std::holds_alternative<PatchShape>(region.shape);
+    });
+    if (purpose_ == Purpose::deform && !names_patch) return;
+    const ParameterEntry& p = case_.parameters;
+    if (!p.levels_deg.empty()) {
+        out_.problem.tree =
+            segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
+        return;
+    }
+    AutomaticLevels automatic;
+    if (!p.patches_per_level.empty()) automatic.patches_per_level = p.patches_per_level;
+    automatic.sharp_angle_deg = p.sharp_angle_deg;
+    automatic.split = split();
+    out_.problem.tree = segment_automatically(start_.mesh, start_.adjacent, automatic);
+}
+
+void ProblemBuilder::evaluate_regions() {
+    for (const Region& region : case_.regions)
+        at(region.shape_place, "", [&] {
+            RegionTriangles found{region.name, region_triangles(region, start_, out_.problem.tree)};
+            for (const int t : found.triangles) found.area += start_.area[t];
+            region_index_[region.name] = static_cast<int>(out_.regions.size());
+            out_.regions.push_back(std::move(found));
+        });
+}
+
+}  // namespace strake

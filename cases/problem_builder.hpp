@@ -1,0 +1,65 @@
+#pragma once
+#include "cases/build_problem.hpp"
+#include "cases/regions.hpp"
+
+#include <map>
+
+/// From the checked case to the problem, topic by topic. Between the builder's files; not for others.
+namespace strake {
+
+struct ShellSetup;
+
+class ProblemBuilder {
+public:
+    ProblemBuilder(const Case& the_case, Purpose purpose)
+        : case_(the_case), purpose_(purpose), errors_(diagnostics_of(the_case)) {}
+    BuiltProblem build();
+
+private:
+    const Case& case_;
+    Purpose purpose_;
+    Diagnostics errors_;
+    StartSurface start_;
+    BuiltProblem out_;
+    std::map<std::string, int> region_index_;
+
+    /// Runs `work`; what it refuses becomes an error at `place`.
+    template <class Work>
+    void at(const Place& place, const std::string& prefix, const Work& work) {
+        try {
+            work();
+        } catch (const InvalidInput& e) {
+            errors_.add(place, prefix + e.what());
+        }
+    }
+    const std::vector<int>& triangles(const Reference& region) const {
+        return out_.regions[region_index_.at(region.name)].triangles;
+    }
+
+    // build_surface.cpp
+    void read_start();
+    Split split();
+    void build_tree();
+    void evaluate_regions();
+    // build_shell.cpp
+    void set_heights();
+    void set_pins();
+    void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
+                              const std::vector<char>& is_fixed);
+    // build_loads.cpp
+    void set_springs();
+    void set_tractions();
+    void make_shell(std::optional<PrimoShell>& shell, ShellSetup& setup);
+    Eigen::Vector3d scaled_traction(const LoadEntry& load, PrimoShell& shell, const ShellSetup& setup);
+    // build_parameters.cpp
+    void set_parameters();
+    std::vector<int> region_or_patch(const Reference& reference);
+    // build_goals.cpp
+    void set_goals();
+    Quantity make(const QuantityEntry& entry, const VolumeEntry& what);
+    Quantity make(const QuantityEntry& entry, const AreaEntry& what);
+    Quantity make(const QuantityEntry& entry, const TargetShapeEntry& target);
+    Quantity make(const QuantityEntry& entry, const ExternalEntry& program);
+};
+
+}  // namespace strake

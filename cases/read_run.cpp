@@ -1,0 +1,33 @@
+#include "cases/case_reader.hpp"
+
+namespace strake {
+
+void CaseReader::read_optimize(const Value& map) {
+    OptimizeOptions& o = case_.optimize;
+    if (const Value* v = map.find("method"))
+        o.method = v->text == "mma"      ? Method::mma
+                   : v->text == "lbfgs"  ? Method::lbfgs
+                   : v->text == "cobyla" ? Method::cobyla
+                                         : Method::slsqp;
+    if (const Value* budget = map.find("budget")) {
+        if (const Value* v = budget->find("evaluations")) o.max_evaluations = static_cast<int>(v->number);
+        if (const Value* v = budget->find("time")) o.max_seconds = v->number;
+    }
+    if (const Value* refine = map.find("refine_when"))
+        if (const Value* v = refine->find("progress_below")) o.progress_below = v->number;
+    if (const Value* tolerances = map.find("tolerances")) {
+        if (const Value* v = tolerances->find("objective")) o.objective_tolerance = v->number;
+        if (const Value* v = tolerances->find("step")) o.step_tolerance = v->number;
+        if (const Value* v = tolerances->find("constraint")) o.constraint_tolerance = v->number;
+    }
+}
+
+void CaseReader::read_output(const Value& map) {
+    if (const Value* v = map.find("dir")) case_.output.dir = dir_ / (v->from_default ? "runs/" + case_.name : v->text);
+    if (const Value* v = map.find("paraview"))
+        case_.output.paraview = v->text == "best"   ? ParaView::best
+                                : v->text == "none" ? ParaView::none
+                                                    : ParaView::every_accepted;
+}
+
+}  // namespace strake

@@ -1,0 +1,18 @@
+#pragma once
+#include "cases/schema.hpp"
+
+/// The rows of the table, topic by topic. Between the schema's files; not for others.
+namespace strake {
+
+std::vector<Key> surface_keys();    ///< case, surface, regions, fixed, symmetry
+std::vector<Key> shell_keys();      ///< shell, loads, strains
+std::vector<Key> parameter_keys();  ///< parameters
+std::vector<Key> goal_keys();       ///< quantities, objective, fit, constraints
+std::vector<Key> run_keys();        ///< optimize, output
+
+inline constexpr double no_limit = std::numeric_limits<double>::infinity();
+inline constexpr Limits positive{0, no_limit, true, false};
+inline constexpr Limits not_negative{0, no_limit, false, false};
+inline constexpr Limits at_least_one{1, no_limit, false, false};
+
+}  // namespace strake

@@ -1,0 +1,62 @@
+#include "cases/schema_parts.hpp"
+
+namespace strake {
+
+std::vector<Key> run_keys() {
+    return {
+        {.path = "optimize", .doc = "How the optimum is searched, and when the search ends.", .fallback = "{}"},
+        {.path = "optimize.method",
+         .type = Type::word,
+         .doc = "NLopt's SLSQP inside a trust region (any constraints), its MMA (no equalities), L-BFGS (no "
+                "constraints) or "
+                "COBYLA (no gradients); NLopt's own names are understood. Not for fit.",
+         .fallback = "slsqp",
+         .words = {"slsqp", "mma", "lbfgs", "cobyla"},
+         .loose_word = true},
+        {.path = "optimize.budget", .doc = "Limits of the whole run.", .fallback = "{}"},
+        {.path = "optimize.budget.evaluations",
+         .type = Type::integer,
+         .doc = "Number of evaluations.",
+         .fallback = "60",
+         .limits = at_least_one},
+        {.path = "optimize.budget.time",
+         .type = Type::duration,
+         .doc = "Time; without it no limit.",
+         .limits = positive},
+        {.path = "optimize.refine_when", .doc = "When the next level starts.", .fallback = "{}"},
+        {.path = "optimize.refine_when.progress_below",
+         .type = Type::fraction,
+         .doc =
+             "When the gain of an evaluation falls below this share of the level's best; 0: only when the level ends.",
+         .fallback = "1%",
+         .limits = {0, 1, false, true}},
+        {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},
+        {.path = "optimize.tolerances.objective",
+         .type = Type::number,
+         .doc = "Relative change of the objective.",
+         .fallback = "1e-6",
+         .limits = positive},
+        {.path = "optimize.tolerances.step",
+         .type = Type::number,
+         .doc = "Change of the scaled variables.",
+         .fallback = "1e-6",
+         .limits = positive},
+        {.path = "optimize.tolerances.constraint",
+         .type = Type::number,
+         .doc = "Violation of a scaled constraint that still counts as met. Not for fit.",
+         .fallback = "1e-6",
+         .limits = positive},
+        {.path = "output", .doc = "What is written, and where.", .fallback = "{}"},
+        {.path = "output.dir",
+         .type = Type::path,
+         .doc = "Folder of the run; {case} stands for the name of the case in the default.",
+         .fallback = "runs/{case}"},
+        {.path = "output.paraview",
+         .type = Type::word,
+         .doc = "Shapes written for ParaView.",
+         .fallback = "every_accepted",
+         .words = {"every_accepted", "best", "none"}},
+    };
+}
+
+}  // namespace strake

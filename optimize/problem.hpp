@@ -51,7 +51,25 @@ struct Constraint {
     bool relative = false;  ///< limits are multiples of the value at the start
 };
 
-enum class Method { slsqp, mma, lbfgs, cobyla };
+/// How to search; what each one needs and takes stands in `method_facts` (optimize/methods.hpp).
+enum class Method {
+    slsqp,  // local, with gradients
+    mma,
+    ccsaq,
+    lbfgs,
+    tnewton,
+    var2,
+    cobyla,  // local, without
+    bobyqa,
+    neldermead,
+    sbplx,
+    praxis,
+    crs2,  // global
+    isres,
+    mlsl,
+    direct,
+    esch
+};
 
 struct OptimizeOptions {
     Method method = Method::slsqp;

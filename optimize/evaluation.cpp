@@ -39,7 +39,10 @@ std::string to_string(EvaluationStatus status) {
 
 ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const RestFacts> rest,
                                const std::vector<std::string>& differentiated)
-    : problem_(problem), rest_(std::move(rest)), guard_(rest_->surface, rest_->adjacent), names_(value_names(problem)) {
+    : problem_(problem),
+      rest_(std::move(rest)),
+      guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry}),
+      names_(value_names(problem)) {
     for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));
 }
 
@@ -152,11 +155,18 @@ ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
 void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.status != EvaluationStatus::ok || !last_)
         throw InvalidInput("differentiate: the last evaluation gave no shape");
-    const std::vector<ShellSensitivities> all = shell_->adjoint(evaluation.dJ_dv);
+    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
+    const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
     for (std::size_t i = 0; i < all.size(); ++i)
         evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
     if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
+}
+
+std::optional<Responses> ShapeEvaluator::responses(const Eigen::VectorXd& x) {
+    ShapeEvaluation unused;
+    if (!deform(x, unused)) return {};
+    return responses_at(space_, *shell_);
 }
 
 }  // namespace strake

@@ -1,0 +1,202 @@
+#include "core/mesh/intersection_tree.hpp"
+
+#include "core/mesh/pair_test.hpp"
+#include "core/mesh/weld.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+constexpr int leaf_size = 4;
+
+struct Bounds {
+    Eigen::Vector3d low, high;
+
+    void add(const Bounds& other) {
+        low = low.cwiseMin(other.low);
+        high = high.cwiseMax(other.high);
+    }
+    bool meets(const Bounds& o) const {
+        return low[0] <= o.high[0] && o.low[0] <= high[0] && low[1] <= o.high[1] && o.low[1] <= high[1] &&
+               low[2] <= o.high[2] && o.low[2] <= high[2];
+    }
+};
+
+/// Per vertex the first one with the same coordinates; empty when there are none.
+std::vector<int> twins(const Points& vertices) {
+    const std::vector<int> number = equal_points(vertices);
+    std::vector<int> first(number.size(), -1), twin(number.size());
+    bool any = false;
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (first[number[v]] < 0) first[number[v]] = static_cast<int>(v);
+        twin[v] = first[number[v]];
+        any = any || twin[v] != static_cast<int>(v);
+    }
+    if (!any) twin.clear();
+    return twin;
+}
+
+}  // namespace
+
+/// One walk over all pairs of leaves whose boxes meet and that hold something moved.
+struct IntersectionTree::Search {
+    const IntersectionTree& tree;
+    const Points& vertices;
+    const std::vector<int>& id;
+    const std::vector<char>& moved;  ///< per triangle; empty: all
+    std::vector<Bounds> leaf_box;    ///< in the order of `order_`
+    std::vector<Bounds> box;         ///< per node
+    std::vector<char> node_moved;
+    Intersections found;
+
+    void refit() {
+        leaf_box.resize(tree.order_.size());
+        for (std::size_t i = 0; i < leaf_box.size(); ++i) {
+            const auto corner = [&](int k) {
+                return Eigen::Vector3d(vertices.row(tree.triangles_(tree.order_[i], k)));
+            };
+            leaf_box[i] = {corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)),
+                           corner(0).cwiseMax(corner(1)).cwiseMax(corner(2))};
+        }
+        box.resize(tree.nodes_.size());
+        node_moved.assign(tree.nodes_.size(), 0);
+        for (int n = static_cast<int>(box.size()) - 1; n >= 0; --n) {
+            const Node& node = tree.nodes_[n];
+            if (node.right >= 0) {
+                box[n] = box[n + 1];
+                box[n].add(box[node.right]);
+                node_moved[n] = node_moved[n + 1] || node_moved[node.right];
+                continue;
+            }
+            box[n] = leaf_box[node.begin];
+            for (int i = node.begin; i < node.end; ++i) {
+                box[n].add(leaf_box[i]);
+                if (has_moved(tree.order_[i])) node_moved[n] = 1;
+            }
+        }
+    }
+    bool has_moved(int t) const { return moved.empty() || moved[t]; }
+
+    void within(int n) {
+        const Node& node = tree.nodes_[n];
+        if (!node_moved[n]) return;
+        if (node.right < 0) {
+            for (int i = node.begin; i < node.end; ++i)
+                for (int j = i + 1; j < node.end; ++j) examine(i, j);
+            return;
+        }
+        within(n + 1);
+        within(node.right);
+        between(n + 1, node.right);
+    }
+    void between(int a, int b) {
+        if (!(node_moved[a] || node_moved[b]) || !box[a].meets(box[b])) return;
+        const Node &na = tree.nodes_[a], &nb = tree.nodes_[b];
+        if (na.right < 0 && nb.right < 0) {
+            for (int i = na.begin; i < na.end; ++i)
+                if (leaf_box[i].meets(box[b]))
+                    for (int j = nb.begin; j < nb.end; ++j) examine(i, j);
+        } else if (nb.right < 0 || (na.right >= 0 && na.end - na.begin >= nb.end - nb.begin)) {
+            between(a + 1, b);
+            between(na.right, b);
+        } else {
+            between(a, b + 1);
+            between(a, nb.right);
+        }
+    }
+    void examine(int i, int j) {
+        if (!leaf_box[i].meets(leaf_box[j])) return;
+        const int s = std::min(tree.order_[i], tree.order_[j]), t = std::max(tree.order_[i], tree.order_[j]);
+        if (!has_moved(s) && !has_moved(t)) return;
+        const Corners a = corners(s), b = corners(t);
+        if (surely_disjoint(a, b)) return;
+        const Meeting meeting = exact_meeting(a, b);
+        if (meeting == Meeting::apart) found.apart.push_back({s, t});
+        if (meeting == Meeting::adjacent) found.adjacent.push_back({s, t});
+    }
+    Corners corners(int t) const {
+        Corners c;
+        for (int k = 0; k < 3; ++k) {
+            const int v = tree.triangles_(t, k);
+            c.at[k] = vertices.row(v);
+            c.id[k] = id.empty() ? v : id[v];
+        }
+        return c;
+    }
+};
+
+IntersectionTree::IntersectionTree(const TriMesh& rest)
+    : rest_(rest.vertices), triangles_(rest.triangles), twin_(twins(rest.vertices)), seam_(1e-9 * box_diagonal(rest)) {
+    const auto id = [&](int t, int k) { return twin_.empty() ? triangles_(t, k) : twin_[triangles_(t, k)]; };
+    for (int t = 0; t < rest.num_triangles(); ++t)
+        if (id(t, 0) != id(t, 1) && id(t, 1) != id(t, 2) && id(t, 2) != id(t, 0)) order_.push_back(t);
+    if (!order_.empty()) build(0, static_cast<int>(order_.size()), triangle_centroids(rest));
+    at_rest_ = search(rest_, {});
+}
+
+/// Halves at the median along the longest side of the centroids' box. Equal coordinates are ordered by number.
+void IntersectionTree::build(int begin, int end, const Points& centroid) {
+    const std::size_t self = nodes_.size();
+    nodes_.push_back({begin, end, -1});
+    if (end - begin <= leaf_size) return;
+    Bounds around{centroid.row(order_[begin]), centroid.row(order_[begin])};
+    for (int i = begin; i < end; ++i) around.add({centroid.row(order_[i]), centroid.row(order_[i])});
+    int axis = 0;
+    (around.high - around.low).maxCoeff(&axis);
+    const int middle = begin + (end - begin) / 2;
+    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
+                     [&](int s, int t) { return std::pair(centroid(s, axis), s) < std::pair(centroid(t, axis), t); });
+    build(begin, middle, centroid);
+    nodes_[self].right = static_cast<int>(nodes_.size());
+    build(middle, end, centroid);
+}
+
+/// Twins that are still together get the coordinates and the number of the first of them: pins move the two sides of a
+/// seam alike to round-off only.
+Points IntersectionTree::with_closed_seams(const Points& vertices, std::vector<int>& id) const {
+    Points result = vertices;
+    id.resize(twin_.size());
+    for (std::size_t v = 0; v < twin_.size(); ++v) {
+        const bool together = (vertices.row(v) - vertices.row(twin_[v])).norm() <= seam_;
+        id[v] = together ? twin_[v] : static_cast<int>(v);
+        if (together) result.row(v) = vertices.row(twin_[v]);
+    }
+    return result;
+}
+
+Intersections IntersectionTree::search(const Points& vertices, const std::vector<char>& moved) const {
+    if (order_.empty()) return {};
+    std::vector<int> id;
+    Points closed;
+    if (!twin_.empty()) closed = with_closed_seams(vertices, id);
+    Search walk{*this, twin_.empty() ? vertices : closed, id, moved, {}, {}, {}, {}};
+    walk.refit();
+    walk.within(0);
+    std::sort(walk.found.apart.begin(), walk.found.apart.end());
+    std::sort(walk.found.adjacent.begin(), walk.found.adjacent.end());
+    return std::move(walk.found);
+}
+
+std::vector<std::array<int, 2>> IntersectionTree::fresh(const Points& vertices) const {
+    std::vector<char> moved(triangles_.rows());
+    for (int t = 0; t < triangles_.rows(); ++t)
+        for (int k = 0; k < 3; ++k)
+            if (vertices.row(triangles_(t, k)) != rest_.row(triangles_(t, k))) moved[t] = 1;
+    const auto joined = [](Intersections all) {
+        all.apart.insert(all.apart.end(), all.adjacent.begin(), all.adjacent.end());
+        std::sort(all.apart.begin(), all.apart.end());
+        return all.apart;
+    };
+    const std::vector<std::array<int, 2>> now = joined(search(vertices, moved)), before = joined(at_rest_);
+    std::vector<std::array<int, 2>> result;
+    std::set_difference(now.begin(), now.end(), before.begin(), before.end(), std::back_inserter(result));
+    return result;
+}
+
+Intersections intersections(const TriMesh& mesh) { return IntersectionTree(mesh).at_rest(); }
+
+std::vector<std::array<int, 2>> self_intersections(const TriMesh& mesh) { return intersections(mesh).apart; }
+
+}  // namespace strake

@@ -6,28 +6,69 @@
 #include <nlopt.hpp>
 
 namespace strake {
-Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o) : program(p), options(o), best_x(p.start) {
+namespace {
+
+/// Gradient-free methods do not call `differentiate`, whatever it would give.
+NonlinearProgram prepared(NonlinearProgram p, const MethodFacts& method) {
+    if (!method.needs_gradients && !method.is_global) p.differentiate = nullptr;
+    if (!p.differentiate) {
+        Differences how = p.differences.value_or(Differences());
+        how.objective = true;
+        how.rows.clear();
+        p.differences = how;
+    }
+    return p;
+}
+
+}  // namespace
+
+Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o)
+    : program(prepared(p, method_facts(o.method))),
+      options(o),
+      method(method_facts(o.method)),
+      limit(o.max_evaluations),
+      best_x(p.start) {
     for (Eigen::Index j = 0; j < p.start.size(); ++j)
         if (p.lower[j] < p.upper[j]) free.push_back(static_cast<int>(j));
-    wants_gradient = o.method != Method::cobyla;
+    wants_gradient = method.needs_gradients;
+}
+
+Eigen::VectorXd Guard::all_variables(const double* z) const {
+    Eigen::VectorXd x = program.start;
+    for (std::size_t i = 0; i < free.size(); ++i) x[free[i]] = z[i];
+    return x;
 }
 
 const Sample& Guard::at(const double* z, bool gradient) {
-    Eigen::VectorXd x = program.start;
-    for (std::size_t i = 0; i < free.size(); ++i) x[free[i]] = z[i];
-    return at_all(x, gradient);
+    // Cached points cost nothing, so that no other limit ends an algorithm that goes round among them.
+    if (++asked_ > 100L * options.max_evaluations + 10000 && cause == Cause::none) cause = Cause::circles;
+    return at_all(all_variables(z), gradient);
 }
 
-const Sample& Guard::at_all(const Eigen::VectorXd& x, bool gradient) {
+const Sample& Guard::at_all(const Eigen::VectorXd& asked, bool gradient) {
     if (cause != Cause::none) throw nlopt::forced_stop();
-    if (!x.allFinite()) stop(Cause::asked_nonfinite);
+    if (!asked.allFinite()) stop(Cause::asked_nonfinite);
+    const Eigen::VectorXd x = asked.cwiseMax(program.lower).cwiseMin(program.upper);
+    if (!told_outside_ && (x - asked).lpNorm<Eigen::Infinity>() > 1e-6) {
+        told_outside_ = true;
+        tell_event("the algorithm asked for a point outside of the bounds; such points are moved onto them");
+    }
     try {
-        return sample_at(x.cwiseMax(program.lower).cwiseMin(program.upper), gradient);
+        return sample_at(x, gradient);
     } catch (const nlopt::forced_stop&) {
         throw;
     } catch (...) {
         exception = std::current_exception();
         stop(Cause::exception);
+    }
+}
+
+bool Guard::try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample) {
+    try {
+        sample = at_all(x, gradient);
+        return true;
+    } catch (const nlopt::forced_stop&) {
+        return false;
     }
 }
 
@@ -43,19 +84,48 @@ void Guard::stop(Cause why) {
     throw nlopt::forced_stop();
 }
 
-void Guard::evaluate(const Eigen::VectorXd& x) {
-    if (evaluations >= options.max_evaluations) stop(Cause::evaluations);
+void Guard::fail(const Eigen::VectorXd& x, const std::string& why) {
+    ++failures;
+    failure = why;
+    failed_x = x;
+    last_x_.resize(0);
+    stop(Cause::failure);
+}
+
+Sample Guard::count_and_evaluate(const Eigen::VectorXd& x) {
+    if (evaluations >= limit) stop(Cause::evaluations);
     const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
     if (options.max_seconds > 0 && evaluations > 0 && elapsed.count() > options.max_seconds) stop(Cause::time);
     ++evaluations;
+    Sample s;
+    try {
+        s = program.evaluate(x);
+    } catch (const InvalidInput&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        if (!options.exceptions_are_failures) throw;
+        s.failure = e.what();
+        if (s.failure.empty()) s.failure = "an exception without words";
+    }
+    if (!s.failure.empty()) return s;
+    const Eigen::Index rows = program.num_inequalities + program.num_equalities;
+    if (s.constraints.size() != rows)
+        throw InvalidInput(text("evaluation gave ", s.constraints.size(), " constraints instead of ", rows));
+    if (!std::isfinite(s.objective) || !s.constraints.allFinite())
+        s.failure = text("objective or constraint not finite at evaluation ", evaluations);
+    return s;
+}
+
+void Guard::evaluate(const Eigen::VectorXd& x) {
     last_x_.resize(0);
-    last_ = program.evaluate(x);
-    if (last_.failure.empty() && (!std::isfinite(last_.objective) || !last_.constraints.allFinite()))
-        last_.failure = text("objective or constraint not finite at evaluation ", evaluations);
+    last_ = count_and_evaluate(x);
     if (!last_.failure.empty()) {
+        const bool go_on = tell({x, last_, 0, false, false, best_merit});
+        ++failures;
         failure = last_.failure;
         failed_x = x;
-        const bool go_on = tell({x, last_, 0, false, false, best_merit});
         stop(last_.is_fatal ? Cause::fatal : go_on ? Cause::failure : Cause::stopped);
     }
     last_x_ = x;
@@ -75,19 +145,57 @@ void Guard::rank(const Eigen::VectorXd& x) {
         best_feasible = feasible;
         best_violation = violation;
     }
+    lowest = std::min(lowest, last_.objective);
+    highest = std::max(highest, last_.objective);
     if (penalty == 0) penalty = 3 * std::abs(last_.objective);  // until multipliers are known
-    best_merit = std::min(best_merit, last_.objective + penalty * total_violation(program, last_.constraints));
+    const double merit = last_.objective + penalty * total_violation(program, last_.constraints);
+    if (merit < best_merit) best_merit = merit, merit_x = x;
     if (!tell({x, last_, violation, better, feasible, best_merit})) stop(Cause::stopped);
 }
 
 void Guard::differentiate(const Eigen::VectorXd& x) {
-    program.differentiate(x, last_);
-    if (last_.gradient.size() != x.size() || !last_.gradient.allFinite() || !last_.jacobian.allFinite()) {
-        failure = text("gradient not finite at evaluation ", evaluations);
-        failed_x = x;
-        stop(Cause::failure);
+    Sample s = last_;
+    if (program.differentiate) try {
+            program.differentiate(x, s);
+        } catch (const InvalidInput&) {
+            throw;
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {
+            if (!options.exceptions_are_failures) throw;
+            fail(x, text("gradient at evaluation ", evaluations, ": ", e.what()));
+        }
+    if (program.differences) {
+        last_x_.resize(0);  // the program's last evaluation is no longer the one at x
+        const auto evaluate = [&](const Eigen::VectorXd& at) {
+            Sample next = count_and_evaluate(at);
+            if (next.failure.empty()) return next;
+            ++failures;
+            failure = next.failure;
+            if (next.is_fatal) stop(Cause::fatal);
+            return next;
+        };
+        if (!differentiate_by_differences(program, x, s, evaluate))
+            fail(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
     }
+    last_ = s;
+    check_gradient(x);
+    last_x_ = x;
     if (has_best && best_x == x) best = last_;
+}
+
+void Guard::check_gradient(const Eigen::VectorXd& x) {
+    const Eigen::Index rows = last_.constraints.size();
+    if (last_.gradient.size() == x.size() && last_.gradient.allFinite() &&
+        (rows == 0 || (last_.jacobian.rows() == rows && last_.jacobian.cols() == x.size())) &&
+        last_.jacobian.allFinite()) {
+        if (rows == 0) last_.jacobian.resize(0, x.size());
+        return;
+    }
+    if (last_.gradient.size() != x.size() && last_.gradient.size() > 0)
+        throw InvalidInput(text("gradient of ", last_.gradient.size(), " entries for ", x.size(), " variables"));
+    last_.gradient.resize(0);
+    fail(x, text("gradient not finite at evaluation ", evaluations));
 }
 
 }  // namespace strake

@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/methods.hpp"
 #include "optimize/minimizer.hpp"
 
 #include <chrono>
@@ -8,10 +9,20 @@
 /// failure and the best point seen. Used by minimize() only.
 namespace strake {
 
-/// Why the guard ended NLopt.
-enum class Cause { none, failure, fatal, evaluations, time, stopped, asked_nonfinite, exception };
+/// Why the guard ended a search.
+enum class Cause {
+    none,
+    failure,
+    fatal,
+    evaluations,
+    time,
+    stopped,
+    asked_nonfinite,
+    circles,  ///< the algorithm asks for points that it knows, without end
+    exception
+};
 
-/// The guard stops NLopt by this; it must not meet another type of exception.
+/// The guard stops a search by throwing nlopt::forced_stop; callers meet no other type of exception.
 class Guard {
 public:
     Guard(const NonlinearProgram& program, const MinimizeOptions& options);
@@ -19,34 +30,51 @@ public:
     /// Sample at the free variables `z`. @throws nlopt::forced_stop with `cause` set when there is none.
     const Sample& at(const double* z, bool gradient);
     const Sample& at_all(const Eigen::VectorXd& x, bool gradient);  ///< the same for all variables
+    Eigen::VectorXd all_variables(const double* z) const;
+    /// As at_all, without an exception: false, `cause` is set.
+    bool try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample);
 
-    const NonlinearProgram& program;
+    void tell_event(const std::string& words) const {
+        if (options.on_event) options.on_event(words);
+    }
+
+    const NonlinearProgram program;  ///< with differences where the method has or takes no gradients
     const MinimizeOptions& options;
+    const MethodFacts& method;
     std::vector<int> free;  ///< numbers of the variables whose bounds differ
     bool wants_gradient = true;
+    int limit;           ///< of evaluations, for the present part of the search: <= options.max_evaluations
     double scale = 1;    ///< NLopt sees objective / scale
     double penalty = 0;  ///< of a unit of violation, in the merit that is told
     double best_merit = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd merit_x;  ///< where that was
     Eigen::VectorXd best_x;
     Sample best;
     bool has_best = false, best_feasible = false;
     double best_violation = 0;
+    double lowest = std::numeric_limits<double>::infinity();  ///< and highest objective seen
+    double highest = -std::numeric_limits<double>::infinity();
     Cause cause = Cause::none;
     std::exception_ptr exception;
     std::string failure;
     Eigen::VectorXd failed_x;
-    int evaluations = 0;
+    int evaluations = 0, failures = 0;
 
 private:
     [[noreturn]] void stop(Cause why);
+    [[noreturn]] void fail(const Eigen::VectorXd& x, const std::string& why);
     const Sample& sample_at(const Eigen::VectorXd& x, bool gradient);
+    Sample count_and_evaluate(const Eigen::VectorXd& x);
     void evaluate(const Eigen::VectorXd& x);
     void rank(const Eigen::VectorXd& x);
     void differentiate(const Eigen::VectorXd& x);
+    void check_gradient(const Eigen::VectorXd& x);
     bool tell(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
 
     Sample last_;
     Eigen::VectorXd last_x_;
+    long asked_ = 0;
+    bool told_outside_ = false;
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
 };
 

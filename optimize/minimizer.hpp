@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/finite_differences.hpp"
 #include "optimize/problem.hpp"
 
 #include <Eigen/Core>
@@ -23,11 +24,19 @@ struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
     int num_inequalities = 0, num_equalities = 0;
     std::function<Sample(const Eigen::VectorXd& x)> evaluate;
-    /// Adds the gradients to the sample of the last `evaluate`. Not called by gradient-free methods.
+    /// Adds the gradients to the sample of the last `evaluate`, which was at this x. Not called by local gradient-free
+    /// methods; by global ones for the polish at their end. Empty: differences.
     std::function<void(const Eigen::VectorXd& x, Sample& sample)> differentiate;
+    /// Gradients that are made of differences, instead of what `differentiate` gave for them (if there is one).
+    std::optional<Differences> differences;
     /// n x n, positive definite: the size of a step d is sqrt(d.metric.d), about 1 for the largest reasonable one.
     /// Empty: the identity.
     Eigen::MatrixXd metric;
+    /// The metric as it is at x, times d: near buckling some directions become long. May be empty, and may return an
+    /// empty vector. Cheap beside an evaluation. Used by slsqp.
+    std::function<Eigen::VectorXd(const Eigen::VectorXd& x, const Eigen::VectorXd& d)> present_metric;
+    /// n x n, positive definite: what is known of the Lagrangian's Hessian at the start. Empty: nothing. Used by slsqp.
+    Eigen::MatrixXd hessian;
 };
 
 /// One evaluation, told as it happens.
@@ -52,8 +61,12 @@ struct MinimizeOptions {
     int max_failures = 12;               ///< slsqp: in all
     double first_step = 0.5;             ///< in the metric
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
-    std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here
-    std::function<void(const std::string&)> on_event;  ///< restarts and box changes, in words
+    int starts =
+        1;  ///< the given one, then random ones within the bounds (which must be finite); they share the budget
+    unsigned seed = 1;                                 ///< of random starts and of NLopt's random methods
+    bool exceptions_are_failures = false;              ///< of the callbacks; except InvalidInput and std::bad_alloc
+    std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here; not told of differences
+    std::function<void(const std::string&)> on_event;  ///< restarts, starts and box changes, in words
 };
 
 enum class MinimizeStop {
@@ -74,12 +87,25 @@ struct MinimizeResult {
     MinimizeStop stop = MinimizeStop::failed;
     std::string reason;  ///< one sentence
     int evaluations = 0, shrinks = 0;
-    double radius = 0;  ///< slsqp: the last length of step that was allowed
+    int failures = 0;  ///< evaluations without a value, or whose gradient failed
+    /// Rows of the constraints that cannot be met together within the bounds, to first order at the point of least
+    /// violation: without any one of them the others could. Empty: none found.
+    std::vector<int> conflict;
+    /// Steps were rejected however short, and the values change by `slope_ratio` of what the gradient says, by
+    /// differences along `slope_of` (-1: the objective, else a row of the constraints).
+    bool gradient_inconsistent = false;
+    double slope_ratio = std::numeric_limits<double>::quiet_NaN();
+    int slope_of = -1;
+    int active_bounds = 0;    ///< variables that a bound keeps from a better value (without gradients: that lie at one)
+    bool is_flat = false;     ///< no evaluation gave another objective, or its gradient is zero at a start
+    double radius = 0;        ///< slsqp: the last length of step that was allowed
+    Eigen::MatrixXd hessian;  ///< slsqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
 };
 
 /// Minimizes from `start` within the bounds. Variables with equal bounds are removed first. Every x is evaluated once,
-/// however often the algorithm asks. Exceptions of the callbacks come out unchanged.
-/// @throws InvalidInput: sizes, start outside bounds, a method that cannot take these constraints.
+/// however often the algorithm asks. Constraints that the method cannot take go into an augmented Lagrangian around it.
+/// Exceptions of the callbacks come out unchanged.
+/// @throws InvalidInput: sizes, start outside bounds, a global method or several starts without finite bounds.
 MinimizeResult minimize(const NonlinearProgram& program, const MinimizeOptions& options);
 
 }  // namespace strake

@@ -1,0 +1,86 @@
+#include "optimize/conflict.hpp"
+
+#include "optimize/quadratic_model.hpp"
+
+#include <algorithm>
+
+namespace strake {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+class Linearized {
+public:
+    Linearized(const NonlinearProgram& p, const VectorXd& x, const Sample& s, double tolerance)
+        : p_(p), x_(x), s_(s), tolerance_(tolerance) {}
+
+    /// Values of the rows after the step that reduces their common violation most; empty: no step was found.
+    VectorXd least(const std::vector<int>& rows) const {
+        QuadraticModel m;
+        const Eigen::Index n = x_.size();
+        m.gradient = VectorXd::Zero(n);
+        m.hessian = p_.metric.size() > 0 ? p_.metric : MatrixXd(MatrixXd::Identity(n, n));
+        m.lower = p_.lower - x_;
+        m.upper = p_.upper - x_;
+        m.constraints = s_.constraints(rows);
+        m.jacobian = s_.jacobian(rows, Eigen::all);
+        m.num_inequalities =
+            static_cast<int>(std::count_if(rows.begin(), rows.end(), [&](int i) { return i < p_.num_inequalities; }));
+        const VectorXd d = solve_model(m);
+        return d.size() == 0 ? VectorXd() : VectorXd(m.constraints + m.jacobian * d);
+    }
+
+    double violation(int row, double value) const {
+        return row < p_.num_inequalities ? std::max(0.0, value) : std::abs(value);
+    }
+
+    bool can_be_met(const std::vector<int>& rows) const {
+        if (rows.empty()) return true;
+        const VectorXd after = least(rows);
+        if (after.size() == 0) return true;  // nothing is known: no reason to accuse
+        double before_worst = 0, worst = 0;
+        for (std::size_t k = 0; k < rows.size(); ++k) {
+            before_worst = std::max(before_worst, violation(rows[k], s_.constraints[rows[k]]));
+            worst = std::max(worst, violation(rows[k], after[static_cast<Eigen::Index>(k)]));
+        }
+        return worst <= std::max(tolerance_, 0.02 * before_worst);
+    }
+
+private:
+    const NonlinearProgram& p_;
+    const VectorXd& x_;
+    const Sample& s_;
+    double tolerance_;
+};
+
+}  // namespace
+
+std::vector<int> conflicting_constraints(const NonlinearProgram& p, const VectorXd& x, const Sample& s,
+                                         double tolerance) {
+    std::vector<int> rows(static_cast<std::size_t>(s.constraints.size()));
+    for (std::size_t i = 0; i < rows.size(); ++i) rows[i] = static_cast<int>(i);
+    const Linearized model(p, x, s, tolerance);
+    if (model.can_be_met(rows)) return {};
+    // What is slack at the least violation does not keep it from being less.
+    const VectorXd after = model.least(rows);
+    std::vector<int> active;
+    for (const int i : rows)
+        if (i >= p.num_inequalities || after[i] > -std::max(tolerance, 1e-6)) active.push_back(i);
+    if (!model.can_be_met(active)) rows = active;
+    // Those with most to give first, so that the worst stay where there is a choice.
+    std::vector<int> order = rows;
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
+        return model.violation(a, s.constraints[a]) < model.violation(b, s.constraints[b]);
+    });
+    for (const int candidate : order) {
+        std::vector<int> others;
+        for (const int i : rows)
+            if (i != candidate) others.push_back(i);
+        if (!model.can_be_met(others)) rows = others;
+    }
+    return rows;
+}
+
+}  // namespace strake

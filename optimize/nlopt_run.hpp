@@ -1,0 +1,73 @@
+#pragma once
+#include "optimize/guard.hpp"
+
+#include <nlopt.hpp>
+
+/// One run of one of NLopt's algorithms. Internal.
+namespace strake {
+
+/// What an augmented Lagrangian adds to the objective (in the unit of objective / guard.scale), for the constraints
+/// that the method cannot take:  p/2 sum h^2 + l.h  (= p/2 sum (h + l/p)^2 up to a constant) and for inequalities
+/// 1/(2p) sum (max(0, m + p g)^2 - m^2).
+struct Lagrangian {
+    bool inequalities = true, equalities = true;  ///< which are in it
+    Eigen::VectorXd multipliers;                  ///< per row of the constraints
+    double penalty = 1;
+
+    double value(const NonlinearProgram& program, const Sample& sample) const;
+    /// Multipliers after the step that the constraints' values suggest: max(0, m + p g), l + p h.
+    Eigen::VectorXd updated(const NonlinearProgram& program, const Sample& sample) const;
+};
+
+/// The box of allowed x around a centre; `radius` in every variable, infinite: the whole bounds.
+struct Box {
+    Eigen::VectorXd lower, upper;
+};
+Box box_around(const NonlinearProgram& program, const Eigen::VectorXd& centre, double radius);
+/// On a side of the box that is not a bound.
+bool lies_on_artificial_side(const NonlinearProgram& program, const Box& box, const Eigen::VectorXd& x);
+
+/// Runs the algorithm of `method` from a start in a box. NLopt sees finite numbers only: after a failure it is stopped,
+/// or, where the method ranks failures, told the worst value seen so far (a gradient method: a parabola that rises to
+/// it).
+class NloptRun {
+public:
+    NloptRun(Guard& guard, const MethodFacts& method, const Lagrangian* lagrangian)
+        : guard_(guard), method_(method), lagrangian_(lagrangian) {}
+
+    /// Its code; `guard.cause` tells whether we ended it.
+    nlopt::result run(const Eigen::VectorXd& start, const Box& box, double objective_tolerance, double step_tolerance);
+
+    Eigen::VectorXd end_x;     ///< what NLopt returned, or where it was stopped
+    Eigen::VectorXd lowest_x;  ///< where the value it minimizes was lowest (violations of its own constraints first)
+    Sample lowest;
+    std::string words;  ///< NLopt's own, when it broke down
+
+private:
+    static double objective(unsigned n, const double* z, double* gradient, void* self);
+    static void inequalities(unsigned count, double* value, unsigned, const double* z, double* gradient, void* self);
+    static void equalities(unsigned count, double* value, unsigned, const double* z, double* gradient, void* self);
+    void constraints(int first, unsigned count, double* value, const double* z, double* gradient);
+    void configure(nlopt::opt& opt, const Box& box, double objective_tolerance, double step_tolerance);
+    void set_steps(nlopt::opt& opt, const Box& box) const;
+    void set_population(nlopt::opt& opt) const;
+    const Sample* sample(const double* z, bool gradient);
+    double value_of(const Sample& sample) const;
+    Eigen::VectorXd gradient_of(const Sample& sample) const;
+    double failed_value(const double* z, double* gradient) const;
+    void keep(const double* z, const Sample& sample, double value);
+    bool hands(bool inequality) const {  ///< to NLopt
+        return !lagrangian_ || !(inequality ? lagrangian_->inequalities : lagrangian_->equalities);
+    }
+
+    Guard& guard_;
+    const MethodFacts& method_;
+    const Lagrangian* lagrangian_;
+    nlopt::opt* opt_ = nullptr;
+    double lowest_value_ = 0, lowest_violation_ = 0, worst_ = 0, worst_violation_ = 1;
+    bool has_lowest_ = false;
+    Eigen::VectorXd good_x_, failed_z_;  ///< last point with a value; last one without, in the free variables
+    double good_value_ = 0;
+};
+
+}  // namespace strake

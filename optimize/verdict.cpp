@@ -1,0 +1,115 @@
+#include "optimize/verdict.hpp"
+
+#include "core/error.hpp"
+#include "optimize/first_order.hpp"
+
+#include <Eigen/QR>
+
+namespace strake {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double probe = 1e-3;     ///< in the metric
+constexpr double differing = 0.2;  ///< of the slope
+
+bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool upper) {
+    const double range = p.upper[j] - p.lower[j];
+    const double slack = 1e-7 * (std::isfinite(range) ? range : 1.0);
+    return upper ? x[j] >= p.upper[j] - slack : x[j] <= p.lower[j] + slack;
+}
+
+/// Values of the objective (first) and the constraints.
+VectorXd values_of(const Sample& s) {
+    VectorXd v(1 + s.constraints.size());
+    v << s.objective, s.constraints;
+    return v;
+}
+
+/// A slope with d(x) by extrapolation from a step and half of it. False: they do not agree, or rounding drowns it.
+bool slope_of(double here, double half, double full, double said, double& slope) {
+    const double by_full = full - here, by_half = 2 * (half - here);
+    slope = 2 * by_half - by_full;
+    const double noise = 1e-11 * std::max({std::abs(here), std::abs(full), std::numeric_limits<double>::min()});
+    return std::abs(said) > noise && std::abs(by_full - by_half) < 0.1 * std::max(std::abs(said), std::abs(slope));
+}
+
+}  // namespace
+
+bool promises_more(const Guard& guard) {
+    if (guard.best.gradient.size() == 0) return false;
+    const VectorXd d = descent_direction(guard.program, guard.best_x, guard.best);
+    const double length = metric_norm(guard.program, d);
+    if (!(length > 0)) return false;
+    const VectorXd lagrangian =
+        guard.best.gradient + guard.best.jacobian.transpose() * multipliers(guard.program, guard.best);
+    return -lagrangian.dot(d) / length * probe >
+           10 * guard.options.objective_tolerance * std::abs(guard.best.objective);
+}
+
+void check_slopes(Guard& guard, MinimizeResult& result) {
+    if (guard.evaluations + 3 > guard.limit || guard.cause != Cause::none || !guard.has_best) return;
+    const NonlinearProgram& p = guard.program;
+    const VectorXd x = guard.best_x;
+    Sample at, half, full;
+    if (!guard.try_at(x, true, at)) return;
+    VectorXd d = descent_direction(p, x, at);
+    if (!(metric_norm(p, d) > 0)) d = -at.gradient;
+    d *= probe / std::max(metric_norm(p, d), std::numeric_limits<double>::min());
+    d = (x + d).cwiseMax(p.lower).cwiseMin(p.upper) - x;
+    if (!d.allFinite() || !(metric_norm(p, d) > 0.01 * probe)) return;
+    if (!guard.try_at(x + 0.5 * d, false, half) || !guard.try_at(x + d, false, full)) {
+        if (guard.cause == Cause::failure) guard.cause = Cause::none;
+        return;
+    }
+    const VectorXd v0 = values_of(at), v1 = values_of(half), v2 = values_of(full);
+    for (Eigen::Index i = 0; i < v0.size(); ++i) {
+        const VectorXd g = i == 0 ? at.gradient : VectorXd(at.jacobian.row(i - 1));
+        const double said = g.dot(d);
+        double slope = 0;
+        // A direction that is nearly along the level set measures the errors of the direction.
+        if (std::abs(said) < 0.02 * g.cwiseProduct(d).cwiseAbs().sum() || !slope_of(v0[i], v1[i], v2[i], said, slope))
+            continue;
+        const double ratio = slope / said;
+        if (std::abs(ratio - 1) <= differing) continue;
+        result.gradient_inconsistent = true;
+        result.slope_ratio = ratio;
+        result.slope_of = static_cast<int>(i) - 1;
+        result.reason += text("; the gradient is inconsistent with the values: along the steepest descent ",
+                              i == 0 ? std::string("the objective") : text("constraint ", i - 1), " changes by ",
+                              std::round(1000 * ratio) / 1000, " of what its gradient says");
+        return;
+    }
+}
+
+int count_active_bounds(const Guard& guard) {
+    const NonlinearProgram& p = guard.program;
+    const Sample& s = guard.best;
+    std::vector<Eigen::Index> inside;
+    for (const int j : guard.free)
+        if (!at_bound(p, guard.best_x, j, false) && !at_bound(p, guard.best_x, j, true)) inside.push_back(j);
+    if (s.gradient.size() == 0) return static_cast<int>(guard.free.size() - inside.size());
+    // Multipliers from the variables that are free to move: at the others the bounds take a share.
+    VectorXd lagrangian = s.gradient;
+    std::vector<Eigen::Index> rows;
+    for (Eigen::Index i = 0; i < s.constraints.size(); ++i)
+        if (i >= p.num_inequalities || s.constraints[i] > -1e-4) rows.push_back(i);
+    if (!rows.empty() && !inside.empty()) {
+        const MatrixXd normals = s.jacobian(rows, inside).transpose();
+        VectorXd m = normals.colPivHouseholderQr().solve(VectorXd(-s.gradient(inside)));
+        for (std::size_t k = 0; k < rows.size(); ++k)
+            if (rows[k] < p.num_inequalities)
+                m[static_cast<Eigen::Index>(k)] = std::max(0.0, m[static_cast<Eigen::Index>(k)]);
+        lagrangian += s.jacobian(rows, Eigen::all).transpose() * m;
+    }
+    int count = 0;
+    const double floor = 1e-9 * s.gradient.lpNorm<Eigen::Infinity>();
+    for (const int j : guard.free)
+        count += (at_bound(p, guard.best_x, j, false) && lagrangian[j] > floor) ||
+                 (at_bound(p, guard.best_x, j, true) && lagrangian[j] < -floor);
+    return count;
+}
+
+}  // namespace strake

@@ -59,18 +59,13 @@ private:
         const SearchEnd inner = run_with_restarts(guard_, method_, &terms_, x_, how);
         shrinks_ += inner.shrinks;
         x_ = inner.x;
+        if (inner.at.constraints.size() > 0) at_ = inner.at;
         if (inner.stop == MinimizeStop::evaluations && method_.is_global) {
             guard_.cause = Cause::none;
             if (k + 1 == global_searches) return end_ = inner, true;
         } else if (inner.stop != MinimizeStop::converged && inner.stop != MinimizeStop::roundoff)
             return end_ = inner, true;
-        const int limit = guard_.limit;
-        if (method_.is_global) guard_.limit = limit + 1;  // the point may have to be evaluated again
-        const bool has_value = guard_.try_at(x_, false, at_);
-        guard_.limit = limit;
-        if (has_value) return false;
-        end_ = end_by_cause(guard_);
-        return true;
+        return false;
     }
 
     /// The largest failure of feasibility and complementarity among the terms.

@@ -96,6 +96,25 @@ private:
         guard_.limit = all;
         take(found);
         settle(found);
+        second_opinion();
+    }
+
+    /// Some algorithms stop where more can be had: those with gradients by steps that have got too careful or by their
+    /// line search, praxis because it knows no bounds.
+    void second_opinion() {
+        if (result_.stop != MinimizeStop::converged && result_.stop != MinimizeStop::roundoff) return;
+        if (guard_.cause != Cause::none) return;
+        const bool praxis = method_->method == Method::praxis && !is_constrained();
+        if (praxis) {
+            take(search_by(method_facts(Method::sbplx)));
+            return;
+        }
+        Sample sample;
+        if (!method_->needs_gradients || !guard_.try_at(guard_.best_x, true, sample) || !promises_more(guard_)) return;
+        guard_.tell_event(text(method_->name, " ended (", result_.reason,
+                               "), but the gradient promises more: slsqp goes on from there"));
+        run_sqp();
+        result_.reason = text(result_.reason, " (slsqp went on where ", method_->name, " had stopped)");
     }
 
     SearchEnd search_by(const MethodFacts& method) {
@@ -134,7 +153,6 @@ private:
             const SqpEnd sqp = minimize_by_sqp(guard_);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
-            result_.hessian = sqp.hessian;
             result_.hessian = sqp.hessian;
             end(sqp.stop, sqp.reason);
             go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before);
@@ -191,6 +209,9 @@ private:
     }
 
     void find_conflict(const Restoration& r) {
+        end(MinimizeStop::roundoff, "no step reduces the violation of the constraints");
+        if (method_->needs_gradients && !guard_.program.differences) check_slopes(guard_, result_);
+        if (result_.gradient_inconsistent) return;  // what it says of the constraints is worth nothing
         result_.conflict = conflicting_constraints(guard_.program, r.x, r.sample, guard_.options.constraint_tolerance);
         std::string rows;
         for (const int i : result_.conflict) rows += text(rows.empty() ? "" : ", ", i);
@@ -205,7 +226,7 @@ private:
     void judge() {
         if (!guard_.has_best) return;
         const bool open = guard_.cause == Cause::none || guard_.cause == Cause::failure;
-        if (open && result_.conflict.empty() && guard_.wants_gradient) {
+        if (open && result_.conflict.empty() && !result_.gradient_inconsistent && guard_.wants_gradient) {
             guard_.cause = Cause::none;
             if (result_.stop == MinimizeStop::roundoff ||
                 (result_.stop == MinimizeStop::converged && promises_more(guard_)))

@@ -57,8 +57,8 @@ struct MinimizeOptions {
     double objective_tolerance = 1e-6;   ///< relative change
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
-    int max_shrinks = 8;                 ///< cuts of the step after failures: in a row with slsqp, else in all
-    int max_failures = 12;               ///< slsqp: in all
+    int max_shrinks = 8;                 ///< cuts of the step after failures in a row
+    int max_failures = 12;               ///< slsqp: in all; others: four times max_shrinks
     double first_step = 0.5;             ///< in the metric
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     int starts =

@@ -38,6 +38,8 @@ public:
     /// Its code; `guard.cause` tells whether we ended it.
     nlopt::result run(const Eigen::VectorXd& start, const Box& box, double objective_tolerance, double step_tolerance);
 
+    bool has_lowest() const { return has_lowest_; }
+
     Eigen::VectorXd end_x;     ///< what NLopt returned, or where it was stopped
     Eigen::VectorXd lowest_x;  ///< where the value it minimizes was lowest (violations of its own constraints first)
     Sample lowest;

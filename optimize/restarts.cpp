@@ -9,6 +9,8 @@ using Eigen::VectorXd;
 
 namespace {
 
+constexpr int most_openings = 12;
+
 class Restarts {
 public:
     Restarts(Guard& guard, const MethodFacts& method, const Lagrangian* lagrangian, const VectorXd& start,
@@ -19,6 +21,7 @@ public:
         while (!once_more()) {
         }
         end_.x = lagrangian_ ? centre_ : run_.end_x;
+        end_.at = at_;
         return end_;
     }
 
@@ -39,13 +42,18 @@ private:
         const Box box = box_around(guard_.program, centre_, radius_);
         const nlopt::result code = run_.run(centre_, box, options_.objective_tolerance, options_.step_tolerance);
         recentre();
-        if (guard_.cause == Cause::failure) return shrink();
+        if (guard_.cause == Cause::failure) return shrink(before);
         if (guard_.cause == Cause::asked_nonfinite) return broke_down("it asked for a point that is not finite");
         if (guard_.cause == Cause::circles) return circles();
         if (guard_.cause != Cause::none) return end_ = with_shrinks(end_by_cause(guard_)), true;
         if (code == nlopt::FAILURE || code == nlopt::INVALID_ARGS) return broke_down(run_.words);
         if (lies_on_artificial_side(guard_.program, box, centre_)) return grow();
+        if (std::isfinite(radius_) && ++openings_ <= most_openings) return open();
         if (wants_confirmation(before)) return false;
+        if (std::isfinite(radius_))
+            return end(MinimizeStop::blocked,
+                       text("evaluations keep failing outside of steps of ", radius_,
+                            ", within which nothing is left to gain; the last failure: ", guard_.failure));
         if (code == nlopt::ROUNDOFF_LIMITED)
             return end(MinimizeStop::roundoff, "no further progress in double precision");
         if (code == nlopt::MAXEVAL_REACHED || code == nlopt::MAXTIME_REACHED) return circles();
@@ -57,8 +65,9 @@ private:
     void recentre() {
         if (!lagrangian_)
             centre_ = guard_.best_x;
-        else if (run_.lowest.gradient.size() + run_.lowest.constraints.size() > 0) {
+        else if (run_.has_lowest()) {
             centre_ = run_.lowest_x;
+            at_ = run_.lowest;
             lowest_ = run_.lowest.objective / guard_.scale + lagrangian_->value(guard_.program, run_.lowest);
         }
     }
@@ -73,8 +82,10 @@ private:
         return true;
     }
 
-    bool shrink() {
-        if (end_.shrinks >= options_.max_shrinks)
+    bool shrink(const Level& before) {
+        const Level now = level();
+        in_a_row_ = now.value < before.value || now.feasible != before.feasible ? 1 : in_a_row_ + 1;
+        if (in_a_row_ > options_.max_shrinks || end_.shrinks >= 4 * options_.max_shrinks)
             return end(MinimizeStop::blocked, text("evaluations fail next to the best point even after ", end_.shrinks,
                                                    " halvings of the step; the last failure: ", guard_.failure));
         ++end_.shrinks;
@@ -88,6 +99,15 @@ private:
                   "); starting again at the best point with steps up to ", radius_, " (halving ", end_.shrinks, " of ",
                   options_.max_shrinks, ")"));
         guard_.cause = Cause::none;
+        return false;
+    }
+
+    /// Converged in a box that failures have cut: what was cut may have been worth it.
+    bool open() {
+        radius_ *= 4;
+        if (radius_ >= (guard_.program.upper - guard_.program.lower).maxCoeff())
+            radius_ = std::numeric_limits<double>::infinity();
+        tell(text("converged in the halved box; steps up to ", radius_, " again"));
         return false;
     }
 
@@ -129,7 +149,8 @@ private:
     SearchEnd end_;
     double lowest_ = std::numeric_limits<double>::infinity();
     double radius_ = std::numeric_limits<double>::infinity();
-    int confirmations_ = 0, breakdowns_ = 0;
+    Sample at_;  ///< with a Lagrangian: at the centre
+    int confirmations_ = 0, breakdowns_ = 0, openings_ = 0, in_a_row_ = 0;
 };
 
 }  // namespace

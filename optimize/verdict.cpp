@@ -36,6 +36,27 @@ bool slope_of(double here, double half, double full, double said, double& slope)
     return std::abs(said) > noise && std::abs(by_full - by_half) < 0.1 * std::max(std::abs(said), std::abs(slope));
 }
 
+/// A step of length `probe` at most; empty: there is none.
+VectorXd probing_step(const Guard& guard, const VectorXd& x, const Sample& at) {
+    const NonlinearProgram& p = guard.program;
+    VectorXd d = descent_direction(p, x, at);
+    if (!guard.best_feasible) {
+        d.setZero();
+        for (Eigen::Index i = 0; i < at.constraints.size(); ++i) {
+            const bool equality = i >= p.num_inequalities;
+            if ((equality ? std::abs(at.constraints[i]) : at.constraints[i]) > guard.options.constraint_tolerance)
+                d -= (at.constraints[i] > 0 ? 1.0 : -1.0) * at.jacobian.row(i).transpose();
+        }
+        // Into the bounds: what lies at one has nowhere else to go.
+        for (Eigen::Index j = 0; j < d.size(); ++j)
+            if (at_bound(p, x, j, d[j] > 0)) d[j] = -d[j];
+    } else if (!(metric_norm(p, d) > 0))
+        d = -at.gradient;
+    d *= probe / std::max(metric_norm(p, d), std::numeric_limits<double>::min());
+    d = (x + d).cwiseMax(p.lower).cwiseMin(p.upper) - x;
+    return d.allFinite() && metric_norm(p, d) > 0.01 * probe ? d : VectorXd();
+}
+
 }  // namespace
 
 bool promises_more(const Guard& guard) {
@@ -51,15 +72,11 @@ bool promises_more(const Guard& guard) {
 
 void check_slopes(Guard& guard, MinimizeResult& result) {
     if (guard.evaluations + 3 > guard.limit || guard.cause != Cause::none || !guard.has_best) return;
-    const NonlinearProgram& p = guard.program;
     const VectorXd x = guard.best_x;
     Sample at, half, full;
     if (!guard.try_at(x, true, at)) return;
-    VectorXd d = descent_direction(p, x, at);
-    if (!(metric_norm(p, d) > 0)) d = -at.gradient;
-    d *= probe / std::max(metric_norm(p, d), std::numeric_limits<double>::min());
-    d = (x + d).cwiseMax(p.lower).cwiseMin(p.upper) - x;
-    if (!d.allFinite() || !(metric_norm(p, d) > 0.01 * probe)) return;
+    const VectorXd d = probing_step(guard, x, at);
+    if (d.size() == 0) return;
     if (!guard.try_at(x + 0.5 * d, false, half) || !guard.try_at(x + d, false, full)) {
         if (guard.cause == Cause::failure) guard.cause = Cause::none;
         return;
@@ -77,7 +94,7 @@ void check_slopes(Guard& guard, MinimizeResult& result) {
         result.gradient_inconsistent = true;
         result.slope_ratio = ratio;
         result.slope_of = static_cast<int>(i) - 1;
-        result.reason += text("; the gradient is inconsistent with the values: along the steepest descent ",
+        result.reason += text("; the gradient is inconsistent with the values: along a short step ",
                               i == 0 ? std::string("the objective") : text("constraint ", i - 1), " changes by ",
                               std::round(1000 * ratio) / 1000, " of what its gradient says");
         return;

@@ -1,0 +1,175 @@
+#include "programs.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace strake;
+using Eigen::VectorXd;
+
+namespace {
+
+enum class Fault { not_a_number, infinite, throws, fails, constraint, gradient };
+constexpr Fault all_faults[] = {Fault::not_a_number, Fault::infinite,   Fault::throws,
+                                Fault::fails,        Fault::constraint, Fault::gradient};
+
+/// Three calls of ten, the first never.
+bool is_struck(int call) {
+    auto h = static_cast<unsigned>(call) * 2654435761u;
+    h ^= h >> 15;
+    h *= 2246822519u;
+    h ^= h >> 13;
+    return call > 1 && h % 10 < 3;
+}
+
+struct Faulty {
+    NonlinearProgram program;
+    std::shared_ptr<int> calls = std::make_shared<int>(0), struck = std::make_shared<int>(0);
+};
+
+Faulty with_fault(const NonlinearProgram& sound, Fault fault) {
+    Faulty f;
+    f.program = sound;
+    f.program.evaluate = [=, calls = f.calls, struck = f.struck](const VectorXd& x) {
+        Sample s = sound.evaluate(x);
+        if (fault == Fault::gradient || !is_struck(++*calls)) return s;
+        ++*struck;
+        if (fault == Fault::not_a_number) s.objective = std::numeric_limits<double>::quiet_NaN();
+        if (fault == Fault::infinite) s.objective = -std::numeric_limits<double>::infinity();
+        if (fault == Fault::throws) throw SolverError("pivot at row 7");
+        if (fault == Fault::fails) s.failure = "triangle 3 is inverted";
+        if (fault == Fault::constraint) {
+            if (s.constraints.size() > 0)
+                s.constraints[0] = std::numeric_limits<double>::quiet_NaN();
+            else
+                s.failure = "no constraint to spoil";
+        }
+        return s;
+    };
+    f.program.differentiate = [=, calls = f.calls, struck = f.struck](const VectorXd& x, Sample& s) {
+        sound.differentiate(x, s);
+        if (fault != Fault::gradient || !is_struck(++*calls)) return;
+        ++*struck;
+        s.gradient[0] = std::numeric_limits<double>::quiet_NaN();
+    };
+    return f;
+}
+
+class EveryMethodFaulty : public testing::TestWithParam<std::tuple<MethodFacts, Fault>> {};
+
+std::string name_of(const testing::TestParamInfo<EveryMethodFaulty::ParamType>& info) {
+    const char* names[] = {"NotANumber", "Infinite", "Throws", "Fails", "Constraint", "Gradient"};
+    return std::string(std::get<0>(info.param).name) + names[static_cast<int>(std::get<1>(info.param))];
+}
+
+}  // namespace
+
+/// The right optimum or a clear verdict, within the budget.
+TEST_P(EveryMethodFaulty, RightOptimumOrAClearVerdict) {
+    const auto& [method, fault] = GetParam();
+    for (const KnownProgram& known : {bowl(), rosenbrock(), hock_schittkowski_71(), rastrigin(), corner()}) {
+        if (known.program.start.size() == 2 && std::string(known.name) == "rastrigin" && !method.is_global) continue;
+        SCOPED_TRACE(known.name);
+        const Faulty f = with_fault(known.program, fault);
+        MinimizeOptions o = tight_options(method.method, 1500);
+        o.exceptions_are_failures = true;
+        const MinimizeResult r = minimize(f.program, o);
+        EXPECT_LE(r.evaluations, 1500);
+        EXPECT_TRUE(r.x.allFinite());
+        EXPECT_TRUE(std::isfinite(r.best.objective));
+        EXPECT_EQ(r.failures, *f.struck);
+        const bool right = r.is_feasible && std::abs(r.best.objective - known.value) < 3e-3 * known.value;
+        const bool says_failing = r.stop == MinimizeStop::blocked || r.stop == MinimizeStop::failed ||
+                                  r.reason.find("evaluations failed") != std::string::npos;
+        EXPECT_TRUE(says_failing || *f.struck == 0) << r.reason;
+        EXPECT_TRUE(right || r.stop != MinimizeStop::converged) << r.best.objective << " " << r.reason;
+        if (std::getenv("STRAKE_TELL"))
+            std::cout << "TELL " << method.name << " " << known.name << " " << right << " "
+                      << r.best.objective - known.value << " after " << r.evaluations << ": " << r.reason << "\n";
+    }
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodFaulty,
+                         testing::Combine(testing::ValuesIn(all_methods()), testing::ValuesIn(all_faults)), name_of);
+
+TEST(Faults, TheTextOfAnExceptionSurvivesEveryMethod) {
+    for (const MethodFacts& method : all_methods()) {
+        SCOPED_TRACE(method.name);
+        int calls = 0;
+        NonlinearProgram p = bowl().program;
+        p.evaluate = [&](const VectorXd& x) {
+            if (++calls == 4) throw SolverError("the factor has a pivot at row 7");
+            return bowl().program.evaluate(x);
+        };
+        try {
+            minimize(p, tight_options(method.method, 100));
+            ADD_FAILURE();
+        } catch (const SolverError& e) {
+            EXPECT_STREQ(e.what(), "the factor has a pivot at row 7");
+        }
+        EXPECT_EQ(calls, 4);
+    }
+}
+
+TEST(Faults, AFatalFailureEndsEveryMethodAtOnce) {
+    for (const MethodFacts& method : all_methods()) {
+        SCOPED_TRACE(method.name);
+        int calls = 0;
+        NonlinearProgram p = bowl().program;
+        p.evaluate = [&](const VectorXd& x) {
+            Sample s = bowl().program.evaluate(x);
+            if (++calls == 6) s.failure = "no licence", s.is_fatal = true;
+            return s;
+        };
+        const MinimizeResult r = minimize(p, tight_options(method.method, 100));
+        EXPECT_EQ(r.stop, MinimizeStop::failed);
+        EXPECT_NE(r.reason.find("no licence"), std::string::npos);
+        EXPECT_EQ(calls, 6);
+    }
+}
+
+TEST(Faults, StoppingOnRequestEndsEveryMethodAtOnce) {
+    for (const MethodFacts& method : all_methods()) {
+        SCOPED_TRACE(method.name);
+        int steps = 0;
+        MinimizeOptions o = tight_options(method.method, 100);
+        o.on_step = [&](const MinimizeStep&) { return ++steps < 5; };
+        const MinimizeResult r = minimize(rosenbrock().program, o);
+        EXPECT_EQ(r.stop, MinimizeStop::stopped) << r.reason;
+        EXPECT_EQ(r.evaluations, 5);
+    }
+}
+
+/// Steps that are too long fail, as near buckling: 20 variables of very different stiffness under a constraint.
+TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
+    const int n = 20;
+    VectorXd weight(n), at(n);
+    for (int j = 0; j < n; ++j) weight[j] = std::pow(10, 2.0 * j / (n - 1)), at[j] = j % 2 ? 0.8 : -0.6;
+    const NonlinearProgram sound = program_of(
+        VectorXd::Zero(n), VectorXd::Constant(n, -1), VectorXd::Ones(n), 1, 0,
+        [=](const VectorXd& x) {
+            return vec({(x - at).cwiseAbs2().dot(weight), (x.squaredNorm() - 4) / 4});
+        },
+        [=](const VectorXd& x) {
+            Eigen::MatrixXd g(2, n);
+            g << 2 * (x - at).cwiseProduct(weight).transpose(), x.transpose() / 2;
+            return g;
+        });
+    const double start = sound.evaluate(sound.start).objective;
+    const double least = minimize(sound, tight_options(Method::slsqp, 1000)).best.objective;
+    for (const Method method : {Method::slsqp, Method::mma, Method::ccsaq, Method::lbfgs, Method::tnewton}) {
+        SCOPED_TRACE(method_facts(method).name);
+        NonlinearProgram p = sound;
+        VectorXd best = p.start;
+        double lowest = start;
+        p.evaluate = [&](const VectorXd& x) {
+            Sample s = sound.evaluate(x);
+            if ((x - best).norm() > 0.5)
+                s.failure = "buckled";
+            else if (s.objective < lowest && s.constraints[0] <= 1e-6)
+                lowest = s.objective, best = x;
+            return s;
+        };
+        const MinimizeResult r = minimize(p, tight_options(method, 1000));
+        EXPECT_TRUE(r.is_feasible);
+        EXPECT_GT(start - r.best.objective, 0.999 * (start - least)) << r.reason;
+    }
+}

@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
+#include <Eigen/SparseCore>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -34,16 +35,24 @@ struct QuantityResult {
     std::optional<Failure> failure;
 };
 
-/// Pointwise residuals of a fit: J = sum of squares of r.
-struct PointResiduals {
-    Points r;                            ///< n x 3, length (weights included)
-    std::vector<Eigen::Matrix3d> dr_dv;  ///< n: derivative of row k with respect to vertex k
+/// Residuals of a fit, with the weights in them: J = sum of squares of r. Rows are grouped in points of `width` rows
+/// each: the square of a point's distance is |r of its rows|^2 / weight of the point, which is what a robust loss sees.
+struct Residuals {
+    Eigen::VectorXd r;                                   ///< N, length
+    Eigen::SparseMatrix<double, Eigen::RowMajor> dr_dv;  ///< N x 3n; column 3k + c: coordinate c of vertex k
+    int width = 1;                                       ///< rows of a point: 3 for a vector, 1 for a number
+    Eigen::VectorXd weight;                              ///< N / width, >= 0; sums to 1
 };
+
+/// The residuals of `surface`. What is closest to what is looked for on `matched`, a surface of the same triangles:
+/// the same one for the true distances, an earlier one to keep the matches. @throws InvalidInput, naming the place,
+/// where there are no residuals or one is not finite.
+using ResidualFunction = std::function<Residuals(const TriMesh& surface, const TriMesh& matched)>;
 
 struct Quantity {
     std::vector<std::string> names;  ///< one per value: "volume", or "aero.drag", "aero.lift"
     std::function<QuantityResult(const QuantityRequest&)> evaluate;
-    std::function<PointResiduals(const TriMesh&)> residuals;  ///< empty where the quantity has none
+    ResidualFunction residuals;  ///< empty where the quantity has none
 };
 
 }  // namespace strake

@@ -4,6 +4,7 @@
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
 #include "objectives/finite.hpp"
+#include "objectives/residuals.hpp"
 
 #include <Eigen/Geometry>
 #include <cmath>
@@ -15,43 +16,16 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-Eigen::VectorXd root_weights(const std::string& name, const TriMesh& start) {
+/// Shares of the start's area; the residuals carry their roots.
+Eigen::VectorXd weights(const std::string& name, const TriMesh& start) {
     const Eigen::VectorXd a = vertex_areas(start);
     const double total = surface_area(start);
     if (!(total > 0) || !std::isfinite(total))
         throw InvalidInput(text(name, ": the start surface has area ", total, ", must be > 0 and finite"));
-    return (a / total).cwiseSqrt();
+    return a / total;
 }
 
-using Residuals = std::function<PointResiduals(const TriMesh&)>;
-
-/// J = sum |r_k|^2 and dJ/dv_k = 2 r_k^T dr_k/dv_k, from the same residuals that a fit sees.
-Quantity sum_of_squares(const std::string& name, const TriMesh& start, const Residuals& residuals) {
-    Quantity quantity;
-    quantity.names = {name};
-    const int nv = start.num_vertices(), nt = start.num_triangles();
-    quantity.residuals = [name, nv, nt, residuals](const TriMesh& surface) {
-        require_same_counts(name, surface, nv, nt);
-        if (const auto failure = vertices_finite(name, surface)) throw InvalidInput(failure->message);
-        return residuals(surface);
-    };
-    quantity.evaluate = [name, nv, nt, residuals](const QuantityRequest& request) {
-        require_same_counts(name, request.surface, nv, nt);
-        if (auto failure = vertices_finite(name, request.surface)) return QuantityResult{{}, {}, failure};
-        const PointResiduals at = residuals(request.surface);
-        double J = 0;
-        for (int k = 0; k < nv; ++k) J += at.r.row(k).squaredNorm();
-        Points dJ_dv;
-        if (request.want_sensitivities) {
-            dJ_dv.resize(nv, 3);
-            for (int k = 0; k < nv; ++k) dJ_dv.row(k) = 2 * at.r.row(k) * at.dr_dv[k];
-        }
-        return one_value(name, J, std::move(dJ_dv));
-    };
-    return quantity;
-}
-
-/// Derivative of v - q(v), q the closest point on the face, edge or vertex that `at` names.
+/// What a displacement of v leaves of v - q(v), q the closest point on the face, edge or vertex that `at` names.
 Matrix3d leaves(const TriMesh& target, const ClosestPoint& at) {
     const auto corner = [&](int k) { return Vector3d(target.vertices.row(target.triangles(at.triangle, k))); };
     if (at.corner_a >= 0 && at.corner_b < 0) return Matrix3d::Identity();
@@ -63,6 +37,15 @@ Matrix3d leaves(const TriMesh& target, const ClosestPoint& at) {
     }
     const Vector3d n = (corner(1) - corner(0)).cross(corner(2) - corner(0)).stableNormalized();
     return n * n.transpose();
+}
+
+void add_point(ResidualRows& rows, int k, double weight, const Vector3d& d, const Matrix3d& dd_dv) {
+    const double root = std::sqrt(weight);
+    rows.set_weight(k, weight);
+    for (int c = 0; c < 3; ++c) {
+        rows.set(3 * k + c, root * d[c]);
+        rows.add(3 * k + c, k, root * dd_dv.row(c).transpose());
+    }
 }
 
 }  // namespace
@@ -78,33 +61,39 @@ Quantity target_shape_same(const std::string& name, const TriMesh& start, const 
                                     ", of the surface ", start.triangles.row(t),
                                     "; match: closest takes any triangulation"));
     if (const auto failure = vertices_finite(name, target)) throw InvalidInput("target: " + failure->message);
-    const Eigen::VectorXd root = root_weights(name, start);
-    return sum_of_squares(name, start, [root, wanted = target.vertices](const TriMesh& surface) {
-        PointResiduals at;
-        at.r = root.asDiagonal() * (surface.vertices - wanted);
-        for (int k = 0; k < root.size(); ++k) at.dr_dv.push_back(root[k] * Matrix3d::Identity());
-        return at;
-    });
+    const Eigen::VectorXd weight = weights(name, start);
+    return sum_of_squares(name, start.num_vertices(), start.num_triangles(),
+                          [name, weight, wanted = target.vertices](const TriMesh& surface, const TriMesh&) {
+                              ResidualRows rows(surface.num_vertices(), 3, surface.num_vertices());
+                              for (int k = 0; k < surface.num_vertices(); ++k)
+                                  add_point(rows, k, weight[k], surface.vertices.row(k) - wanted.row(k),
+                                            Matrix3d::Identity());
+                              return rows.finish(name + ": vertex");
+                          });
 }
 
 Quantity target_shape_closest(const std::string& name, const TriMesh& start, const TriMesh& target) {
     if (target.num_triangles() == 0) throw InvalidInput(text(name, ": the target has no triangles"));
     if (const auto failure = vertices_finite(name, target)) throw InvalidInput("target: " + failure->message);
-    const Eigen::VectorXd root = root_weights(name, start);
+    const Eigen::VectorXd weight = weights(name, start);
     const auto shape = std::make_shared<const TriMesh>(target);
     const auto tree = std::make_shared<const ClosestPointTree>(target);
-    return sum_of_squares(name, start, [root, shape, tree](const TriMesh& surface) {
-        PointResiduals at;
-        at.r.resize(root.size(), 3);
-        at.dr_dv.reserve(root.size());
-        for (int k = 0; k < root.size(); ++k) {
-            const Vector3d v = surface.vertices.row(k);
-            const ClosestPoint closest = tree->find(v);
-            at.r.row(k) = root[k] * (v - closest.point);
-            at.dr_dv.push_back(root[k] * leaves(*shape, closest));
-        }
-        return at;
-    });
+    return sum_of_squares(name, start.num_vertices(), start.num_triangles(),
+                          [name, weight, shape, tree](const TriMesh& surface, const TriMesh& matched) {
+                              ResidualRows rows(surface.num_vertices(), 3, surface.num_vertices());
+                              const bool same = &surface == &matched;
+                              for (int k = 0; k < surface.num_vertices(); ++k) {
+                                  const Vector3d v = surface.vertices.row(k);
+                                  const ClosestPoint closest = tree->find(matched.vertices.row(k));
+                                  const Matrix3d left = leaves(*shape, closest);
+                                  // A kept match is the plane of the face, the line of the edge or the vertex that was
+                                  // closest.
+                                  const Vector3d d =
+                                      same ? Vector3d(v - closest.point) : Vector3d(left * (v - closest.point));
+                                  add_point(rows, k, weight[k], d, left);
+                              }
+                              return rows.finish(name + ": vertex");
+                          });
 }
 
 }  // namespace strake

@@ -85,6 +85,16 @@ struct OptimizeOptions {
     unsigned seed = 1;                ///< of all that is random
 };
 
+enum class Loss { none, huber, cauchy, soft_l1 };  ///< robust.hpp has the formulas
+
+struct FitOptions {
+    Loss loss = Loss::none;
+    double loss_scale = 0.001;  ///< distance from which on a point pulls less, in diagonals, > 0
+    /// 0: what is closest is found anew at every evaluation. n: it is kept within a solve, and a level has at most n
+    /// solves.
+    int associations = 0;
+};
+
 struct Problem {
     std::string name;
     TriMesh surface;
@@ -101,6 +111,7 @@ struct Problem {
     std::string objective;             ///< a value's name; empty for a fit
     bool maximize = false;
     std::vector<std::string> fit;  ///< names of quantities with residuals
+    FitOptions fitting;
     std::vector<Constraint> constraints;
     OptimizeOptions optimize;
 };

@@ -27,29 +27,28 @@ double order(const Quantity& quantity, const TriMesh& mesh, double factor = 1, d
     return taylor_order(J, flat(mesh.vertices), factor * g, p, h);
 }
 
-/// sum r^2 == J, and dJ/dv == 2 sum r^T dr/dv.
+Residuals residuals(const Quantity& quantity, const TriMesh& mesh) { return quantity.residuals(mesh, mesh); }
+
+/// sum r^2 == J, dJ/dv == 2 r^T dr/dv, and the weights of the points sum to one.
 void expect_consistent(const Quantity& quantity, const TriMesh& mesh) {
     const QuantityResult result = ask(quantity, mesh, true);
-    const PointResiduals at = quantity.residuals(mesh);
+    const Residuals at = residuals(quantity, mesh);
     EXPECT_NEAR(at.r.squaredNorm(), result.values.at(0), 1e-13 * result.values[0]);
-    ASSERT_EQ(static_cast<int>(at.dr_dv.size()), mesh.num_vertices());
-    for (int k = 0; k < mesh.num_vertices(); ++k)
-        EXPECT_LT((2 * at.r.row(k) * at.dr_dv[k] - result.dJ_dv.at(0).row(k)).norm(), 1e-14 * (1 + at.r.row(k).norm()));
+    EXPECT_LT((2 * (at.dr_dv.transpose() * at.r) - flat(result.dJ_dv.at(0))).norm(), 1e-14 * (1 + at.r.norm()));
+    EXPECT_EQ(at.width * at.weight.size(), at.r.size());
+    EXPECT_NEAR(at.weight.sum(), 1, 1e-13);
 }
 
-/// Largest difference between dr/dv and central differences of r, over all vertices.
+/// Largest difference between dr/dv and central differences of r along a few directions.
 double jacobian_error(const Quantity& quantity, const TriMesh& mesh, double h) {
-    const PointResiduals at = quantity.residuals(mesh);
+    const Residuals at = residuals(quantity, mesh);
     double worst = 0;
-    for (int c = 0; c < 3; ++c) {
-        Points plus = mesh.vertices, minus = mesh.vertices;
-        plus.col(c).array() += h;
-        minus.col(c).array() -= h;
-        const Points difference =
-            (quantity.residuals(with_vertices(mesh, plus)).r - quantity.residuals(with_vertices(mesh, minus)).r) /
-            (2 * h);
-        for (int k = 0; k < mesh.num_vertices(); ++k)
-            worst = std::max(worst, (at.dr_dv[k].col(c) - difference.row(k).transpose()).norm());
+    for (unsigned seed = 1; seed <= 3; ++seed) {
+        const Eigen::VectorXd p = random_vector(mesh.vertices.size(), seed), x = flat(mesh.vertices);
+        const Eigen::VectorXd difference = (residuals(quantity, with_vertices(mesh, points(x + h * p))).r -
+                                            residuals(quantity, with_vertices(mesh, points(x - h * p))).r) /
+                                           (2 * h);
+        worst = std::max(worst, (at.dr_dv * p - difference).cwiseAbs().maxCoeff());
     }
     return worst;
 }
@@ -99,14 +98,14 @@ TEST(TargetShapeClosest, FaceEdgeAndVertexOfABox) {
     start.triangles.resize(1, 3);
     start.triangles << 0, 1, 2;
     const Quantity match = target_shape_closest("match", start, box_surface());
-    const PointResiduals at = match.residuals(start);
+    const Residuals at = residuals(match, start);
     const double root = std::sqrt(1.0 / 3);  // equal vertex areas
-    EXPECT_LT((at.r.row(0) - root * Eigen::RowVector3d(0, 0, 0.5)).norm(), 1e-14);
-    EXPECT_LT((at.r.row(1) - root * Eigen::RowVector3d(0, 0.3, 0.4)).norm(), 1e-14);
-    EXPECT_LT((at.r.row(2) - root * Eigen::RowVector3d(0.2, 0.4, 0.4)).norm(), 1e-14);
-    EXPECT_LT((at.dr_dv[0] - root * Eigen::Matrix3d(Eigen::Vector3d(0, 0, 1).asDiagonal())).norm(), 1e-14);
-    EXPECT_LT((at.dr_dv[1] - root * Eigen::Matrix3d(Eigen::Vector3d(0, 1, 1).asDiagonal())).norm(), 1e-14);
-    EXPECT_LT((at.dr_dv[2] - root * Eigen::Matrix3d::Identity()).norm(), 1e-14);
+    EXPECT_LT((at.r.segment<3>(0) - root * Eigen::Vector3d(0, 0, 0.5)).norm(), 1e-14);
+    EXPECT_LT((at.r.segment<3>(3) - root * Eigen::Vector3d(0, 0.3, 0.4)).norm(), 1e-14);
+    EXPECT_LT((at.r.segment<3>(6) - root * Eigen::Vector3d(0.2, 0.4, 0.4)).norm(), 1e-14);
+    Eigen::VectorXd diagonal(9);
+    diagonal << 0, 0, 1, 0, 1, 1, 1, 1, 1;  // what face, edge and corner leave
+    EXPECT_LT((Eigen::MatrixXd(at.dr_dv) - root * Eigen::MatrixXd(diagonal.asDiagonal())).norm(), 1e-14);
     EXPECT_NEAR(ask(match, start).values.at(0), (0.25 + 0.25 + 0.36) / 3, 1e-14);
 }
 
@@ -119,6 +118,18 @@ TEST(TargetShapeClosest, DerivativesAreExactAndConsistent) {
     EXPECT_NEAR(order(match, mesh), 2, 0.1);
     EXPECT_NEAR(order(match, mesh, 2), 1, 0.1);
     EXPECT_LT(jacobian_error(match, mesh, 1e-6), 1e-8);
+}
+
+TEST(TargetShapeClosest, KeptMatchesAreThePlanesThatWereClosest) {
+    TriMesh start;
+    start.vertices.resize(3, 3);
+    start.vertices << 0.4, 0.3, 1.5, 0.4, 0.8, 1.4, 0.2, 0.4, 1.4;  // all above the top of the unit cube
+    start.triangles.resize(1, 3);
+    start.triangles << 0, 1, 2;
+    const Quantity match = target_shape_closest("match", start, box_surface());
+    const TriMesh away = shifted(start, {5, 0, 0});
+    EXPECT_LT((match.residuals(away, start).r - match.residuals(start, start).r).norm(), 1e-14);
+    EXPECT_GT((match.residuals(away, away).r - match.residuals(start, start).r).norm(), 1);
 }
 
 TEST(TargetShapeClosest, IsZeroOnTheTargetAndIgnoresItsTriangulation) {
@@ -150,7 +161,7 @@ TEST(TargetShape, WhatIsNotFiniteOrHasNoAreaIsRefused) {
         const QuantityResult result = ask(make("match", mesh, mesh), broken, true);
         ASSERT_TRUE(result.failure);
         EXPECT_EQ(result.failure->kind, "undefined");
-        EXPECT_THROW(make("match", mesh, mesh).residuals(broken), InvalidInput);
+        EXPECT_THROW(make("match", mesh, mesh).residuals(broken, broken), InvalidInput);
         EXPECT_THROW(make("match", mesh, broken), InvalidInput);
         EXPECT_THROW(make("match", point, mesh), InvalidInput);
     }

@@ -38,6 +38,9 @@ struct LevelSummary {
     double objective_start = 0, objective_end = 0;
     double inherited_shape_change = 0;      ///< largest vertex motion by the refinement, in diagonals
     double inherited_objective_change = 0;  ///< relative
+    /// Of a fit: the share of the root mean square distance left by the levels before that this level removed.
+    double explained = std::numeric_limits<double>::quiet_NaN();
+    bool converged = false;  ///< of a fit: `objective_end` is the least that this level can reach
 };
 
 struct RunEvents {

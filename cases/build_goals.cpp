@@ -3,6 +3,8 @@
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
 
+#include <algorithm>
+
 namespace strake {
 namespace {
 
@@ -58,6 +60,8 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.format = program.format.empty() ? name_of(out_.format) : program.format;
     command.case_dir = case_.dir();
     command.evaluations_dir = case_.output.dir / "evaluations";
+    const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
+    command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
     command.has_gradients = program.has_gradients;
     command.diagonal = start_.diagonal;
     command.units = case_.units;

@@ -6,16 +6,22 @@ namespace strake {
 void ProblemBuilder::set_heights() {
     const int m = start_.mesh.num_triangles();
     Eigen::VectorXd height = Eigen::VectorXd::Constant(m, case_.thickness.in(start_.diagonal));
-    std::vector<const ThicknessEntry*> owner(m, nullptr);
-    for (const ThicknessEntry& entry : case_.thickness_by_region)
+    std::vector<int> owner(m, -1);
+    for (int k = 0; k < static_cast<int>(case_.thickness_by_region.size()); ++k) {
+        const ThicknessEntry& entry = case_.thickness_by_region[k];
+        std::vector<int> shared(k, 0);
         for (const int t : triangles(entry.region)) {
-            if (owner[t])
-                errors_.add(entry.region.place,
-                            text("shell.thickness: regions '", owner[t]->region.name, "' and '", entry.region.name,
-                                 "' share triangles; only one of them can have its own thickness"));
-            owner[t] = &entry;
+            if (owner[t] >= 0) ++shared[owner[t]];
+            owner[t] = k;
             height[t] = entry.height.in(start_.diagonal);
         }
+        for (int earlier = 0; earlier < k; ++earlier)
+            if (shared[earlier] > 0)
+                out_.warnings.push_back(text("shell.thickness: regions '",
+                                             case_.thickness_by_region[earlier].region.name, "' and '",
+                                             entry.region.name, "' share ", shared[earlier],
+                                             " triangles; there that of '", entry.region.name, "' counts, the later"));
+    }
     out_.problem.prism_height = vertex_heights(start_.mesh, height);
     double edges = 0;
     for (const auto& [a, b] : start_.adjacent.edges)
@@ -57,7 +63,49 @@ void ProblemBuilder::set_pins() {
         given.motion.rotation = strain.rotate;
         for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
         given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
+        check_symmetry(strain, given);
         out_.problem.strains.push_back(std::move(given));
+    }
+    if (!errors_.empty()) return;
+    bool any_free = false;
+    for (int t = 0; t < start_.mesh.num_triangles(); ++t) any_free |= !is_fixed[t] && !owner[t];
+    if (!any_free)
+        errors_.add(case_.fixed.empty() ? case_.strains[0].place : case_.fixed_place,
+                    text(case_.fixed.empty() ? "strains" : "fixed", ": every triangle is ",
+                         case_.strains.empty() ? "fixed"
+                         : case_.fixed.empty() ? "strained"
+                                               : "fixed or strained",
+                         "; nothing is left to deform"));
+}
+
+/// Open edges on the plane of symmetry must stay there: the mirror image would come apart from them.
+void ProblemBuilder::check_symmetry(const StrainEntry& strain, const GivenStrain& given) {
+    if (!case_.symmetry) return;
+    const SymmetryPlane& plane = *case_.symmetry;
+    std::vector<char> moved(start_.mesh.num_vertices(), 0);
+    for (const int t : given.triangles)
+        for (int k = 0; k < 3; ++k) moved[start_.mesh.triangles(t, k)] = 1;
+    for (const int t : out_.problem.fixed)
+        for (int k = 0; k < 3; ++k) moved[start_.mesh.triangles(t, k)] = 0;
+    const double angle = given.motion.rotation.norm();
+    const Eigen::Matrix3d turn = angle > 0 ? Eigen::AngleAxisd(angle, given.motion.rotation / angle).toRotationMatrix()
+                                           : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
+    const auto off_plane = [&](const Eigen::Vector3d& x) { return plane.normal.dot(x) - plane.offset; };
+    for (int e = 0; e < start_.adjacent.num_edges(); ++e) {
+        const auto& ends = start_.adjacent.edges[e];
+        if (start_.adjacent.edge_triangles[e].size() != 1) continue;
+        const Eigen::Vector3d a = start_.mesh.vertices.row(ends[0]), b = start_.mesh.vertices.row(ends[1]);
+        const double near = 1e-6 * start_.diagonal;
+        if (std::abs(off_plane(a)) > near || std::abs(off_plane(b)) > near) continue;
+        for (const int v : ends) {
+            if (!moved[v]) continue;
+            const Eigen::Vector3d arm = start_.mesh.vertices.row(v).transpose() - given.motion.about;
+            const double off = plane.normal.dot(turn * arm - arm + given.motion.translation);
+            if (std::abs(off) <= 1e-9 * start_.diagonal) continue;
+            errors_.add(strain.place, text("strains: region '", strain.region.name, "' takes vertex ", v,
+                                           " off the symmetry plane by ", off, "; move it within the plane only"));
+            return;
+        }
     }
 }
 

@@ -23,8 +23,8 @@ void ProblemBuilder::read_start() {
 
 Split ProblemBuilder::split() {
     const SplitEntry& entry = case_.parameters.split;
-    if (entry.kind == SplitEntry::Kind::all) return SplitAll{};
     if (entry.kind == SplitEntry::Kind::largest) return SplitLargest{entry.largest};
+    if (entry.kind != SplitEntry::Kind::containing) return SplitAll{};  // by sensitivity: the run chooses among all
     SplitContaining containing;
     const ClosestPointTree closest(start_.mesh);
     for (const auto& [what, place] : entry.containing) {

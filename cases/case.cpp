@@ -98,7 +98,8 @@ private:
     /// A fit refuses what it does not use, so these defaults are not written.
     bool skipped(const std::string& path, const Value& value) const {
         return !case_.fit.empty() && value.from_default &&
-               (path == "optimize.method" || path == "optimize.tolerances.constraint");
+               (path == "optimize.method" || path == "optimize.tolerances.constraint" ||
+                path == "optimize.finite_differences" || path == "optimize.starts" || path == "optimize.seed");
     }
 
     static std::string key(const std::string& name) {
@@ -107,7 +108,7 @@ private:
     }
 
     std::string scalar(const Value& value, const std::string& path) const {
-        if (path == "output.dir") return quoted(rebased(case_.output.dir, folder_));
+        if (path == "output.dir") return quoted(output_dir());
         const Type type = value.accepted->type == Type::list ? value.accepted->element : value.accepted->type;
         const std::filesystem::path here = case_.dir();
         if (type == Type::file) return quoted(rebased(here / value.text, folder_));
@@ -115,6 +116,12 @@ private:
             return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
         if (type == Type::text || type == Type::name || type == Type::path) return key(value.text);
         return value.text;
+    }
+
+    /// The folder itself has no name below itself: "." would mean another one wherever the file is copied to.
+    std::string output_dir() const {
+        const std::string relative = rebased(case_.output.dir, folder_);
+        return relative == "." ? std::filesystem::absolute(case_.output.dir).lexically_normal().string() : relative;
     }
 
     /// The first argument of a command, where it is a path.
@@ -128,6 +135,23 @@ private:
     }
 };
 
+/// A case without a name is called as its file.
+void name_after_file(Value& root, const std::filesystem::path& file) {
+    const auto is_name = [](const Entry& entry) { return entry.key == "case"; };
+    if (root.form != Value::Form::map || std::any_of(root.entries.begin(), root.entries.end(), is_name)) return;
+    std::string name = file.stem().string().substr(0, 100);
+    const auto is_legal = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
+    };
+    for (char& c : name)
+        if (!is_legal(c)) c = '_';
+    Entry entry{"case", root.place, {}};
+    entry.value.text = name;
+    entry.value.place = root.place;
+    entry.value.from_default = true;
+    root.entries.insert(root.entries.begin(), std::move(entry));
+}
+
 }  // namespace
 
 Case load_case(const std::filesystem::path& file, Purpose purpose) {
@@ -138,6 +162,7 @@ Case load_case(const std::filesystem::path& file, Purpose purpose) {
     Diagnostics errors(file.string(), source->lines);
     Case the_case;
     the_case.file = file;
+    name_after_file(source->root, file);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
     cross_check(source->root, purpose, the_case, errors);

@@ -86,7 +86,7 @@ struct NearPoint {
     Eigen::Vector3d point;
 };
 struct SplitEntry {
-    enum class Kind { all, largest, containing } kind = Kind::all;
+    enum class Kind { all, largest, containing, sensitivity, gradient } kind = Kind::all;
     int largest = 1;
     std::vector<std::pair<std::variant<int, NearPoint>, Place>>
         containing;  ///< triangle number, or the triangle nearest
@@ -99,8 +99,15 @@ struct ParameterEntry {
     double sharp_angle_deg = 40;
     std::vector<VariableKind> variables;
     Length max_displacement;
+    bool strain_rotates = true, strain_translates = true;  ///< with strain variables
+    double core = 0.25;
+    std::vector<Eigen::Vector3d> directions;  ///< unit, of load variables; empty: x, y, z
     SplitEntry split;
-    std::vector<Reference> on;  ///< regions or patches; empty: everywhere
+    double split_share = 0.9, growth = 3;
+    std::vector<Reference> on;                   ///< regions or patches; empty: everywhere
+    std::vector<Reference> freeze;               ///< likewise; empty: nothing
+    std::vector<std::vector<Reference>> groups;  ///< likewise
+    bool mirror = false;
 };
 
 struct TargetShapeEntry {
@@ -137,6 +144,7 @@ struct Case {
     std::string units;  ///< of length: m, cm, mm, um, in, ft; empty: not stated
     std::vector<Region> regions;
     std::vector<Reference> fixed;
+    Place fixed_place;
     std::optional<SymmetryPlane> symmetry;
     Place symmetry_place;
     Length thickness;

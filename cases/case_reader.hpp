@@ -27,6 +27,8 @@ private:
     void read_strains(const Value& list);
     // read_parameters.cpp
     void read_parameters(const Value& map);
+    void read_variables(const std::vector<std::string>& words);
+    void read_directions(const Value* list);
     void read_split(const Value& map);
     // read_goals.cpp
     void read_quantity(const Entry& entry);

@@ -1,5 +1,6 @@
 #include "cases/case_source.hpp"
 #include "objectives/external/external.hpp"
+#include "optimize/methods.hpp"
 
 #include <algorithm>
 #include <set>
@@ -66,29 +67,54 @@ void check_thickness(const Case& c, Diagnostics& errors) {
             errors.add(region.place, "regions.default: 'default' is a key of shell.thickness; use another name");
 }
 
-void check_parameters(const Value* parameters, const Case& c, Diagnostics& errors) {
-    if (!parameters) return;
-    const ParameterEntry& p = c.parameters;
-    if (const Value* levels = parameters->find("levels"))
+void check_levels(const Value& parameters, const ParameterEntry& p, Diagnostics& errors) {
+    if (const Value* levels = parameters.find("levels"))
         for (std::size_t k = 1; k < p.levels_deg.size(); ++k)
             if (!(p.levels_deg[k] < p.levels_deg[k - 1]))
                 errors.add(k < levels->entries.size() ? levels->entries[k].value.place : levels->place,
                            text("parameters.levels[", k, "] = ", p.levels_deg[k], "deg must be < parameters.levels[",
                                 k - 1, "] = ", p.levels_deg[k - 1], "deg"));
-    if (const Value* wanted = parameters->find("patches_per_level"))
+    if (const Value* wanted = parameters.find("patches_per_level"))
         for (std::size_t k = 1; k < p.patches_per_level.size(); ++k)
             if (p.patches_per_level[k] <= p.patches_per_level[k - 1])
                 errors.add(k < wanted->entries.size() ? wanted->entries[k].value.place : wanted->place,
                            text("parameters.patches_per_level[", k, "] = ", p.patches_per_level[k],
                                 " must be > parameters.patches_per_level[", k - 1, "] = ", p.patches_per_level[k - 1]));
-    const Value* variables = parameters->find("variables");
+}
+
+void check_variables(const Value& parameters, Diagnostics& errors) {
+    const Value* variables = parameters.find("variables");
     if (!variables) return;
     std::set<std::string> seen;
     for (const Entry& entry : variables->entries)
         if (entry.value.accepted && !seen.insert(entry.value.text).second)
             errors.add(entry.value.place, text("parameters.variables names '", entry.value.text, "' twice"));
-    if (seen.count("load") && seen.count("load_normal"))
-        errors.add(variables->place, "parameters.variables: load contains load_normal; use one of them");
+    const std::pair<const char*, const char*> contained[] = {
+        {"load", "load_normal"}, {"strain", "strain_rotation"}, {"strain", "strain_translation"}};
+    for (const auto& [whole, part] : contained)
+        if (seen.count(whole) && seen.count(part))
+            errors.add(variables->place,
+                       text("parameters.variables: ", whole, " contains ", part, "; use one of them"));
+}
+
+/// A name that stands twice in one list of regions and patches is a slip.
+void check_names(const std::string& shown, const std::vector<Reference>& names, Diagnostics& errors) {
+    std::set<std::string> seen;
+    for (const Reference& name : names)
+        if (!seen.insert(name.name).second)
+            errors.add(name.place, text(shown, " names '", printable(name.name), "' twice"));
+}
+
+void check_parameters(const Value* parameters, const Case& c, Diagnostics& errors) {
+    if (!parameters) return;
+    const ParameterEntry& p = c.parameters;
+    check_levels(*parameters, p, errors);
+    check_variables(*parameters, errors);
+    check_names("parameters.on", p.on, errors);
+    check_names("parameters.freeze", p.freeze, errors);
+    std::vector<Reference> grouped;
+    for (const auto& group : p.groups) grouped.insert(grouped.end(), group.begin(), group.end());
+    check_names("parameters.groups", grouped, errors);
 }
 
 /// Empty when the program of a command can be started.
@@ -139,8 +165,15 @@ const QuantityEntry* quantity_of(const Case& c, const std::string& value) {
 void check_gradients(const Case& c, const Reference& value, Diagnostics& errors) {
     const QuantityEntry* quantity = quantity_of(c, value.name);
     const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
-    if (external && !external->has_gradients && c.optimize.method != Method::cobyla)
-        errors.add(value.place, text("'", value.name, "' has no gradients; optimize.method must be cobyla"));
+    if (!external || external->has_gradients || c.optimize.finite_differences) return;
+    if (!method_facts(c.optimize.method).needs_gradients) return;
+    std::vector<std::string> without;
+    for (const MethodFacts& method : all_methods())
+        if (!method.needs_gradients) without.push_back(method.name);
+    errors.add(value.place, text("'", value.name,
+                                 "' has no gradients: give optimize.finite_differences: true, or an "
+                                 "optimize.method that needs none (",
+                                 joined(without), ")"));
 }
 
 void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
@@ -166,18 +199,6 @@ void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
     }
 }
 
-void check_method(const Value& root, const Case& c, Diagnostics& errors) {
-    const Value* optimize = root.find("optimize");
-    const Value* method = optimize ? optimize->find("method") : nullptr;
-    if (!method) return;
-    for (const ConstraintEntry& entry : c.constraints) {
-        if (c.optimize.method == Method::lbfgs)
-            errors.add(entry.place, "optimize.method lbfgs takes no constraints; use slsqp, mma or cobyla");
-        if (c.optimize.method == Method::mma && entry.constraint.equals)
-            errors.add(entry.place, "optimize.method mma takes no equality constraints; use slsqp or cobyla");
-    }
-}
-
 /// What a fit would ignore is refused.
 void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
     for (const ConstraintEntry& entry : c.constraints)
@@ -193,6 +214,9 @@ void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
     const Entry* method = entry_of(optimize, "method");
     if (method && !method->value.from_default)
         errors.add(method->key_place, "optimize.method is not used by fit, which is always a least-squares fit");
+    for (const char* key : {"finite_differences", "starts", "seed"})
+        if (const Entry* entry = entry_of(optimize, key); entry && !entry->value.from_default)
+            errors.add(entry->key_place, text("optimize.", key, " is not used by fit"));
     const Value* tolerances = optimize->find("tolerances");
     const Entry* constraint = entry_of(tolerances, "constraint");
     if (constraint && !constraint->value.from_default)
@@ -210,7 +234,6 @@ void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostic
         errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'" : "fit is missing");
     else if (fit)
         check_fit(root, c, errors);
-    if (!fit) check_method(root, c, errors);
     if (const Entry* constraints = entry_of(&root, "constraints"); constraints && !objective && !fit)
         errors.add(constraints->key_place, "constraints without an objective");
 }

@@ -44,6 +44,7 @@ private:
     // build_shell.cpp
     void set_heights();
     void set_pins();
+    void check_symmetry(const StrainEntry& strain, const GivenStrain& given);
     void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
                               const std::vector<char>& is_fixed);
     // build_loads.cpp
@@ -53,7 +54,10 @@ private:
     Eigen::Vector3d scaled_traction(const LoadEntry& load, PrimoShell& shell, const ShellSetup& setup);
     // build_parameters.cpp
     void set_parameters();
-    std::vector<int> region_or_patch(const Reference& reference);
+    void check_freedom();
+    /// Per triangle: lies in one of these regions or patches; empty without names.
+    std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
+    std::vector<int> region_or_patch(const std::string& key, const Reference& reference);
     // build_goals.cpp
     void set_goals();
     Quantity make(const QuantityEntry& entry, const VolumeEntry& what);

@@ -43,7 +43,10 @@ void CaseReader::read(const Value& root) {
     if (const Value* v = root.find("surface")) read_surface_entry(*v);
     if (const Value* v = root.find("regions"))
         for (const Entry& entry : v->entries) read_region(entry);
-    case_.fixed = references(root.find("fixed"));
+    if (const Value* v = root.find("fixed")) {
+        case_.fixed = references(v);
+        case_.fixed_place = v->place;
+    }
     if (const Value* v = root.find("symmetry")) read_symmetry(*v);
     if (const Value* v = root.find("shell")) read_shell(*v);
     if (const Value* v = root.find("loads")) read_loads(*v);

@@ -1,14 +1,15 @@
 #include "cases/case_reader.hpp"
+#include "optimize/methods.hpp"
 
 namespace strake {
 
 void CaseReader::read_optimize(const Value& map) {
     OptimizeOptions& o = case_.optimize;
     if (const Value* v = map.find("method"))
-        o.method = v->text == "mma"      ? Method::mma
-                   : v->text == "lbfgs"  ? Method::lbfgs
-                   : v->text == "cobyla" ? Method::cobyla
-                                         : Method::slsqp;
+        if (const MethodFacts* method = method_named(v->text)) o.method = method->method;
+    if (const Value* v = map.find("finite_differences")) o.finite_differences = v->number != 0;
+    if (const Value* v = map.find("starts")) o.starts = static_cast<int>(v->number);
+    if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);
     if (const Value* budget = map.find("budget")) {
         if (const Value* v = budget->find("evaluations")) o.max_evaluations = static_cast<int>(v->number);
         if (const Value* v = budget->find("time")) o.max_seconds = v->number;

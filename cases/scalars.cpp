@@ -133,13 +133,12 @@ std::string read_word(Value& value, const Key& key) {
     const auto same = [&](const std::string& word) {
         return key.loose_word ? algorithm_word(value.text) == algorithm_word(word) : value.text == word;
     };
-    for (const std::string& word : key.words)
-        if (same(word)) {
-            value.text = word;
+    for (std::size_t k = 0; k < key.words.size(); ++k)
+        if (same(key.words[k]) || (k < key.aliases.size() && same(key.aliases[k]))) {
+            value.text = key.words[k];
             return "";
         }
-    if ((key.path == "parameters.split" && value.text == "sensitivity") ||
-        (key.path == "quantities.*.type" && value.text == "thickness"))
+    if (key.path == "quantities.*.type" && value.text == "thickness")
         return text("is not supported by this version; words: ", joined(key.words));
     const std::string near = nearest(key.loose_word ? algorithm_word(value.text) : value.text, key.words);
     const std::string hint = near.empty() ? "" : text("; did you mean '", near, "'?");
@@ -229,7 +228,7 @@ std::string algorithm_word(const std::string& name) {
     std::string word;
     for (const char c : name)
         if (c != '-') word += c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
-    for (const char* prefix : {"nlopt_", "ld_", "ln_"})
+    for (const char* prefix : {"nlopt_", "ld_", "ln_", "gd_", "gn_", "g_"})
         if (word.rfind(prefix, 0) == 0) word.erase(0, std::strlen(prefix));
     return word;
 }

@@ -17,7 +17,7 @@ std::string convert_scalar(Value& value, Type type, const Key& key, const Scalar
 /// Number as the whole text: digits, point, exponent; finite. @return the reason for refusing, or empty.
 std::string read_number(const std::string& text, double& number);
 
-/// Lower case, without "nlopt_", "ld_", "ln_" and '-': how names of algorithms are compared.
+/// Lower case, without "nlopt_", "ld_", "ln_", "gd_", "gn_", "g_" and '-': how names of algorithms are compared.
 std::string algorithm_word(const std::string& name);
 
 /// Degrees of an angle in radians, rounded to 1e-12 so that 90deg comes back as 90.

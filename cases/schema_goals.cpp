@@ -46,7 +46,8 @@ std::vector<Key> goal_keys() {
          .when = "command"},
         {.path = "quantities.*.gradients",
          .type = Type::flag,
-         .doc = "Whether the program gives gradients; without them only cobyla can use it.",
+         .doc = "Whether the program gives gradients; without them optimize needs a method without, or "
+                "finite_differences.",
          .fallback = "true",
          .when = "command"},
         {.path = "objective", .doc = "For run: exactly one of minimize, maximize."},

@@ -76,10 +76,14 @@ std::string default_of(const Key& key) {
 
 std::string condition_of(const Key& key) {
     if (key.when.empty()) return "";
-    const std::size_t equal = key.when.find('=');
-    if (equal == std::string::npos) return text(" Only with ", code(key.when), ".");
-    if (key.when.ends_with("[]")) return text(" Only with a list of ", code(key.when.substr(0, equal)), ".");
-    return text(" Only with ", code(key.when.substr(0, equal) + ": " + key.when.substr(equal + 1)), ".");
+    const Condition condition = parse_condition(key.when);
+    if (condition.kind == Condition::Kind::present) return text(" Only with ", code(condition.key), ".");
+    if (condition.kind == Condition::Kind::is_list) return text(" Only with a list of ", code(condition.key), ".");
+    const bool in_list = condition.kind == Condition::Kind::holds_word;
+    std::string forms;
+    for (const std::string& word : condition.words)
+        forms += (forms.empty() ? "" : " or ") + code(condition.key + ": " + (in_list ? "[" + word + "]" : word));
+    return text(" Only with ", forms, ".");
 }
 
 const char* introduction = R"(# Case file reference

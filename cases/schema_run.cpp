@@ -1,18 +1,60 @@
 #include "cases/schema_parts.hpp"
+#include "optimize/methods.hpp"
+
+#include <utility>
 
 namespace strake {
+namespace {
+
+std::vector<std::string> method_words() {
+    std::vector<std::string> words;
+    for (const MethodFacts& method : all_methods()) words.push_back(method.name);
+    return words;
+}
+
+std::vector<std::string> nlopt_words() {
+    std::vector<std::string> words;
+    for (const MethodFacts& method : all_methods()) words.push_back(method.algorithm);
+    return words;
+}
+
+std::string method_doc() {
+    std::string doc = "With gradients: ", without = " Without: ", global = " Global, within the bounds: ";
+    std::string* const lists[] = {&doc, &without, &global};
+    std::string between[] = {"", "", ""};
+    for (const MethodFacts& method : all_methods()) {
+        const int k = method.is_global ? 2 : method.needs_gradients ? 0 : 1;
+        *lists[k] += text(std::exchange(between[k], ", "), method.name, " (", method.summary, ")");
+    }
+    return doc + "." + without + "." + global + ". NLopt's own names are understood. Not for fit.";
+}
+
+}  // namespace
 
 std::vector<Key> run_keys() {
     return {
         {.path = "optimize", .doc = "How the optimum is searched, and when the search ends.", .fallback = "{}"},
         {.path = "optimize.method",
          .type = Type::word,
-         .doc = "NLopt's SLSQP inside a trust region (any constraints), its MMA (no equalities), L-BFGS (no "
-                "constraints) or "
-                "COBYLA (no gradients); NLopt's own names are understood. Not for fit.",
+         .doc = method_doc(),
          .fallback = "slsqp",
-         .words = {"slsqp", "mma", "lbfgs", "cobyla"},
+         .words = method_words(),
+         .aliases = nlopt_words(),
          .loose_word = true},
+        {.path = "optimize.finite_differences",
+         .type = Type::flag,
+         .doc = "Gradients of programs that give none by differences of one more evaluation a variable. Not for fit.",
+         .fallback = "false"},
+        {.path = "optimize.starts",
+         .type = Type::integer,
+         .doc = "Starts of the first level: the given shape, and random ones within the bounds. Not for fit.",
+         .fallback = "1",
+         .limits = at_least_one},
+        {.path = "optimize.seed",
+         .type = Type::integer,
+         .doc = "Of all that is random. Not for fit.",
+         .fallback = "1",
+         .limits = not_negative},
         {.path = "optimize.budget", .doc = "Limits of the whole run.", .fallback = "{}"},
         {.path = "optimize.budget.evaluations",
          .type = Type::integer,

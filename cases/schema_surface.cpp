@@ -6,8 +6,8 @@ std::vector<Key> surface_keys() {
     return {
         {.path = "case",
          .type = Type::name,
-         .doc = "Name of the case; the default output folder is called after it.",
-         .required = true},
+         .doc = "Name of the case, after which the default output folder is called; without it the file's name "
+                "without extension, with '_' for what a name cannot hold."},
         {.path = "surface", .doc = "The surface to be deformed.", .required = true},
         {.path = "surface.file",
          .type = Type::file,

@@ -34,9 +34,6 @@ const std::vector<std::string> later_keys{"repair",
                                           "remesh",
                                           "variables",
                                           "shell.solver",
-                                          "parameters.freeze",
-                                          "parameters.groups",
-                                          "parameters.core",
                                           "quantities.*.retries",
                                           "quantities.*.on_failure",
                                           "quantities.*.parallel",
@@ -169,24 +166,31 @@ private:
         value.entries = std::move(kept);
     }
 
-    /// "plane", "type=target_shape", "levels=[]" against the siblings; a refused sibling decides nothing.
+    /// Key::when against the siblings; a refused sibling decides nothing.
     static bool holds(const std::string& when, const Value& map, bool if_refused) {
         if (when.empty()) return true;
-        const std::size_t equal = when.find('=');
-        const Value* sibling = raw_child(map, when.substr(0, equal));
+        const Condition condition = parse_condition(when);
+        const Value* sibling = raw_child(map, condition.key);
         if (!sibling) return false;
-        if (equal == std::string::npos) return true;
+        if (condition.kind == Condition::Kind::present) return true;
         if (!sibling->accepted) return if_refused;
-        const std::string wanted = when.substr(equal + 1);
-        if (wanted == "[]") return sibling->form == Value::Form::list;
-        return sibling->form == Value::Form::scalar && sibling->text == wanted;
+        const auto has_word = [&](const Value& value) {
+            return std::find(condition.words.begin(), condition.words.end(), value.text) != condition.words.end();
+        };
+        if (condition.kind == Condition::Kind::is_list) return sibling->form == Value::Form::list;
+        if (condition.kind == Condition::Kind::is_word)
+            return sibling->form == Value::Form::scalar && has_word(*sibling);
+        return std::any_of(sibling->entries.begin(), sibling->entries.end(),
+                           [&](const Entry& entry) { return has_word(entry.value); });
     }
 
-    static std::string condition(const std::string& when) {
-        const std::size_t equal = when.find('=');
-        if (equal == std::string::npos) return text("'", when, "'");
-        if (when.substr(equal + 1) == "[]") return text("a list of '", when.substr(0, equal), "'");
-        return text("'", when.substr(0, equal), ": ", when.substr(equal + 1), "'");
+    static std::string condition_words(const std::string& when) {
+        const Condition condition = parse_condition(when);
+        if (condition.kind == Condition::Kind::present) return text("'", condition.key, "'");
+        if (condition.kind == Condition::Kind::is_list) return text("a list of '", condition.key, "'");
+        const bool in_list = condition.kind == Condition::Kind::holds_word;
+        return text("'", condition.key, ": ", in_list ? "[" : "", joined(condition.words, " or "), in_list ? "]" : "",
+                    "'");
     }
 
     void child(Value& map, const std::string& name, const std::string& pattern, const std::string& shown) {
@@ -195,7 +199,7 @@ private:
         for (Entry& entry : map.entries)
             if (entry.key == name) {
                 if (!holds(row.when, map, true))
-                    errors_.add(entry.key_place, text(shown_path, " goes only with ", condition(row.when)));
+                    errors_.add(entry.key_place, text(shown_path, " goes only with ", condition_words(row.when)));
                 else
                     node(entry.value, path, shown_path);
                 return;
@@ -278,6 +282,21 @@ private:
 };
 
 }  // namespace
+
+Condition parse_condition(const std::string& when) {
+    const std::size_t equal = when.find('=');
+    Condition condition{when.substr(0, equal), Condition::Kind::present, {}};
+    if (equal == std::string::npos) return condition;
+    const std::string wanted = when.substr(equal + 1);
+    condition.kind = wanted == "[]" ? Condition::Kind::is_list : Condition::Kind::is_word;
+    if (condition.key.ends_with("[]")) {
+        condition.key.resize(condition.key.size() - 2);
+        condition.kind = Condition::Kind::holds_word;
+    }
+    std::istringstream words(wanted);
+    for (std::string word; std::getline(words, word, '|');) condition.words.push_back(word);
+    return condition;
+}
 
 void validate(Value& root, const std::filesystem::path& case_dir, Diagnostics& errors) {
     static const Key root_row{};

@@ -51,6 +51,9 @@ void check_placeholders(const ExternalCommand& command) {
 void validate(const ExternalCommand& command) {
     const auto refuse = [&](const auto&... parts) { throw InvalidInput(text(command.name, ": ", parts...)); };
     if (command.name.empty()) throw InvalidInput("an external quantity needs a name");
+    if (command.own_folder &&
+        (command.name == "." || command.name == ".." || command.name.find('/') != std::string::npos))
+        refuse("the name cannot be that of a folder");
     if (command.command.empty() || command.command.front().empty()) refuse("command is empty, must name a program");
     for (const std::string& argument : command.command)
         if (argument.find('\0') != std::string::npos) refuse("an argument of the command holds a NUL byte");
@@ -102,6 +105,7 @@ Call fresh_folder(const ExternalCommand& command, int evaluation) {
     std::snprintf(number, sizeof number, "%06d", evaluation);
     Call call;
     call.folder = fs::absolute(command.evaluations_dir).lexically_normal() / number;
+    if (command.own_folder) call.folder /= command.name;
     std::error_code error;
     fs::create_directories(call.folder.parent_path(), error);
     if (error) throw OutputError(text(call.folder.parent_path().string(), ": cannot be created: ", error.message()));

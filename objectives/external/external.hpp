@@ -16,12 +16,14 @@ struct ExternalCommand {
     std::string format;              ///< of the surface handed over: stl, stl-ascii, obj, ply, ply-ascii, off, tri
     std::filesystem::path case_dir;  ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
+    bool own_folder = false;                ///< in 000001/<name>: where several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities
     double diagonal = 0;  ///< of the start surface; rows with coordinates are matched within 1e-5 of it, > 0
     std::string units;    ///< of length, as the case states it, for request.json
 };
 
-/// A quantity that runs `command` once an evaluation, in the fresh folder evaluations_dir/NNNNNN. Whatever the program
+/// A quantity that runs `command` once an evaluation, in the fresh folder evaluations_dir/NNNNNN (or a
+/// folder of its own within). Whatever the program
 /// does wrong is the result's `failure` (kinds spawn, exit, signal, timeout, no_result, unreadable, missing_key,
 /// wrong_type, not_finite, wrong_count), whose message ends with the program's last lines. Must be called from a
 /// thread that lives as long as the program runs: the program gets TERM when that thread ends.

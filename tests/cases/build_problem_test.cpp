@@ -133,10 +133,48 @@ TEST_F(BuildProblem, HeightsFollowTheRegionsWithTheLogMeanBetween) {
     EXPECT_NEAR(at_right, 0.04, 1e-15);
     EXPECT_GT(built.problem.prism_height.minCoeff(), 0.01 - 1e-12);
     ASSERT_FALSE(built.warnings.empty()) << "thinner than half an edge";
-    EXPECT_TRUE(contains(error("regions: {a: {component: 0}, b: {component: 0}}\nshell: {thickness: {default: 1, a: 2, "
-                               "b: 3}}\n",
-                               Purpose::deform),
-                         "case.yaml:4:39: shell.thickness: regions 'a' and 'b' share triangles"));
+}
+
+TEST_F(BuildProblem, WhereThicknessRegionsOverlapTheLaterEntryCounts) {
+    const TriMesh mesh = strip(2, 1, 2, 1, 0);
+    surface(mesh);
+    const std::string regions = "regions: {a: {component: 0}, left: {box: [[0, 0, 0], [1, 1, 0]]}}\n";
+    const BuiltProblem later = build(regions + "shell: {thickness: {default: 1, a: 2, left: 3}}\n", Purpose::deform);
+    const BuiltProblem earlier = build(regions + "shell: {thickness: {default: 1, left: 3, a: 2}}\n", Purpose::deform);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        if (mesh.vertices(v, 0) == 0) {
+            EXPECT_NEAR(later.problem.prism_height[v], 3, 1e-14);
+        }
+        EXPECT_NEAR(earlier.problem.prism_height[v], 2, 1e-14);
+    }
+    ASSERT_EQ(later.warnings.size(), 1u);
+    EXPECT_EQ(later.warnings[0],
+              "shell.thickness: regions 'a' and 'left' share 2 triangles; there that of 'left' counts, the later");
+}
+
+TEST_F(BuildProblem, StrainsOffTheSymmetryPlaneAreRefusedAtTheirPlace) {
+    surface(strip(4, 1, 8, 2));  // open edges on y = 0
+    const std::string head =
+        "regions: {end: {box: [[3, 0, 0], [4, 1, 0]]}, a: {box: [[0, 0, 0], [1, 1, 0]]}}\nsymmetry: {plane: y}\n";
+    EXPECT_TRUE(contains(error(head + "strains:\n  - {region: end, translate: [0, 0.1, 0]}\n", Purpose::deform),
+                         "case.yaml:6:5: strains: region 'end' takes vertex "));
+    EXPECT_TRUE(contains(
+        error(head + "strains:\n  - {region: end, rotate: [5deg, 0, 0], about: [0, 0.5, 0]}\n", Purpose::deform),
+        "off the symmetry plane by "));
+    EXPECT_EQ(error(head + "strains: [{region: end, translate: [1, 0, 1], rotate: [0, 5deg, 0]}]\n", Purpose::deform),
+              "");
+    EXPECT_EQ(error(head + "fixed: [end]\nstrains: [{region: a, translate: [0, 0, 1]}]\n", Purpose::deform), "");
+}
+
+TEST_F(BuildProblem, NothingFreeIsToldAtFixedOrAtTheStrains) {
+    surface(strip(4, 1, 8, 2));
+    const std::string regions = "regions: {all: {component: 0}, a: {box: [[0, 0, 0], [1, 1, 0]]}}\n";
+    EXPECT_EQ(error(regions + "fixed: [all]\n", Purpose::deform),
+              "case.yaml:4:8: fixed: every triangle is fixed; nothing is left to deform");
+    EXPECT_EQ(error(regions + "fixed: [a]\nstrains: [{region: all, translate: [0, 0, 1]}]\n", Purpose::deform),
+              "case.yaml:4:8: fixed: every triangle is fixed or strained; nothing is left to deform");
+    EXPECT_EQ(error(regions + "strains: [{region: all, translate: [0, 0, 1]}]\n", Purpose::deform),
+              "case.yaml:4:11: strains: every triangle is strained; nothing is left to deform");
 }
 
 TEST_F(BuildProblem, ForceIsSpreadOverTheAreaAndLoadsAddUp) {
@@ -212,10 +250,11 @@ TEST_F(BuildProblem, FixedWinsOverStrainsAndStrainsMayNotOverlap) {
 TEST_F(BuildProblem, NothingLeftToVaryIsAnError) {
     surface(box_surface());
     const std::string yaml =
-        "regions: {all: {component: 0}}\nfixed: [all]\nobjective: {maximize: volume}\nparameters: "
-        "{levels: [20deg]}\n";
+        "regions: {low: {box: [[0, 0, 0], [1, 1, 0]]}}\nfixed: [low]\nobjective: {maximize: volume}\nparameters: "
+        "{levels: [20deg], on: [low]}\n";
     EXPECT_EQ(error(yaml),
-              "case.yaml:6:13: parameters: no triangle is left for design variables; all are under fixed or strains");
+              "case.yaml:6:13: parameters: no triangle is left for design variables; all of parameters.on are under "
+              "fixed or strains");
 }
 
 TEST_F(BuildProblem, SplitContainingTakesNumbersAndPoints) {
@@ -225,6 +264,31 @@ TEST_F(BuildProblem, SplitContainingTakesNumbersAndPoints) {
     EXPECT_EQ(error("parameters: {levels: [20deg, 10deg], split: {containing: [47, {near: [0.4, 0.4, 9]}]}}\n"), "");
     EXPECT_TRUE(contains(error("parameters: {levels: [20deg], on: [nowhere]}\n"),
                          "case.yaml:3:36: parameters.on: 'nowhere' is not a declared region, and "));
+}
+
+TEST_F(BuildProblem, ParametersMarkTheirTriangles) {
+    surface(box_surface(Eigen::Vector3d::Ones(), 2));
+    const std::string levels = "parameters: {levels: [20deg], ";
+    const BuiltProblem built =
+        build("regions: {low: {box: [[0, 0, 0], [1, 1, 0]]}}\n" + levels +
+              "split: gradient, freeze: [low, p2], groups: [[p2], [low]], mirror: true, core: 0.5, variables: "
+              "[load, strain_rotation], directions: [[0, 0, 2]]}\n");
+    const Parameters& p = built.problem.parameters;
+    EXPECT_EQ(p.split, SplitRule::gradient);
+    EXPECT_EQ(std::accumulate(p.frozen.begin(), p.frozen.end(), 0), 16) << "two sides of eight triangles";
+    for (const int t : region(built, "low")) EXPECT_TRUE(p.frozen[t] && p.groups[1][t] && !p.groups[0][t]);
+    EXPECT_EQ(std::accumulate(p.groups[1].begin(), p.groups[1].end(), 0), 8);
+    EXPECT_TRUE(p.on.empty());
+    EXPECT_TRUE(p.mirror && p.strain_rotates && !p.strain_translates);
+    EXPECT_EQ(p.core, 0.5);
+    EXPECT_EQ(p.load_directions, std::vector<Eigen::Vector3d>{Eigen::Vector3d(0, 0, 1)});
+    EXPECT_TRUE(contains(error(levels + "freeze: [nowhere]}\n"),
+                         "case.yaml:3:40: parameters.freeze: 'nowhere' is not a declared region, and "));
+    EXPECT_TRUE(
+        contains(error(levels + "groups: [[p1], [nowhere]]}\n"), "case.yaml:3:47: parameters.groups: 'nowhere'"));
+    EXPECT_EQ(error("regions: {all: {component: 0}}\nobjective: {maximize: area}\n" + levels + "freeze: [all]}\n"),
+              "case.yaml:5:13: parameters: no triangle is left for design variables; all are under fixed, strains or "
+              "parameters.freeze");
 }
 
 TEST_F(BuildProblem, QuantitiesCarryTheNamesOfTheCase) {

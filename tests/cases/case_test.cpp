@@ -1,5 +1,7 @@
 #include "cases/case.hpp"
+#include "cases/scalars.hpp"
 #include "cases/schema.hpp"
+#include "optimize/methods.hpp"
 #include "tests/cases/folder.hpp"
 
 #include <gtest/gtest.h>
@@ -42,11 +44,41 @@ TEST_F(CaseFile, MinimalOneHasTheDefaultsOfTheStructs) {
     EXPECT_EQ(c.optimize.objective_tolerance, o.objective_tolerance);
     EXPECT_EQ(c.optimize.step_tolerance, o.step_tolerance);
     EXPECT_EQ(c.optimize.constraint_tolerance, o.constraint_tolerance);
+    EXPECT_EQ(c.optimize.finite_differences, o.finite_differences);
+    EXPECT_EQ(c.optimize.starts, o.starts);
+    EXPECT_EQ(c.optimize.seed, o.seed);
     const Parameters p;
+    EXPECT_EQ(c.parameters.split_share, p.split_share);
+    EXPECT_EQ(c.parameters.growth, p.growth);
+    EXPECT_EQ(c.parameters.core, p.core);
+    EXPECT_EQ(c.parameters.mirror, p.mirror);
+    EXPECT_EQ(c.parameters.directions, p.load_directions);
     EXPECT_EQ(c.parameters.variables, p.kinds);
     EXPECT_EQ(c.parameters.max_displacement.value, p.max_displacement);
+    EXPECT_EQ(c.parameters.patches_per_level, AutomaticLevels{}.patches_per_level);
     EXPECT_EQ(c.parameters.sharp_angle_deg, SegmentationOptions{}.sharp_angle_deg);
     EXPECT_EQ(c.parameters.min_patch_percent, SegmentationOptions{}.min_patch_percent);
+}
+
+TEST_F(CaseFile, NameIsThatOfTheFileUnlessStated) {
+    const Case c = load_case(folder.write("my wing.v2.yaml", "surface: {file: wing.obj}\n"));
+    EXPECT_EQ(c.name, "my_wing_v2");
+    EXPECT_EQ(c.output.dir, folder.path() / "runs/my_wing_v2");
+    EXPECT_EQ(resolved_case(c, folder.path()).find("case: my_wing"), std::string::npos) << "quoted: it holds digits";
+    EXPECT_EQ(load_case(folder.write("again.yaml", resolved_case(c, folder.path()))).name, "my_wing_v2");
+}
+
+TEST_F(CaseFile, TheCaseOfTheRunFolderHoldsWhatWasUsed) {
+    Case c = load(minimal());
+    const std::string resolved = resolved_case(c, c.output.dir);
+    EXPECT_NE(resolved.find("patches_per_level: [4, 16, 64]"), std::string::npos) << resolved;
+    EXPECT_NE(resolved.find("dir: \"" + (folder.path() / "runs/wing").string() + "\""), std::string::npos) << resolved;
+    // A copy of it, wherever it lies, still means that folder.
+    EXPECT_EQ(load_case(folder.write("elsewhere/copy.yaml", resolved.substr(0, resolved.find("surface")) +
+                                                                "surface: {file: ../wing.obj}\n" +
+                                                                resolved.substr(resolved.find("output"))))
+                  .output.dir,
+              folder.path() / "runs/wing");
 }
 
 TEST_F(CaseFile, UnitsAreResolved) {
@@ -122,6 +154,52 @@ TEST_F(CaseFile, SplitAndPlanes) {
     EXPECT_EQ(c.parameters.on[0].name, "wing.upper");
     EXPECT_EQ(load(minimal() + "parameters: {split: {largest: 2}}").parameters.split.largest, 2);
     EXPECT_EQ(load(minimal() + "symmetry: {plane: z}").symmetry->normal, Eigen::Vector3d(0, 0, 1));
+}
+
+TEST_F(CaseFile, VariablesTiesAndStarts) {
+    const Case c = load(minimal() + R"(regions: {tip: {component: 0}}
+parameters:
+  split: sensitivity
+  split_share: 0.5
+  growth: 2.5
+  variables: [strain_translation, load]
+  directions: [[0, 0, -2], [3, 0, 4]]
+  core: 40%
+  freeze: [tip]
+  groups: [[p1.1, p1.2], [tip, p2]]
+  mirror: true
+optimize: {method: NLOPT_LD_TNEWTON_PRECOND_RESTART, starts: 3, seed: 7, finite_differences: true}
+)");
+    const ParameterEntry& p = c.parameters;
+    EXPECT_EQ(p.split.kind, SplitEntry::Kind::sensitivity);
+    EXPECT_EQ(p.split_share, 0.5);
+    EXPECT_EQ(p.growth, 2.5);
+    EXPECT_EQ(p.variables, (std::vector<VariableKind>{VariableKind::strain, VariableKind::load}));
+    EXPECT_FALSE(p.strain_rotates);
+    EXPECT_TRUE(p.strain_translates);
+    EXPECT_EQ(p.directions[0], Eigen::Vector3d(0, 0, -1));
+    EXPECT_TRUE(p.directions[1].isApprox(Eigen::Vector3d(0.6, 0, 0.8)));
+    EXPECT_EQ(p.core, 0.4);
+    EXPECT_EQ(p.freeze[0].name, "tip");
+    ASSERT_EQ(p.groups.size(), 2u);
+    EXPECT_EQ(p.groups[1][1].name, "p2");
+    EXPECT_TRUE(p.mirror);
+    EXPECT_EQ(c.optimize.method, Method::tnewton);
+    EXPECT_EQ(c.optimize.starts, 3);
+    EXPECT_EQ(c.optimize.seed, 7u);
+    EXPECT_TRUE(c.optimize.finite_differences);
+    const Case again = load_case(folder.write("again.yaml", resolved_case(c, folder.path())));
+    EXPECT_EQ(again.parameters.directions.size(), 2u);
+    EXPECT_EQ(again.parameters.core, 0.4);
+    EXPECT_EQ(load(minimal() + "parameters: {split: gradient}").parameters.split.kind, SplitEntry::Kind::gradient);
+    EXPECT_TRUE(load(minimal() + "parameters: {variables: [strain]}").parameters.strain_rotates);
+}
+
+TEST_F(CaseFile, EveryMethodIsUnderstoodByItsNameAndByNlopts) {
+    for (const MethodFacts& method : all_methods())
+        for (const std::string& name : {std::string(method.name), std::string(method.algorithm),
+                                        std::string("NLOPT_") + method.algorithm, algorithm_word(method.algorithm)})
+            EXPECT_EQ(load(minimal() + "optimize: {method: " + name + "}\n").optimize.method, method.method) << name;
 }
 
 TEST_F(CaseFile, ResolvedCaseLoadsFromElsewhereAndIsItsOwnResolution) {

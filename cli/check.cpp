@@ -26,16 +26,20 @@ bool has(const Problem& problem, VariableKind kind) {
 
 /// Most variables that a level can have: those that turn out to move nothing are left out by the run.
 int most_variables(const Problem& problem, const PatchLevel& level, const std::vector<int>& pin) {
+    const Parameters& p = problem.parameters;
+    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
     int count = 0;
     for (const Patch& patch : level.patches) {
-        bool is_free = false, is_on = problem.parameters.on.empty();
+        bool is_free = false, is_on = p.on.empty(), is_frozen = false;
         for (const int t : patch.triangles) {
             is_free |= pin[t] == free_prism;
-            is_on |= !problem.parameters.on.empty() && problem.parameters.on[t];
+            is_on |= !p.on.empty() && p.on[t];
+            is_frozen |= !p.frozen.empty() && p.frozen[t];
         }
-        if (!is_free || !is_on) continue;
-        count += 3 * has(problem, VariableKind::load) + has(problem, VariableKind::load_normal) +
-                 6 * has(problem, VariableKind::strain) + has(problem, VariableKind::stiffness);
+        if (!is_free || !is_on || is_frozen) continue;
+        count += directions * has(problem, VariableKind::load) + has(problem, VariableKind::load_normal) +
+                 3 * (p.strain_rotates + p.strain_translates) * has(problem, VariableKind::strain) +
+                 has(problem, VariableKind::stiffness);
     }
     return count;
 }

@@ -5,6 +5,7 @@
 #include "core/mesh/io.hpp"
 #include "core/mesh/vtp.hpp"
 #include "optimize/shell_setup.hpp"
+#include "optimize/validity.hpp"
 
 #include <fmt/core.h>
 #include <memory>
@@ -67,53 +68,75 @@ void report(const DeformArguments& args, const Equilibrium& end, const std::stri
         fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", moved, 100 * moved / diagonal);
 }
 
-void deform(const DeformArguments& args) {
-    if (!args.out.empty()) format_of(args.out);  // a wrong extension is told before the work
+/// Tells why there is no surface; the answer is the program's failure.
+[[noreturn]] void refuse(const DeformArguments& args, const Equilibrium& end, const std::string& status,
+                         double diagonal) {
+    report(args, end, status, std::numeric_limits<double>::quiet_NaN(), diagonal);
+    fmt::print(stderr, "strake: deform: {}; nothing was written\n", end.reason);
+    throw ExitStatus{run_failed};
+}
+
+ValidityGuard guard_of(const Problem& problem) {
+    return {problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry}};
+}
+
+/// The equilibrium, which has to be a surface that can be handed on (DESIGN section 8).
+Points solved(const DeformArguments& args, const Problem& problem, const ShellSetup& setup, PrimoShell& shell,
+              Equilibrium& end) {
+    const double diagonal = box_diagonal(problem.surface);
+    const auto progress = [&](const SolveRecord& r) {
+        if (!args.quiet && !args.json)
+            fmt::print(stderr, "iteration {:3}  energy {: .10e}  step {:.1e}  gradient {:.1e}  {:.1f} s\n", r.iteration,
+                       r.energy, r.step, r.relative_gradient, r.seconds);
+        return true;
+    };
+    end = shell.solve(setup.loads, setup.motions, {}, progress);
+    if (end.status != SolveStatus::converged) refuse(args, end, to_string(end.status), diagonal);
+    const Points vertices = shell.vertices();
+    const std::string defect = guard_of(problem).defect(vertices, shell.poses());
+    if (defect.empty()) return vertices;
+    end.reason = defect + "; reduce the loads and strains, or allow a thicker skin";
+    refuse(args, end, "invalid", diagonal);
+}
+
+/// The paper's single solve, whatever comes out of it.
+Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell, Equilibrium& end) {
+    const Points vertices = shell.linear_response(setup.loads, setup.motions);
+    end.reason = "one linear solve at rest";
+    const std::string defect = guard_of(problem).defect(vertices, shell.poses());
+    if (!defect.empty()) fmt::print(stderr, "warning: the linear answer is not a valid surface: {}\n", defect);
+    return vertices;
+}
+
+void deform_case(const DeformArguments& args) {
     const Case the_case = load_case(args.case_file, Purpose::deform);
     const BuiltProblem built = build_problem(the_case, Purpose::deform);
     const TriMesh& mesh = built.problem.surface;
-    const double diagonal = box_diagonal(mesh);
     const ShellSetup setup = shell_setup(built.problem);
     for (const auto* list : {&built.warnings, &setup.warnings})
         for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
 
     PrimoShell shell(mesh, setup.options);
     Equilibrium end;
-    Points vertices;
-    std::string status;
-    if (args.linear) {
-        vertices = shell.linear_response(setup.loads, setup.motions);
-        status = "linear";
-        end.reason = "one linear solve at rest";
-    } else {
-        const auto progress = [&](const SolveRecord& r) {
-            if (!args.quiet && !args.json)
-                fmt::print(stderr, "iteration {:3}  energy {: .10e}  step {:.1e}  gradient {:.1e}  {:.1f} s\n",
-                           r.iteration, r.energy, r.step, r.relative_gradient, r.seconds);
-            return true;
-        };
-        try {
-            end = shell.solve(setup.loads, setup.motions, {}, progress);
-        } catch (const UnheldPart& loose) {
-            end.reason = loose.what();
-            report(args, end, "unheld", std::numeric_limits<double>::quiet_NaN(), diagonal);
-            throw;
-        }
-        status = to_string(end.status);
-        if (end.status != SolveStatus::converged) {
-            report(args, end, status, std::numeric_limits<double>::quiet_NaN(), diagonal);
-            fmt::print(stderr, "strake: deform: {}; nothing was written\n", end.reason);
-            throw ExitStatus{run_failed};
-        }
-        vertices = shell.vertices();
-    }
-    if (!args.out.empty()) {
-        const bool same_kind =
-            format_of(args.out) == SurfaceFormat::ply_binary && built.format == SurfaceFormat::ply_ascii;
-        write_surface(args.out, with_vertices(mesh, vertices), same_kind ? built.format : format_of(args.out));
-    }
+    const Points vertices =
+        args.linear ? linear(built.problem, setup, shell, end) : solved(args, built.problem, setup, shell, end);
+    const bool same_kind = format_of(args.out) == SurfaceFormat::ply_binary && built.format == SurfaceFormat::ply_ascii;
+    write_surface(args.out, with_vertices(mesh, vertices), same_kind ? built.format : format_of(args.out));
     if (!args.prisms.empty()) write_prisms(args, shell);
-    report(args, end, status, largest_displacement(mesh.vertices, vertices), diagonal);
+    report(args, end, args.linear ? "linear" : "converged", largest_displacement(mesh.vertices, vertices),
+           box_diagonal(mesh));
+}
+
+void deform(const DeformArguments& args) {
+    format_of(args.out);  // a wrong extension is told before the work
+    try {
+        deform_case(args);
+    } catch (const UnheldPart& loose) {
+        Equilibrium end;
+        end.reason = loose.what();
+        report(args, end, "unheld", std::numeric_limits<double>::quiet_NaN(), 1);
+        throw;
+    }
 }
 
 }  // namespace

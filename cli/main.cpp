@@ -1,6 +1,5 @@
-#include "cases/diagnostics.hpp"
 #include "cli/commands.hpp"
-#include "core/error.hpp"
+#include "cli/errors.hpp"
 
 #include <cstdio>
 #include <exception>
@@ -21,24 +20,11 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
         return cli::done;
-    } catch (const cli::ExitStatus& end) {
-        return end.status;
     } catch (const CLI::ParseError& e) {
         return app.exit(e) == 0 ? cli::done : cli::usage;
-    } catch (const CaseError& e) {
-        std::fprintf(stderr, "%s\n", e.quoted().c_str());
-        return cli::usage;
-    } catch (const InputError& e) {
-        std::fprintf(stderr, "strake: %s\n", e.what());
-        return cli::surface_file;
-    } catch (const OutputError& e) {
-        std::fprintf(stderr, "strake: %s\n", e.what());
-        return cli::output_failed;
-    } catch (const std::invalid_argument& e) {
-        std::fprintf(stderr, "strake: %s\n", e.what());
-        return cli::usage;
-    } catch (const std::exception& e) {
-        std::fprintf(stderr, "strake: %s\n", e.what());
-        return cli::run_failed;
+    } catch (...) {
+        const cli::ProgramEnd end = cli::end_of(std::current_exception());
+        if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());
+        return end.status;
     }
 }

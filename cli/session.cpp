@@ -68,35 +68,43 @@ std::string percent(double from, double to) {
     return from != 0 ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from)) : "from zero";
 }
 
-void report(const Problem& problem, const RunResult& r, const RunFolder& folder, bool is_fit) {
-    fmt::print("status       {}\nreason       {}\n", r.status, r.reason);
-    fmt::print("evaluations  {}, on {} levels\n", r.evaluations, r.levels.size());
+/// What a level has brought; a failed one has no values to tell.
+std::string level_change(const LevelSummary& s, bool is_fit) {
+    if (!std::isfinite(s.objective_start) || !std::isfinite(s.objective_end)) return "no design";
+    if (!is_fit)
+        return fmt::format("{:.9g} -> {:.9g} ({})", s.objective_start, s.objective_end,
+                           percent(s.objective_start, s.objective_end));
+    const std::string share =
+        std::isfinite(s.explained) ? fmt::format(", explains {:.2f} % of what was left", 100 * s.explained) : "";
+    return fmt::format("rms distance {:.4e} -> {:.4e}{}", std::sqrt(s.objective_start), std::sqrt(s.objective_end),
+                       share);
+}
+
+void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
     const double diagonal = box_diagonal(problem.surface);
-    for (const LevelSummary& s : r.levels) {
-        const std::string change =
-            is_fit
-                ? fmt::format("rms distance {:.4e} -> {:.4e}, explains {:.2f} % of what was left",
-                              std::sqrt(s.objective_start), std::sqrt(s.objective_end),
-                              s.objective_start > 0 ? 100 * (1 - std::sqrt(s.objective_end / s.objective_start)) : 100)
-                : fmt::format("{:.9g} -> {:.9g} ({})", s.objective_start, s.objective_end,
-                              percent(s.objective_start, s.objective_end));
-        fmt::print("  level {}    {} patches, {} variables, {} evaluations: {}\n", s.level, s.patches, s.variables,
-                   s.evaluations, change);
-    }
     for (std::size_t i = 0; i < r.values.size(); ++i)
         fmt::print("{:<11}  {:.9g} -> {:.9g} ({})\n", r.names[i], r.values_start[i], r.values[i],
                    percent(r.values_start[i], r.values[i]));
-    if (is_fit && r.best_evaluation > 0)
-        fmt::print("rms distance {:.3e} of the diagonal left\n", std::sqrt(r.objective) / diagonal);
-    if (r.best_evaluation > 0 && !is_fit && !problem.constraints.empty())
-        fmt::print("violation    {:.2e} (largest, scaled)\n", r.max_violation);
-    if (r.vertices.rows() > 0)
-        fmt::print("moved        {:.4g} % of the diagonal at most\n",
-                   100 * (r.vertices - problem.surface.vertices).rowwise().norm().maxCoeff() / diagonal);
+    if (is_fit) fmt::print("rms distance {:.3e} of the diagonal left\n", std::sqrt(r.objective) / diagonal);
+    if (!is_fit && !problem.constraints.empty()) fmt::print("violation    {:.2e} (largest, scaled)\n", r.max_violation);
+    fmt::print("moved        {:.4g} % of the diagonal at most\n",
+               100 * (r.vertices - problem.surface.vertices).rowwise().norm().maxCoeff() / diagonal);
+}
+
+void report(const Problem& problem, const RunResult& r, const RunFolder& folder, bool is_fit) {
+    fmt::print("status       {}\nreason       {}\n", r.status, r.reason);
+    fmt::print("evaluations  {}, on {} levels\n", r.evaluations, r.levels.size());
+    for (const LevelSummary& s : r.levels)
+        fmt::print("  level {}    {} patches, {} variables, {} evaluations: {}\n", s.level, s.patches, s.variables,
+                   s.evaluations, level_change(s, is_fit));
+    if (r.best_evaluation > 0) report_design(problem, r, is_fit);
     fmt::print("files        {}:", folder.folder().string());
     for (const std::string& file : folder.files())
         if (file.find('/') == std::string::npos) fmt::print(" {}", file);
-    fmt::print("\nview         paraview {}\n", (folder.folder() / "series.pvd").string());
+    fmt::print("\n");
+    const auto& files = folder.files();
+    if (std::find(files.begin(), files.end(), "series.pvd") != files.end())
+        fmt::print("view         paraview {}\n", (folder.folder() / "series.pvd").string());
 }
 
 void print_json(const RunResult& result, const RunFolder& folder) {
@@ -105,41 +113,67 @@ void print_json(const RunResult& result, const RunFolder& folder) {
     fmt::print("{}\n", run_json(result, files));
 }
 
-}  // namespace
+/// Runs the search and writes its records. A run that fails before its first evaluation leaves no folder behind, so
+/// that the corrected one can go there.
+RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& folder, Progress& progress, bool is_fit) {
+    const Problem& problem = built.problem;
+    bool has_evaluated = false;
+    RunEvents events;
+    events.level = [&](const LevelStart& level) { progress.level(level), folder.add(level); };
+    events.evaluation = [&](const EvaluationRecord& record) {
+        has_evaluated = true;
+        progress.evaluation(record), folder.add(record);
+    };
+    events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
+    events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
+    events.note = [&](const std::string& words) { progress.note(words); };
+    try {
+        folder.write_case(resolved_case(the_case, the_case.output.dir));
+        std::vector<std::string> names;
+        for (const Quantity& quantity : problem.quantities)
+            names.insert(names.end(), quantity.names.begin(), quantity.names.end());
+        folder.begin(problem, names, built.format, series_policy(the_case.output.paraview));
+        return is_fit ? fit(problem, events) : optimize(problem, events);
+    } catch (...) {
+        if (!has_evaluated) folder.discard();
+        throw;
+    }
+}
 
-void run_session(const SessionArguments& args, bool is_fit) {
+void run_case(const SessionArguments& args, bool is_fit) {
     Case the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
     if (!args.out.empty()) the_case.output.dir = args.out;
     if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
     check_run_folder(the_case.output.dir);
     if (!args.quiet) fmt::print(stderr, "strake: reading {}\n", the_case.surface.string());
     const BuiltProblem built = build_problem(the_case, is_fit ? Purpose::fit : Purpose::run);
-    const Problem& problem = built.problem;
 
-    Progress progress(args.quiet, box_diagonal(problem.surface), is_fit);
+    Progress progress(args.quiet, box_diagonal(built.problem.surface), is_fit);
     for (const std::string& words : built.warnings) progress.warning(words);
     RunFolder folder(the_case.output.dir);
-    folder.write_case(resolved_case(the_case, the_case.output.dir));
-    std::vector<std::string> names;
-    for (const Quantity& quantity : problem.quantities)
-        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
-    folder.begin(problem, names, built.format, series_policy(the_case.output.paraview));
-
-    RunEvents events;
-    events.level = [&](const LevelStart& level) { progress.level(level), folder.add(level); };
-    events.evaluation = [&](const EvaluationRecord& record) { progress.evaluation(record), folder.add(record); };
-    events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
-    events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
-    events.note = [&](const std::string& words) { progress.note(words); };
-    const RunResult result = is_fit ? fit(problem, events) : optimize(problem, events);
+    const RunResult result = search(built, the_case, folder, progress, is_fit);
     folder.finish(result);
     if (args.json)
         print_json(result, folder);
     else
-        report(problem, result, folder, is_fit);
+        report(built.problem, result, folder, is_fit);
     if (result.is_done()) return;
     fmt::print(stderr, "strake: {}: {}: {}\n", is_fit ? "fit" : "run", result.status, result.reason);
     throw ExitStatus{result.status == "evaluation_failed" ? external_failed : run_failed};
+}
+
+}  // namespace
+
+void run_session(const SessionArguments& args, bool is_fit) {
+    try {
+        run_case(args, is_fit);
+    } catch (const UnheldPart& loose) {
+        RunResult result;
+        result.status = "unheld";
+        result.reason = loose.what();
+        if (args.json) fmt::print("{}\n", run_json(result, {}));
+        throw;
+    }
 }
 
 }  // namespace strake::cli

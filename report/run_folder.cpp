@@ -83,9 +83,26 @@ void check_run_folder(const fs::path& folder) {
 
 RunFolder::RunFolder(const fs::path& folder) : folder_(folder) {
     check_run_folder(folder);
+    make_folder(folder);
+}
+
+void RunFolder::make_folder(const fs::path& folder) {
+    std::vector<fs::path> missing;
     std::error_code why;
+    for (fs::path at = fs::absolute(folder).lexically_normal(); !fs::exists(at, why); at = at.parent_path())
+        if (at.has_filename()) missing.push_back(at);  // "a/b/" ends with an empty name
     fs::create_directories(folder, why);
     if (why) throw OutputError(text(folder.string(), ": cannot make the folder: ", why.message()));
+    made_.insert(made_.begin(), missing.begin(), missing.end());
+}
+
+void RunFolder::discard() {
+    history_.reset();
+    std::error_code ignored;
+    for (const std::string& file : files_) fs::remove(folder_ / file, ignored);
+    for (const fs::path& folder : made_) fs::remove(folder, ignored);  // not what somebody else has put something into
+    files_.clear();
+    made_.clear();
 }
 
 void RunFolder::remember(const std::string& name) {
@@ -94,9 +111,7 @@ void RunFolder::remember(const std::string& name) {
 
 void RunFolder::write(const std::string& name, const std::string& bytes) {
     const fs::path file = folder_ / name;
-    std::error_code why;
-    fs::create_directories(file.parent_path(), why);
-    if (why) throw OutputError(text(file.parent_path().string(), ": cannot make the folder: ", why.message()));
+    make_folder(file.parent_path());
     write_atomically(file, bytes);
     remember(name);
 }
@@ -137,9 +152,7 @@ void RunFolder::add_to_series(int evaluation, const Points& vertices, const Poin
     std::vector<Field> cells;
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
         cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
-    std::error_code why;
-    fs::create_directories(folder_ / "series", why);
-    if (why) throw OutputError(text((folder_ / "series").string(), ": cannot make the folder: ", why.message()));
+    make_folder(folder_ / "series");
     write_vtp(folder_ / name.str(), with_vertices(problem_->surface, vertices), points, cells);
     steps_.emplace_back(evaluation, name.str());
     write_pvd(folder_ / "series.pvd", steps_);

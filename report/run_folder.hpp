@@ -30,12 +30,15 @@ public:
     void add(const AcceptedDesign& design);
     /// Completes series and run.json.
     void finish(const RunResult& result);
+    /// Removes what was written and the folders that were made, before the first design: as if there had been no run.
+    void discard();
 
     const std::filesystem::path& folder() const { return folder_; }
     /// Names of the files written so far, relative to the folder.
     const std::vector<std::string>& files() const { return files_; }
 
 private:
+    void make_folder(const std::filesystem::path& folder);  ///< with those above it
     void write(const std::string& name, const std::string& bytes);
     void add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv);
     void remember(const std::string& name);
@@ -47,6 +50,7 @@ private:
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;
     std::vector<std::string> files_;
+    std::vector<std::filesystem::path> made_;  ///< folders that did not exist, the deepest first
 };
 
 /// What finish() writes as run.json, and `strake run --json` prints: {status, reason, level, evaluations, objective,

@@ -1,11 +1,13 @@
+#include "optimize/design_levels.hpp"
+
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
-#include "optimize/design_space.hpp"
+#include "optimize/mirror.hpp"
+#include "optimize/response_metric.hpp"
 #include "optimize/strain_core.hpp"
 
 #include <numbers>
 
-/// How the space of a level is made: which variables, their units, and what is inherited.
 namespace strake {
 namespace {
 
@@ -16,11 +18,12 @@ bool wants(const DesignSpace& space, VariableKind kind) {
     return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
+bool any_of(const std::vector<char>& flags, const Patch& patch) {
+    return std::any_of(patch.triangles.begin(), patch.triangles.end(), [&](int t) { return flags[t] != 0; });
+}
+
 bool takes_part(const RestFacts& rest, const Patch& patch) {
-    if (rest.parameters.on.empty()) return true;
-    for (const int t : patch.triangles)
-        if (rest.parameters.on[t]) return true;
-    return false;
+    return rest.parameters.on.empty() || any_of(rest.parameters.on, patch);
 }
 
 /// Cores of the first level: its own. Of a finer one: the child's part of its parent's core.
@@ -34,7 +37,7 @@ void place_cores(DesignSpace& space, const DesignSpace* parent) {
     if (!wants(space, VariableKind::strain)) return;
     if (!parent) {
         space.core = strain_cores(rest.surface, rest.adjacent, space.patches(), space.pin,
-                                  rest.setup.options.symmetry.has_value());
+                                  rest.setup.options.symmetry.has_value(), rest.parameters.core);
         for (std::size_t p = 0; p < patches.size(); ++p)
             if (!takes_part(rest, patches[p])) space.core[p].clear();
     } else {
@@ -57,223 +60,196 @@ void place_cores(DesignSpace& space, const DesignSpace* parent) {
                                 " leave no free prism: every triangle is fixed or in the core of a patch"));
 }
 
-void add(DesignSpace& space, VariableKind kind, const Patch& patch, int component, const std::string& suffix) {
-    space.variables.push_back({patch.name + "." + suffix, kind, patch.id, component, 1.0});
+/// Patches that share their values: the first of them, and how a vector of it becomes a vector of each.
+struct Tied {
+    struct Member {
+        int patch;
+        Eigen::Matrix3d turn;  ///< of loads and translations; a rotation vector takes det(turn) turn
+    };
+    std::vector<Member> members;
+    /// Of a patch that is its own mirror image: only what keeps it so may be offered. Else zero.
+    Eigen::Matrix3d own_image = Eigen::Matrix3d::Zero();
+};
+
+/// Every patch is in one of the result; ties as `parameters.groups` and `parameters.mirror` ask for.
+std::vector<Tied> tied_patches(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    const auto& patches = space.patches().patches;
+    std::vector<char> taken(patches.size(), 0);
+    std::vector<Tied> all;
+    for (const std::vector<char>& group : rest.parameters.groups) {
+        Tied tied;
+        for (const Patch& patch : patches)
+            if (!taken[patch.id] && any_of(group, patch)) {
+                taken[patch.id] = 1;
+                tied.members.push_back({patch.id, Eigen::Matrix3d::Identity()});
+            }
+        if (!tied.members.empty()) all.push_back(tied);
+    }
+    std::vector<int> image(patches.size(), -1);
+    if (rest.mirror) image = mirror_images(rest.surface, space.patches(), *rest.mirror);
+    for (const Patch& patch : patches) {
+        if (std::exchange(taken[patch.id], 1)) continue;
+        Tied tied{{{patch.id, Eigen::Matrix3d::Identity()}}};
+        const int other = image[patch.id];
+        if (other == patch.id) tied.own_image = reflection(*rest.mirror);
+        if (other >= 0 && !std::exchange(taken[other], 1)) tied.members.push_back({other, reflection(*rest.mirror)});
+        all.push_back(tied);
+    }
+    std::sort(all.begin(), all.end(),
+              [](const Tied& a, const Tied& b) { return a.members[0].patch < b.members[0].patch; });
+    return all;
 }
 
-/// All variables that could be, with unit 1.
-void list_candidates(DesignSpace& space) {
-    static const char* axes[] = {"x", "y", "z"};
-    for (const Patch& patch : space.patches().patches) {
-        if (!takes_part(*space.rest, patch)) continue;
-        bool any_free = false;
-        for (const int t : patch.triangles) any_free |= space.pin[t] == free_prism;
-        const bool has_core = !space.core[patch.id].empty();
-        if (!any_free && !has_core) {
-            space.notes.push_back(text("patch ", patch.name, ": all of its triangles are held, no variables"));
-            continue;
+/// Lists all variables that could be, with unit 1.
+class Candidates {
+public:
+    explicit Candidates(DesignSpace& space) : space_(space), rest_(*space.rest) {}
+
+    void list() {
+        for (const Tied& tied : tied_patches(space_)) {
+            Tied usable{{}, tied.own_image};
+            bool any_free = false, has_core = true;
+            for (const Tied::Member& member : tied.members) {
+                const Patch& patch = space_.patches().patches[member.patch];
+                if (!takes_part(rest_, patch)) continue;
+                if (!rest_.parameters.frozen.empty() && any_of(rest_.parameters.frozen, patch)) {
+                    space_.notes.push_back(text("patch ", patch.name, ": frozen, no variables"));
+                    continue;
+                }
+                const bool is_free = std::any_of(patch.triangles.begin(), patch.triangles.end(),
+                                                 [&](int t) { return space_.pin[t] == free_prism; });
+                if (!is_free && space_.core[patch.id].empty()) {
+                    space_.notes.push_back(text("patch ", patch.name, ": all of its triangles are held, no variables"));
+                    continue;
+                }
+                any_free |= is_free;
+                has_core &= !space_.core[patch.id].empty();
+                usable.members.push_back(member);
+            }
+            if (!usable.members.empty()) offer(usable, any_free, has_core);
         }
-        for (const VariableKind kind : space.rest->parameters.kinds) switch (kind) {
+    }
+
+private:
+    void offer(const Tied& tied, bool any_free, bool has_core) {
+        static const char* axes[] = {"x", "y", "z"};
+        const Parameters& p = rest_.parameters;
+        for (const VariableKind kind : p.kinds) switch (kind) {
                 case VariableKind::load:
-                    for (int c = 0; any_free && c < 3; ++c) add(space, kind, patch, c, text("load_", axes[c]));
+                    for (int c = 0; any_free && p.load_directions.empty() && c < 3; ++c)
+                        add_vector(tied, kind, c, slot::load, Eigen::Vector3d::Unit(c), text("load_", axes[c]));
+                    for (std::size_t d = 0; any_free && d < p.load_directions.size(); ++d)
+                        add_vector(tied, kind, static_cast<int>(d), slot::load, p.load_directions[d],
+                                   text("load_", d + 1));
                     break;
                 case VariableKind::load_normal:
-                    if (any_free) add(space, kind, patch, 0, "load_normal");
+                    if (any_free) add_scalar(tied, kind, slot::normal, "load_normal");
                     break;
                 case VariableKind::strain:
-                    for (int c = 0; has_core && c < 6; ++c)
-                        add(space, kind, patch, c, text(c < 3 ? "rotate_" : "translate_", axes[c % 3]));
+                    for (int c = 0; has_core && c < 6; ++c) {
+                        if (!(c < 3 ? p.strain_rotates : p.strain_translates)) continue;
+                        add_vector(tied, kind, c, c < 3 ? slot::rotation : slot::translation,
+                                   Eigen::Vector3d::Unit(c % 3), text(c < 3 ? "rotate_" : "translate_", axes[c % 3]));
+                    }
                     break;
                 case VariableKind::stiffness:
-                    if (any_free) add(space, kind, patch, 0, "stiffness");
+                    if (any_free) add_scalar(tied, kind, slot::stiffness, "stiffness");
                     break;
             }
     }
-}
 
-/// Linear response at rest to each variable at physical value 1. Stiffness, which has none, is left at zero.
-struct RestResponse {
-    Eigen::VectorXd largest;  ///< displacement
-    Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
-    Eigen::MatrixXd work;     ///< entry (i, j): work of load i in the response to load j; zero for strains
+    void add(const Tied& tied, VariableKind kind, int component, const std::string& suffix,
+             std::vector<Freedom> moves) {
+        const Patch& first = space_.patches().patches[tied.members[0].patch];
+        std::string name = first.name;
+        if (tied.members.size() > 1) name += "+" + space_.patches().patches[tied.members[1].patch].name;
+        if (tied.members.size() > 2) name += text("+", tied.members.size() - 2, "more");
+        space_.variables.push_back({name + "." + suffix, kind, first.id, component, 1.0, std::move(moves)});
+    }
+
+    void add_scalar(const Tied& tied, VariableKind kind, int where, const std::string& suffix) {
+        std::vector<Freedom> moves;
+        for (const Tied::Member& member : tied.members) moves.push_back({member.patch * slot::count + where, 1.0});
+        add(tied, kind, 0, suffix, std::move(moves));
+    }
+
+    void add_vector(const Tied& tied, VariableKind kind, int component, int where, const Eigen::Vector3d& stated,
+                    const std::string& suffix) {
+        Eigen::Vector3d direction = stated;
+        if (!tied.own_image.isZero(0)) {
+            const double sense = where == slot::rotation ? tied.own_image.determinant() : 1;
+            direction = 0.5 * (stated + sense * tied.own_image * stated);
+            if (direction.norm() < 1e-9) return;
+            direction.normalize();
+        }
+        std::vector<Freedom> moves;
+        for (const Tied::Member& member : tied.members) {
+            Eigen::Vector3d v = member.turn * direction;
+            if (where == slot::rotation) v *= member.turn.determinant();
+            for (int c = 0; c < 3; ++c)
+                if (std::abs(v[c]) > 1e-15) moves.push_back({member.patch * slot::count + where + c, v[c]});
+        }
+        add(tied, kind, component, suffix, std::move(moves));
+    }
+
+    DesignSpace& space_;
+    const RestFacts& rest_;
 };
-
-constexpr int most_samples = 3000;  ///< vertices for the metric: a mean square needs no more
-
-/// Work of the force of every load variable in the displacement dv.
-Eigen::VectorXd work_of_loads(const DesignSpace& space, const Points& dv) {
-    const RestFacts& rest = *space.rest;
-    const auto& patches = space.patches().patches;
-    Points vector = Points::Zero(static_cast<Eigen::Index>(patches.size()), 3);
-    Eigen::VectorXd normal = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(patches.size()));
-    for (int t = 0; t < rest.surface.num_triangles(); ++t) {
-        Eigen::RowVector3d moved = Eigen::RowVector3d::Zero();
-        for (int k = 0; k < 3; ++k) moved += rest.area[t] / 3 * dv.row(rest.surface.triangles(t, k));
-        vector.row(space.patches().label[t]) += moved;
-        normal[space.patches().label[t]] += moved.dot(rest.normal.row(t));
-    }
-    Eigen::VectorXd work = Eigen::VectorXd::Zero(space.size());
-    for (int j = 0; j < space.size(); ++j) {
-        const Variable& variable = space.variables[j];
-        if (variable.kind == VariableKind::load) work[j] = vector(variable.patch, variable.component);
-        if (variable.kind == VariableKind::load_normal) work[j] = normal[variable.patch];
-    }
-    return work;
-}
-
-RestResponse rest_responses(const DesignSpace& space) {
-    const RestFacts& rest = *space.rest;
-    const int stride = std::max(1, rest.surface.num_vertices() / most_samples);
-    const int samples = (rest.surface.num_vertices() + stride - 1) / stride;
-    RestResponse result{Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * samples, space.size()),
-                        Eigen::MatrixXd::Zero(space.size(), space.size())};
-    DesignSpace movers = space;  // without stiffness, which has no response at rest
-    std::vector<int> number;
-    movers.variables.clear();
-    for (int j = 0; j < space.size(); ++j)
-        if (space.variables[j].kind != VariableKind::stiffness)
-            movers.variables.push_back(space.variables[j]), number.push_back(j);
-    if (movers.variables.empty()) return result;
-    ShellOptions options = rest.setup.options;
-    options.pin = space.pin;
-    PrimoShell shell(rest.surface, options);
-    // Springs and pins belong to the rest state, given loads and motions do not.
-    std::vector<RigidMotion> at_rest(rest.setup.motions.size());
-    for (std::size_t p = 0; p < space.motion.size(); ++p)
-        if (space.motion[p] >= 0) at_rest.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
-    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, at_rest);
-    if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
-    double sampled_area = 0;
-    for (int v = 0; v < rest.surface.num_vertices(); v += stride) sampled_area += rest.vertex_area[v];
-    design_response(movers, shell, [&](int mover, const Points& dv) {
-        const int j = number[mover];
-        result.largest[j] = std::sqrt(dv.rowwise().squaredNorm().maxCoeff());
-        for (int s = 0; s < samples; ++s)
-            result.samples.block<3, 1>(3 * s, j) =
-                std::sqrt(rest.vertex_area[s * stride] / sampled_area) * dv.row(s * stride).transpose();
-        if (space.variables[j].kind != VariableKind::strain) result.work.col(j) = work_of_loads(space, dv);
-    });
-    return result;
-}
-
-bool is_load(const Variable& v) { return v.kind == VariableKind::load || v.kind == VariableKind::load_normal; }
-
-/// The metric of the variables as they are scaled.
-Eigen::MatrixXd metric(const DesignSpace& space, const RestResponse& response, const std::vector<int>& number) {
-    const double wanted = space.rest->parameters.max_displacement * space.rest->diagonal;
-    const Eigen::Index n = space.size();
-    Eigen::MatrixXd moved(response.samples.rows(), n), work = Eigen::MatrixXd::Zero(n, n);
-    std::vector<double> works;
-    for (Eigen::Index i = 0; i < n; ++i) {
-        moved.col(i) = 2 / wanted * space.variables[i].unit * response.samples.col(number[i]);
-        for (Eigen::Index j = 0; j < n; ++j)
-            if (is_load(space.variables[i]) && is_load(space.variables[j]))
-                work(i, j) = space.variables[i].unit * space.variables[j].unit * 0.5 *
-                             (response.work(number[i], number[j]) + response.work(number[j], number[i]));
-        if (work(i, i) > 0) works.push_back(work(i, i));
-    }
-    Eigen::MatrixXd sum = moved.transpose() * moved;
-    if (!works.empty()) {
-        std::nth_element(works.begin(), works.begin() + static_cast<std::ptrdiff_t>(works.size() / 4), works.end());
-        const double soft = works[works.size() / 4];
-        for (Eigen::Index i = 0; i < n; ++i)
-            for (Eigen::Index j = 0; j < n; ++j)
-                sum(i, j) += is_load(space.variables[i]) && is_load(space.variables[j]) ? work(i, j) / soft : 0.0;
-    }
-    for (Eigen::Index i = 0; i < n; ++i) {
-        if (space.variables[i].kind == VariableKind::stiffness) sum(i, i) += 1;
-        sum(i, i) *= 1 + 1e-9;  // definite also where loads are dependent, as a vector and a normal on a flat patch
-    }
-    return sum;
-}
 
 /// Units so that x = 1 moves the surface by max_displacement; variables that move nothing are left out with a note.
 void scale(DesignSpace& space) {
     const RestFacts& rest = *space.rest;
-    const RestResponse response = rest_responses(space);
+    const Responses unscaled = responses_at_rest(space);
     double largest_load = 0;
     for (int j = 0; j < space.size(); ++j)
-        if (is_load(space.variables[j])) largest_load = std::max(largest_load, response.largest[j]);
+        if (is_load(space.variables[j].kind)) largest_load = std::max(largest_load, unscaled.largest[j]);
     std::vector<Variable> kept;
-    std::vector<int> number;
     for (int j = 0; j < space.size(); ++j) {
         Variable variable = space.variables[j];
-        const double least = is_load(variable) ? negligible * largest_load : 0;
+        const double least = is_load(variable.kind) ? negligible * largest_load : 0;
         if (variable.kind == VariableKind::stiffness) {
             variable.unit = std::numbers::ln2;
-        } else if (!(response.largest[j] > least)) {
+        } else if (!(unscaled.largest[j] > least)) {
             space.notes.push_back(text(variable.name, ": moves nothing, left out"));
             continue;
         } else {
-            variable.unit = rest.parameters.max_displacement * rest.diagonal / response.largest[j];
+            variable.unit = rest.parameters.max_displacement * rest.diagonal / unscaled.largest[j];
         }
         kept.push_back(variable);
-        number.push_back(j);
     }
     space.variables = std::move(kept);
-    space.metric = metric(space, response, number);
+    const Responses responses = responses_at_rest(space);
+    space.metric = response_metric(space, responses);
+    space.soft_work = soft_work(space, responses);
     space.lower = Eigen::VectorXd::Constant(space.size(), -1);
     space.upper = Eigen::VectorXd::Constant(space.size(), 1);
 }
 
-DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const DesignSpace* parent) {
-    if (level < 0 || level >= static_cast<int>(rest->tree->levels.size()))
-        throw InvalidInput(text("level ", level, " must be in [0, ", rest->tree->levels.size() - 1, "]"));
-    DesignSpace space;
-    space.rest = std::move(rest);
-    space.level = level;
-    place_cores(space, parent);
-    list_candidates(space);
-    scale(space);
-    return space;
+void check_flags(const char* key, const std::vector<char>& flags, int m) {
+    if (!flags.empty() && static_cast<int>(flags.size()) != m)
+        throw InvalidInput(text("parameters.", key, ": ", flags.size(), " entries for ", m, " triangles"));
 }
 
-int find_variable(const DesignSpace& space, int patch, VariableKind kind, int component) {
-    for (int j = 0; j < space.size(); ++j)
-        if (space.variables[j].patch == patch && space.variables[j].kind == kind &&
-            space.variables[j].component == component)
-            return j;
-    return -1;
-}
-
-/// Gives `child_patch` the physical value of one parent variable: as x where it has that variable, else carried.
-void pass_on(const Variable& from, double value, const Patch& child_patch, DesignSpace& child, Eigen::VectorXd& x) {
-    const int j = find_variable(child, child_patch.id, from.kind, from.component);
-    if (j >= 0) {
-        x[j] = value / child.variables[j].unit;
-    } else if (from.kind == VariableKind::stiffness) {
-        for (const int t : child_patch.triangles) child.carried_log_height[t] += value;
-    } else {
-        for (const int t : child_patch.triangles)
-            if (from.kind == VariableKind::load)
-                child.carried_traction(t, from.component) += value;
-            else
-                child.carried_traction.row(t) += value * child.rest->normal.row(t);
-    }
-}
-
-/// A child's core follows the parent's motion about its own centroid: tau_c = (exp(rho) - I)(c_c - c_P) + tau_P.
-void pass_on_motion(const RigidMotion& from, const Patch& child_patch, DesignSpace& child, Eigen::VectorXd& x) {
-    RigidMotion& carried = child.carried_motion[child_patch.id];
-    const double angle = from.rotation.norm();
-    const Eigen::Matrix3d turn =
-        angle > 0 ? Eigen::AngleAxisd(angle, from.rotation / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
-    const Eigen::Vector3d arm = carried.about - from.about;
-    const Eigen::Vector3d translation = turn * arm - arm + from.translation;
-    for (int c = 0; c < 6; ++c) {
-        const double value = c < 3 ? from.rotation[c] : translation[c - 3];
-        const int j = find_variable(child, child_patch.id, VariableKind::strain, c);
-        if (j >= 0)
-            x[j] = value / child.variables[j].unit;
-        else
-            (c < 3 ? carried.rotation[c] : carried.translation[c - 3]) = value;
-    }
+void check(const Parameters& p, int m) {
+    if (!(p.max_displacement > 0)) throw InvalidInput(text("max_displacement = ", p.max_displacement, " must be > 0"));
+    if (!(p.core > 0 && p.core < 1)) throw InvalidInput(text("parameters.core = ", p.core, " must be in (0, 1)"));
+    if (!(p.growth > 1)) throw InvalidInput(text("parameters.growth = ", p.growth, " must be > 1"));
+    if (!(p.split_share > 0 && p.split_share <= 1))
+        throw InvalidInput(text("parameters.split_share = ", p.split_share, " must be in (0, 1]"));
+    check_flags("on", p.on, m);
+    check_flags("freeze", p.frozen, m);
+    for (const auto& group : p.groups) check_flags("groups", group, m);
+    for (const Eigen::Vector3d& direction : p.load_directions)
+        if (!(std::abs(direction.norm() - 1) < 1e-9))
+            throw InvalidInput(text("parameters.directions: length ", direction.norm(), " must be 1"));
 }
 
 }  // namespace
 
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     auto rest = std::make_shared<RestFacts>();
+    check(problem.parameters, problem.surface.num_triangles());
     rest->setup = shell_setup(problem);
     rest->surface = problem.surface;
     rest->adjacent = adjacency(problem.surface);
@@ -284,39 +260,33 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     rest->given_traction = problem.given_traction;
     rest->tree = std::make_shared<const PatchHierarchy>(problem.tree);
     rest->parameters = problem.parameters;
-    if (!(problem.parameters.max_displacement > 0))
-        throw InvalidInput(text("max_displacement = ", problem.parameters.max_displacement, " must be > 0"));
-    if (!problem.parameters.on.empty() &&
-        static_cast<int>(problem.parameters.on.size()) != problem.surface.num_triangles())
-        throw InvalidInput(text("parameters.on: ", problem.parameters.on.size(), " entries for ",
-                                problem.surface.num_triangles(), " triangles"));
+    rest->cache = std::make_shared<ResponseCache>();
+    if (problem.parameters.mirror) {
+        rest->mirror = plane_of_symmetry(problem.surface);
+        if (!rest->mirror)
+            throw InvalidInput("parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
+        const Eigen::Vector3d n = rest->mirror->normal;
+        rest->notes.push_back(text("mirror images are tied about the plane ", n[0], " x + ", n[1], " y + ", n[2],
+                                   " z = ", rest->mirror->offset));
+    }
     return rest;
 }
 
-DesignSpace design_space(std::shared_ptr<const RestFacts> rest, int level) {
-    return make_space(std::move(rest), level, nullptr);
+DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const Front& front,
+                       const DesignSpace* parent) {
+    DesignSpace space;
+    space.rest = std::move(rest);
+    space.level = level;
+    space.front = std::make_shared<const Front>(front);
+    place_cores(space, parent);
+    Candidates(space).list();
+    scale(space);
+    return space;
 }
 
-InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x) {
-    InheritedSpace result{make_space(parent.rest, parent.level + 1, &parent), {}};
-    DesignSpace& child = result.space;
-    result.x = Eigen::VectorXd::Zero(child.size());
-    const int m = parent.rest->surface.num_triangles();
-    child.carried_traction = parent.carried_traction.rows() > 0 ? parent.carried_traction : Points(Points::Zero(m, 3));
-    if (parent.changes_height())
-        child.carried_log_height = parent.carried_log_height.size() > 0 ? parent.carried_log_height
-                                                                        : Eigen::VectorXd(Eigen::VectorXd::Zero(m));
-    const std::vector<RigidMotion> motions = demand(parent, x).motions;
-    for (const Patch& patch : child.patches().patches) {
-        for (int j = 0; j < parent.size(); ++j)
-            if (parent.variables[j].patch == patch.parent && parent.variables[j].kind != VariableKind::strain)
-                pass_on(parent.variables[j], x[j] * parent.variables[j].unit, patch, child, result.x);
-        if (child.motion[patch.id] >= 0) pass_on_motion(motions[parent.motion[patch.parent]], patch, child, result.x);
-    }
-    if (child.carried_traction.isZero(0)) child.carried_traction.resize(0, 3);
-    child.lower = child.lower.cwiseMin(result.x);
-    child.upper = child.upper.cwiseMax(result.x);
-    return result;
+DesignSpace design_space(std::shared_ptr<const RestFacts> rest, int level) {
+    const Front front = front_at(*rest->tree, level);
+    return make_space(std::move(rest), level, front, nullptr);
 }
 
 }  // namespace strake

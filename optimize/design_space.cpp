@@ -8,38 +8,35 @@ namespace {
 
 constexpr int block_size = 16;  ///< right-hand sides at a time: enough for BLAS 3, little memory
 
-void add_traction(const DesignSpace& space, const Variable& variable, double value, Points& traction) {
-    for (const int t : space.patches().patches[variable.patch].triangles) {
-        if (variable.kind == VariableKind::load)
-            traction(t, variable.component) += value;
-        else
-            traction.row(t) += value * space.rest->normal.row(t);
+/// The traction of degrees of freedom, added to what is there.
+void add_traction(const DesignSpace& space, const Eigen::VectorXd& value, Points& traction) {
+    for (const Patch& patch : space.patches().patches) {
+        const double* at = value.data() + slot::count * patch.id;
+        const Eigen::RowVector3d vector(at[slot::load], at[slot::load + 1], at[slot::load + 2]);
+        if (!vector.isZero(0))
+            for (const int t : patch.triangles) traction.row(t) += vector;
+        if (at[slot::normal] != 0)
+            for (const int t : patch.triangles) traction.row(t) += at[slot::normal] * space.rest->normal.row(t);
     }
 }
 
-bool is_load(VariableKind kind) { return kind == VariableKind::load || kind == VariableKind::load_normal; }
-
-Points total_traction(const DesignSpace& space, const Eigen::VectorXd& x) {
+Points total_traction(const DesignSpace& space, const Eigen::VectorXd& value) {
     Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
     if (space.rest->given_traction.rows() > 0) traction = space.rest->given_traction;
     if (space.carried_traction.rows() > 0) traction += space.carried_traction;
-    for (int j = 0; j < space.size(); ++j)
-        if (is_load(space.variables[j].kind))
-            add_traction(space, space.variables[j], x[j] * space.variables[j].unit, traction);
+    add_traction(space, value, traction);
     return traction;
 }
 
 /// h_v = h0_v exp(sum A_T s_T / sum A_T) over the triangles at v, s_T the logarithm of the triangle's factor.
-Eigen::VectorXd heights(const DesignSpace& space, const Eigen::VectorXd& x) {
+Eigen::VectorXd heights(const DesignSpace& space, const Eigen::VectorXd& value) {
     const RestFacts& rest = *space.rest;
     if (!space.changes_height()) return rest.setup.options.prism_height;
     Eigen::VectorXd log_factor = space.carried_log_height.size() > 0
                                      ? space.carried_log_height
                                      : Eigen::VectorXd::Zero(rest.surface.num_triangles());
-    for (int j = 0; j < space.size(); ++j)
-        if (space.variables[j].kind == VariableKind::stiffness)
-            for (const int t : space.patches().patches[space.variables[j].patch].triangles)
-                log_factor[t] += x[j] * space.variables[j].unit;
+    for (const Patch& patch : space.patches().patches)
+        for (const int t : patch.triangles) log_factor[t] += value[slot::count * patch.id + slot::stiffness];
     Eigen::VectorXd mean = Eigen::VectorXd::Zero(rest.surface.num_vertices());
     for (int t = 0; t < rest.surface.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) mean[rest.surface.triangles(t, k)] += rest.area[t] / 3 * log_factor[t];
@@ -49,17 +46,15 @@ Eigen::VectorXd heights(const DesignSpace& space, const Eigen::VectorXd& x) {
     return h;
 }
 
-std::vector<RigidMotion> motions(const DesignSpace& space, const Eigen::VectorXd& x) {
+std::vector<RigidMotion> motions(const DesignSpace& space, const Eigen::VectorXd& value) {
     std::vector<RigidMotion> all = space.rest->setup.motions;
-    for (std::size_t p = 0; p < space.motion.size(); ++p)
-        if (space.motion[p] >= 0) all.push_back(space.carried_motion[p]);
-    for (int j = 0; j < space.size(); ++j) {
-        const Variable& variable = space.variables[j];
-        if (variable.kind != VariableKind::strain) continue;
-        RigidMotion& motion = all[space.motion[variable.patch]];
-        const double value = x[j] * variable.unit;
-        (variable.component < 3 ? motion.rotation[variable.component] : motion.translation[variable.component - 3]) +=
-            value;
+    for (std::size_t p = 0; p < space.motion.size(); ++p) {
+        if (space.motion[p] < 0) continue;
+        RigidMotion motion = space.carried_motion[p];
+        const Eigen::Index at = slot::count * static_cast<Eigen::Index>(p);
+        motion.rotation += value.segment<3>(at + slot::rotation);
+        motion.translation += value.segment<3>(at + slot::translation);
+        all.push_back(motion);
     }
     return all;
 }
@@ -71,6 +66,51 @@ void check_size(const DesignSpace& space, const Eigen::VectorXd& x) {
     if (!x.allFinite()) throw InvalidInput("x is not finite");
 }
 
+/// dJ/d(log of the height's factor) per triangle.
+Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::VectorXd& value,
+                                    const ShellSensitivities& sensitivities) {
+    const RestFacts& rest = *space.rest;
+    Eigen::VectorXd by_vertex = sensitivities.prism_height.cwiseProduct(heights(space, value));
+    for (int v = 0; v < by_vertex.size(); ++v)
+        by_vertex[v] = rest.vertex_area[v] > 0 ? by_vertex[v] / rest.vertex_area[v] : 0;
+    Eigen::VectorXd by_triangle = Eigen::VectorXd::Zero(rest.surface.num_triangles());
+    for (int t = 0; t < rest.surface.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) by_triangle[t] += rest.area[t] / 3 * by_vertex[rest.surface.triangles(t, k)];
+    return by_triangle;
+}
+
+/// dJ/d(degree of freedom), all of them.
+Eigen::VectorXd freedom_gradient(const DesignSpace& space, const Eigen::VectorXd& value,
+                                 const ShellSensitivities& sensitivities) {
+    const RestFacts& rest = *space.rest;
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_freedoms());
+    const bool heights_count = space.changes_height();
+    Eigen::VectorXd by_log_height;
+    if (heights_count) by_log_height = log_height_gradient(space, value, sensitivities);
+    for (int t = 0; t < rest.surface.num_triangles(); ++t) {
+        double* at = gradient.data() + slot::count * space.patches().label[t];
+        Eigen::RowVector3d by_traction = Eigen::RowVector3d::Zero();
+        for (int k = 0; k < 3; ++k)
+            by_traction += rest.area[t] / 3 * sensitivities.force.row(rest.surface.triangles(t, k));
+        for (int c = 0; c < 3; ++c) at[slot::load + c] += by_traction[c];
+        at[slot::normal] += by_traction.dot(rest.normal.row(t));
+        if (heights_count) at[slot::stiffness] += by_log_height[t];
+    }
+    if (sensitivities.wrench.rows() == 0) return gradient;
+    const std::vector<RigidMotion> moved = motions(space, value);
+    for (std::size_t p = 0; p < space.motion.size(); ++p) {
+        if (space.motion[p] < 0) continue;
+        Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
+        for (const int t : space.core[p]) {
+            Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+            for (int k = 0; k < 3; ++k) centroid += rest.surface.vertices.row(rest.surface.triangles(t, k)) / 3;
+            sum += motion_twist(moved[space.motion[p]], centroid).transpose() * sensitivities.wrench.row(t).transpose();
+        }
+        gradient.segment<6>(slot::count * static_cast<Eigen::Index>(p) + slot::rotation) = sum;
+    }
+    return gradient;
+}
+
 }  // namespace
 
 bool DesignSpace::changes_height() const {
@@ -80,48 +120,38 @@ bool DesignSpace::changes_height() const {
     return false;
 }
 
-ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
+Eigen::VectorXd freedoms(const DesignSpace& space, const Eigen::VectorXd& x) {
     check_size(space, x);
+    Eigen::VectorXd value = Eigen::VectorXd::Zero(space.num_freedoms());
+    for (int j = 0; j < space.size(); ++j)
+        for (const Freedom& move : space.variables[j].moves)
+            value[move.index] += x[j] * space.variables[j].unit * move.factor;
+    return value;
+}
+
+ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
+    const Eigen::VectorXd value = freedoms(space, x);
     ShellDemand result;
-    result.loads.force = traction_forces(space.rest->surface, total_traction(space, x));
+    result.loads.force = traction_forces(space.rest->surface, total_traction(space, value));
     result.loads.spring = space.rest->setup.loads.spring;
-    result.motions = motions(space, x);
-    result.prism_height = heights(space, x);
+    result.motions = motions(space, value);
+    result.prism_height = heights(space, value);
     return result;
+}
+
+Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change) {
+    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+    add_traction(space, freedoms(space, change), traction);
+    return traction_forces(space.rest->surface, traction);
 }
 
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities) {
-    check_size(space, x);
-    const RestFacts& rest = *space.rest;
-    const int m = rest.surface.num_triangles();
-    Points by_traction = Points::Zero(m, 3);
-    for (int t = 0; t < m; ++t)
-        for (int k = 0; k < 3; ++k)
-            by_traction.row(t) += rest.area[t] / 3 * sensitivities.force.row(rest.surface.triangles(t, k));
-    Eigen::VectorXd by_log_height;  // per vertex: dJ/dh h / (area around it)
-    if (space.changes_height()) {
-        by_log_height = sensitivities.prism_height.cwiseProduct(heights(space, x));
-        for (int v = 0; v < by_log_height.size(); ++v)
-            by_log_height[v] = rest.vertex_area[v] > 0 ? by_log_height[v] / rest.vertex_area[v] : 0;
-    }
+    const Eigen::VectorXd by_freedom = freedom_gradient(space, freedoms(space, x), sensitivities);
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.size());
-    for (int j = 0; j < space.size(); ++j) {
-        const Variable& variable = space.variables[j];
-        double sum = 0;
-        if (variable.kind == VariableKind::strain)
-            sum = sensitivities.motion[space.motion[variable.patch]][variable.component];
-        else
-            for (const int t : space.patches().patches[variable.patch].triangles) {
-                if (variable.kind == VariableKind::load)
-                    sum += by_traction(t, variable.component);
-                else if (variable.kind == VariableKind::load_normal)
-                    sum += by_traction.row(t).dot(rest.normal.row(t));
-                else
-                    for (int k = 0; k < 3; ++k) sum += rest.area[t] / 3 * by_log_height[rest.surface.triangles(t, k)];
-            }
-        gradient[j] = sum * variable.unit;
-    }
+    for (int j = 0; j < space.size(); ++j)
+        for (const Freedom& move : space.variables[j].moves)
+            gradient[j] += by_freedom[move.index] * move.factor * space.variables[j].unit;
     return gradient;
 }
 
@@ -136,18 +166,18 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell.motion_response();
     }
     for (int j = 0; j < space.size();) {
-        const Variable& variable = space.variables[j];
-        if (variable.kind == VariableKind::strain) {
-            consume(j, by_motion[space.motion[variable.patch]][variable.component] * variable.unit);
-            ++j;
+        if (space.variables[j].kind == VariableKind::strain) {
+            Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
+            for (const Freedom& move : space.variables[j].moves)
+                dv += by_motion[space.motion[move.index / slot::count]][move.index % slot::count - slot::rotation] *
+                      (move.factor * space.variables[j].unit);
+            consume(j++, dv);
             continue;
         }
         std::vector<Points> forces;
         const int first = j;
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
-            Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
-            add_traction(space, space.variables[j], space.variables[j].unit, traction);
-            forces.push_back(traction_forces(space.rest->surface, traction));
+            forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
         }
         const std::vector<Points> moved = shell.response(forces);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);

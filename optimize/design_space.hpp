@@ -1,4 +1,5 @@
 #pragma once
+#include "core/patches/front.hpp"
 #include "optimize/shell_setup.hpp"
 
 #include <memory>
@@ -9,12 +10,25 @@
 /// rest: its unit is ln 2.
 namespace strake {
 
+/// The degrees of freedom of one patch: what variables act on. Traction vector, traction along the normals, rotation
+/// and translation of its core, logarithm of the height's factor.
+namespace slot {
+constexpr int load = 0, normal = 3, rotation = 4, translation = 7, stiffness = 10, count = 11;
+}
+
+/// One degree of freedom that a variable moves: patch * slot::count + slot, and by how much.
+struct Freedom {
+    int index = 0;
+    double factor = 1;
+};
+
 struct Variable {
     std::string name;  ///< patch and component: `wing.upper.load_x`
     VariableKind kind = VariableKind::load;
-    int patch = 0;      ///< id in its level
-    int component = 0;  ///< load: x, y, z; strain: rotation x, y, z, translation x, y, z; else 0
+    int patch = 0;      ///< id in its level; of tied patches the first
+    int component = 0;  ///< load: x, y, z or number of the direction; strain: rotation x, y, z, translation x, y, z
     double unit = 1;    ///< physical value at x = 1: 1/length, radians, length, or log of a factor
+    std::vector<Freedom> moves;  ///< one, or several for a direction and for tied patches
 };
 
 /// What x asks of the shell.
@@ -23,6 +37,8 @@ struct ShellDemand {
     std::vector<RigidMotion> motions;  ///< given strains first
     Eigen::VectorXd prism_height;      ///< per vertex
 };
+
+class ResponseCache;
 
 /// Facts about the start surface that every level shares.
 struct RestFacts {
@@ -36,17 +52,21 @@ struct RestFacts {
     Points given_traction;  ///< m x 3, or empty
     std::shared_ptr<const PatchHierarchy> tree;
     Parameters parameters;
+    std::optional<SymmetryPlane> mirror;   ///< plane of symmetry of the surface, where `parameters.mirror` asks for it
+    std::shared_ptr<ResponseCache> cache;  ///< responses at rest of variables met so far
+    std::vector<std::string> notes;
 };
+/// @throws InvalidInput: limits of `Parameters`, no plane of symmetry where one is asked for, and as `shell_setup`.
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem);
 
 struct DesignSpace {
     std::shared_ptr<const RestFacts> rest;
     int level = 0;
+    std::shared_ptr<const Front> front;
     std::vector<Variable> variables;
-    /// size() x size(), positive definite: x.metric.x is the size of a small change x. The sum of the squared root mean
-    /// square displacement (twice, over max_displacement) and of the elastic energy (over that of a soft load): neither
-    /// soft collective motions nor stiff in-plane loads, which run into buckling, look harmless in it.
+    /// size() x size(), positive definite: x.metric.x is the size of a small change x, see response_metric.hpp.
     Eigen::MatrixXd metric;
+    double soft_work = 0;                ///< what energies are measured by in it; 0: there are no loads
     Eigen::VectorXd lower, upper;        ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
     std::vector<std::string> notes;      ///< variables left out, and why
     std::vector<int> pin;                ///< ShellOptions::pin of this level: fixed, given strains, then the cores
@@ -58,11 +78,12 @@ struct DesignSpace {
     Eigen::VectorXd carried_log_height;       ///< m: the same of the logarithm of the height's factor; empty: none
 
     int size() const { return static_cast<int>(variables.size()); }
-    const PatchLevel& patches() const { return rest->tree->levels[level]; }
+    const PatchLevel& patches() const { return front->patches; }
+    int num_freedoms() const { return slot::count * static_cast<int>(front->patches.patches.size()); }
     bool changes_height() const;  ///< some variable is a stiffness, or one was inherited
 };
 
-/// The space of `level` with x = 0 the undeformed start (under given loads and strains).
+/// The space of `level` of the tree with x = 0 the undeformed start (under given loads and strains).
 /// @throws InvalidInput: no such level; strain cores that leave no free prism. UnheldPart from the rest solve.
 /// Cost: one factorization at rest and one back-substitution per variable.
 DesignSpace design_space(std::shared_ptr<const RestFacts> rest, int level);
@@ -70,15 +91,24 @@ DesignSpace design_space(std::shared_ptr<const RestFacts> rest, int level);
 struct InheritedSpace {
     DesignSpace space;
     Eigen::VectorXd x;
+    Eigen::MatrixXd prolongation;  ///< dx / d(x of the parent)
 };
 /// The space of the next level, and its x that demands the same of the shell as `x` does of `parent`: equal traction,
 /// equal motion and equal height of every triangle. Bounds are widened where an inherited value lies outside.
+/// @param front of the next level, made from the parent's by `split_front`; without it the next level of the tree.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x);
+InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const Front& front);
+
+/// Values of all degrees of freedom (num_freedoms()).
+Eigen::VectorXd freedoms(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// Tractions, motions and heights of x. Forces are summed over triangles in their order, whatever the patches.
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x);
 
-/// dJ/dx (size()) from dJ/d(force, motion, height) at x.
+/// Change of the vertex forces, n x 3, by a change of the load variables.
+Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change);
+
+/// dJ/dx (size()) from dJ/d(force, motion, height) at x. One pass over the surface, however many variables.
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities);
 
@@ -89,5 +119,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
 
 /// Physical values with names, for programs and for the files of a level.
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);
+
+inline bool is_load(VariableKind kind) { return kind == VariableKind::load || kind == VariableKind::load_normal; }
 
 }  // namespace strake

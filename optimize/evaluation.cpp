@@ -5,8 +5,7 @@
 namespace strake {
 namespace {
 
-/// A reasonable step takes four to six; more than twelve are better spent on a
-/// shorter step.
+/// A reasonable step takes four to six; more than twelve are better spent on a shorter step.
 constexpr int max_iterations = 12;
 
 std::vector<std::string> value_names(const Problem& problem) {
@@ -64,8 +63,7 @@ void ShapeEvaluator::accept() {
     if (last_) accepted_ = last_;
 }
 
-/// A shell serves as long as pins and heights stay; loads and motions change
-/// freely.
+/// A shell serves as long as pins and heights stay; loads and motions change freely.
 void ShapeEvaluator::build_shell(const ShellDemand& demand) {
     if (shell_ && shell_pin_ == space_.pin && shell_height_ == demand.prism_height) return;
     ShellOptions options = rest_->setup.options;
@@ -83,8 +81,8 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (accepted_) shell_->set_poses(*accepted_);
     SolveOptions options;
     options.keep_factor = true;
-    // From an accepted design on a shorter step is cheaper than a way around a
-    // buckling point; the first design has to be reached as it is.
+    // From an accepted design on a shorter step is cheaper than a way around a buckling point; the first design has to
+    // be reached as it is.
     if (accepted_) options.max_iterations = max_iterations;
     options.fallbacks = !accepted_;
     last_.reset();
@@ -157,11 +155,20 @@ ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
 void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.status != EvaluationStatus::ok || !last_)
         throw InvalidInput("differentiate: the last evaluation gave no shape");
-    const std::vector<ShellSensitivities> all = shell_->adjoint(evaluation.dJ_dv);
+    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
+    const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
     for (std::size_t i = 0; i < all.size(); ++i)
         evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
     if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
+}
+
+Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
+    for (const Variable& variable : space_.variables)
+        if (!is_load(variable.kind)) return {};
+    ShapeEvaluation unused;
+    if (!(last_ && last_x_ == x) && !deform(x, unused)) return {};
+    return present_product(space_, *shell_, d);
 }
 
 }  // namespace strake

@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/design_space.hpp"
+#include "optimize/response_metric.hpp"
 #include "optimize/validity.hpp"
 
 /// One evaluation: x -> loads -> equilibrium -> a valid surface -> values, and by one adjoint call their gradients.
@@ -16,12 +16,13 @@ std::string to_string(EvaluationStatus status);
 
 struct ShapeEvaluation {
     EvaluationStatus status = EvaluationStatus::not_converged;
-    std::string reason;           ///< why it is not ok
-    Points vertices;              ///< n x 3; empty unless a valid surface was reached
-    std::vector<double> values;   ///< in the order of `ShapeEvaluator::names()`; empty unless ok
-    std::vector<Points> dJ_dv;    ///< of the differentiated values, in their order; empty without gradients
-    Eigen::MatrixXd gradients;    ///< differentiated values x variables, once `differentiate` was called
-    double max_displacement = 0;  ///< from the start surface, length
+    std::string reason;          ///< why it is not ok
+    Points vertices;             ///< n x 3; empty unless a valid surface was reached
+    std::vector<double> values;  ///< in the order of `ShapeEvaluator::names()`; empty unless ok
+    std::vector<Points> dJ_dv;   ///< of the differentiated values, in their order; empty without gradients
+    Eigen::MatrixXd gradients;   ///< differentiated values x variables, once `differentiate` was called
+    std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
+    double max_displacement = 0;                    ///< from the start surface, length
 };
 
 /// Keeps the shell, its factor and the last accepted poses between evaluations. Not thread-safe.
@@ -43,6 +44,10 @@ public:
     void differentiate(ShapeEvaluation& evaluation);
     /// The next evaluations start from the equilibrium of the last one.
     void accept();
+
+    /// The metric at x times d (`present_product`); empty with strains or stiffness among the variables, and where x,
+    /// which an evaluation has reached before, is not reached again.
+    Eigen::VectorXd metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d);
 
     const std::vector<std::string>& names() const { return names_; }
     int index_of(const std::string& name) const;  ///< @throws InvalidInput with the known names

@@ -52,9 +52,9 @@ struct RunEvents {
 };
 
 struct RunResult {
-    /// One word: converged | budget (evaluations or time) | progress (it slackened on the last level) | roundoff |
-    /// blocked (valid evaluations end next to the best design) | infeasible | failed | evaluation_failed (a quantity
-    /// gave no value)
+    /// One word: converged | budget (evaluations or time) | progress (a fit whose progress slackened on the last level)
+    /// | roundoff | blocked (valid evaluations end next to the best design) | infeasible | failed | evaluation_failed
+    /// (a quantity gave no value)
     std::string status = "failed";
     std::string reason;  ///< one sentence or two: why, and what to do next
     int level = 0, evaluations = 0;

@@ -20,7 +20,8 @@ RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::
     if (p.optimize.max_evaluations < 1)
         throw InvalidInput(text("max_evaluations = ", p.optimize.max_evaluations, " must be >= 1"));
     result.names = evaluator.names();
-    for (const std::string& warning : rest->setup.warnings) note(warning);
+    for (const auto* list : {&rest->setup.warnings, &rest->notes})
+        for (const std::string& words : *list) note(words);
 }
 
 double RunState::seconds_left() const {
@@ -96,15 +97,29 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     return is_level_best;
 }
 
-Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x) {
+bool RunState::can_refine() const {
+    if (rest->parameters.split == SplitRule::tree) return levels_left() > 0;
+    const std::vector<int> parts = parts_of(*rest->tree, *space.front);
+    return *std::max_element(parts.begin(), parts.end()) > 1;
+}
+
+int RunState::levels_left() const {
+    const int below = static_cast<int>(rest->tree->levels.size()) - 1 - space.level;
+    if (rest->parameters.split == SplitRule::tree) return below;
+    // Fronts may go on longer than the tree is deep.
+    return can_refine() ? std::max(below, 1) : 0;
+}
+
+Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* front) {
     Eigen::VectorXd start;
     if (result.levels.empty()) {
         space = design_space(rest, first_level(*rest->tree));
         start = Eigen::VectorXd::Zero(space.size());
     } else {
-        InheritedSpace inherited = refine(space, x);
+        InheritedSpace inherited = front ? refine(space, x, *front) : refine(space, x);
         space = std::move(inherited.space);
         start = std::move(inherited.x);
+        prolongation = std::move(inherited.prolongation);
     }
     evaluator.enter(space);
     LevelSummary summary;

@@ -29,11 +29,16 @@ public:
                 const Points& dJ_dv);
 
     /// Makes the space of the next level (from `x` of the present one) and enters it.
-    Eigen::VectorXd next_level(const Eigen::VectorXd& x);
+    /// @param front of the next level; without it the next level of the tree.
+    Eigen::VectorXd next_level(const Eigen::VectorXd& x, const Front* front = nullptr);
+    /// There are finer patches than the present ones.
+    bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary
 
     int evaluations_left() const { return problem.optimize.max_evaluations - result.evaluations; }
-    int last_level() const { return static_cast<int>(rest->tree->levels.size()) - 1; }
+    int last_level() const { return space.level + levels_left(); }
+    /// Levels that may still come, at least; 0 when the present one is the last.
+    int levels_left() const;
     double seconds_left() const;  ///< of the whole run; infinite without a limit
     void note(const std::string& words) const {
         if (events.note) events.note(words);
@@ -43,7 +48,8 @@ public:
     const RunEvents& events;
     std::shared_ptr<const RestFacts> rest;
     ShapeEvaluator evaluator;
-    DesignSpace space;  ///< of the present level
+    DesignSpace space;             ///< of the present level
+    Eigen::MatrixXd prolongation;  ///< from the level before, variables x variables; empty on the first
     RunResult result;
     Rank level_best, run_best;
     Points level_best_vertices;

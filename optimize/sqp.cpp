@@ -18,23 +18,25 @@ constexpr double careful_growth = 1.4;                        // once an evaluat
 constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
 constexpr int restorations = 3;      ///< evaluations spent at the end on meeting the constraints
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
+constexpr int most_softenings = 4;   ///< looks at the present metric before a step is taken
+constexpr double softened = 1.5;     ///< a step so many times as long as thought is made anew
 constexpr int calm_steps = 2;        ///< small decreases in a row that mean convergence
 
 class Sqp {
 public:
-    explicit Sqp(Guard& guard)
-        : guard_(guard),
-          p_(guard.program),
-          x_(guard.best_x),
-          at_(guard.best),
-          metric_(p_.metric.size() > 0 ? p_.metric : MatrixXd(MatrixXd::Identity(x_.size(), x_.size()))) {}
+    explicit Sqp(Guard& guard) : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best) {
+        if (p_.metric.size() == 0) p_.metric = MatrixXd::Identity(x_.size(), x_.size());
+    }
 
     SqpEnd run() {
         start_hessian();
+        // What is known holds at the start, not where an earlier search from there has ended.
+        if (p_.hessian.size() > 0 && guard_.evaluations <= 1) B_ = p_.hessian;
         while (!step()) {
         }
         restore();
         end_.radius = radius_;
+        end_.hessian = B_;
         return end_;
     }
 
@@ -53,7 +55,7 @@ private:
     void start_hessian() {
         const VectorXd lagrangian = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
         const double slope = std::max(dual_norm(p_, lagrangian), 1e-3 * dual_norm(p_, at_.gradient));
-        B_ = (slope > 0 ? slope / guard_.options.first_step : 1.0) * metric_;
+        B_ = (slope > 0 ? slope / guard_.options.first_step : 1.0) * p_.metric;
         raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
     }
 
@@ -62,7 +64,7 @@ private:
     QuadraticModel model(const VectorXd& constraints, double damping) const {
         QuadraticModel m;
         m.gradient = at_.gradient;
-        m.hessian = B_ + damping * metric_;
+        m.hessian = B_ + damping * p_.metric;
         m.lower = p_.lower - x_;
         m.upper = p_.upper - x_;
         m.constraints = tightened(constraints);
@@ -76,7 +78,7 @@ private:
         VectorXd d = solve_model(model(constraints, 0));
         is_limited_ = d.size() > 0 && metric_norm(p_, d) > 1.01 * radius_;
         if (!is_limited_) return d;
-        const double size = B_.trace() / metric_.trace();
+        const double size = B_.trace() / p_.metric.trace();
         double low = std::log(1e-6 * size), high = std::log(1e10 * size);
         for (int i = 0; i < 30; ++i) {
             const double middle = 0.5 * (low + high);
@@ -89,6 +91,24 @@ private:
                 high = middle;
             else
                 break;
+        }
+        return d;
+    }
+
+    /// The model's step. Where the present metric finds it too long (a direction has become soft), the metric learns of
+    /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
+    VectorXd careful_step() {
+        VectorXd d = model_step(at_.constraints);
+        for (int round = 0; round < most_softenings && p_.present_metric && d.size() > 0; ++round) {
+            const VectorXd present = p_.present_metric(x_, d);
+            if (present.size() != d.size() || !present.allFinite()) break;
+            const VectorXd known = p_.metric * d;
+            const double length2 = d.dot(present), known2 = d.dot(known);
+            if (!(length2 > softened * softened * std::max(known2, 0.1 * radius_ * radius_)) || !(known2 > 0)) break;
+            p_.metric += present * present.transpose() / length2 - known * known.transpose() / known2;
+            p_.metric = 0.5 * (p_.metric + p_.metric.transpose()).eval();
+            ++end_.softenings;
+            d = model_step(at_.constraints);
         }
         return d;
     }
@@ -108,7 +128,7 @@ private:
         if (needs_restoration() && guard_.evaluations + restorations >= guard_.options.max_evaluations)
             return end(MinimizeStop::evaluations,
                        text("the limit of evaluations is reached (", guard_.evaluations, ")"));
-        const VectorXd d = model_step(at_.constraints);
+        const VectorXd d = careful_step();
         if (d.size() == 0) return model_failed();
         const double gain = -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));
         const double relief = total_violation(p_, tightened(at_.constraints)) -
@@ -243,7 +263,7 @@ private:
         for (int i = 0; i < restorations && guard_.cause == Cause::none; ++i) {
             QuadraticModel m = model(s.constraints, 0);
             m.gradient.setZero();
-            m.hessian = metric_;
+            m.hessian = p_.metric;
             m.lower = p_.lower - x;
             m.upper = p_.upper - x;
             const VectorXd d = solve_model(m);
@@ -263,14 +283,14 @@ private:
     }
 
     Guard& guard_;
-    const NonlinearProgram& p_;
+    NonlinearProgram p_;  ///< its metric may be renewed
     VectorXd x_;
     Sample at_;  ///< at x_, with gradients
-    MatrixXd metric_, B_;
+    MatrixXd B_;
     double radius_ = guard_.options.first_step;
     bool is_limited_ = false;
     int calm_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
-    SqpEnd end_{MinimizeStop::failed, "", 0, 0};
+    SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0};
 };
 
 }  // namespace

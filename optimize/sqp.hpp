@@ -5,8 +5,9 @@
 ///
 /// NLopt's own driver of SLSQP has no way to reject a point, starts from a unit Hessian and loses what it learned when
 /// it is restarted. Here NLopt's SLSQP solves the quadratic model of each step, and the globalization is ours: the
-/// Hessian starts as a multiple of the metric and learns by damped BFGS updates (Powell), a step is no longer than the
-/// trust region in the metric, an evaluation that fails halves the region and costs nothing else, and a merit function
+/// Hessian starts as what the program knows of it, else as a multiple of the metric, and learns by damped BFGS updates
+/// (Powell); a step is no longer than the trust region in the metric; directions that have become soft are found
+/// before they are tried; an evaluation that fails halves the region and costs nothing else; and a merit function
 /// (objective + penalty * violations) decides about the rest.
 namespace strake {
 
@@ -14,7 +15,9 @@ struct SqpEnd {
     MinimizeStop stop;
     std::string reason;
     int shrinks;
-    double radius;  ///< of the trust region at the end
+    double radius;            ///< of the trust region at the end
+    Eigen::MatrixXd hessian;  ///< the model at the end
+    int softenings;           ///< directions that were found longer than the metric knew
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

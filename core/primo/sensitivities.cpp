@@ -60,17 +60,6 @@ Eigen::VectorXd free_wrenches(const RestState& rest, const std::vector<Eigen::Ma
     return wrench;
 }
 
-/// Twist of pinned prism i per unit of its motion's six parameters (rotation vector, translation).
-Matrix6 motion_twist(const RestState& rest, const RigidMotion& motion, int i) {
-    const Eigen::Matrix3d J = left_jacobian(motion.rotation);
-    const Vector3d arm = rotation_of(motion.rotation) * (rest.centroid.row(i).transpose() - motion.about);
-    Matrix6 T = Matrix6::Zero();
-    T.topLeftCorner<3, 3>() = J;
-    for (int c = 0; c < 3; ++c) T.block<3, 1>(3, c) = Vector3d(J.col(c)).cross(arm);
-    T.bottomRightCorner<3, 3>().setIdentity();
-    return T;
-}
-
 /// dJ/d(twist) of the pinned prisms through the vertices that follow them, m x 6.
 Eigen::MatrixXd pinned_vertex_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn,
                                        const Points& dJ_dv) {
@@ -129,6 +118,16 @@ Eigen::VectorXd height_sensitivities(const RestState& rest, const std::vector<Ei
 
 }  // namespace
 
+Matrix6 motion_twist(const RigidMotion& motion, const Vector3d& rest_centroid) {
+    const Eigen::Matrix3d J = left_jacobian(motion.rotation);
+    const Vector3d arm = rotation_of(motion.rotation) * (rest_centroid - motion.about);
+    Matrix6 T = Matrix6::Zero();
+    T.topLeftCorner<3, 3>() = J;
+    for (int c = 0; c < 3; ++c) T.block<3, 1>(3, c) = Vector3d(J.col(c)).cross(arm);
+    T.bottomRightCorner<3, 3>().setIdentity();
+    return T;
+}
+
 void PrimoShell::Impl::need_tangent() {
     if (has_tangent && factor.has_factor()) return;
     check_held(rest, loads.spring);
@@ -186,7 +185,7 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
             Eigen::MatrixXd pinned = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
             for (int i = 0; i < rest.num_prisms(); ++i)
                 if (rest.pin[i] == static_cast<int>(m) + 1)
-                    pinned.row(i) = motion_twist(rest, shell.motions[m], i).col(c).transpose();
+                    pinned.row(i) = motion_twist(shell.motions[m], rest.centroid.row(i)).col(c).transpose();
             const Eigen::VectorXd twist = shell.solve_tangent(-free_wrenches(rest, turn, pinned));
             Points rate = vertex_rates(rest, turn, twist);
             for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
@@ -223,11 +222,15 @@ std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& d
         s.prism_height = height_sensitivities(rest, turn, jump, y);
         s.motion.assign(shell.motions.size(), Vector6::Zero());
         if (shell.motions.empty()) continue;
-        const Eigen::MatrixXd wrench = pinned_vertex_wrenches(rest, turn, dJ_dv[c]) - pinned_wrenches(rest, turn, y);
+        s.wrench = pinned_vertex_wrenches(rest, turn, dJ_dv[c]) - pinned_wrenches(rest, turn, y);
         for (int i = 0; i < rest.num_prisms(); ++i)
-            if (rest.pin[i] > 0)
+            if (rest.pin[i] > 0) {
+                const RigidMotion& motion = shell.motions[rest.pin[i] - 1];
                 s.motion[rest.pin[i] - 1] +=
-                    motion_twist(rest, shell.motions[rest.pin[i] - 1], i).transpose() * wrench.row(i).transpose();
+                    motion_twist(motion, rest.centroid.row(i)).transpose() * s.wrench.row(i).transpose();
+            } else {
+                s.wrench.row(i).setZero();
+            }
     }
     return all;
 }

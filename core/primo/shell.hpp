@@ -93,7 +93,13 @@ struct ShellSensitivities {
     Eigen::VectorXd spring;                           ///< dJ/dlambda_k, n
     Eigen::VectorXd prism_height;                     ///< dJ/dh_k, n
     std::vector<Eigen::Matrix<double, 6, 1>> motion;  ///< per motion of `solve`: dJ/d(rotation, translation)
+    Eigen::MatrixXd wrench;  ///< m x 6: dJ/d(twist) of each prism that is pinned under a motion, about its centroid;
+                             ///< zero rows elsewhere; empty without motions
 };
+
+/// Twist (rotation, translation of the centroid) of a prism with that rest centroid per unit of its motion's six
+/// parameters (rotation vector, translation): dJ/d(motion) is the sum of motion_twist^T wrench over its prisms.
+Eigen::Matrix<double, 6, 6> motion_twist(const RigidMotion& motion, const Eigen::Vector3d& rest_centroid);
 
 /// A connected part of the surface that nothing holds: the message names it and says what to do.
 struct UnheldPart : std::runtime_error {

@@ -1,0 +1,20 @@
+#pragma once
+#include "core/patches/hierarchy.hpp"
+#include "core/primo/shell.hpp"
+
+/// Mirror symmetry of a surface and of its patches: what ties the two sides of a full model.
+namespace strake {
+
+/// The plane of symmetry of the surface through its area centroid: the coordinate direction or principal axis whose
+/// reflection brings the triangles' centres closest to the surface; none when that leaves more than 1e-3 of the
+/// diagonal (area-weighted root mean square). Ties go to the first of x, y, z, then the axes.
+std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh);
+
+/// Mirror image of a vector, I - 2 n n^T.
+Eigen::Matrix3d reflection(const SymmetryPlane& plane);
+
+/// Per patch: the patch that its mirror image covers (itself for one that lies across the plane), -1 where no patch
+/// agrees with it on 90 % of the area of both. Always an involution.
+std::vector<int> mirror_images(const TriMesh& mesh, const PatchLevel& level, const SymmetryPlane& plane);
+
+}  // namespace strake

@@ -1,0 +1,192 @@
+#include "optimize/response_metric.hpp"
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int most_samples = 3000;  ///< vertices for the metric: a mean square needs no more
+
+std::string key_of(const Variable& variable) {
+    std::string key = variable.name;
+    for (const Freedom& move : variable.moves) key += text('|', move.index % slot::count, ':', move.factor);
+    return key;
+}
+
+/// Reduces displacement fields of the surface to what the metric needs.
+class Reduction {
+public:
+    explicit Reduction(const RestFacts& rest) : rest_(rest), leaves_(rest.tree->levels.back()) {
+        stride_ = std::max(1, rest.surface.num_vertices() / most_samples);
+        for (int v = 0; v < rest.surface.num_vertices(); v += stride_) sampled_area_ += rest.vertex_area[v];
+    }
+
+    ResponseCache::Column operator()(const Points& dv, bool is_load) const {
+        const int count = (rest_.surface.num_vertices() + stride_ - 1) / stride_;
+        ResponseCache::Column column{std::sqrt(dv.rowwise().squaredNorm().maxCoeff()), Eigen::VectorXd::Zero(3 * count),
+                                     Eigen::VectorXd::Zero(4 * static_cast<Eigen::Index>(leaves_.patches.size()))};
+        for (int s = 0; s < count; ++s)
+            column.samples.segment<3>(3 * s) =
+                std::sqrt(rest_.vertex_area[s * stride_] / sampled_area_) * dv.row(s * stride_).transpose();
+        for (int t = 0; is_load && t < rest_.surface.num_triangles(); ++t) {
+            Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+            for (int k = 0; k < 3; ++k) moved += rest_.area[t] / 3 * dv.row(rest_.surface.triangles(t, k)).transpose();
+            column.swept.segment<3>(4 * leaves_.label[t]) += moved;
+            column.swept[4 * leaves_.label[t] + 3] += moved.dot(rest_.normal.row(t));
+        }
+        return column;
+    }
+
+    /// The sampled displacements times their shares of the area, zero elsewhere.
+    Points weighted(const Points& dv) const {
+        Points sampled = Points::Zero(dv.rows(), 3);
+        for (int v = 0; v < dv.rows(); v += stride_) sampled.row(v) = rest_.vertex_area[v] / sampled_area_ * dv.row(v);
+        return sampled;
+    }
+
+private:
+    const RestFacts& rest_;
+    const PatchLevel& leaves_;
+    int stride_ = 1;
+    double sampled_area_ = 0;
+};
+
+/// Responses of the listed variables at the equilibrium of the shell, per unit of each.
+std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShell& shell,
+                                              const std::vector<int>& wanted) {
+    DesignSpace movers = space;
+    movers.variables.clear();
+    for (const int j : wanted) movers.variables.push_back(space.variables[j]);
+    const Reduction reduce(*space.rest);
+    std::vector<ResponseCache::Column> columns;
+    if (!wanted.empty())
+        design_response(movers, shell, [&](int j, const Points& dv) {
+            columns.push_back(reduce(dv, is_load(movers.variables[j].kind)));
+        });
+    return columns;
+}
+
+Responses none(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    const int stride = std::max(1, rest.surface.num_vertices() / most_samples);
+    const int count = (rest.surface.num_vertices() + stride - 1) / stride;
+    return {
+        Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
+        Eigen::MatrixXd::Zero(4 * static_cast<Eigen::Index>(rest.tree->levels.back().patches.size()), space.size())};
+}
+
+void set(Responses& responses, int j, const ResponseCache::Column& column, double scale) {
+    responses.largest[j] = scale * column.largest;
+    responses.samples.col(j) = scale * column.samples;
+    responses.swept.col(j) = scale * column.swept;
+}
+
+/// The shell at rest with the pins of the space. Springs and pins belong to the rest state, given loads and motions do
+/// not.
+PrimoShell shell_at_rest(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    ShellOptions options = rest.setup.options;
+    options.pin = space.pin;
+    PrimoShell shell(rest.surface, options);
+    std::vector<RigidMotion> still(rest.setup.motions.size());
+    for (std::size_t p = 0; p < space.motion.size(); ++p)
+        if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
+    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
+    if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
+    return shell;
+}
+
+/// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, at x = 1.
+Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
+    const PatchLevel& leaves = space.rest->tree->levels.back();
+    Eigen::MatrixXd traction =
+        Eigen::MatrixXd::Zero(4 * static_cast<Eigen::Index>(leaves.patches.size()), space.size());
+    std::vector<std::vector<int>> leaves_of(space.patches().patches.size());
+    for (const Patch& leaf : leaves.patches)
+        leaves_of[space.patches().label[leaf.triangles.front()]].push_back(leaf.id);
+    for (int j = 0; j < space.size(); ++j) {
+        if (!is_load(space.variables[j].kind)) continue;
+        for (const Freedom& move : space.variables[j].moves)
+            for (const int leaf : leaves_of[move.index / slot::count])
+                traction(4 * leaf + move.index % slot::count, j) += space.variables[j].unit * move.factor;
+    }
+    return traction;
+}
+static_assert(slot::load == 0 && slot::normal == 3, "leaf tractions are stored in the order of the slots");
+
+}  // namespace
+
+void ResponseCache::use(const std::vector<int>& pin) {
+    if (pin == pin_) return;
+    pin_ = pin;
+    columns_.clear();
+}
+
+const ResponseCache::Column* ResponseCache::find(const std::string& key) const {
+    const auto at = columns_.find(key);
+    return at == columns_.end() ? nullptr : &at->second;
+}
+
+Responses responses_at_rest(const DesignSpace& space) {
+    ResponseCache& cache = *space.rest->cache;
+    cache.use(space.pin);
+    Responses responses = none(space);
+    DesignSpace by_one = space;  // the cache knows responses to physical values of 1
+    for (Variable& variable : by_one.variables) variable.unit = 1;
+    std::vector<int> unknown;
+    for (int j = 0; j < space.size(); ++j)
+        if (space.variables[j].kind != VariableKind::stiffness && !cache.find(key_of(space.variables[j])))
+            unknown.push_back(j);
+    if (!unknown.empty()) {
+        PrimoShell shell = shell_at_rest(space);
+        std::vector<ResponseCache::Column> fresh = columns_at(by_one, shell, unknown);
+        for (std::size_t i = 0; i < unknown.size(); ++i)
+            cache.add(key_of(space.variables[unknown[i]]), std::move(fresh[i]));
+    }
+    for (int j = 0; j < space.size(); ++j)
+        if (const auto* column = cache.find(key_of(space.variables[j])))
+            set(responses, j, *column, space.variables[j].unit);
+    return responses;
+}
+
+double soft_work(const DesignSpace& space, const Responses& responses) {
+    const Eigen::MatrixXd traction = leaf_tractions(space);
+    std::vector<double> works;
+    for (int j = 0; j < space.size(); ++j)
+        if (const double work = traction.col(j).dot(responses.swept.col(j)); work > 0) works.push_back(work);
+    if (works.empty()) return 0;
+    std::nth_element(works.begin(), works.begin() + static_cast<std::ptrdiff_t>(works.size() / 4), works.end());
+    return works[works.size() / 4];
+}
+
+Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses) {
+    const double wanted = space.rest->parameters.max_displacement * space.rest->diagonal;
+    const Eigen::MatrixXd moved = 2 / wanted * responses.samples;
+    Eigen::MatrixXd metric = moved.transpose() * moved;
+    const Eigen::MatrixXd work = leaf_tractions(space).transpose() * responses.swept;
+    if (const double soft = soft_work(space, responses); soft > 0)
+        for (int i = 0; i < space.size(); ++i)
+            for (int j = 0; j < space.size(); ++j)
+                if (is_load(space.variables[i].kind) && is_load(space.variables[j].kind))
+                    metric(i, j) += 0.5 * (work(i, j) + work(j, i)) / soft;
+    for (int j = 0; j < space.size(); ++j) {
+        if (space.variables[j].kind == VariableKind::stiffness) metric(j, j) += 1;
+        metric(j, j) *= 1 + 1e-9;  // definite also where loads are dependent, as a vector and a normal on a flat patch
+    }
+    return metric;
+}
+
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d) {
+    const Points force = load_forces(space, d);
+    const Points moved = shell.response({force})[0];
+    // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
+    const Reduction reduce(*space.rest);
+    const double wanted = space.rest->parameters.max_displacement * space.rest->diagonal;
+    const Points back = shell.response({Points(4 / (wanted * wanted) * reduce.weighted(moved))})[0];
+    const Eigen::MatrixXd traction = leaf_tractions(space);
+    Eigen::VectorXd product = traction.transpose() * reduce(back, true).swept;
+    if (space.soft_work > 0) product += traction.transpose() * reduce(moved, true).swept / space.soft_work;
+    return product;
+}
+
+}  // namespace strake

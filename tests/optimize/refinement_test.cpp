@@ -1,0 +1,202 @@
+#include "optimize/refinement.hpp"
+
+#include "core/error.hpp"
+#include "optimize/coarse_to_fine.hpp"
+#include "optimize/evaluation.hpp"
+#include "optimize/mirror.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+using namespace strake;
+
+namespace {
+
+Eigen::MatrixXd random_definite(int n, int seed) {
+    const Eigen::VectorXd entries = random_vector(n * n, seed);
+    const Eigen::MatrixXd A = Eigen::Map<const Eigen::MatrixXd>(entries.data(), n, n);
+    return A * A.transpose() + 0.1 * Eigen::MatrixXd::Identity(n, n);
+}
+
+/// A target that only a load on the part x > 0.5, y > 0, z > 0 makes.
+Problem bump_problem(double load) {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.split = SplitRule::sensitivity;
+    // Held all along the bottom, so that what is done in one place stays there.
+    const Points centre = triangle_centroids(problem.surface);
+    problem.fixed.clear();
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        if (centre(t, 2) < -0.05) problem.fixed.push_back(t);
+    const auto rest = rest_facts(problem);
+    ShapeEvaluator evaluator(problem, rest, {});
+    const DesignSpace fine = design_space(rest, 3);
+    evaluator.enter(fine);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(fine.size());
+    for (int j = 0; j < fine.size(); ++j) {
+        const Patch& patch = fine.patches().patches[fine.variables[j].patch];
+        const Eigen::RowVector3d c = centre.row(patch.triangles[patch.triangles.size() / 2]);
+        if (c[0] > 0 && c[1] > 0 && c[2] > 0) x[j] = load;
+    }
+    const ShapeEvaluation wanted = evaluator.evaluate(x, 1);
+    problem.quantities.push_back(
+        target_shape_same("match", problem.surface, with_vertices(problem.surface, wanted.vertices)));
+    problem.objective = "match";
+    return problem;
+}
+
+}  // namespace
+
+TEST(CarriedHessian, KeepsWhatTheParentKnewAndTheMetricOfTheRest) {
+    const int n = 7, m = 3;
+    const Eigen::MatrixXd H = random_definite(m, 1), M = random_definite(n, 2);
+    const Eigen::VectorXd entries = random_vector(n * m, 3);
+    const Eigen::MatrixXd P = Eigen::Map<const Eigen::MatrixXd>(entries.data(), n, m);
+    const Eigen::MatrixXd carried = carried_hessian(H, P, M, 2.5);
+    EXPECT_LT((P.transpose() * carried * P - H).cwiseAbs().maxCoeff(), 1e-12 * H.cwiseAbs().maxCoeff());
+    // A direction orthogonal to the parent's in the metric has curvature 2.5 in it.
+    Eigen::VectorXd d = random_vector(n, 4);
+    d -= P * (P.transpose() * M * P).ldlt().solve(P.transpose() * M * d);
+    EXPECT_NEAR(d.dot(carried * d), 2.5 * d.dot(M * d), 1e-12 * d.dot(M * d));
+    EXPECT_LT((P.transpose() * carried * d).cwiseAbs().maxCoeff(), 1e-12 * carried.norm() * d.norm());
+    EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(carried).eigenvalues().minCoeff(), 0);
+    EXPECT_NEAR(mean_curvature(2.5 * M, M), 2.5, 1e-12);
+}
+
+TEST(DesignSpace, ProlongationIsTheDerivativeOfWhatIsInherited) {
+    for (const VariableKind kind : {VariableKind::load, VariableKind::strain}) {
+        Problem problem = ellipsoid_problem(2, 2);
+        problem.parameters.kinds = {kind};
+        const DesignSpace parent = design_space(rest_facts(problem), 1);
+        const Eigen::VectorXd x = 0.3 * random_vector(parent.size(), 1), d = random_vector(parent.size(), 2);
+        const InheritedSpace here = refine(parent, x);
+        constexpr double step = 1e-4;
+        const Eigen::VectorXd moved = refine(parent, x + step * d).x - here.x;
+        EXPECT_LT((moved / step - here.prolongation * d).norm(), 1e-3 * d.norm());
+        EXPECT_GT((here.prolongation * d).norm(), 0.1 * d.norm());
+    }
+}
+
+TEST(Refinement, SplitsOnlyWhereTheBumpIs) {
+    const Problem problem = bump_problem(0.05);
+    std::vector<std::string> notes;
+    std::vector<std::vector<std::string>> fronts;
+    RunEvents events;
+    events.note = [&](const std::string& words) { notes.push_back(words); };
+    events.level = [&](const LevelStart& level) {
+        fronts.emplace_back();
+        for (const Patch& patch : level.space.patches().patches) fronts.back().push_back(patch.name);
+    };
+    const RunResult result = optimize(problem, events);
+    ASSERT_EQ(fronts.size(), 3u) << result.reason;
+    EXPECT_LT(result.objective, 1e-6 * result.objective_start);
+    // Of the four quarters only the one with the bump is split, and nothing is split for its own sake afterwards.
+    const auto& last = fronts.back();
+    EXPECT_EQ(last.size(), 5u);
+    for (const char* whole : {"p0.p0.p0", "p0.p0.p1", "p0.p1.p0"})
+        EXPECT_EQ(std::count(last.begin(), last.end(), whole), 1) << whole;
+    EXPECT_NE(notes[1].find("refinement: splits 1 of 4 (p0.p1.p1 "), std::string::npos) << notes[1];
+    EXPECT_EQ(result.status, "converged");
+    EXPECT_NE(result.reason.find("no progress is expected from further refinement"), std::string::npos);
+}
+
+TEST(Refinement, EveryRuleStartsALevelFromTheInheritedShape) {
+    for (const SplitRule rule : {SplitRule::tree, SplitRule::sensitivity, SplitRule::gradient}) {
+        Problem problem = bump_problem(0.05);
+        problem.parameters.split = rule;
+        problem.parameters.growth = 1.5;
+        const RunResult result = optimize(problem);
+        ASSERT_GE(result.levels.size(), 2u);
+        for (const LevelSummary& level : result.levels) {
+            EXPECT_LT(level.inherited_shape_change, 1e-10);
+            EXPECT_LT(level.inherited_objective_change, 1e-8);  // of a mean square distance that is nearly zero
+        }
+    }
+}
+
+TEST(Mirror, FindsThePlaneAndTiesImages) {
+    Problem problem = ellipsoid_problem(3, 2);
+    problem.parameters.mirror = true;
+    problem.fixed.clear();
+    const Points c = triangle_centroids(problem.surface);
+    PatchHierarchy tree;
+    tree.levels.push_back(level_by(problem.surface, nullptr, [](int) { return 0; }));
+    tree.levels.push_back(level_by(problem.surface, &tree.levels[0], [&](int t) { return c(t, 1) > 1e-9 ? 1 : 0; }));
+    tree.levels.push_back(level_by(problem.surface, &tree.levels[1], [&](int t) {
+        return c(t, 0) > 1e-9 ? 2 : c(t, 0) < -1e-9 ? 0 : 1;
+    }));
+    problem.tree = tree;
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        if (std::abs(c(t, 1)) < 0.1) problem.fixed.push_back(t);
+    const auto rest = rest_facts(problem);
+    ASSERT_TRUE(rest->mirror);
+    EXPECT_NEAR(std::abs(rest->mirror->normal[0]), 1, 1e-9);  // the first of three planes
+    // Two pairs, and two patches that lie across the plane and may not be pulled out of it.
+    const DesignSpace space = design_space(rest, 2);
+    ASSERT_EQ(space.size(), 2 * 3 + 2 * 2);
+    // The deformed shape is its own mirror image.
+    ShapeEvaluator evaluator(problem, rest, {"volume"});
+    evaluator.enter(space);
+    ShapeEvaluation e = evaluator.evaluate(0.2 * random_vector(space.size(), 1), 1);
+    ASSERT_EQ(e.status, EvaluationStatus::ok) << e.reason;
+    Points image = e.vertices;
+    image.col(0) *= -1;
+    double worst = 0;
+    for (int v = 0; v < image.rows(); ++v)
+        worst = std::max(worst, std::sqrt((e.vertices.rowwise() - image.row(v)).rowwise().squaredNorm().minCoeff()));
+    EXPECT_LT(worst, 1e-6);
+    // And the gradient of a tied variable is the derivative along it.
+    const Eigen::VectorXd x = 0.2 * random_vector(space.size(), 1), d = random_vector(space.size(), 2);
+    e = evaluator.evaluate(x, 2);
+    evaluator.differentiate(e);
+    const Eigen::VectorXd g = e.gradients.row(0);
+    const auto J = [&](const Eigen::VectorXd& y) { return evaluator.evaluate(y, 3).values[0]; };
+    EXPECT_NEAR(taylor_order(J, x, g, d, 3e-2), 2, 0.15);
+    EXPECT_NEAR(taylor_order(J, x, 1.1 * g, d, 3e-2), 1, 0.15);
+}
+
+TEST(Mirror, ASurfaceWithoutPlaneIsRefused) {
+    Problem problem = ellipsoid_problem(2, 1);
+    problem.surface.vertices.col(0).array() += 0.2 * problem.surface.vertices.col(1).array().square() +
+                                               3 * problem.surface.vertices.col(2).array().cube() +
+                                               2 * problem.surface.vertices.col(1).array().cube();
+    problem.parameters.mirror = true;
+    EXPECT_THROW(rest_facts(problem), InvalidInput);
+}
+
+TEST(Ties, GroupsShareAndFrozenPatchesCarryNone) {
+    Problem problem = ellipsoid_problem(2, 2);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    const PatchLevel& level = problem.tree.levels[2];
+    std::vector<char> group(problem.surface.num_triangles(), 0);
+    for (const int p : {0, 1})
+        for (const int t : level.patches[p].triangles) group[t] = 1;
+    problem.parameters.groups = {group};
+    DesignSpace space = design_space(rest_facts(problem), 2);
+    EXPECT_EQ(space.size(), 3);
+    EXPECT_EQ(space.variables[0].moves.size(), 2u);
+    problem.parameters.groups.clear();
+    problem.parameters.frozen = group;
+    space = design_space(rest_facts(problem), 2);
+    EXPECT_EQ(space.size(), 2);
+    EXPECT_EQ(space.notes.size(), 2u);
+    // Frozen at the second level: what the first level did stays.
+    problem.parameters.frozen.assign(problem.surface.num_triangles(), 0);
+    const DesignSpace parent = design_space(rest_facts(problem), 1);
+    InheritedSpace child = refine(parent, Eigen::VectorXd::Constant(parent.size(), 0.3));
+    EXPECT_LT((demand(child.space, child.x).loads.force -
+               demand(parent, Eigen::VectorXd::Constant(parent.size(), 0.3)).loads.force)
+                  .norm(),
+              1e-14);
+}
+
+TEST(Variables, LoadsAlongStatedDirections) {
+    Problem problem = ellipsoid_problem(2, 1);
+    const Eigen::Vector3d direction = Eigen::Vector3d(1, 2, 2) / 3;
+    problem.parameters.load_directions = {direction};
+    const DesignSpace space = design_space(rest_facts(problem), 1);
+    EXPECT_EQ(space.size(), 2);
+    const Points force = demand(space, Eigen::VectorXd::Ones(2)).loads.force;
+    EXPECT_LT((force - force * direction * direction.transpose()).norm(), 1e-15 * force.norm());
+}

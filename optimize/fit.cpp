@@ -12,8 +12,9 @@ namespace {
 
 using Eigen::VectorXd;
 
-/// Slow iterations in a row that are borne on the last level, where there is nothing to refine.
-constexpr int patience_on_last_level = 10;
+/// Slow iterations in a row that are borne: damped first steps of a level are slow, too, and on the last level there is
+/// nothing to refine.
+constexpr int patience = 3, patience_on_last_level = 10;
 
 constexpr double first_radius = 3;  ///< Ceres' own start is a full Gauss-Newton step, on a soft surface far too long
 
@@ -143,7 +144,7 @@ private:
         const bool last = state_.space.level == state_.last_level();
         const bool slow = before - rms < state_.problem.optimize.progress_below * before;
         slow_iterations_ = slow ? slow_iterations_ + 1 : 0;
-        return slow_iterations_ < (last ? patience_on_last_level : 1);
+        return slow_iterations_ < (last ? patience_on_last_level : patience);
     }
 
     LeastSquaresResult solve(const VectorXd& start) {

@@ -1,4 +1,5 @@
 #include "cases/problem_builder.hpp"
+#include "optimize/mirror.hpp"
 
 namespace strake {
 
@@ -23,6 +24,9 @@ void ProblemBuilder::set_parameters() {
     p.frozen = marked("parameters.freeze", entry.freeze);
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
+    if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
+        errors_.add(entry.mirror_place,
+                    "parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
     if (is_search && errors_.empty()) check_freedom();
 }
 

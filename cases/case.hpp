@@ -108,6 +108,7 @@ struct ParameterEntry {
     std::vector<Reference> freeze;               ///< likewise; empty: nothing
     std::vector<std::vector<Reference>> groups;  ///< likewise
     bool mirror = false;
+    Place mirror_place;
 };
 
 struct TargetShapeEntry {

@@ -28,7 +28,10 @@ void CaseReader::read_parameters(const Value& map) {
     if (const Value* v = map.find("groups"))
         for (const Entry& group : v->entries)
             if (group.value.accepted) p.groups.push_back(references(&group.value));
-    if (const Value* v = map.find("mirror")) p.mirror = v->number != 0;
+    if (const Value* v = map.find("mirror")) {
+        p.mirror = v->number != 0;
+        p.mirror_place = v->place;
+    }
 }
 
 void CaseReader::read_variables(const std::vector<std::string>& words) {

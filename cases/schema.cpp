@@ -1,6 +1,23 @@
 #include "cases/schema_parts.hpp"
 
+#include <sstream>
+
 namespace strake {
+
+Condition parse_condition(const std::string& when) {
+    const std::size_t equal = when.find('=');
+    Condition condition{when.substr(0, equal), Condition::Kind::present, {}};
+    if (equal == std::string::npos) return condition;
+    const std::string wanted = when.substr(equal + 1);
+    condition.kind = wanted == "[]" ? Condition::Kind::is_list : Condition::Kind::is_word;
+    if (condition.key.ends_with("[]")) {
+        condition.key.resize(condition.key.size() - 2);
+        condition.kind = Condition::Kind::holds_word;
+    }
+    std::istringstream words(wanted);
+    for (std::string word; std::getline(words, word, '|');) condition.words.push_back(word);
+    return condition;
+}
 
 const std::vector<Key>& schema() {
     static const std::vector<Key> keys = [] {

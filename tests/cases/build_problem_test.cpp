@@ -1,49 +1,12 @@
-#include "cases/build_problem.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/shell_setup.hpp"
-#include "surfaces.hpp"
-#include "tests/cases/folder.hpp"
+#include "tests/cases/build_fixture.hpp"
 
-#include <gtest/gtest.h>
 #include <cmath>
-#include <cstdlib>
 #include <numeric>
 
 namespace strake {
 namespace {
-
-class BuildProblem : public testing::Test {
-protected:
-    Folder folder;
-
-    void surface(const TriMesh& mesh) { write_surface(folder.path() / "s.obj", mesh, SurfaceFormat::obj); }
-    BuiltProblem build(const std::string& yaml, Purpose purpose = Purpose::any) {
-        return build_problem(load_case(folder.write("case.yaml", "case: c\nsurface: {file: s.obj}\n" + yaml), purpose),
-                             purpose);
-    }
-    /// The message of the error, without the folder.
-    std::string error(const std::string& yaml, Purpose purpose = Purpose::any) {
-        std::string message;
-        try {
-            build(yaml, purpose);
-        } catch (const InputError& e) {
-            message = e.what();
-        } catch (const CaseError& e) {
-            message = e.what();
-        }
-        const std::string prefix = folder.path().string() + "/";
-        for (std::size_t at; (at = message.find(prefix)) != std::string::npos;) message.erase(at, prefix.size());
-        return message;
-    }
-    static bool contains(const std::string& all, const std::string& part) {
-        return all.find(part) != std::string::npos;
-    }
-    static const std::vector<int>& region(const BuiltProblem& built, const std::string& name) {
-        for (const RegionTriangles& r : built.regions)
-            if (r.name == name) return r.triangles;
-        throw std::out_of_range(name);
-    }
-};
 
 /// Triangles all of whose corners satisfy `inside`.
 template <class Inside>
@@ -291,6 +254,18 @@ TEST_F(BuildProblem, ParametersMarkTheirTriangles) {
               "parameters.freeze");
 }
 
+TEST_F(BuildProblem, MirrorNeedsASymmetricSurface) {
+    const std::string yaml = "objective: {maximize: area}\nparameters: {levels: [20deg], mirror: true}\n";
+    surface(box_surface(Eigen::Vector3d(3, 2, 1), 2));
+    EXPECT_EQ(error(yaml), "");
+    TriMesh skewed = box_surface(Eigen::Vector3d(3, 2, 1), 2);
+    skewed.vertices.col(0) += 0.3 * skewed.vertices.col(1).cwiseProduct(skewed.vertices.col(2));
+    skewed.vertices.col(1) += 0.2 * skewed.vertices.col(0).cwiseAbs2();
+    surface(skewed);
+    EXPECT_EQ(error(yaml),
+              "case.yaml:4:39: parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
+}
+
 TEST_F(BuildProblem, QuantitiesCarryTheNamesOfTheCase) {
     surface(box_surface());
     const BuiltProblem built = build(R"(regions: {low: {box: [[0, 0, 0], [1, 1, 0]]}}
@@ -310,104 +285,6 @@ parameters: {levels: [20deg], max_displacement: 0.5}
         built.problem.quantities[0].evaluate({.surface = built.problem.surface, .variables = {}}).values[0], 1);
     EXPECT_TRUE(built.problem.quantities[1].residuals);
     EXPECT_DOUBLE_EQ(built.problem.parameters.max_displacement, 0.5 / std::sqrt(3));
-}
-
-// --- Surfaces that cannot be used
-// -------------------------------------------------------------------------------------
-
-TEST_F(BuildProblem, OpenSurfaceIsRefusedOnlyWhereVolumeIsAsked) {
-    TriMesh open = box_surface();
-    open.triangles.conservativeResize(11, 3);
-    surface(open);
-    const std::string levels = "parameters: {levels: [20deg]}\n";
-    EXPECT_EQ(error(levels + "objective: {maximize: area}\n"), "");
-    const std::string message = error(levels + "objective: {maximize: volume}\n");
-    EXPECT_TRUE(contains(message, "s.obj: the surface cannot be used as it is")) << message;
-    EXPECT_TRUE(contains(message, "3 open edges in 1 boundary loops (first: vertices ")) << message;
-    EXPECT_TRUE(contains(message, "volume needs a closed surface")) << message;
-}
-
-TEST_F(BuildProblem, MisorientedNonManifoldAndDegenerateTrianglesAreNamed) {
-    TriMesh flipped = box_surface();
-    std::swap(flipped.triangles(4, 0), flipped.triangles(4, 1));
-    surface(flipped);
-    const std::string volume = "parameters: {levels: [20deg]}\nobjective: {maximize: volume}\n";
-    EXPECT_TRUE(
-        contains(error(volume), "3 edges where two triangles disagree about which side is outside (first: ver"));
-    EXPECT_EQ(error("parameters: {levels: [20deg]}\n"), "");
-
-    TriMesh fin = box_surface();
-    fin.vertices.conservativeResize(9, 3);
-    fin.vertices.row(8) << 2, 2, 2;
-    fin.triangles.conservativeResize(13, 3);
-    fin.triangles.row(12) << fin.triangles(0, 0), fin.triangles(0, 1), 8;
-    surface(fin);
-    EXPECT_TRUE(contains(error(""), "1 edge of more than two triangles (first: vertices "));
-    EXPECT_EQ(error("shell: {nonmanifold: couple}\nparameters: {levels: [20deg]}\n"), "");
-
-    TriMesh flat = box_surface();
-    flat.triangles.conservativeResize(13, 3);
-    flat.triangles.row(12) << 0, 0, 1;
-    surface(flat);
-    EXPECT_TRUE(contains(error(""), "1 triangle of no area (12)")) << error("");
-}
-
-TEST_F(BuildProblem, CracksAreRefused) {
-    const TriMesh left = strip(1, 1, 2, 2);
-    TriMesh both = left;
-    const int n = left.num_vertices(), m = left.num_triangles();
-    both.vertices.conservativeResize(2 * n, 3);
-    both.vertices.bottomRows(n) = left.vertices.rowwise() + Eigen::RowVector3d(1 + 1e-6, 0, 0);
-    both.triangles.conservativeResize(2 * m, 3);
-    both.triangles.bottomRows(m) = left.triangles.array() + n;
-    surface(both);
-    const std::string message = error("", Purpose::deform);
-    EXPECT_TRUE(contains(message, "4 of 16 open edges lie along other ones (first: vertices ")) << message;
-    EXPECT_TRUE(contains(message, "merge vertices closer than ")) << message;
-    both.vertices.bottomRows(n).col(0).array() += 0.1;
-    surface(both);
-    EXPECT_EQ(error("", Purpose::deform), "");
-}
-
-TEST_F(BuildProblem, SymmetryNeedsOpenEdgesOnThePlane) {
-    surface(box_surface());
-    EXPECT_TRUE(contains(error("symmetry: {plane: y}\n", Purpose::deform), "no open edge on the symmetry plane"));
-    surface(strip(1, 1, 2, 2));
-    EXPECT_EQ(error("symmetry: {plane: y}\n", Purpose::deform), "");
-}
-
-TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {
-    const char* data = std::getenv("STRAKE_DATA");
-    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
-    const std::string file = std::string(data) + "/wing_c172_pygeo.stl";
-    const auto yaml =
-        folder.write("case.yaml", "case: c172\nsurface: {file: " + file +
-                                      "}\nregions: {root: {box: [[-9, "
-                                      "-9, -9], [9, 9, 0.3]]}}\nfixed: [root]\nobjective: {maximize: volume}\n");
-    try {
-        build_problem(load_case(yaml));
-        FAIL() << "accepted";
-    } catch (const SurfaceRefused& e) {
-        const std::string message = e.what();
-        EXPECT_TRUE(
-            contains(message, "212 of 334 open edges lie along other ones (first: vertices 38-39, triangle 37"));
-        EXPECT_TRUE(contains(message, "Merge Close Vertices"));
-        EXPECT_TRUE(contains(message, "4 edges where two triangles disagree")) << message;
-        EXPECT_TRUE(contains(message, "334 open edges in 2 boundary loops")) << message;
-    }
-}
-
-/// What is good enough to be deformed must not be refused.
-TEST_F(BuildProblem, RealSurfacesAreAccepted) {
-    const char* data = std::getenv("STRAKE_DATA");
-    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
-    for (const char* name :
-         {"wing717_pyhyp.ply", "zeroebwb_93k.ply", "bunny_closed_cgal.off", "oneraM6_pyhyp_small.ply",
-          "supersonic_wing_body_pypan.stl", "dpw_w1_pypan.tri", "bunny70k_meshlab.ply"}) {
-        const auto yaml =
-            folder.write("case.yaml", std::string("case: c\nsurface: {file: ") + data + "/" + name + "}\n");
-        EXPECT_NO_THROW(build_problem(load_case(yaml, Purpose::deform), Purpose::deform)) << name;
-    }
 }
 
 }  // namespace

@@ -84,8 +84,7 @@ void Guard::stop(Cause why) {
     throw nlopt::forced_stop();
 }
 
-void Guard::fail(const Eigen::VectorXd& x, const std::string& why) {
-    ++failures;
+void Guard::fail_gradient(const Eigen::VectorXd& x, const std::string& why) {
     failure = why;
     failed_x = x;
     last_x_.resize(0);
@@ -163,7 +162,8 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
             throw;
         } catch (const std::exception& e) {
             if (!options.exceptions_are_failures) throw;
-            fail(x, text("gradient at evaluation ", evaluations, ": ", e.what()));
+            ++failures;
+            fail_gradient(x, text("gradient at evaluation ", evaluations, ": ", e.what()));
         }
     if (program.differences) {
         last_x_.resize(0);  // the program's last evaluation is no longer the one at x
@@ -176,7 +176,7 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
             return next;
         };
         if (!differentiate_by_differences(program, x, s, evaluate))
-            fail(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
+            fail_gradient(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
     }
     last_ = s;
     check_gradient(x);
@@ -195,7 +195,8 @@ void Guard::check_gradient(const Eigen::VectorXd& x) {
     if (last_.gradient.size() != x.size() && last_.gradient.size() > 0)
         throw InvalidInput(text("gradient of ", last_.gradient.size(), " entries for ", x.size(), " variables"));
     last_.gradient.resize(0);
-    fail(x, text("gradient not finite at evaluation ", evaluations));
+    ++failures;
+    fail_gradient(x, text("gradient not finite at evaluation ", evaluations));
 }
 
 }  // namespace strake

@@ -62,7 +62,7 @@ public:
 
 private:
     [[noreturn]] void stop(Cause why);
-    [[noreturn]] void fail(const Eigen::VectorXd& x, const std::string& why);
+    [[noreturn]] void fail_gradient(const Eigen::VectorXd& x, const std::string& why);
     const Sample& sample_at(const Eigen::VectorXd& x, bool gradient);
     Sample count_and_evaluate(const Eigen::VectorXd& x);
     void evaluate(const Eigen::VectorXd& x);

@@ -59,6 +59,12 @@ public:
 private:
     bool is_constrained() const { return guard_.program.num_inequalities + guard_.program.num_equalities > 0; }
 
+    /// Not all of them are differences.
+    bool has_own_gradients() const {
+        const auto& d = guard_.program.differences;
+        return guard_.wants_gradient && !(d && d->objective && d->rows.empty());
+    }
+
     /// Evaluates the start. False: that is all.
     bool start() {
         Sample sample;
@@ -96,6 +102,8 @@ private:
         guard_.limit = all;
         take(found);
         settle(found);
+        if (found.stop == MinimizeStop::evaluations)
+            end(found.stop, text("the limit of evaluations is reached (", guard_.evaluations, ")"));
         second_opinion();
     }
 
@@ -113,8 +121,13 @@ private:
         if (!method_->needs_gradients || !guard_.try_at(guard_.best_x, true, sample) || !promises_more(guard_)) return;
         guard_.tell_event(text(method_->name, " ended (", result_.reason,
                                "), but the gradient promises more: slsqp goes on from there"));
+        const double before = guard_.best.objective;
+        const MinimizeResult own = result_;
         run_sqp();
-        result_.reason = text(result_.reason, " (slsqp went on where ", method_->name, " had stopped)");
+        if (before - guard_.best.objective > 10 * guard_.options.objective_tolerance * std::abs(before))
+            result_.reason = text(result_.reason, " (slsqp went on where ", method_->name, " had stopped)");
+        else if (own.stop == MinimizeStop::converged && result_.stop == MinimizeStop::roundoff)
+            end(own.stop, own.reason);
     }
 
     SearchEnd search_by(const MethodFacts& method) {
@@ -210,7 +223,7 @@ private:
 
     void find_conflict(const Restoration& r) {
         end(MinimizeStop::roundoff, "no step reduces the violation of the constraints");
-        if (method_->needs_gradients && !guard_.program.differences) check_slopes(guard_, result_);
+        if (has_own_gradients()) check_slopes(guard_, result_);
         if (result_.gradient_inconsistent) return;  // what it says of the constraints is worth nothing
         result_.conflict = conflicting_constraints(guard_.program, r.x, r.sample, guard_.options.constraint_tolerance);
         std::string rows;
@@ -226,11 +239,12 @@ private:
     void judge() {
         if (!guard_.has_best) return;
         const bool open = guard_.cause == Cause::none || guard_.cause == Cause::failure;
-        if (open && result_.conflict.empty() && !result_.gradient_inconsistent && guard_.wants_gradient) {
+        if (open && result_.conflict.empty() && !result_.gradient_inconsistent && has_own_gradients()) {
             guard_.cause = Cause::none;
             if (result_.stop == MinimizeStop::roundoff ||
                 (result_.stop == MinimizeStop::converged && promises_more(guard_)))
                 check_slopes(guard_, result_);
+            if (result_.gradient_inconsistent) result_.stop = MinimizeStop::roundoff;
         }
         result_.active_bounds = count_active_bounds(guard_);
         if (guard_.evaluations - guard_.failures > 1 && guard_.lowest == guard_.highest) {

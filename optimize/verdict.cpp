@@ -14,11 +14,30 @@ namespace {
 
 constexpr double probe = 1e-3;     ///< in the metric
 constexpr double differing = 0.2;  ///< of the slope
+constexpr double nearly_active = 1e-4;
 
 bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool upper) {
     const double range = p.upper[j] - p.lower[j];
     const double slack = 1e-7 * (std::isfinite(range) ? range : 1.0);
     return upper ? x[j] >= p.upper[j] - slack : x[j] <= p.lower[j] + slack;
+}
+
+/// Gradient of the Lagrangian at the best point, its multipliers from the variables that are free to move: at the
+/// others the bounds take a share. @pre the best point has gradients.
+VectorXd lagrangian_gradient(const Guard& guard) {
+    const NonlinearProgram& p = guard.program;
+    const Sample& s = guard.best;
+    std::vector<Eigen::Index> inside, rows;
+    for (const int j : guard.free)
+        if (!at_bound(p, guard.best_x, j, false) && !at_bound(p, guard.best_x, j, true)) inside.push_back(j);
+    for (Eigen::Index i = 0; i < s.constraints.size(); ++i)
+        if (i >= p.num_inequalities || s.constraints[i] > -nearly_active) rows.push_back(i);
+    if (rows.empty() || inside.empty()) return s.gradient;
+    const MatrixXd normals = s.jacobian(rows, inside).transpose();
+    VectorXd m = normals.colPivHouseholderQr().solve(VectorXd(-s.gradient(inside)));
+    for (Eigen::Index k = 0; k < m.size(); ++k)
+        if (rows[static_cast<std::size_t>(k)] < p.num_inequalities) m[k] = std::max(0.0, m[k]);
+    return s.gradient + s.jacobian(rows, Eigen::all).transpose() * m;
 }
 
 /// Values of the objective (first) and the constraints.
@@ -61,13 +80,13 @@ VectorXd probing_step(const Guard& guard, const VectorXd& x, const Sample& at) {
 
 bool promises_more(const Guard& guard) {
     if (guard.best.gradient.size() == 0) return false;
-    const VectorXd d = descent_direction(guard.program, guard.best_x, guard.best);
-    const double length = metric_norm(guard.program, d);
-    if (!(length > 0)) return false;
-    const VectorXd lagrangian =
-        guard.best.gradient + guard.best.jacobian.transpose() * multipliers(guard.program, guard.best);
-    return -lagrangian.dot(d) / length * probe >
-           10 * guard.options.objective_tolerance * std::abs(guard.best.objective);
+    const NonlinearProgram& p = guard.program;
+    VectorXd d = -lagrangian_gradient(guard);
+    for (Eigen::Index j = 0; j < d.size(); ++j)
+        if (p.lower[j] == p.upper[j] || at_bound(p, guard.best_x, j, d[j] > 0)) d[j] = 0;
+    const double length = metric_norm(p, d);
+    return length > 0 &&
+           d.squaredNorm() / length * probe > 10 * guard.options.objective_tolerance * std::abs(guard.best.objective);
 }
 
 void check_slopes(Guard& guard, MinimizeResult& result) {
@@ -103,29 +122,14 @@ void check_slopes(Guard& guard, MinimizeResult& result) {
 
 int count_active_bounds(const Guard& guard) {
     const NonlinearProgram& p = guard.program;
-    const Sample& s = guard.best;
-    std::vector<Eigen::Index> inside;
-    for (const int j : guard.free)
-        if (!at_bound(p, guard.best_x, j, false) && !at_bound(p, guard.best_x, j, true)) inside.push_back(j);
-    if (s.gradient.size() == 0) return static_cast<int>(guard.free.size() - inside.size());
-    // Multipliers from the variables that are free to move: at the others the bounds take a share.
-    VectorXd lagrangian = s.gradient;
-    std::vector<Eigen::Index> rows;
-    for (Eigen::Index i = 0; i < s.constraints.size(); ++i)
-        if (i >= p.num_inequalities || s.constraints[i] > -1e-4) rows.push_back(i);
-    if (!rows.empty() && !inside.empty()) {
-        const MatrixXd normals = s.jacobian(rows, inside).transpose();
-        VectorXd m = normals.colPivHouseholderQr().solve(VectorXd(-s.gradient(inside)));
-        for (std::size_t k = 0; k < rows.size(); ++k)
-            if (rows[k] < p.num_inequalities)
-                m[static_cast<Eigen::Index>(k)] = std::max(0.0, m[static_cast<Eigen::Index>(k)]);
-        lagrangian += s.jacobian(rows, Eigen::all).transpose() * m;
-    }
+    const bool has_gradient = guard.best.gradient.size() > 0;
+    VectorXd slope;
+    if (has_gradient) slope = lagrangian_gradient(guard);
+    const double floor = has_gradient ? 1e-9 * guard.best.gradient.lpNorm<Eigen::Infinity>() : 0;
     int count = 0;
-    const double floor = 1e-9 * s.gradient.lpNorm<Eigen::Infinity>();
     for (const int j : guard.free)
-        count += (at_bound(p, guard.best_x, j, false) && lagrangian[j] > floor) ||
-                 (at_bound(p, guard.best_x, j, true) && lagrangian[j] < -floor);
+        for (const bool upper : {false, true})
+            count += at_bound(p, guard.best_x, j, upper) && (!has_gradient || (upper ? -slope[j] : slope[j]) > floor);
     return count;
 }
 

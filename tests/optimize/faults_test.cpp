@@ -90,6 +90,22 @@ TEST_P(EveryMethodFaulty, RightOptimumOrAClearVerdict) {
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodFaulty,
                          testing::Combine(testing::ValuesIn(all_methods()), testing::ValuesIn(all_faults)), name_of);
 
+TEST(Faults, DifferencesUnderFaultsToo) {
+    for (const MethodFacts& method : all_methods())
+        for (const KnownProgram& known : {bowl(), rosenbrock(), hock_schittkowski_71(), corner()}) {
+            SCOPED_TRACE(std::string(method.name) + " " + known.name);
+            Faulty f = with_fault(known.program, Fault::fails);
+            f.program.differentiate = nullptr;
+            const MinimizeResult r = minimize(f.program, tight_options(method.method, 1000));
+            EXPECT_LE(*f.calls, 1000);
+            EXPECT_EQ(r.evaluations, *f.calls);
+            EXPECT_EQ(r.failures, *f.struck);
+            const bool right = r.is_feasible && std::abs(r.best.objective - known.value) < 3e-3 * known.value;
+            EXPECT_TRUE(right || r.stop != MinimizeStop::converged) << r.reason;
+            EXPECT_FALSE(r.gradient_inconsistent);
+        }
+}
+
 TEST(Faults, TheTextOfAnExceptionSurvivesEveryMethod) {
     for (const MethodFacts& method : all_methods()) {
         SCOPED_TRACE(method.name);

@@ -153,6 +153,25 @@ TEST(Differences, AFailingPointIsReplacedByTheOtherSide) {
     EXPECT_THROW(with_differences(p, wrong), InvalidInput);
 }
 
+TEST(Differences, AWideStepSeesThroughNoise) {
+    const KnownProgram known = bowl();
+    NonlinearProgram p = known.program;
+    p.differentiate = nullptr;
+    p.evaluate = [&](const VectorXd& x) {
+        Sample s = known.program.evaluate(x);
+        s.objective += 1e-6 * std::sin(1e9 * x.sum());
+        return s;
+    };
+    MinimizeOptions o;
+    o.max_evaluations = 300;
+    Differences how;
+    how.step = 1e-2;
+    how.central = true;
+    EXPECT_LT(minimize(with_differences(p, how), o).best.objective, known.value + 1e-4);
+    how.step = 1e-8;  // measures the noise only
+    EXPECT_GT(minimize(with_differences(p, how), o).best.objective, known.value + 1e-4);
+}
+
 TEST(Methods, AreNamedInTheTable) {
     EXPECT_EQ(all_methods().size(), 16u);
     for (const MethodFacts& facts : all_methods()) {

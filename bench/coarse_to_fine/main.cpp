@@ -1,0 +1,151 @@
+#include "bench/coarse_to_fine/solve.hpp"
+#include "core/error.hpp"
+#include "core/mesh/io.hpp"
+#include "core/mesh/vtp.hpp"
+
+#include <CLI/CLI.hpp>
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+/// strake_evidence: solves design problems in every way that is compared; profile.py makes tables and plots of it.
+namespace {
+
+using namespace strake;
+using namespace strake::evidence;
+
+struct Settings {
+    std::vector<std::string> problems = problem_names();
+    std::vector<std::string> solvers;
+    std::vector<std::string> methods;
+    int triangles = 5000, budget = 120;
+    unsigned seed = 1;
+    std::string out = "evidence";
+};
+
+std::string number(double value) {
+    char digits[40];
+    std::snprintf(digits, sizeof digits, "%.12g", value);
+    return digits;
+}
+
+/// Text as one field of a CSV file.
+std::string quoted(const std::string& words) {
+    std::string field = "\"";
+    for (const char c : words) field += c == '"' ? "\"\"" : c == '\n' ? " " : std::string(1, c);
+    return field + '"';
+}
+
+/// The final surface with its patches; `fineness` is the number of splits above a patch.
+void write_patches(const std::filesystem::path& file, const EvidenceProblem& problem, const Solve& solve) {
+    if (solve.vertices.rows() == 0 || solve.patches.patches.empty()) return;
+    std::vector<int> fineness(problem.problem.surface.num_triangles(), 0);
+    for (const Patch& patch : solve.patches.patches)
+        for (const int t : patch.triangles)
+            fineness[t] = patch.name == "all" ? 0 : 1 + static_cast<int>(std::ranges::count(patch.name, '.'));
+    const Points moved = solve.vertices - problem.problem.surface.vertices;
+    write_vtp(file, with_vertices(problem.problem.surface, solve.vertices), {{"displacement", moved}},
+              {{"patch", solve.patches.label}, {"fineness", fineness}});
+}
+
+/// One line a solve in runs.csv, one an evaluation in trace.csv, what was said in notes.txt.
+struct Report {
+    std::string runs =
+        "problem,solver,method,triangles,variables,levels,evaluations,failures,start,final,cpu,inherited_change,"
+        "status,reason\n";
+    std::string trace = "problem,solver,method,evaluation,cpu,best\n";
+    std::string notes;
+
+    void add(const EvidenceProblem& problem, const Solve& s) {
+        const std::string key = s.problem + "," + s.solver + "," + s.method + ",";
+        runs += key + std::to_string(problem.problem.surface.num_triangles()) + "," + std::to_string(s.variables) +
+                "," + s.levels + "," + std::to_string(s.evaluations) + "," + std::to_string(s.failures) + "," +
+                number(s.start) + "," + number(s.final) + "," + number(s.trace.empty() ? 0 : s.trace.back().cpu) + "," +
+                number(s.inherited_change) + "," + s.status + "," + quoted(s.reason) + "\n";
+        for (const TracePoint& p : s.trace)
+            trace += key + std::to_string(p.evaluation) + "," + number(p.cpu) + "," + number(p.best) + "\n";
+        for (const std::string& note : s.notes) notes += key + " " + note + "\n";
+    }
+    void write(const std::filesystem::path& folder, const std::string& name) const {
+        write_atomically(folder / (name + "-runs.csv"), runs);
+        write_atomically(folder / (name + "-trace.csv"), trace);
+        write_atomically(folder / (name + "-notes.txt"), notes);
+    }
+};
+
+bool wanted(const std::vector<std::string>& list, const std::string& name) {
+    return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
+}
+
+Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method method, int budget) {
+    try {
+        return solve(problem, solver, method, budget);
+    } catch (const std::exception& e) {
+        Solve failed;
+        failed.problem = problem.name;
+        failed.solver = to_string(solver);
+        failed.method = to_string(method);
+        failed.status = "error";
+        failed.reason = e.what();
+        return failed;
+    }
+}
+
+void run_problem(const std::string& name, const Settings& settings) {
+    const EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
+    const std::filesystem::path folder = settings.out;
+    Report report;
+    for (const Solver solver : all_solvers())
+        for (const Method method : {Method::slsqp, problem.second}) {
+            if (solver == Solver::filtered && method == Method::slsqp) continue;
+            if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
+            const Solve s = solve_or_say_why(problem, solver, method, settings.budget);
+            report.add(problem, s);
+            report.write(folder, name);
+            std::fprintf(stderr,
+                         "%-20s %-9s %-6s %5d variables %4d evaluations (%d failed) %8.1f s  %.6g -> %.6g  %s\n",
+                         s.problem.c_str(), s.solver.c_str(), s.method.c_str(), s.variables, s.evaluations, s.failures,
+                         s.trace.empty() ? 0 : s.trace.back().cpu, s.start, s.final, s.status.c_str());
+            if (solver == Solver::adaptive) write_patches(folder / (name + "-" + s.method + ".vtp"), problem, s);
+        }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    CLI::App app{"Solves the problems of the evidence suite in every way that is compared", "strake_evidence"};
+    Settings settings;
+    bool list = false;
+    app.add_option("--problems", settings.problems, "names; default: all twelve")
+        ->delimiter(',')
+        ->check(CLI::IsMember(problem_names()));
+    app.add_option("--solvers", settings.solvers, "adaptive, uniform, finest, ffd, filtered; default: all")
+        ->delimiter(',')
+        ->check(CLI::IsMember({"adaptive", "uniform", "finest", "ffd", "filtered"}));
+    app.add_option("--methods", settings.methods, "slsqp, lbfgs, mma; default: all")->delimiter(',');
+    app.add_option("--triangles", settings.triangles, "of a surface, about")->check(CLI::Range(500, 1'000'000));
+    app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
+    app.add_option("--seed", settings.seed, "another seed makes another set of problems");
+    app.add_option("--out", settings.out, "folder");
+    app.add_flag("--list", list, "print the problems and end");
+    CLI11_PARSE(app, argc, argv);
+    try {
+        if (list) {
+            for (const std::string& name : settings.problems) {
+                const EvidenceProblem p = make_problem(name, settings.triangles, settings.seed);
+                std::printf("%s,%d,%d,%s,%s\n", name.c_str(), p.problem.surface.num_triangles(),
+                            variables_of_last_level(p.problem), p.outside ? "outside" : "-", quoted(p.what).c_str());
+            }
+            return 0;
+        }
+        std::filesystem::create_directories(settings.out);
+        for (const std::string& name : settings.problems) run_problem(name, settings);
+        return 0;
+    } catch (const InvalidInput& e) {
+        std::fprintf(stderr, "strake_evidence: %s\n", e.what());
+        return 2;
+    } catch (const std::exception& e) {
+        std::fprintf(stderr, "strake_evidence: %s\n", e.what());
+        return 1;
+    }
+}

@@ -1,0 +1,47 @@
+#include "bench/coarse_to_fine/problems.hpp"
+
+#include "bench/coarse_to_fine/makers.hpp"
+#include "core/error.hpp"
+
+namespace strake::evidence {
+namespace {
+
+using Maker = EvidenceProblem (*)(int, Draw&);
+const std::vector<std::pair<std::string, Maker>>& makers() {
+    static const std::vector<std::pair<std::string, Maker>> all{{"wing", wing_recovery},
+                                                                {"lifting_body", lifting_body_recovery},
+                                                                {"fuselage_nacelle", fuselage_recovery},
+                                                                {"bent_tube", bent_tube},
+                                                                {"blob", blob},
+                                                                {"bunny_like", bunny_like},
+                                                                {"volume_under_area", lifting_body_volume},
+                                                                {"volume_under_limits", wing_under_limits},
+                                                                {"local_bump", local_bump},
+                                                                {"global_twist", global_twist},
+                                                                {"noisy", noisy},
+                                                                {"many_minima", many_minima}};
+    return all;
+}
+
+}  // namespace
+
+const std::vector<std::string>& problem_names() {
+    static const std::vector<std::string> names = [] {
+        std::vector<std::string> all;
+        for (const auto& maker : makers()) all.push_back(maker.first);
+        return all;
+    }();
+    return names;
+}
+
+EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed) {
+    const auto& all = makers();
+    for (std::size_t i = 0; i < all.size(); ++i)
+        if (all[i].first == name) {
+            Draw draw(1000 * seed + i);
+            return all[i].second(triangles, draw);
+        }
+    throw InvalidInput(text("no problem is called '", name, "'"));
+}
+
+}  // namespace strake::evidence

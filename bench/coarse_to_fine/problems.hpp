@@ -1,0 +1,32 @@
+#pragma once
+#include "optimize/problem.hpp"
+
+/// The twelve design problems of the evidence suite: surface, held part, patches, variables, objective, constraints.
+/// Everything that is random comes from the seed; another seed makes another set of twelve.
+namespace strake::evidence {
+
+/// What is held: triangles whose centroid has its coordinate `axis` below `low` or above `high`.
+struct HeldEnds {
+    int axis = 0;
+    std::optional<double> low, high;
+};
+
+struct EvidenceProblem {
+    std::string name;
+    std::string what;      ///< one line for the tables
+    bool outside = false;  ///< its target was made by a formula on the vertices, not by the shell
+    HeldEnds ends;
+    Problem problem;                ///< tree: the three levels that the variants with levels share
+    Method second = Method::lbfgs;  ///< the method beside slsqp
+};
+
+/// In the order of the tables.
+const std::vector<std::string>& problem_names();
+
+/// @param triangles about; wings have at least 1 000, lifting bodies 1 500. @throws InvalidInput for an unknown name.
+EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed);
+
+/// The tree whose level 1 is the last level of `tree`.
+PatchHierarchy finest_only(const PatchHierarchy& tree);
+
+}  // namespace strake::evidence

@@ -1,0 +1,254 @@
+#include "bench/coarse_to_fine/solve.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
+#include "optimize/coarse_to_fine.hpp"
+#include "optimize/constraints.hpp"
+#include "optimize/validity.hpp"
+
+#include <ctime>
+
+namespace strake::evidence {
+namespace {
+
+using Eigen::VectorXd;
+
+double cpu_seconds() {
+    timespec now{};
+    clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
+    return double(now.tv_sec) + 1e-9 * double(now.tv_nsec);
+}
+
+/// Adds one evaluation to the trace.
+struct Tracer {
+    Solve& solve;
+    double begin = cpu_seconds();
+    /// @param objective as minimized; NaN: no value
+    void add(double objective, bool feasible) {
+        TracePoint point = solve.trace.empty() ? TracePoint{} : solve.trace.back();
+        ++point.evaluation;
+        point.cpu = cpu_seconds() - begin;
+        if (!std::isfinite(objective))
+            ++solve.failures;
+        else if (feasible && !(point.best <= objective))
+            point.best = objective;
+        if (solve.trace.empty()) solve.start = objective;
+        solve.trace.push_back(point);
+        solve.evaluations = point.evaluation;
+        solve.final = point.best;
+    }
+};
+
+void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
+    Problem problem = evidence.problem;
+    if (solver == Solver::finest) problem.tree = finest_only(problem.tree);
+    if (solver == Solver::adaptive) problem.parameters.split = SplitRule::sensitivity;
+    problem.optimize.method = method;
+    problem.optimize.max_evaluations = budget;
+    Tracer tracer{result};
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord& record) {
+        const double sign = problem.maximize ? -1 : 1;
+        tracer.add(record.status == "ok" ? sign * record.objective : std::numeric_limits<double>::quiet_NaN(),
+                   record.max_violation <= problem.optimize.constraint_tolerance);
+    };
+    events.note = [&](const std::string& words) { result.notes.push_back(words); };
+    events.level_end = [&](const LevelSummary& level) {
+        result.notes.push_back(text("level ", level.level, ": ", level.patches, " patches, ", level.variables,
+                                    " variables, ", level.evaluations, " evaluations, ", level.objective_start, " to ",
+                                    level.objective_end, ": ", level.stop));
+        result.variables = std::max(result.variables, level.variables);
+        result.levels += text(result.levels.empty() ? "" : "+", level.variables);
+        result.inherited_change = std::max(result.inherited_change, level.inherited_objective_change);
+    };
+    const RunResult run = optimize(problem, events);
+    result.status = run.status;
+    result.reason = run.reason;
+    result.vertices = run.vertices;
+    if (run.best_evaluation > 0) result.patches = run.space.patches();
+}
+
+/// A linear motion as a nonlinear program for the same minimizer, guard and constraints as Strake's own.
+class Comparator {
+public:
+    Comparator(const EvidenceProblem& evidence, const LinearMotion& motion, Tracer& tracer)
+        : problem_(evidence.problem),
+          motion_(motion),
+          tracer_(tracer),
+          guard_(problem_.surface, adjacency(problem_.surface)) {
+        // There are no prisms: a triangle counts as inverted when its normal turns by more than 90 degrees.
+        at_rest_.rotation.assign(problem_.surface.num_triangles(), Eigen::Quaterniond::Identity());
+        at_rest_.displacement = Points::Zero(problem_.surface.num_triangles(), 3);
+        for (const Quantity& q : problem_.quantities) names_.insert(names_.end(), q.names.begin(), q.names.end());
+    }
+
+    NonlinearProgram program() {
+        NonlinearProgram p;
+        p.start = VectorXd::Zero(motion_.size());
+        p.lower = motion_.lower.cwiseProduct(motion_.weight);
+        p.upper = motion_.upper.cwiseProduct(motion_.weight);
+        std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
+        p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
+        p.differentiate = [this](const VectorXd&, Sample& sample) { differentiate(sample); };
+        p.metric = motion_.metric;
+        return p;
+    }
+    Points vertices(const VectorXd& y) const { return motion_.vertices(y.cwiseQuotient(motion_.weight)); }
+
+private:
+    int index(const std::string& name) const {
+        return static_cast<int>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+    }
+
+    Sample evaluate(const VectorXd& y) {
+        Sample sample;
+        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
+        sample.failure = guard_.defect(surface.vertices, at_rest_);
+        std::vector<double> values;
+        dJ_dv_.clear();
+        for (std::size_t i = 0; sample.failure.empty() && i < problem_.quantities.size(); ++i) {
+            const QuantityResult r = problem_.quantities[i].evaluate({surface, true, tracer_.solve.evaluations, 0, {}});
+            if (r.failure) sample.failure = r.failure->message;
+            values.insert(values.end(), r.values.begin(), r.values.end());
+            dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());
+        }
+        double violation = 0;
+        if (sample.failure.empty()) violation = fill(values, sample);
+        tracer_.add(sample.objective, violation <= problem_.optimize.constraint_tolerance);
+        return sample;
+    }
+
+    /// Objective and constraints from the values; the largest violation.
+    double fill(const std::vector<double>& values, Sample& sample) {
+        if (rows_.rows.empty() && !problem_.constraints.empty()) {
+            std::vector<int> at;
+            for (const Constraint& c : problem_.constraints) at.push_back(index(c.quantity));
+            rows_ = constraint_rows(problem_.constraints, at, at, values);
+        }
+        sample.objective = sign() * values[index(problem_.objective)];
+        sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+        double violation = 0;
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i) {
+            const double c = rows_.rows[i].of(values[rows_.rows[i].value]);
+            sample.constraints[static_cast<Eigen::Index>(i)] = c;
+            violation = std::max(violation, static_cast<int>(i) < rows_.num_inequalities ? c : std::abs(c));
+        }
+        return violation;
+    }
+
+    void differentiate(Sample& sample) {
+        const auto by_y = [&](int value) {
+            return VectorXd(motion_.gradient(dJ_dv_[value]).cwiseQuotient(motion_.weight));
+        };
+        sample.gradient = sign() * by_y(index(problem_.objective));
+        sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), motion_.size());
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+            sample.jacobian.row(static_cast<Eigen::Index>(i)) =
+                rows_.rows[i].sign / rows_.rows[i].scale * by_y(rows_.rows[i].gradient).transpose();
+    }
+
+    double sign() const { return problem_.maximize ? -1 : 1; }
+
+    const Problem& problem_;
+    const LinearMotion& motion_;
+    Tracer& tracer_;
+    ValidityGuard guard_;
+    Poses at_rest_;
+    std::vector<std::string> names_;
+    ConstraintRows rows_;
+    std::vector<Points> dJ_dv_;
+};
+
+void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
+    Tracer tracer{result};
+    // As many variables as the last level of the tree has: those of its patches that are not wholly held.
+    LinearMotion motion;
+    if (solver == Solver::filtered) {
+        if (method == Method::slsqp) throw InvalidInput("filtered vertices are too many for the dense models of slsqp");
+        motion = filtered_vertices(evidence);
+    } else {
+        motion = bezier_box(evidence, variables_of_last_level(evidence.problem));
+    }
+    result.variables = motion.size();
+    result.levels = text(motion.size());
+    result.notes.push_back(motion.name);
+    Comparator comparator(evidence, motion, tracer);
+    const OptimizeOptions& options = evidence.problem.optimize;
+    MinimizeOptions how;
+    how.method = method;
+    how.max_evaluations = budget;
+    how.objective_tolerance = options.objective_tolerance;
+    how.step_tolerance = options.step_tolerance;
+    how.constraint_tolerance = options.constraint_tolerance;
+    how.on_event = [&](const std::string& words) { result.notes.push_back(words); };
+    const MinimizeResult end = minimize(comparator.program(), how);
+    result.status = end.stop == MinimizeStop::converged     ? "converged"
+                    : end.stop == MinimizeStop::evaluations ? "budget"
+                    : end.stop == MinimizeStop::blocked     ? "blocked"
+                    : end.stop == MinimizeStop::roundoff    ? "roundoff"
+                                                            : "failed";
+    result.reason = end.reason;
+    result.vertices = comparator.vertices(end.x);
+}
+
+}  // namespace
+
+const std::vector<Solver>& all_solvers() {
+    static const std::vector<Solver> all{Solver::adaptive, Solver::uniform, Solver::finest, Solver::ffd,
+                                         Solver::filtered};
+    return all;
+}
+
+std::string to_string(Solver solver) {
+    switch (solver) {
+        case Solver::adaptive:
+            return "adaptive";
+        case Solver::uniform:
+            return "uniform";
+        case Solver::finest:
+            return "finest";
+        case Solver::ffd:
+            return "ffd";
+        case Solver::filtered:
+            return "filtered";
+    }
+    return "unknown";
+}
+
+std::string to_string(Method method) {
+    switch (method) {
+        case Method::slsqp:
+            return "slsqp";
+        case Method::mma:
+            return "mma";
+        case Method::lbfgs:
+            return "lbfgs";
+        default:
+            return "other";
+    }
+}
+
+int variables_of_last_level(const Problem& problem) {
+    std::vector<char> held(problem.surface.num_triangles(), 0);
+    for (const int t : problem.fixed) held[t] = 1;
+    int each = 0, free = 0;
+    for (const VariableKind kind : problem.parameters.kinds)
+        each += kind == VariableKind::load ? 3 : kind == VariableKind::strain ? 6 : 1;
+    for (const Patch& patch : problem.tree.levels.back().patches)
+        free += std::any_of(patch.triangles.begin(), patch.triangles.end(), [&](int t) { return !held[t]; });
+    return each * free;
+}
+
+Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget) {
+    Solve result;
+    result.problem = problem.name;
+    result.solver = to_string(solver);
+    result.method = to_string(method);
+    if (solver == Solver::ffd || solver == Solver::filtered)
+        run_comparator(problem, solver, method, budget, result);
+    else
+        run_strake(problem, solver, method, budget, result);
+    return result;
+}
+
+}  // namespace strake::evidence

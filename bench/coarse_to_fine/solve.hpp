@@ -1,0 +1,44 @@
+#pragma once
+#include "bench/coarse_to_fine/comparators.hpp"
+
+/// One problem solved in one way, and what was seen on the way.
+namespace strake::evidence {
+
+enum class Solver {
+    adaptive,  ///< coarse to fine, patches split by sensitivity
+    uniform,   ///< coarse to fine, level by level of the tree
+    finest,    ///< the last level alone
+    ffd,       ///< Bezier box with about as many variables as `finest`
+    filtered   ///< every vertex through a Helmholtz filter; not with slsqp, whose models are dense
+};
+const std::vector<Solver>& all_solvers();
+std::string to_string(Solver solver);
+std::string to_string(Method method);
+
+struct TracePoint {
+    int evaluation = 0;
+    double cpu = 0;  ///< seconds of the process since the solve began, set-up included
+    /// Best feasible objective so far, as minimized (a maximized one with its sign changed); NaN before there is one.
+    double best = std::numeric_limits<double>::quiet_NaN();
+};
+
+struct Solve {
+    std::string problem, solver, method, status, reason;
+    int variables = 0;   ///< of the largest level entered
+    std::string levels;  ///< variables of each level, joined by +
+    int evaluations = 0, failures = 0;
+    double start = std::numeric_limits<double>::quiet_NaN(), final = start;
+    double inherited_change = 0;  ///< largest relative change of the objective by a refinement
+    std::vector<TracePoint> trace;
+    Points vertices;     ///< of the best design; empty: none
+    PatchLevel patches;  ///< Strake's: those of the best design
+    std::vector<std::string> notes;
+};
+
+/// Variables of `finest`: of the patches of the last level that are not wholly held.
+int variables_of_last_level(const Problem& problem);
+
+/// @param budget evaluations. @throws InvalidInput when the solver cannot use the method.
+Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget);
+
+}  // namespace strake::evidence

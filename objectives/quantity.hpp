@@ -16,7 +16,7 @@ namespace strake {
 /// Why there is no value. Failing is a result, never an exception and never a number.
 struct Failure {
     std::string kind;     ///< one word: spawn, exit, signal, timeout, no_result, unreadable, missing_key, wrong_type,
-                          ///< not_finite, wrong_count, undefined
+                          ///< not_finite, wrong_count, undefined, exception
     std::string message;  ///< where, what, expected; for a program with the last lines of its log
 };
 
@@ -53,6 +53,9 @@ struct Quantity {
     std::vector<std::string> names;  ///< one per value: "volume", or "aero.drag", "aero.lift"
     std::function<QuantityResult(const QuantityRequest&)> evaluate;
     ResidualFunction residuals;  ///< empty where the quantity has none
+    bool has_sensitivities = true;
+    /// A failed evaluation is a step too far, after which a run goes on; else it ends the run.
+    bool failing_shortens_step = false;
 };
 
 }  // namespace strake

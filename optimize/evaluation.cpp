@@ -116,8 +116,16 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
                   next = first + static_cast<int>(quantity.names.size());
         const bool gradients =
             std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
-        QuantityResult measured =
-            quantity.evaluate({surface, gradients, number, space_.level, physical_values(space_, x)});
+        QuantityResult measured;
+        try {
+            measured = quantity.evaluate({surface, gradients, number, space_.level, physical_values(space_, x)});
+        } catch (const OutputError&) {
+            throw;
+        } catch (const std::bad_alloc&) {
+            throw;
+        } catch (const std::exception& e) {
+            measured.failure = Failure{"exception", e.what()};
+        }
         if (!measured.failure && measured.values.size() != quantity.names.size())
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
                                                            quantity.names.size(), " (", quantity.names[0], ", ...)")};
@@ -126,6 +134,7 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
                 measured.failure = Failure{"not_finite", text(quantity.names[0], ": the value ", value)};
         if (measured.failure) {
             result.status = EvaluationStatus::quantity_failed;
+            result.may_go_on = quantity.failing_shortens_step;
             result.reason = text(quantity.names[0], ": ", measured.failure->kind, ": ", measured.failure->message);
             result.values.clear();
             return;
@@ -137,6 +146,7 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
     for (const int i : differentiated_) {
         if (dJ_dv[i].rows() != surface.num_vertices() || !dJ_dv[i].allFinite()) {
             result.status = EvaluationStatus::quantity_failed;
+            result.may_go_on = false;
             result.reason = text(names_[i], ": no finite vertex sensitivities (", dJ_dv[i].rows(), " rows for ",
                                  surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
             return;

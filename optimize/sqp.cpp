@@ -31,7 +31,7 @@ public:
     SqpEnd run() {
         start_hessian();
         // What is known holds at the start, not where an earlier search from there has ended.
-        if (p_.hessian.size() > 0 && guard_.evaluations <= 1) B_ = p_.hessian;
+        if (p_.hessian.size() > 0 && guard_.best_x == p_.start) B_ = p_.hessian;
         while (!step()) {
         }
         restore();

@@ -213,6 +213,7 @@ Quantity external(const ExternalCommand& command) {
     else
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
     quantity.evaluate = [command](const QuantityRequest& request) { return evaluate(command, request); };
+    quantity.has_sensitivities = command.has_gradients;
     return quantity;
 }
 

@@ -1,0 +1,113 @@
+#include "optimize/gradient_check.hpp"
+
+#include "core/error.hpp"
+#include "optimize/evaluation.hpp"
+
+#include <Eigen/Cholesky>
+
+#include <algorithm>
+#include <cstdint>
+
+namespace strake {
+namespace {
+
+/// Entries in [-1, 1) by xorshift, the same on every platform.
+class Random {
+public:
+    explicit Random(unsigned seed) : state_(seed * 0x9E3779B97F4A7C15ull + 0x632BE59BD9B4E019ull) {}
+    double operator()() {
+        state_ ^= state_ << 13, state_ ^= state_ >> 7, state_ ^= state_ << 17;
+        return static_cast<double>(state_ >> 11) * 0x1p-52 - 1;
+    }
+
+private:
+    std::uint64_t state_;
+};
+
+/// Random, every variable with a share of its own size, and of size 1 in the metric.
+Eigen::VectorXd unit_vector(const DesignSpace& space, Random& random) {
+    Eigen::VectorXd d(space.size());
+    for (int j = 0; j < space.size(); ++j) d[j] = random() / std::sqrt(space.metric(j, j));
+    return d / std::sqrt(d.dot(space.metric * d));
+}
+
+void validate(const GradientCheckOptions& options) {
+    if (!(options.away > 0)) throw InvalidInput(text("gradient check: away = ", options.away, " must be > 0"));
+    if (options.h.size() < 3)
+        throw InvalidInput(text("gradient check: ", options.h.size(), " steps, at least 3 needed"));
+    for (const double h : options.h)
+        if (!(h > 0)) throw InvalidInput(text("gradient check: step ", h, " must be > 0"));
+}
+
+DesignSpace space_of(const std::shared_ptr<const RestFacts>& rest, int level) {
+    const int finest = static_cast<int>(rest->tree->levels.size()) - 1;
+    if (level > finest || level == 0 || level < -1)
+        throw InvalidInput(text("gradient check: level ", level, " must be in [1, ", finest, "]"));
+    DesignSpace space = design_space(rest, level < 0 ? finest : level);
+    if (space.size() == 0)
+        throw InvalidInput("gradient check: no variable of this level moves anything; is all of it fixed?");
+    return space;
+}
+
+}  // namespace
+
+std::vector<std::string> checked_values(const Problem& problem) {
+    std::vector<std::string> names;
+    const auto add = [&](const std::string& name) {
+        if (!name.empty() && std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+    };
+    add(problem.objective);
+    for (const Constraint& constraint : problem.constraints) add(constraint.quantity);
+    for (const std::string& name : problem.fit) add(name);
+    if (names.empty())
+        throw InvalidInput("gradient check: the case has no objective, no constraints and nothing to fit");
+    return names;
+}
+
+GradientCheck check_gradients(const Problem& problem, const GradientCheckOptions& options) {
+    validate(options);
+    const std::vector<std::string> names = checked_values(problem);
+    const auto rest = rest_facts(problem);
+    ShapeEvaluator evaluator(problem, rest, names);
+    const DesignSpace space = space_of(rest, options.level);
+    evaluator.enter(space);
+    Random random(options.seed);
+    Eigen::VectorXd x = options.away * unit_vector(space, random);
+    const Eigen::VectorXd d = unit_vector(space, random);
+    x = x.cwiseMax(space.lower).cwiseMin(space.upper);
+    if (options.at_start) x.setZero();
+
+    GradientCheck check;
+    check.level = space.level;
+    check.variables = space.size();
+    ShapeEvaluation base;
+    for (int attempt = 0;; ++attempt, x *= 0.5) {
+        base = evaluator.evaluate(x, ++check.evaluations);
+        if (base.status == EvaluationStatus::ok) break;
+        check.notes.push_back(text("point of size ", std::sqrt(x.dot(space.metric * x)), ": ", base.reason));
+        if (base.status == EvaluationStatus::quantity_failed || options.at_start || attempt == 5)
+            throw SolverError(text("gradient check: there is no value to begin with: ", base.reason));
+    }
+    evaluator.differentiate(base);
+    evaluator.accept();
+    check.size = std::sqrt(x.dot(space.metric * x));
+
+    std::vector<std::vector<double>> values(names.size());
+    for (const double h : options.h) {
+        const ShapeEvaluation at = evaluator.evaluate(x + h * d, ++check.evaluations);
+        if (at.status != EvaluationStatus::ok) check.notes.push_back(text("step ", h, ": ", at.reason));
+        for (std::size_t i = 0; i < names.size(); ++i)
+            values[i].push_back(at.status == EvaluationStatus::ok ? at.values[evaluator.index_of(names[i])]
+                                                                  : std::numeric_limits<double>::quiet_NaN());
+    }
+    const Eigen::LLT<Eigen::MatrixXd> metric(space.metric);
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        const Eigen::VectorXd g = base.gradients.row(static_cast<Eigen::Index>(i));
+        const double size = std::sqrt(std::max(0.0, g.dot(metric.solve(g)))) / std::sqrt(space.size());
+        check.tests.push_back(
+            taylor_test(names[i], base.values[evaluator.index_of(names[i])], g.dot(d), size, options.h, values[i]));
+    }
+    return check;
+}
+
+}  // namespace strake

@@ -1,0 +1,157 @@
+#include "optimize/level_program.hpp"
+
+#include "core/error.hpp"
+#include "optimize/first_order.hpp"
+#include "optimize/methods.hpp"
+#include "optimize/refinement.hpp"
+
+namespace strake {
+namespace {
+
+const Quantity& quantity_of(const Problem& problem, const std::string& value) {
+    for (const Quantity& quantity : problem.quantities)
+        if (std::find(quantity.names.begin(), quantity.names.end(), value) != quantity.names.end()) return quantity;
+    throw InvalidInput(text("no quantity is called '", value, "'"));
+}
+
+/// The objective first, then constrained values, each once.
+std::vector<std::string> wanted_names(const Problem& problem) {
+    if (problem.objective.empty()) throw InvalidInput("the case has no objective: give minimize or maximize");
+    std::vector<std::string> names{problem.objective};
+    for (const Constraint& c : problem.constraints)
+        if (std::find(names.begin(), names.end(), c.quantity) == names.end()) names.push_back(c.quantity);
+    return names;
+}
+
+}  // namespace
+
+std::vector<std::string> LevelProgram::differentiated_names(const Problem& problem) {
+    const MethodFacts& method = method_facts(problem.optimize.method);
+    std::vector<std::string> names;
+    for (const std::string& name : wanted_names(problem)) {
+        if (quantity_of(problem, name).has_sensitivities && (method.needs_gradients || method.is_global))
+            names.push_back(name);
+        else if (method.needs_gradients && !problem.optimize.finite_differences)
+            throw InvalidInput(text("method ", method.name, " needs the gradient of ", name,
+                                    ", which has none; use a method without gradients (cobyla, bobyqa, ...) or "
+                                    "optimize.finite_differences"));
+    }
+    return names;
+}
+
+LevelProgram::LevelProgram(RunState& state) : state_(state) {
+    const std::vector<std::string> names = differentiated_names(state.problem);
+    const auto row = [&](const std::string& name) {
+        const auto at = std::find(names.begin(), names.end(), name);
+        return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+    };
+    objective_ = state.evaluator.index_of(state.problem.objective);
+    objective_gradient_ = row(state.problem.objective);
+    needs_differences_ = objective_gradient_ < 0;
+    for (const Constraint& c : state.problem.constraints) {
+        constrained_.push_back(state.evaluator.index_of(c.quantity));
+        gradient_row_.push_back(row(c.quantity));
+        needs_differences_ |= gradient_row_.back() < 0;
+    }
+    std::tie(num_inequalities_, num_equalities_) = count_constraints(state.problem.constraints);
+}
+
+const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
+    const DesignSpace& space = state_.space;
+    weight_ = space.metric.diagonal().cwiseSqrt();
+    const Eigen::VectorXd inverse = weight_.cwiseInverse();
+    known_ = {};
+    program_ = {};
+    program_.start = start.cwiseProduct(weight_);
+    program_.lower = space.lower.cwiseProduct(weight_);
+    program_.upper = space.upper.cwiseProduct(weight_);
+    program_.num_inequalities = num_inequalities_;
+    program_.num_equalities = num_equalities_;
+    program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
+    program_.differentiate = [this](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
+    program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
+    program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
+        const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
+        return product.size() > 0 ? Eigen::VectorXd(product.cwiseQuotient(weight_)) : product;
+    };
+    if (needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients) {
+        Differences differences;
+        differences.objective = objective_gradient_ < 0;
+        // One row per limit: inequalities first, then equalities, as the rows are.
+        std::vector<char> equalities;
+        for (std::size_t i = 0; i < state_.problem.constraints.size(); ++i) {
+            const Constraint& c = state_.problem.constraints[i];
+            const char by_differences = gradient_row_[i] < 0;
+            if (c.min) differences.rows.push_back(by_differences);
+            if (c.max) differences.rows.push_back(by_differences);
+            if (c.equals) equalities.push_back(by_differences);
+        }
+        differences.rows.insert(differences.rows.end(), equalities.begin(), equalities.end());
+        program_.differences = differences;
+    }
+    return program_;
+}
+
+Eigen::VectorXd LevelProgram::unscaled(const Eigen::VectorXd& y) const {
+    return y.cwiseQuotient(weight_).cwiseMax(state_.space.lower).cwiseMin(state_.space.upper);
+}
+
+Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
+    Sample sample;
+    current_ = state_.evaluate(x);
+    current_x_ = x;
+    Rank rank;
+    double objective = std::numeric_limits<double>::quiet_NaN();
+    if (current_.status == EvaluationStatus::ok) {
+        if (rows_.rows.empty() && !constrained_.empty())
+            rows_ = constraint_rows(state_.problem.constraints, constrained_, gradient_row_, current_.values);
+        objective = current_.values[objective_];
+        sample.objective = sign() * objective;
+        sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+        rank.violation = 0;
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i) {
+            const double c = rows_.rows[i].of(current_.values[rows_.rows[i].value]);
+            sample.constraints[static_cast<Eigen::Index>(i)] = c;
+            const bool equality = static_cast<int>(i) >= rows_.num_inequalities;
+            rank.violation = std::max(rank.violation, equality ? std::abs(c) : c);
+        }
+        rank.merit = sample.objective;
+        rank.feasible = rank.violation <= state_.problem.optimize.constraint_tolerance;
+        current_rank_ = rank;
+    } else {
+        sample.failure = current_.reason;
+        sample.is_fatal = current_.status == EvaluationStatus::quantity_failed && !current_.may_go_on;
+        quantity_failed_ |= sample.is_fatal;
+    }
+    state_.record(x, current_, objective, rank,
+                  objective_gradient_ == 0 && !current_.dJ_dv.empty() ? current_.dJ_dv[0] : Points());
+    return sample;
+}
+
+void LevelProgram::differentiate(Sample& sample) {
+    state_.evaluator.differentiate(current_);
+    sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
+    if (objective_gradient_ >= 0)
+        sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);
+    sample.jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows_.rows.size()), state_.space.size());
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        if (rows_.rows[i].gradient >= 0)
+            sample.jacobian.row(static_cast<Eigen::Index>(i)) =
+                rows_.rows[i].sign / rows_.rows[i].scale *
+                current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
+    if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank))
+        known_ = {current_x_, current_rank_, sample, current_.sensitivities,
+                  current_.dJ_dv.empty() ? Points() : current_.dJ_dv[0]};
+}
+
+ShellSensitivities LevelProgram::lagrangian() const {
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
+    weight[objective_gradient_] = sign();
+    const Eigen::VectorXd lambda = multipliers(program_, known_.sample);
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        weight[rows_.rows[i].gradient] +=
+            lambda[static_cast<Eigen::Index>(i)] * rows_.rows[i].sign / rows_.rows[i].scale;
+    return weighted_sum(known_.sensitivities, weight);
+}
+
+}  // namespace strake

@@ -1,0 +1,111 @@
+#include "optimize/run_verdict.hpp"
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+/// "area <= 1.107, volume >= 2"
+std::string names_of(const RunEnd& end, const RunResult& r, const std::vector<int>& rows) {
+    std::string words;
+    for (const int i : rows) {
+        const ConstraintRow& row = end.rows.rows[i];
+        const bool equality = i >= end.rows.num_inequalities;
+        words += text(words.empty() ? "" : " and ", r.names[row.value],
+                      equality       ? " = "
+                      : row.sign > 0 ? " <= "
+                                     : " >= ",
+                      row.limit);
+    }
+    return words;
+}
+
+std::string bounds_note(const RunResult& r, const RunEnd& end) {
+    if (end.level.active_bounds == 0 || r.space.size() == 0) return "";
+    return text("; bounds active on ", end.level.active_bounds, " of ", r.space.size(), " variables of level ", r.level,
+                " (a larger max_displacement would give them room)");
+}
+
+std::string flat_note(const RunEnd& end) {
+    return end.level.is_flat ? "; the objective did not change with any variable: is it what was meant, and does the "
+                               "surface move where it looks?"
+                             : "";
+}
+
+void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
+    if (end.level.conflict.size() > 1) {
+        r.status = "conflict";
+        for (const int i : end.level.conflict) r.conflict.push_back(r.names[end.rows.rows[i].value]);
+        r.reason = text("the constraints ", names_of(end, r, end.level.conflict),
+                        " cannot be met together (the least violation is ", r.max_violation,
+                        "); relax one of them or allow a larger max_displacement", bounds_note(r, end));
+        return;
+    }
+    r.status = "infeasible";
+    const std::string unmet = end.level.conflict.empty() ? "the constraints" : names_of(end, r, end.level.conflict);
+    r.reason = text("no design within the bounds meets ", unmet, ", the least violation is ", r.max_violation, " (",
+                    words, "); relax it or allow a larger max_displacement", bounds_note(r, end));
+}
+
+void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
+    const bool at_the_end = end.refining_is_idle || !end.can_refine;
+    const std::string notes =
+        text(flat_note(end), end.refining_is_idle ? "; no progress is expected from further refinement" : "",
+             bounds_note(r, end));
+    switch (end.level.stop) {
+        case MinimizeStop::converged:
+            r.status = at_the_end ? "converged" : "budget";
+            r.reason = at_the_end ? text("converged on level ", r.level, ": ", words, notes)
+                                  : text("the budget ended on level ", r.level, ", which is not the finest",
+                                         "; raise optimize.budget to go on", notes);
+            break;
+        case MinimizeStop::roundoff:
+            r.status = "roundoff";
+            r.reason = text("stopped on level ", r.level, ": ", words, notes);
+            break;
+        case MinimizeStop::blocked:
+            r.status = "blocked";
+            r.reason = text(words,
+                            "; the surface buckles or folds there: allow a smaller max_displacement, or give a larger "
+                            "thickness");
+            break;
+        case MinimizeStop::failed:
+            r.status = "failed";
+            r.reason = words;
+            break;
+        default:
+            r.status = "budget";
+            r.reason = text(words, " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
+                            "; raise optimize.budget to go on", notes);
+    }
+}
+
+}  // namespace
+
+std::string level_words(const MinimizeResult& level) {
+    return level.stop == MinimizeStop::stopped ? "progress slackened" : level.reason;
+}
+
+void conclude_run(RunResult& r, const RunEnd& end) {
+    const std::string words = level_words(end.level);
+    if (end.quantity_failed) {
+        r.status = "evaluation_failed";
+        r.reason = text("evaluation ", r.evaluations, ": ", end.level.reason);
+    } else if (r.best_evaluation == 0) {
+        r.status = "failed";
+        r.reason = text(words, "; reduce the given loads and strains, or fix less");
+    } else if (end.level.gradient_inconsistent) {
+        const int of = end.level.slope_of;
+        r.status = "gradient_inconsistent";
+        r.reason = text("the values do not follow the gradient of ",
+                        of < 0 ? std::string("the objective") : r.names[end.rows.rows[of].value], ": they change by ",
+                        end.level.slope_ratio, " of what it says (", words,
+                        "); check it with `strake gradient-check`, or use a method without gradients (cobyla)");
+    } else if (!end.is_feasible) {
+        infeasible(r, end, words);
+    } else {
+        feasible(r, end, words);
+    }
+}
+
+}  // namespace strake

@@ -28,5 +28,6 @@ void add_check(CLI::App& app);
 void add_run(CLI::App& app);
 void add_fit(CLI::App& app);
 void add_schema(CLI::App& app);
+void add_gradient_check(CLI::App& app);
 
 }  // namespace strake::cli

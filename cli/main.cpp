@@ -17,6 +17,7 @@ int main(int argc, char** argv) {
     cli::add_run(app);
     cli::add_fit(app);
     cli::add_schema(app);
+    cli::add_gradient_check(app);
     try {
         app.parse(argc, argv);
         return cli::done;

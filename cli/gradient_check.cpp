@@ -1,0 +1,130 @@
+#include "optimize/gradient_check.hpp"
+
+#include "cases/build_problem.hpp"
+#include "cli/commands.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+namespace strake::cli {
+namespace {
+
+struct GradientCheckArguments {
+    std::string case_file, out, at = "random";
+    GradientCheckOptions options;
+    bool json = false, quiet = false;
+};
+
+/// Where programs of the case are run: the folder that was asked for, else one that goes away in the end.
+class WorkFolder {
+public:
+    explicit WorkFolder(const std::string& wanted) : path_(wanted), is_temporary_(wanted.empty()) {
+        if (is_temporary_)
+            path_ = std::filesystem::temp_directory_path() / fmt::format("strake-gradient-check-{}", ::getpid());
+    }
+    ~WorkFolder() {
+        std::error_code ignored;
+        if (is_temporary_) std::filesystem::remove_all(path_, ignored);
+    }
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+    bool is_temporary_;
+};
+
+/// A number, or null where there is none: JSON has no NaN.
+nlohmann::ordered_json number(double value) {
+    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
+}
+
+nlohmann::ordered_json json_of(const TaylorTest& test) {
+    nlohmann::ordered_json j;
+    j["name"] = test.name;
+    j["passed"] = test.passed;
+    j["verdict"] = test.verdict;
+    j["value"] = number(test.value);
+    j["slope"] = number(test.slope);
+    j["differences_slope"] = number(test.differences_slope);
+    j["uncertainty"] = number(test.uncertainty);
+    j["order"] = number(test.order);
+    j["steps"] = nlohmann::ordered_json::array();
+    for (const TaylorStep& s : test.steps)
+        j["steps"].push_back(
+            {{"h", s.h}, {"value", number(s.value)}, {"remainder", number(s.remainder)}, {"order", number(s.order)}});
+    return j;
+}
+
+void print_json(const GradientCheck& check) {
+    nlohmann::ordered_json j;
+    j["status"] = check.passed() ? "passed" : "failed";
+    j["level"] = check.level;
+    j["variables"] = check.variables;
+    j["point_size"] = number(check.size);
+    j["evaluations"] = check.evaluations;
+    j["tests"] = nlohmann::ordered_json::array();
+    for (const TaylorTest& test : check.tests) j["tests"].push_back(json_of(test));
+    fmt::print("{}\n", j.dump(2));
+}
+
+void print_table(const TaylorTest& test) {
+    fmt::print("\n{}: value {:.10g}, slope {:.10g}\n", test.name, test.value, test.slope);
+    fmt::print("  {:>9}  {:>12}  {:>6}\n", "h", "remainder", "order");
+    for (const TaylorStep& s : test.steps) {
+        if (!std::isfinite(s.value))
+            fmt::print("  {:9.0e}  {:>12}\n", s.h, "no value");
+        else if (std::isfinite(s.order))
+            fmt::print("  {:9.0e}  {:12.3e}  {:6.2f}\n", s.h, s.remainder, s.order);
+        else
+            fmt::print("  {:9.0e}  {:12.3e}\n", s.h, s.remainder);
+    }
+    fmt::print("  {}: {}\n", test.passed ? "PASS" : "FAIL", test.verdict);
+}
+
+void check_case(const GradientCheckArguments& args) {
+    Case the_case = load_case(args.case_file);
+    const WorkFolder folder(args.out);
+    the_case.output.dir = folder.path();
+    const BuiltProblem built = build_problem(the_case);
+    GradientCheckOptions options = args.options;
+    options.at_start = args.at == "start";
+    for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);
+    if (!args.quiet)
+        fmt::print(stderr, "strake: gradient-check: {} evaluations, the first one with gradients\n",
+                   options.h.size() + 1);
+    const GradientCheck check = check_gradients(built.problem, options);
+    for (const std::string& note : check.notes) fmt::print(stderr, "note: {}\n", note);
+    if (args.json) {
+        print_json(check);
+    } else {
+        fmt::print("level {}, {} variables, at {} (size {:.3g}), seed {}\n", check.level, check.variables, args.at,
+                   check.size, options.seed);
+        for (const TaylorTest& test : check.tests) print_table(test);
+    }
+    if (!check.passed()) throw ExitStatus{run_failed};
+}
+
+}  // namespace
+
+void add_gradient_check(CLI::App& app) {
+    auto args = std::make_shared<GradientCheckArguments>();
+    CLI::App* command = app.add_subcommand(
+        "gradient-check", "Taylor test of the gradients of objective, constraints and fitted values of a case");
+    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("--at", args->at, "point of the test: random (default) or start")
+        ->check(CLI::IsMember({"random", "start"}));
+    command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");
+    command->add_option("--level", args->options.level, "level of the patches (default: the finest)")
+        ->check(CLI::PositiveNumber);
+    command->add_option("--out", args->out, "keep the folders of external evaluations here");
+    command->add_flag("--json", args->json, "results as JSON on standard output");
+    command->add_flag("-q,--quiet", args->quiet, "no progress");
+    command->callback([args] { check_case(*args); });
+}
+
+}  // namespace strake::cli

@@ -62,7 +62,7 @@ void warm_equilibrium(benchmark::State& state) {
             state.SkipWithError("not converged");
     }
 }
-BENCHMARK(warm_equilibrium)->Apply(arguments);
+BENCHMARK(warm_equilibrium)->Apply(arguments)->Iterations(6);
 
 void guard(benchmark::State& state) {
     const Loaded body(state);

@@ -1,5 +1,6 @@
 #include "cases/problem_builder.hpp"
 #include "objectives/external/external.hpp"
+#include "objectives/measured_points.hpp"
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
 
@@ -28,6 +29,12 @@ const char* name_of(SurfaceFormat format) {
     return "stl";
 }
 
+/// What a trial shape may leave undefined (a line that no longer crosses the body) is a step too far.
+Quantity shortening(Quantity quantity) {
+    quantity.failing_shortens_step = true;
+    return quantity;
+}
+
 }  // namespace
 
 void ProblemBuilder::set_goals() {
@@ -42,6 +49,9 @@ void ProblemBuilder::set_goals() {
     for (const Reference& target : case_.fit) out_.problem.fit.push_back(target.name);
     for (const ConstraintEntry& entry : case_.constraints) out_.problem.constraints.push_back(entry.constraint);
     out_.problem.optimize = case_.optimize;
+    out_.problem.fitting = case_.fitting;
+    const Length& scale = case_.loss_scale;
+    out_.problem.fitting.loss_scale = scale.is_relative_to_diagonal ? scale.value : scale.value / start_.diagonal;
 }
 
 Quantity ProblemBuilder::make(const QuantityEntry&, const VolumeEntry&) { return volume(start_.mesh, case_.symmetry); }
@@ -50,6 +60,19 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const TargetShapeEntry
     const TriMesh wanted = read_surface(target.file).mesh;
     return target.same_connectivity ? target_shape_same(entry.name, start_.mesh, wanted)
                                     : target_shape_closest(entry.name, start_.mesh, wanted);
+}
+Quantity ProblemBuilder::make(const QuantityEntry& entry, const MeasuredPointsEntry& measured) {
+    try {
+        return shortening(measured_points(entry.name, start_.mesh, read_measured_points(measured.file)));
+    } catch (const InputError& error) {
+        throw InvalidInput(error.what());
+    }
+}
+Quantity ProblemBuilder::make(const QuantityEntry& entry, const LineThicknessEntry& along) {
+    return shortening(thickness(entry.name, start_.mesh, along.lines, along.values));
+}
+Quantity ProblemBuilder::make(const QuantityEntry& entry, const SectionAreaEntry& area) {
+    return shortening(section_area(entry.name, start_.mesh, area.section, case_.symmetry));
 }
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& program) {
     ExternalCommand command;

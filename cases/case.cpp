@@ -95,9 +95,11 @@ private:
     const Case& case_;
     const std::filesystem::path& folder_;
 
-    /// A fit refuses what it does not use, so these defaults are not written.
+    /// What a fit or a run does not use is refused, so these defaults are not written.
     bool skipped(const std::string& path, const Value& value) const {
-        return !case_.fit.empty() && value.from_default &&
+        if (case_.fit.empty())
+            return value.from_default && (path == "optimize.loss" || path == "optimize.associations");
+        return value.from_default &&
                (path == "optimize.method" || path == "optimize.tolerances.constraint" ||
                 path == "optimize.finite_differences" || path == "optimize.starts" || path == "optimize.seed");
     }

@@ -2,6 +2,8 @@
 #include "cases/diagnostics.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell.hpp"
+#include "objectives/section_area.hpp"
+#include "objectives/thickness.hpp"
 #include "optimize/problem.hpp"
 
 #include <array>
@@ -115,6 +117,16 @@ struct TargetShapeEntry {
     std::filesystem::path file;
     bool same_connectivity = false;
 };
+struct MeasuredPointsEntry {
+    std::filesystem::path file;
+};
+struct LineThicknessEntry {
+    std::vector<ThicknessLine> lines;  ///< read with the case: the names of the values depend on them
+    ThicknessValues values = ThicknessValues::each;
+};
+struct SectionAreaEntry {
+    Section section;
+};
 struct ExternalEntry {
     std::vector<std::string> command, gives;
     double timeout_s = 3600;
@@ -126,7 +138,9 @@ struct AreaEntry {};
 struct QuantityEntry {
     std::string name;
     Place place;
-    std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, ExternalEntry> what;
+    std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, MeasuredPointsEntry, LineThicknessEntry, SectionAreaEntry,
+                 ExternalEntry>
+        what;
     std::vector<std::string> value_names() const;
 };
 
@@ -162,6 +176,8 @@ struct Case {
     std::vector<Reference> fit;
     std::vector<ConstraintEntry> constraints;
     OptimizeOptions optimize;
+    FitOptions fitting;              ///< without the scale
+    Length loss_scale{0.001, true};  ///< of `fitting`
     struct Output {
         std::filesystem::path dir;  ///< may be set by the program before the problem is built
         ParaView paraview = ParaView::every_accepted;

@@ -32,6 +32,8 @@ private:
     void read_split(const Value& map);
     // read_goals.cpp
     void read_quantity(const Entry& entry);
+    void read_built_in(const std::string& type, const Value& map, QuantityEntry& quantity);
+    LineThicknessEntry read_line_thickness(const Value& map, const std::string& shown);
     void read_objective(const Value& map);
     void read_constraint(const Entry& entry);
     // read_run.cpp

@@ -176,6 +176,32 @@ void check_gradients(const Case& c, const Reference& value, Diagnostics& errors)
                                  joined(without), ")"));
 }
 
+const char* const residual_types =
+    "type: target_shape or measured_points, or thickness or section_area with a wanted value";
+
+bool has_residuals(const QuantityEntry& quantity) {
+    if (const auto* along = std::get_if<LineThicknessEntry>(&quantity.what))
+        return along->lines.empty() || along->lines.front().wanted;  // empty: a file that was refused
+    if (const auto* area = std::get_if<SectionAreaEntry>(&quantity.what)) return area->section.wanted.has_value();
+    return std::holds_alternative<TargetShapeEntry>(quantity.what) ||
+           std::holds_alternative<MeasuredPointsEntry>(quantity.what);
+}
+
+/// Fitted are whole quantities, not their single values.
+void check_fitted(const Case& c, const Reference& target, Diagnostics& errors) {
+    const auto is_named = [&](const QuantityEntry& quantity) { return quantity.name == target.name; };
+    const auto named = std::find_if(c.quantities.begin(), c.quantities.end(), is_named);
+    const QuantityEntry* quantity = named != c.quantities.end() ? &*named : quantity_of(c, target.name);
+    const bool built_in = target.name == "volume" || target.name == "area";
+    if (!quantity && !built_in)
+        errors.add(target.place, unknown_value(c, target.name));
+    else if (!quantity || !has_residuals(*quantity))
+        errors.add(target.place, text("quantity '", target.name, "' has no residuals; fit needs ", residual_types));
+    else if (quantity->name != target.name)
+        errors.add(target.place,
+                   text("'", target.name, "' is one value of a quantity; fit takes all: write '", quantity->name, "'"));
+}
+
 void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
     const std::vector<std::string> known = known_values(c);
     const auto check = [&](const Reference& value) {
@@ -188,12 +214,7 @@ void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
     for (const ConstraintEntry& entry : c.constraints) check({entry.constraint.quantity, entry.place});
     std::set<std::string> seen;
     for (const Reference& target : c.fit) {
-        const QuantityEntry* quantity = quantity_of(c, target.name);
-        check(target);
-        if (quantity ? !std::holds_alternative<TargetShapeEntry>(quantity->what)
-                     : target.name == "volume" || target.name == "area")
-            errors.add(target.place,
-                       text("quantity '", target.name, "' has no residuals; fit needs type: target_shape"));
+        check_fitted(c, target, errors);
         if (!seen.insert(target.name).second)
             errors.add(target.place, text("quantity '", target.name, "' is named twice under fit"));
     }
@@ -223,6 +244,13 @@ void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
         errors.add(constraint->key_place, "optimize.tolerances.constraint is not used by fit");
 }
 
+/// What an optimization would ignore is refused.
+void check_run(const Value& root, Diagnostics& errors) {
+    for (const char* key : {"loss", "loss_scale", "associations"})
+        if (const Entry* entry = entry_of(root.find("optimize"), key); entry && !entry->value.from_default)
+            errors.add(entry->key_place, text("optimize.", key, " is used by fit only"));
+}
+
 void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostics& errors) {
     const Entry *objective = entry_of(&root, "objective"), *fit = entry_of(&root, "fit");
     if (objective && fit)
@@ -234,6 +262,8 @@ void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostic
         errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'" : "fit is missing");
     else if (fit)
         check_fit(root, c, errors);
+    else if (objective)
+        check_run(root, errors);
     if (const Entry* constraints = entry_of(&root, "constraints"); constraints && !objective && !fit)
         errors.add(constraints->key_place, "constraints without an objective");
 }
@@ -259,10 +289,13 @@ std::vector<std::string> known_values(const Case& the_case) {
 }
 
 std::vector<std::string> QuantityEntry::value_names() const {
-    const auto* external = std::get_if<ExternalEntry>(&what);
-    if (!external || external->gives.empty()) return {name};
     std::vector<std::string> names;
-    for (const std::string& value : external->gives) names.push_back(name + "." + value);
+    if (const auto* external = std::get_if<ExternalEntry>(&what))
+        for (const std::string& value : external->gives) names.push_back(name + "." + value);
+    const auto* along = std::get_if<LineThicknessEntry>(&what);
+    if (along && along->values == ThicknessValues::each)
+        for (std::size_t i = 1; i <= along->lines.size(); ++i) names.push_back(text(name, ".", i));
+    if (names.empty()) names.push_back(name);
     return names;
 }
 

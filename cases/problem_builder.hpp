@@ -63,6 +63,9 @@ private:
     Quantity make(const QuantityEntry& entry, const VolumeEntry& what);
     Quantity make(const QuantityEntry& entry, const AreaEntry& what);
     Quantity make(const QuantityEntry& entry, const TargetShapeEntry& target);
+    Quantity make(const QuantityEntry& entry, const MeasuredPointsEntry& measured);
+    Quantity make(const QuantityEntry& entry, const LineThicknessEntry& along);
+    Quantity make(const QuantityEntry& entry, const SectionAreaEntry& area);
     Quantity make(const QuantityEntry& entry, const ExternalEntry& program);
 };
 

@@ -4,21 +4,53 @@
 
 namespace strake {
 
+void CaseReader::read_built_in(const std::string& type, const Value& map, QuantityEntry& quantity) {
+    const Value* file = map.find("file");
+    const std::filesystem::path path = file ? dir_ / file->text : "";
+    const std::string shown = "quantities." + printable(quantity.name);
+    if (type == "area") quantity.what = AreaEntry{};
+    if (type == "target_shape") {
+        const Value* match = map.find("match");
+        quantity.what = TargetShapeEntry{path, match && match->text == "same"};
+    }
+    if (type == "measured_points") quantity.what = MeasuredPointsEntry{path};
+    if (type == "thickness") quantity.what = read_line_thickness(map, shown);
+    if (type == "section_area") {
+        SectionAreaEntry entry;
+        const Value *plane = map.find("plane"), *wanted = map.find("wanted");
+        const auto normal = direction_of(plane ? plane->find("normal") : nullptr, shown + ".plane.normal", errors_);
+        const Value* at = plane ? plane->find("at") : nullptr;
+        if (normal) entry.section.normal = *normal;
+        if (at) entry.section.offset = at->number;
+        if (wanted) entry.section.wanted = wanted->number;
+        quantity.what = entry;
+    }
+}
+
+LineThicknessEntry CaseReader::read_line_thickness(const Value& map, const std::string& shown) {
+    LineThicknessEntry entry;
+    const Value *at = map.find("at"), *values = map.find("values");
+    if (values && values->text == "smallest") entry.values = ThicknessValues::smallest;
+    if (!at) return entry;
+    try {
+        entry.lines = read_thickness_lines(dir_ / at->text);
+    } catch (const InputError& error) {
+        errors_.add(at->place, text(shown, ".at: ", error.what()));
+    }
+    return entry;
+}
+
 void CaseReader::read_quantity(const Entry& entry) {
     const Value& map = entry.value;
     QuantityEntry quantity{entry.key, entry.key_place, VolumeEntry{}};
-    const Value *type = map.find("type"), *command = map.find("command"), *file = map.find("file");
+    const Value *type = map.find("type"), *command = map.find("command");
     const bool has_type = std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "type"; });
     const bool has_command =
         std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "command"; });
     if (map.form == Value::Form::map && has_type == has_command)
         errors_.add(entry.key_place,
                     text("quantities.", printable(entry.key), " must have exactly one of type, command"));
-    if (type && type->text == "area") quantity.what = AreaEntry{};
-    if (type && type->text == "target_shape") {
-        const Value* match = map.find("match");
-        quantity.what = TargetShapeEntry{file ? dir_ / file->text : "", match && match->text == "same"};
-    }
+    if (type) read_built_in(type->text, map, quantity);
     if (command) {
         ExternalEntry external;
         external.command = texts(command);

@@ -10,6 +10,13 @@ void CaseReader::read_optimize(const Value& map) {
     if (const Value* v = map.find("finite_differences")) o.finite_differences = v->number != 0;
     if (const Value* v = map.find("starts")) o.starts = static_cast<int>(v->number);
     if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);
+    if (const Value* v = map.find("loss"))
+        case_.fitting.loss = v->text == "huber"     ? Loss::huber
+                             : v->text == "cauchy"  ? Loss::cauchy
+                             : v->text == "soft_l1" ? Loss::soft_l1
+                                                    : Loss::none;
+    if (const Value* v = map.find("loss_scale")) case_.loss_scale = length_of(*v);
+    if (const Value* v = map.find("associations")) case_.fitting.associations = static_cast<int>(v->number);
     if (const Value* budget = map.find("budget")) {
         if (const Value* v = budget->find("evaluations")) o.max_evaluations = static_cast<int>(v->number);
         if (const Value* v = budget->find("time")) o.max_seconds = v->number;

@@ -138,8 +138,6 @@ std::string read_word(Value& value, const Key& key) {
             value.text = key.words[k];
             return "";
         }
-    if (key.path == "quantities.*.type" && value.text == "thickness")
-        return text("is not supported by this version; words: ", joined(key.words));
     const std::string near = nearest(key.loose_word ? algorithm_word(value.text) : value.text, key.words);
     const std::string hint = near.empty() ? "" : text("; did you mean '", near, "'?");
     return text("must be ", key.words.size() > 1 ? "one of " : "", joined(key.words), hint);

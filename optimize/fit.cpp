@@ -66,7 +66,8 @@ private:
         words_ = text("evaluation ", state_.result.evaluations, ": ", why);
     }
 
-    /// Whatever goes wrong in a quantity is a failed evaluation; a wrong problem is still an exception.
+    /// Whatever goes wrong in a quantity is a failed evaluation, after which the fit goes on only if the quantity says
+    /// so; a wrong problem is still an exception.
     ShapeEvaluation shape_at(const VectorXd& x) {
         try {
             return state_.evaluate(x);
@@ -78,6 +79,7 @@ private:
             ShapeEvaluation none;
             none.status = EvaluationStatus::quantity_failed;
             none.reason = error.what();
+            none.may_go_on = false;
             return none;
         }
     }
@@ -93,6 +95,7 @@ private:
         } catch (const std::exception& error) {
             shape.status = EvaluationStatus::quantity_failed;
             shape.reason = error.what();
+            shape.may_go_on = dynamic_cast<const ResidualsUndefined*>(&error) != nullptr;
             return std::numeric_limits<double>::quiet_NaN();
         }
     }
@@ -107,7 +110,7 @@ private:
         ok_ = shape.status == EvaluationStatus::ok;
         Rank rank;
         if (ok_) rank = {true, 0, objective};
-        if (shape.status == EvaluationStatus::quantity_failed)
+        if (!ok_ && !shape.may_go_on)
             fail(shape.reason);
         else if (!ok_)
             words_ = shape.reason;

@@ -11,7 +11,7 @@ namespace strake {
 /// evaluation. A level ends when its least-squares problem has converged or three iterations in a row remove
 /// less than `progress_below` of the residual; the run has converged when the last level has. Each level's summary says
 /// what share it explains of the distance that the levels before have left. A quantity that gives no residuals, or
-/// numbers that are not finite, ends the fit: status `evaluation_failed`.
+/// numbers that are not finite, ends the fit (status `evaluation_failed`) unless its failing shortens the step.
 /// @throws InvalidInput: nothing to fit, a quantity without residuals, stiffness variables, a wrong option; UnheldPart.
 RunResult fit(const Problem& problem, const RunEvents& events = {});
 

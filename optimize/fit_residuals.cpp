@@ -30,6 +30,15 @@ const Quantity& find(const Problem& problem, const std::string& name) {
         text("no quantity is called '", name, "'; with residuals there are: ", known.empty() ? "none" : known));
 }
 
+Residuals residuals_of(const Quantity& quantity, const TriMesh& surface, const TriMesh& matched) {
+    try {
+        return quantity.residuals(surface, matched);
+    } catch (const InvalidInput& refused) {
+        if (!quantity.failing_shortens_step) throw;
+        throw ResidualsUndefined(refused.what());
+    }
+}
+
 }  // namespace
 
 FitResiduals::FitResiduals(const Problem& problem)
@@ -46,7 +55,7 @@ FitResiduals::Rows FitResiduals::at(const TriMesh& surface, const TriMesh& match
     Rows rows;
     for (const Quantity* quantity : fitted_) {
         const std::string& name = quantity->names[0];
-        Residuals own = quantity->residuals(surface, matched);
+        Residuals own = residuals_of(*quantity, surface, matched);
         if (own.dr_dv.rows() != own.r.size() || own.dr_dv.cols() != 3 * surface.num_vertices() || own.width < 1 ||
             own.weight.size() * own.width != own.r.size())
             throw SolverError(text(name, ": ", own.r.size(), " residuals with derivatives ", own.dr_dv.rows(), " x ",

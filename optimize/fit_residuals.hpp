@@ -5,6 +5,11 @@
 /// The residuals of all fitted quantities of a problem, one below the other, under its loss. Internal to `fit`.
 namespace strake {
 
+/// A trial shape on which a fitted quantity is undefined, which the quantity calls a step too far.
+struct ResidualsUndefined : std::runtime_error {
+    using runtime_error::runtime_error;
+};
+
 class FitResiduals {
 public:
     /// @throws InvalidInput: nothing to fit, an unknown name, a quantity without residuals, a wrong option.
@@ -14,8 +19,8 @@ public:
         Eigen::VectorXd r;                                                ///< N
         std::vector<Eigen::SparseMatrix<double, Eigen::RowMajor>> dr_dv;  ///< one a quantity, together N x 3n
     };
-    /// Matches are looked for on `matched`. @throws SolverError for residuals of wrong size or not finite, and what the
-    /// quantities throw.
+    /// Matches are looked for on `matched`. @throws ResidualsUndefined where a quantity with `failing_shortens_step`
+    /// refuses the shape, SolverError for residuals of wrong size or not finite, and what the quantities throw.
     Rows at(const TriMesh& surface, const TriMesh& matched) const;
 
     /// Column j of dr/dx from dv/dx_j (n x 3).

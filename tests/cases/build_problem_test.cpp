@@ -287,5 +287,78 @@ parameters: {levels: [20deg], max_displacement: 0.5}
     EXPECT_DOUBLE_EQ(built.problem.parameters.max_displacement, 0.5 / std::sqrt(3));
 }
 
+TEST_F(BuildProblem, PointsLinesAndPlanesAreMeasured) {
+    surface(box_surface(Eigen::Vector3d(1, 2, 4), 2));
+    folder.write("lines.csv", "x,y,z,dx,dy,dz,wanted\n0.3,0.4,0.9,0,2,0,2.2\n0.3,0.4,0.9,-1,0,0,1.2\n");
+    folder.write("points.csv", "0.3,0.4,4.5\n0.3,2.25,1,0\n");
+    const BuiltProblem built = build(R"(regions: {low: {box: [[0, 0, 0], [1, 2, 0]]}}
+fixed: [low]
+quantities:
+  room: {type: thickness, at: lines.csv}
+  least: {type: thickness, at: lines.csv, values: smallest}
+  scan: {type: measured_points, file: points.csv}
+  rib: {type: section_area, plane: {normal: [0, 0, -2], at: -1.3}, wanted: 3}
+fit: [room, scan, rib]
+parameters: {levels: [20deg]}
+optimize: {loss: huber, loss_scale: 0.5, associations: 3}
+)");
+    const Problem& problem = built.problem;
+    std::vector<std::string> names;
+    std::vector<double> values;
+    for (const Quantity& q : problem.quantities) {
+        names.insert(names.end(), q.names.begin(), q.names.end());
+        const QuantityResult result = q.evaluate({.surface = problem.surface, .variables = {}});
+        values.insert(values.end(), result.values.begin(), result.values.end());
+        EXPECT_TRUE(q.failing_shortens_step) << q.names[0];
+    }
+    EXPECT_EQ(names, (std::vector<std::string>{"room.1", "room.2", "least", "scan", "rib"}));
+    const double expected[] = {2, 1, 1, 0.25, 2};
+    ASSERT_EQ(values.size(), 5u);
+    for (int i = 0; i < 5; ++i) EXPECT_NEAR(values[i], expected[i], 1e-12) << names[i];
+    for (const int i : {0, 2, 3}) EXPECT_TRUE(problem.quantities[i].residuals) << i;
+    EXPECT_EQ(problem.fit, (std::vector<std::string>{"room", "scan", "rib"}));
+    EXPECT_EQ(problem.fitting.loss, Loss::huber);
+    EXPECT_DOUBLE_EQ(problem.fitting.loss_scale, 0.5 / std::sqrt(21));
+    EXPECT_EQ(problem.fitting.associations, 3);
+}
+
+TEST_F(BuildProblem, SectionsOfHalfModelsAreClosedByTheirPlane) {
+    TriMesh half = box_surface(Eigen::Vector3d(1, 0.5, 1), 2);
+    std::vector<Eigen::Vector3i> kept;
+    for (int t = 0; t < half.num_triangles(); ++t) {
+        const Eigen::Vector3i corners = half.triangles.row(t);
+        if (half.vertices(corners[0], 1) + half.vertices(corners[1], 1) + half.vertices(corners[2], 1) > 0)
+            kept.push_back(corners);
+    }
+    half.triangles.resize(static_cast<Eigen::Index>(kept.size()), 3);
+    for (std::size_t t = 0; t < kept.size(); ++t) half.triangles.row(static_cast<Eigen::Index>(t)) = kept[t];
+    // The vertex inside of the removed side goes, too.
+    const int last = half.num_vertices() - 1;
+    for (int v = 0; v <= last; ++v)
+        if ((half.triangles.array() == v).count() == 0) {
+            half.vertices.row(v) = half.vertices.row(last);
+            half.triangles = (half.triangles.array() == last).select(v, half.triangles.array()).matrix().eval();
+            half.vertices.conservativeResize(last, 3);
+            break;
+        }
+    surface(half);
+    const std::string rib = "quantities: {rib: {type: section_area, plane: {normal: [1, 0, 0], at: 0.3}}}\n";
+    const BuiltProblem built = build("symmetry: {plane: y, at: 0}\n" + rib);
+    const Problem& p = built.problem;
+    EXPECT_NEAR(p.quantities[0].evaluate({.surface = p.surface, .variables = {}}).values[0], 0.5, 1e-12);
+    EXPECT_TRUE(contains(error(rib), "case.yaml:3:14: quantities.rib: rib: the section is open at the edge"))
+        << error(rib);
+}
+
+TEST_F(BuildProblem, PointsAndLinesThatAreNoneNameTheirRow) {
+    surface(box_surface());
+    folder.write("lines.csv", "9,9,9,0,0,1\n");
+    folder.write("points.csv", "0,0,0\n0,0\n");
+    EXPECT_TRUE(
+        contains(error("quantities: {t: {type: thickness, at: lines.csv}}\n"), "case.yaml:3:14: quantities.t: "));
+    EXPECT_TRUE(contains(error("quantities: {p: {type: measured_points, file: points.csv}}\n"),
+                         "case.yaml:3:14: quantities.p: points.csv:2: "));
+}
+
 }  // namespace
 }  // namespace strake

@@ -36,6 +36,9 @@ protected:
     CaseErrors() {
         folder.write("wing.obj", tetrahedron_obj);
         folder.write("flap.txt", "0\n");
+        folder.write("lines.csv", "0.2,0.2,0.1,0,0,1\n0.1,0.1,0.1,0,0,1\n");
+        folder.write("wanted.csv", "0.2,0.2,0.1,0,0,1,0.6\n");
+        folder.write("words.csv", "0.2,0.2,0.1,0,0,1\n0.1,x,0.1,0,0,1\n");
     }
     std::string file(const std::string& yaml) { return folder.write("case.yaml", yaml).string(); }
     /// The lines of the error, with the folder cut away; empty for a case without errors.
@@ -192,11 +195,62 @@ TEST_F(CaseErrors, PurposeDecidesWhatIsMissing) {
               "case.yaml:1:1: fit is missing; this case is one for 'strake run'");
     EXPECT_EQ(errors(bare + "objective: {maximize: area}\nfit: [area]\n"),
               "case.yaml:4:1: objective and fit exclude each other\n"
-              "case.yaml:4:7: quantity 'area' has no residuals; fit needs type: target_shape");
+              "case.yaml:4:7: quantity 'area' has no residuals; fit needs type: target_shape or measured_points, or "
+              "thickness or section_area with a wanted value");
     EXPECT_EQ(errors(bare + "quantities: {t: {type: target_shape, file: wing.obj}}\nfit: [t]\n"
                             "parameters: {variables: [load, stiffness]}\n"),
               "case.yaml:5:32: parameters.variables: stiffness cannot be fitted; use load, load_normal or strain");
     EXPECT_EQ(errors(bare + "constraints: {area: {max: 1}}\n"), "case.yaml:3:1: constraints without an objective");
+}
+
+TEST_F(CaseErrors, QuantitiesOfLinesPointsAndPlanes) {
+    const auto quantity = [&](const std::string& map, const std::string& rest = "") {
+        return errors("case: wing\nsurface: {file: wing.obj}\nquantities: {q: " + map + "}\n" + rest);
+    };
+    EXPECT_EQ(quantity("{type: thicknes, at: lines.csv}"),
+              "case.yaml:3:24: quantities.q.type = thicknes must be one of volume, area, target_shape, "
+              "measured_points, thickness, section_area; did you mean 'thickness'?");
+    EXPECT_EQ(quantity("{type: thickness}"), "case.yaml:3:17: quantities.q.at is missing");
+    EXPECT_EQ(quantity("{type: measured_points}"), "case.yaml:3:17: quantities.q.file is missing");
+    EXPECT_EQ(quantity("{type: section_area}"), "case.yaml:3:17: quantities.q.plane is missing");
+    EXPECT_EQ(quantity("{type: section_area, plane: {normal: [0, 0, 0], at: 1}}"),
+              "case.yaml:3:54: quantities.q.plane.normal = [0, 0, 0] has no direction");
+    EXPECT_EQ(quantity("{type: section_area, plane: {normal: [0, 0, 1], at: 5%}}").substr(0, 45),
+              "case.yaml:3:69: quantities.q.plane.at = 5% mu");
+    EXPECT_EQ(quantity("{type: section_area, plane: {normal: [0, 0, 1], at: 0.5}, wanted: 0}"),
+              "case.yaml:3:83: quantities.q.wanted = 0 must be > 0");
+    EXPECT_EQ(quantity("{type: thickness, at: lines.csv, wanted: 1}"),
+              "case.yaml:3:50: quantities.q.wanted goes only with 'type: section_area'");
+    EXPECT_EQ(quantity("{type: thickness, at: words.csv}").substr(0, 53),
+              "case.yaml:3:39: quantities.q.at: words.csv:2: expecte")
+        << "row of the file";
+    const std::string each = "{type: thickness, at: lines.csv}";
+    EXPECT_EQ(quantity(each, "objective: {maximize: q.2}\n"), "");
+    EXPECT_EQ(quantity("{type: thickness, at: lines.csv, values: smallest}", "objective: {maximize: q}\n"), "");
+    EXPECT_EQ(quantity(each, "objective: {maximize: q.3}\n"),
+              "case.yaml:4:23: quantity 'q.3' is not known; did you mean 'q.1'? Quantities: q.1, q.2, volume, area");
+}
+
+TEST_F(CaseErrors, WhatAFitTakes) {
+    const auto fitting = [&](const std::string& map, const std::string& rest) {
+        return errors("case: wing\nsurface: {file: wing.obj}\nquantities: {q: " + map + "}\n" + rest);
+    };
+    const std::string wanted = "{type: thickness, at: wanted.csv}", lacks = " has no residuals; fit needs type: ";
+    EXPECT_EQ(fitting(wanted, "fit: [q]\n"), "");
+    EXPECT_EQ(fitting(wanted, "fit: [q.1]\n"),
+              "case.yaml:4:7: 'q.1' is one value of a quantity; fit takes all: write 'q'");
+    EXPECT_EQ(fitting("{type: measured_points, file: lines.csv}", "fit: [q]\n"), "");
+    EXPECT_EQ(fitting("{type: section_area, plane: {normal: [0, 0, 1], at: 0.5}, wanted: 2}", "fit: [q]\n"), "");
+    for (const char* unwanted :
+         {"{type: thickness, at: lines.csv}", "{type: section_area, plane: {normal: [0, 0, 1], at: 0.5}}"})
+        EXPECT_EQ(fitting(unwanted, "fit: [q]\n").find("case.yaml:4:7: quantity 'q'" + lacks), 0u) << unwanted;
+    EXPECT_EQ(fitting(wanted, "fit: [p]\n"), "case.yaml:4:7: quantity 'p' is not known; quantities: q.1, volume, area");
+    EXPECT_EQ(fitting(wanted, "fit: [q]\noptimize: {loss_scale: 1%}\n"),
+              "case.yaml:5:12: optimize.loss_scale goes only with 'loss: huber or cauchy or soft_l1'");
+    EXPECT_EQ(fitting(wanted, "objective: {maximize: q.1}\noptimize: {loss: huber, loss_scale: 1%, associations: 1}\n"),
+              "case.yaml:5:12: optimize.loss is used by fit only\n"
+              "case.yaml:5:25: optimize.loss_scale is used by fit only\n"
+              "case.yaml:5:41: optimize.associations is used by fit only");
 }
 
 TEST_F(CaseErrors, ProgramsWithoutGradientsNeedAMethodWithoutOrDifferences) {

@@ -212,7 +212,15 @@ quantities:
 objective: {minimize: my-aero.drag}
 constraints: {t: {max: 2}}
 )",
-        minimal() + "quantities: {t: {type: target_shape, file: wing.obj}}\nfit: [t]\n"};
+        minimal() + "quantities: {t: {type: target_shape, file: wing.obj}}\nfit: [t]\n", minimal() + R"(quantities:
+  t: {type: thickness, at: lines.csv}
+  p: {type: measured_points, file: lines.csv}
+  s: {type: section_area, plane: {normal: [0, 0, 2], at: 0.5}, wanted: 0.1}
+fit: [t, p, s]
+optimize: {loss: cauchy, loss_scale: 0.5, associations: 2}
+)",
+        minimal() + "quantities: {t: {type: thickness, at: lines.csv}}\nobjective: {maximize: t.1}\n"};
+    folder.write("lines.csv", "0.2,0.2,0.1,0,0,1,0.5\n");
     for (const std::string& yaml : cases) {
         const Case c = load(yaml);
         const std::filesystem::path run = folder.path() / "runs" / "wing 1";

@@ -160,8 +160,30 @@ TEST(Fit, FailuresOfQuantitiesEndInAVerdict) {
     };
     const RunResult r = fit(problem);
     EXPECT_EQ(r.status, "evaluation_failed");
-    EXPECT_TRUE(has(r.reason, "evaluation 3: the probe is lost")) << r.reason;
+    EXPECT_TRUE(has(r.reason, "evaluation 3: ") && has(r.reason, "the probe is lost")) << r.reason;
     EXPECT_GT(r.best_evaluation, 0);
+}
+
+TEST(Fit, AQuantityMayCallItsFailureAStepTooFar) {
+    for (const bool shortens : {true, false})
+        for (const bool in_residuals : {true, false}) {
+            Problem problem = in_residuals ? spoiled(3,
+                                                     [count = std::make_shared<int>(0)](Residuals&) {
+                                                         if (++*count == 1)
+                                                             throw InvalidInput("the line misses the body");
+                                                     })
+                                           : recoverable(2, {VariableKind::load}, false, 2);
+            Quantity& match = problem.quantities.back();
+            match.failing_shortens_step = shortens;
+            if (!in_residuals)
+                match.evaluate = [good = match.evaluate](const QuantityRequest& request) -> QuantityResult {
+                    if (request.evaluation == 3) return {{}, {}, Failure{"undefined", "the line misses the body"}};
+                    return good(request);
+                };
+            const RunResult r = fit(problem);
+            EXPECT_EQ(r.status, shortens ? "converged" : "evaluation_failed") << r.reason;
+            EXPECT_EQ(largest_distance(problem, r) < 1e-8, shortens) << r.reason;
+        }
 }
 
 TEST(Fit, ARobustLossIgnoresOutliers) {

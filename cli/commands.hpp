@@ -29,5 +29,6 @@ void add_run(CLI::App& app);
 void add_fit(CLI::App& app);
 void add_schema(CLI::App& app);
 void add_gradient_check(CLI::App& app);
+void add_sweep(CLI::App& app);
 
 }  // namespace strake::cli

@@ -18,6 +18,7 @@ int main(int argc, char** argv) {
     cli::add_fit(app);
     cli::add_schema(app);
     cli::add_gradient_check(app);
+    cli::add_sweep(app);
     try {
         app.parse(argc, argv);
         return cli::done;

@@ -1,0 +1,181 @@
+#include "optimize/sweep.hpp"
+
+#include "cases/build_problem.hpp"
+#include "cli/commands.hpp"
+
+#include <fmt/core.h>
+#include <unistd.h>
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// `strake sweep`: a table of all values along design variables.
+namespace strake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+struct SweepArguments {
+    std::string case_file, out;
+    std::vector<std::string> variables;
+    std::vector<double> from, to;
+    std::vector<int> steps;
+    int level = 1;
+    bool json = false, quiet = false;
+};
+
+/// The i-th of an option that is given once for all variables or once for each.
+template <class T>
+T of_axis(const std::vector<T>& given, std::size_t i, std::size_t axes, const char* option) {
+    if (given.size() != 1 && given.size() != axes)
+        throw InvalidInput(text("sweep: ", option, " is given ", given.size(), " times for ", axes,
+                                " variables; give it once for all or once for each"));
+    return given[given.size() == 1 ? 0 : i];
+}
+
+SweepOptions options_of(const SweepArguments& args) {
+    SweepOptions options;
+    options.level = args.level;
+    const std::size_t n = args.variables.size();
+    for (std::size_t i = 0; i < n; ++i)
+        options.axes.push_back({args.variables[i], of_axis(args.from, i, n, "--from"), of_axis(args.to, i, n, "--to"),
+                                of_axis(args.steps, i, n, "--steps")});
+    return options;
+}
+
+/// Programs of the case run in a folder that goes away in the end.
+class WorkFolder {
+public:
+    WorkFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("strake-sweep-{}", ::getpid())) {}
+    ~WorkFolder() {
+        std::error_code ignored;
+        std::filesystem::remove_all(path_, ignored);
+    }
+    WorkFolder(const WorkFolder&) = delete;
+    WorkFolder& operator=(const WorkFolder&) = delete;
+    const std::filesystem::path& path() const { return path_; }
+
+private:
+    std::filesystem::path path_;
+};
+
+bool has_objective(const Problem& problem) { return !problem.objective.empty() || !problem.fit.empty(); }
+
+std::vector<double> numbers(const SweepPoint& point, std::size_t num_values, bool with_objective) {
+    std::vector<double> out;
+    if (with_objective) out.push_back(point.objective);
+    for (std::size_t i = 0; i < num_values; ++i)
+        out.push_back(point.values.empty() ? std::numeric_limits<double>::quiet_NaN() : point.values[i]);
+    return out;
+}
+
+void print_table(const SweepOptions& options, const Sweep& sweep, bool with_objective) {
+    std::string head;
+    for (const SweepAxis& axis : options.axes) head += fmt::format("{:>9}  {:>22}  ", "x", axis.variable);
+    head += fmt::format("{:<15}", "status");
+    if (with_objective) head += fmt::format("  {:>17}", "objective");
+    for (const std::string& name : sweep.names) head += fmt::format("  {:>17}", name);
+    fmt::print("{}\n", head);
+    for (const SweepPoint& point : sweep.points) {
+        for (std::size_t i = 0; i < point.x.size(); ++i)
+            fmt::print("{:9.4g}  {:22.9g}  ", point.x[i], point.physical[i]);
+        fmt::print("{:<15}", point.status);
+        for (const double value : numbers(point, sweep.names.size(), with_objective))
+            fmt::print("  {:>17}", std::isfinite(value) ? fmt::format("{:.10g}", value) : "-");
+        fmt::print("\n");
+    }
+}
+
+std::string quoted(const std::string& cell) {
+    if (cell.find_first_of(",\"\r\n") == std::string::npos) return cell;
+    std::string out = "\"";
+    for (const char c : cell) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+    return out + "\"";
+}
+
+std::string csv_of(const SweepOptions& options, const Sweep& sweep, bool with_objective) {
+    std::string out;
+    for (const SweepAxis& axis : options.axes)
+        out += quoted("x " + axis.variable) + "," + quoted("physical " + axis.variable) + ",";
+    out += with_objective ? "status,objective" : "status";
+    for (const std::string& name : sweep.names) out += "," + quoted(name);
+    out += ",reason\n";
+    for (const SweepPoint& point : sweep.points) {
+        for (std::size_t i = 0; i < point.x.size(); ++i)
+            out += fmt::format("{:.17g},{:.17g},", point.x[i], point.physical[i]);
+        out += point.status;
+        for (const double value : numbers(point, sweep.names.size(), with_objective))
+            out += std::isfinite(value) ? fmt::format(",{:.17g}", value) : ",";
+        out += "," + quoted(point.reason) + "\n";
+    }
+    return out;
+}
+
+void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objective) {
+    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
+    Json j;
+    j["level"] = options.level;
+    j["variables"] = Json::array();
+    for (const SweepAxis& axis : options.axes) j["variables"].push_back(axis.variable);
+    j["names"] = sweep.names;
+    j["points"] = Json::array();
+    for (const SweepPoint& point : sweep.points) {
+        Json row{{"x", point.x}, {"physical", point.physical}, {"status", point.status}};
+        if (!point.reason.empty()) row["reason"] = point.reason;
+        if (with_objective) row["objective"] = number(point.objective);
+        row["values"] = point.values;
+        j["points"].push_back(std::move(row));
+    }
+    fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+}
+
+void sweep_case(const SweepArguments& args) {
+    const SweepOptions options = options_of(args);
+    Case the_case = load_case(args.case_file);
+    const WorkFolder folder;
+    the_case.output.dir = folder.path();
+    const BuiltProblem built = build_problem(the_case);
+    for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);
+    int done_points = 0;
+    const Sweep result = sweep(built.problem, options, [&](const SweepPoint& point) {
+        ++done_points;
+        if (point.reason.empty() || args.quiet) return;
+        fmt::print(stderr, "strake: sweep: point {}: {}\n", done_points, printable(point.reason, 1000));
+    });
+    const bool with_objective = has_objective(built.problem);
+    if (!args.out.empty()) write_atomically(args.out, csv_of(options, result, with_objective));
+    if (args.json)
+        print_json(options, result, with_objective);
+    else
+        print_table(options, result, with_objective);
+}
+
+}  // namespace
+
+void add_sweep(CLI::App& app) {
+    auto args = std::make_shared<SweepArguments>();
+    CLI::App* command =
+        app.add_subcommand("sweep", "objective and all quantities along one or more design variables of a case");
+    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    // One argument each: "--from -1" must not take what follows.
+    command->add_option("--variable", args->variables, "design variable; several make a grid")
+        ->required()
+        ->expected(1)
+        ->take_all();
+    command->add_option("--from", args->from, "first value, scaled: 1 moves by max_displacement")
+        ->required()
+        ->expected(1)
+        ->take_all();
+    command->add_option("--to", args->to, "last value")->required()->expected(1)->take_all();
+    command->add_option("--steps", args->steps, "number of points, both ends included")
+        ->required()
+        ->expected(1)
+        ->take_all();
+    command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::PositiveNumber);
+    command->add_option("-o,--output", args->out, "also write the table to this file (CSV)");
+    command->add_flag("--json", args->json, "one JSON object instead of the table");
+    command->add_flag("-q,--quiet", args->quiet, "no messages about points without values");
+    command->callback([args] { sweep_case(*args); });
+}
+
+}  // namespace strake::cli

@@ -24,15 +24,18 @@ public:
         for (std::optional<Front> front;;) {
             x = state_.next_level(x, front ? &*front : nullptr);
             if (state_.space.size() == 0) {
-                state_.end_level("no variable of this level moves anything");
                 hessian_.resize(0, 0);
             } else {
-                level = run_level(x, !any);
+                level = run_level(x, !any, state_.levels_left() == 0);
                 any = true;
                 x = level.x;
-                state_.end_level(level_words(level));
             }
-            if (!goes_on(level) || !state_.can_refine() || !choose_front(x, front)) break;
+            const bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            // It was left for details that turn out to be worth nothing.
+            if (refining_is_idle_ && level.stop == MinimizeStop::stopped) level = run_level(x, false, true);
+            state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
+                                                      : level_words(level));
+            if (!refines) break;
         }
         if (!any)
             throw InvalidInput("nothing to optimize: no variable of any level moves anything; is all of it fixed?");
@@ -59,8 +62,8 @@ private:
             front = split_front(*state_.rest->tree, present, std::vector<char>(present.depth.size(), 1));
             return true;
         }
-        const RefinementPlan plan =
-            plan_refinement({state_.space, x, program_.lagrangian(), curvature_, program_.known().dJ_dv});
+        const ShellSensitivities lagrangian = program_.lagrangian();
+        const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
         state_.note(text("refinement: ", plan.words()));
         if (plan.promises.empty()) return false;
         // Measured by what has been gained, so that an objective may go to zero.
@@ -72,18 +75,20 @@ private:
         return !refining_is_idle_;
     }
 
-    MinimizeOptions options_of_level(bool first) {
+    MinimizeOptions options_of_level(bool first, bool last) {
         const OptimizeOptions& options = state_.problem.optimize;
-        const bool last = state_.levels_left() == 0;
         MinimizeOptions how;
         // Random and global searches belong where there are few variables.
         how.method = first || !method_facts(options.method).is_global ? options.method : Method::slsqp;
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
         how.objective_tolerance = options.objective_tolerance;
+        // An objective that goes to zero, like a distance, is measured by what has been gained.
+        const double gained = std::abs(state_.result.objective_start - state_.result.objective);
+        if (std::isfinite(gained)) how.objective_scale = 1e-3 * gained;
         how.step_tolerance = options.step_tolerance;
         how.constraint_tolerance = options.constraint_tolerance;
-        how.max_evaluations = std::max(1, state_.evaluations_left() / (state_.levels_left() + 1));
+        how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
         how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.confirm = last;
         how.first_step = first_step_;
@@ -92,7 +97,8 @@ private:
         return how;
     }
 
-    MinimizeResult run_level(const Eigen::VectorXd& start, bool first) {
+    /// @param last no finer level comes.
+    MinimizeResult run_level(const Eigen::VectorXd& start, bool first, bool last) {
         const Eigen::VectorXd weight_before = program_.weight();
         NonlinearProgram program = program_.enter(start);
         if (hessian_.size() > 0 && state_.prolongation.cols() == hessian_.cols()) {
@@ -100,21 +106,34 @@ private:
                 program_.weight().asDiagonal() * state_.prolongation * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_);
         }
-        MinimizeOptions how = options_of_level(first);
+        MinimizeOptions how = options_of_level(first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global
         // search makes its progress in leaps.
-        const bool watched = state_.levels_left() > 0 && how.starts == 1 && !method_facts(how.method).is_global;
+        const bool watched = !last && how.starts == 1 && !method_facts(how.method).is_global;
         ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0);
         how.on_step = [&](const MinimizeStep& step) {
             const bool slackened = watch.slackened(step.merit, step.violation);
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
+        // Once the details below promise more than this level, it has done its part.
+        std::optional<Prospect> below;
+        if (!last && state_.rest->parameters.split == SplitRule::sensitivity && program_.gives_lagrangian())
+            below = prospect(state_.space, start);
+        if (below)
+            how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
+                const ShellSensitivities lagrangian = program_.lagrangian();
+                double promised = 0;
+                const DesignFacts facts{state_.space, program_.known().x, lagrangian,
+                                        mean_curvature(hessian, program.metric), program_.known().dJ_dv};
+                for (const SplitPromise& split : split_promises(facts, *below)) promised += split.promise;
+                return promised <= expected;
+            };
         MinimizeResult result = minimize(program, how);
         hessian_ = result.hessian;
         curvature_ = hessian_.size() > 0 ? mean_curvature(hessian_, program.metric) : 1;
         result.x = program_.unscaled(result.x);
-        // What was too far on this level is too far on the next.
-        if (result.radius > 0) first_step_ = std::clamp(2 * result.radius, 0.05, 0.5);
+        // What was too far on this level is too far on the next, and what was not is not.
+        if (result.radius > 0) first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, 2.0);
         return result;
     }
 

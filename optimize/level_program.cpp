@@ -144,6 +144,10 @@ void LevelProgram::differentiate(Sample& sample) {
                   current_.dJ_dv.empty() ? Points() : current_.dJ_dv[0]};
 }
 
+bool LevelProgram::gives_lagrangian() const {
+    return !needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients;
+}
+
 ShellSensitivities LevelProgram::lagrangian() const {
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
     weight[objective_gradient_] = sign();

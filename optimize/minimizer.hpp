@@ -55,6 +55,7 @@ struct MinimizeOptions {
     int max_evaluations = 200;           ///< >= 1
     double max_seconds = 0;              ///< 0: no limit
     double objective_tolerance = 1e-6;   ///< relative change
+    double objective_scale = 0;          ///< what changes are relative to where the objective is smaller; slsqp
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
@@ -66,6 +67,9 @@ struct MinimizeOptions {
     unsigned seed = 1;                                 ///< of random starts and of NLopt's random methods
     bool exceptions_are_failures = false;              ///< of the callbacks; except InvalidInput and std::bad_alloc
     std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here; not told of differences
+    /// slsqp: the decrease that the model still expects, and its Hessian, told at every differentiated point that meets
+    /// the constraints nearly; return false to stop here.
+    std::function<bool(double expected, const Eigen::MatrixXd& hessian)> on_model;
     std::function<void(const std::string&)> on_event;  ///< restarts, starts and box changes, in words
 };
 

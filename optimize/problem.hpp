@@ -36,7 +36,7 @@ struct Parameters {
         on;  ///< per triangle: may carry variables; empty: all. A patch takes part if any of its triangles does
     SplitRule split = SplitRule::tree;
     double split_share = 0.9;  ///< by sensitivity: split patches until they hold this share of all that is promised
-    double growth = 3;         ///< by sensitivity: most variables of a level, as a multiple of the level before, > 1
+    double growth = 8;         ///< by sensitivity: most variables of a level, as a multiple of the level before, > 1
     std::vector<char> frozen;  ///< per triangle: keeps what it inherits, is offered no variable; empty: none
     std::vector<Eigen::Vector3d> load_directions;  ///< unit vectors for `load`; empty: x, y, z
     bool mirror = false;                           ///< tie mirror images about the plane of symmetry of the surface

@@ -65,33 +65,68 @@ VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
 
 std::string percent(double share) { return text(std::isfinite(share) ? std::round(1000 * share) / 10 : 0.0, " %"); }
 
-std::vector<SplitPromise> promises_of(const LevelEnd& end, const InheritedSpace& all, const std::vector<int>& parts) {
-    const DesignSpace &parent = end.space, &child = all.space;
-    const auto& patches = parent.patches().patches;
+/// Expected decrease by all variables of the space.
+double expected_decrease(const DesignFacts& facts) {
+    return dual_square(facts.space.metric, design_gradient(facts.space, facts.x, facts.lagrangian)) /
+           (2 * facts.curvature);
+}
+
+/// One round of splits within the growth that is allowed; adds to the plan.
+std::vector<char> choose(std::vector<SplitPromise>& promises, const DesignFacts& facts, double most,
+                         RefinementPlan& plan) {
+    std::vector<char> chosen(facts.space.front->depth.size(), 0);
+    double all = 0, held = 0;
+    for (const SplitPromise& split : promises) all += split.promise;
+    for (SplitPromise& split : promises) {
+        if (held >= facts.space.rest->parameters.split_share * all && held > 0) break;
+        const bool is_first = plan.chosen == 0 && held == 0;
+        if (!is_first && plan.variables_after + split.new_variables > most) continue;
+        split.chosen = true;
+        held += split.promise;
+        plan.variables_after += split.new_variables;
+        for (const int p : split.patches) chosen[p] = 1;
+    }
+    plan.promised += all;
+    plan.chosen += held;
+    return chosen;
+}
+
+}  // namespace
+
+std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
+    const PatchHierarchy& tree = *space.rest->tree;
+    std::vector<int> parts = parts_of(tree, *space.front);
+    if (*std::max_element(parts.begin(), parts.end()) <= 1) return {};
+    const std::vector<char> everything(parts.size(), 1);
+    return Prospect{refine(space, x, split_front(tree, *space.front, everything)), std::move(parts)};
+}
+
+std::vector<SplitPromise> split_promises(const DesignFacts& facts, const Prospect& below) {
+    const DesignSpace &parent = facts.space, &child = below.children.space;
     const std::vector<int> group = split_groups(parent, child);
     const auto old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
     const auto new_ones =
         by_group(child, group, [&](const Variable& v) { return child.patches().patches[v.patch].parent; });
     const bool by_gradient = parent.rest->parameters.split == SplitRule::gradient;
-    const VectorXd gradient = design_gradient(child, all.x, end.lagrangian);
-    const VectorXd integral = by_gradient ? integrated_sensitivity(parent, end.dJ_dv) : VectorXd();
+    const VectorXd gradient = design_gradient(child, below.children.x, facts.lagrangian);
+    const VectorXd integral = by_gradient ? integrated_sensitivity(parent, facts.dJ_dv) : VectorXd();
     std::vector<SplitPromise> promises;
     for (std::size_t g = 0; g < group.size(); ++g) {
         SplitPromise split;
         bool has_parts = false;
-        for (const Patch& patch : patches)
+        for (const Patch& patch : parent.patches().patches)
             if (group[patch.id] == static_cast<int>(g)) {
                 split.patches.push_back(patch.id);
                 split.names += (split.names.empty() ? "" : "+") + patch.name;
-                has_parts |= parts[patch.id] > 1;
+                has_parts |= below.parts[patch.id] > 1;
                 if (by_gradient) split.promise += integral[patch.id];
             }
         split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
         if (!has_parts || split.new_variables <= 0) continue;
         if (!by_gradient)
             split.promise = detail_decrease(gradient(new_ones[g]), child.metric(new_ones[g], new_ones[g]),
-                                            all.prolongation(new_ones[g], old_ones[g])) /
-                            (2 * end.curvature);
+                                            below.children.prolongation(new_ones[g], old_ones[g])) /
+                            (2 * facts.curvature);
         promises.push_back(std::move(split));
     }
     std::stable_sort(promises.begin(), promises.end(),
@@ -99,31 +134,36 @@ std::vector<SplitPromise> promises_of(const LevelEnd& end, const InheritedSpace&
     return promises;
 }
 
-}  // namespace
-
-RefinementPlan plan_refinement(const LevelEnd& end) {
-    const Parameters& parameters = end.space.rest->parameters;
-    const PatchHierarchy& tree = *end.space.rest->tree;
-    const Front& front = *end.space.front;
+RefinementPlan plan_refinement(const DesignFacts& facts) {
+    const Parameters& parameters = facts.space.rest->parameters;
+    const PatchHierarchy& tree = *facts.space.rest->tree;
     RefinementPlan plan;
-    plan.front = front;
-    plan.variables_before = plan.variables_after = end.space.size();
-    const std::vector<int> parts = parts_of(tree, front);
-    if (*std::max_element(parts.begin(), parts.end()) <= 1) return plan;
-    const std::vector<char> everything(parts.size(), 1);
-    plan.promises = promises_of(end, refine(end.space, end.x, split_front(tree, front, everything)), parts);
-    for (const SplitPromise& split : plan.promises) plan.promised += split.promise;
-    std::vector<char> chosen(parts.size(), 0);
+    plan.front = *facts.space.front;
+    plan.variables_before = plan.variables_after = facts.space.size();
     const double most = parameters.growth * std::max(1, plan.variables_before);
-    for (SplitPromise& split : plan.promises) {
-        if (plan.chosen >= parameters.split_share * plan.promised && plan.chosen > 0) break;
-        if (plan.chosen > 0 && plan.variables_after + split.new_variables > most) continue;
-        split.chosen = true;
-        plan.chosen += split.promise;
-        plan.variables_after += split.new_variables;
-        for (const int p : split.patches) chosen[p] = 1;
+    std::optional<Prospect> below = prospect(facts.space, facts.x);
+    if (!below) return plan;
+    plan.promises = split_promises(facts, *below);
+    InheritedSpace present{facts.space, facts.x, {}};
+    plan.front = split_front(tree, plan.front, choose(plan.promises, facts, most, plan));
+    while (parameters.split == SplitRule::sensitivity && plan.variables_after < most) {
+        present = refine(present.space, present.x, plan.front);
+        const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
+        below = prospect(present.space, present.x);
+        if (!below) break;
+        std::vector<SplitPromise> deeper = split_promises(next, *below);
+        double promised = 0;
+        for (const SplitPromise& split : deeper) promised += split.promise;
+        if (promised <= 0.5 * expected_decrease(next)) break;
+        const int variables = plan.variables_after;
+        const std::vector<char> chosen = choose(deeper, next, most, plan);
+        if (plan.variables_after == variables) break;
+        // One front for the caller: its parents are those of the space that the caller knows.
+        Front finer = split_front(tree, plan.front, chosen);
+        for (Patch& patch : finer.patches.patches) patch.parent = facts.space.patches().label[patch.triangles.front()];
+        plan.front = std::move(finer);
+        ++plan.rounds;
     }
-    plan.front = split_front(tree, front, chosen);
     return plan;
 }
 

@@ -20,11 +20,12 @@ struct RefinementPlan {
     std::vector<SplitPromise> promises;  ///< falling
     int variables_before = 0, variables_after = 0;
     double promised = 0, chosen = 0;  ///< sums over all and over the chosen
+    int rounds = 1;                   ///< levels of the tree that were passed at once
     std::string words() const;        ///< the decision with its numbers, one line
 };
 
-/// What is known at the end of a level.
-struct LevelEnd {
+/// What is known at a design of a level.
+struct DesignFacts {
     const DesignSpace& space;
     const Eigen::VectorXd& x;
     const ShellSensitivities& lagrangian;  ///< of objective + multipliers * constraints at x, minimized
@@ -32,13 +33,26 @@ struct LevelEnd {
     const Points& dJ_dv;   ///< of the objective, n x 3
 };
 
-/// Chooses the patches whose children promise most: those of the largest expected decrease that together hold
-/// `parameters.split_share` of all, as long as the variables grow by no more than `parameters.growth`; always at least
-/// one. With g the gradient and M the metric of all children of a patch and P the prolongation of its variables, the
-/// expected decrease is (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature): what the details add to what the patch
-/// itself could still do. `SplitRule::gradient` ranks by the integral of |dJ/dv| instead (paper, IV).
+/// The children of all patches of a space that have parts: their variables, metric and prolongation.
+struct Prospect {
+    InheritedSpace children;
+    std::vector<int> parts;  ///< per patch of the space
+};
+/// None where no patch has parts. Cost: the responses at rest that are not known yet.
+std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
+
+/// What splitting each patch promises, falling; with g the gradient and M the metric of all children of a patch and P
+/// the prolongation of its variables, the expected decrease is
+/// (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature): what the details add to what the patch itself could still do.
+/// `SplitRule::gradient` takes the integral of |dJ/dv| over the patch instead (paper, IV).
+std::vector<SplitPromise> split_promises(const DesignFacts& facts, const Prospect& children);
+
+/// Chooses the patches that promise most: those that together hold `parameters.split_share` of all, as long as the
+/// variables grow by no more than `parameters.growth`; always at least one. Where the parts of parts promise more than
+/// half of all that the new variables could do, these are split at once: a level without a step of its own would be
+/// wasted.
 /// @return an empty list of promises where no patch of the front has parts.
-RefinementPlan plan_refinement(const LevelEnd& end);
+RefinementPlan plan_refinement(const DesignFacts& facts);
 
 /// Sum of weight * sensitivities, over those that count for design variables.
 ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, const Eigen::VectorXd& weight);

@@ -16,6 +16,7 @@ using Eigen::VectorXd;
 constexpr double first_radius = 0.5, largest_radius = 2;      // in the metric: 1 is the largest reasonable step
 constexpr double careful_growth = 1.4;                        // once an evaluation has failed
 constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
+constexpr double nearly_met = 1e-3;                           // violation at which a finer level may take over
 constexpr int restorations = 3;      ///< evaluations spent at the end on meeting the constraints
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
 constexpr int most_softenings = 4;   ///< looks at the present metric before a step is taken
@@ -32,8 +33,9 @@ public:
         start_hessian();
         // What is known holds at the start, not where an earlier search from there has ended.
         if (p_.hessian.size() > 0 && guard_.best_x == p_.start) B_ = p_.hessian;
-        while (!step()) {
-        }
+        if (!is_outpaced())
+            while (!step()) {
+            }
         restore();
         end_.radius = radius_;
         end_.hessian = B_;
@@ -57,6 +59,17 @@ private:
         const double slope = std::max(dual_norm(p_, lagrangian), 1e-3 * dual_norm(p_, at_.gradient));
         B_ = (slope > 0 ? slope / guard_.options.first_step : 1.0) * p_.metric;
         raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
+    }
+
+    /// Somebody knows of something better than what this model still expects.
+    bool is_outpaced() {
+        if (!guard_.options.on_model || largest_violation(p_, at_.constraints) > nearly_met) return false;
+        VectorXd g = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
+        const VectorXd d = -B_.llt().solve(g);
+        for (Eigen::Index j = 0; j < g.size(); ++j)
+            if ((x_[j] <= p_.lower[j] && d[j] < 0) || (x_[j] >= p_.upper[j] && d[j] > 0)) g[j] = 0;
+        if (guard_.options.on_model(0.5 * g.dot(B_.llt().solve(g)), B_)) return false;
+        return end(MinimizeStop::stopped, "stopped on request");
     }
 
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
@@ -150,7 +163,11 @@ private:
         if (ratio < poor)  // where the parabola through the values has its least, within a tenth and a half
             radius_ = std::clamp(0.5 / (1 - std::min(ratio, 0.0)), 0.1, 0.5) * std::min(radius_, length);
         else if (ratio > good && is_limited_)
-            radius_ = std::min((end_.shrinks > 0 ? careful_growth : 2) * radius_, largest_radius);
+            radius_ = std::min((end_.shrinks > 0            ? careful_growth
+                                : std::abs(ratio - 1) < 0.1 ? 4
+                                                            : 2) *
+                                   radius_,
+                               largest_radius);
         if (ratio < acceptable || !(decrease > 0)) return rejected(length);
         return accept(x_ + taken, trial, decrease);
     }
@@ -170,7 +187,7 @@ private:
         const VectorXd lambda = multipliers(p_, trial);
         update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
         raise_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>());
-        const double objective = std::abs(trial.objective);
+        const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
         const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&
                            largest_violation(p_, trial.constraints) <= tolerance();
         calm_ = small ? calm_ + 1 : 0;
@@ -179,7 +196,7 @@ private:
         failures_ = rejections_ = 0;
         if (calm_ >= calm_steps)
             return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
-        return false;
+        return is_outpaced();
     }
 
     /// Powell's damped BFGS update.
@@ -196,7 +213,8 @@ private:
     /// The model promises nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_at_rest(const VectorXd& d, double predicted) {
         const bool feasible = largest_violation(p_, at_.constraints) <= tolerance();
-        const double size = std::max(std::abs(at_.objective), std::numeric_limits<double>::min());
+        const double size =
+            std::max({std::abs(at_.objective), guard_.options.objective_scale, std::numeric_limits<double>::min()});
         if (is_limited_ && radius_ > guard_.options.step_tolerance) return false;
         if (d.lpNorm<Eigen::Infinity>() <= guard_.options.step_tolerance)
             return end(is_limited_ ? MinimizeStop::roundoff

@@ -18,7 +18,7 @@ struct Settings {
     std::vector<std::string> problems = problem_names();
     std::vector<std::string> solvers;
     std::vector<std::string> methods;
-    int triangles = 5000, budget = 120;
+    int triangles = 5000, budget = 150;
     unsigned seed = 1;
     std::string out = "evidence";
 };

@@ -23,7 +23,9 @@ while [ $# -gt 0 ]; do
         shift
     fi
 done
-(cd "$root" && { [ -e build/bench/build.ninja ] || cmake --preset bench >/dev/null; } && ninja -C build/bench --quiet strake_evidence)
+launcher=()
+! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
+(cd "$root" && cmake --preset bench "${launcher[@]}" >/dev/null && ninja -C build/bench --quiet -j "${JOBS:-1}" strake_evidence)
 program=$root/build/bench/bench/coarse_to_fine/strake_evidence
 [ -n "$problems" ] || problems=$("$program" --list --triangles 1000 | cut -d, -f1 | paste -sd,)
 mkdir -p "$out"

@@ -3,6 +3,7 @@
 #include "cases/geometry/lifting_body.hpp"
 #include "core/mesh/geometry.hpp"
 #include "objectives/measures.hpp"
+#include "objectives/target_shape.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -151,16 +152,21 @@ EvidenceProblem lifting_body_volume(int triangles, Draw& draw) {
     example::LiftingBodyShape shape;
     shape.half_width = draw.between(0.26, 0.34);
     shape.canopy_height = draw.between(0.04, 0.06);
-    EvidenceProblem p = start_of({.name = "volume_under_area",
-                                  .what = "lifting body: most volume, area at most 1 % more",
-                                  .surface = example::lifting_body(std::max(triangles, 1500), shape),
-                                  .ends = {0, 0.1 * shape.length, 0.97 * shape.length},
-                                  .kinds = {VariableKind::load_normal},
-                                  .max_displacement = 0.03});
-    p.problem.quantities = {volume(p.problem.surface), area()};
+    EvidenceProblem p = start_of(
+        {.name = "volume_under_area",
+         .what = "lifting body: most volume, area at most 1 % more, moved by at most 1 % of the diagonal (rms)",
+         .surface = example::lifting_body(std::max(triangles, 1500), shape),
+         .ends = {0, 0.1 * shape.length, 0.97 * shape.length},
+         .kinds = {VariableKind::load_normal},
+         .max_displacement = 0.08});
+    // Limits of the shape itself, so that none of the parametrisations ends at bounds of its own.
+    const double moved = 0.01 * box_diagonal(p.problem.surface);
+    p.problem.quantities = {volume(p.problem.surface), area(),
+                            target_shape_same("moved", p.problem.surface, p.problem.surface)};
     p.problem.objective = "volume";
     p.problem.maximize = true;
-    p.problem.constraints = {{.quantity = "area", .min = {}, .max = 1.01, .equals = {}, .relative = true}};
+    p.problem.constraints = {{.quantity = "area", .min = {}, .max = 1.01, .equals = {}, .relative = true},
+                             {.quantity = "moved", .min = {}, .max = moved * moved, .equals = {}, .relative = false}};
     p.second = Method::mma;
     return p;
 }
@@ -168,12 +174,11 @@ EvidenceProblem lifting_body_volume(int triangles, Draw& draw) {
 EvidenceProblem local_bump(int triangles, Draw& draw) {
     const TriMesh surface = example::tube(triangles, {.length = 4, .half_width = 0.6, .half_height = 0.6});
     EvidenceProblem p = start_of({.name = "local_bump",
-                                  .what = "tube with a bump as large as one patch of the last level, by formula",
+                                  .what = "tube with a bump about as large as one patch of the last level, by formula",
                                   .surface = surface,
                                   .ends = {0, 0.3, {}},
                                   .kinds = {VariableKind::load_normal},
-                                  .max_displacement = 0.03,
-                                  .prism_height = 0.04});
+                                  .max_displacement = 0.15});
     const auto& patches = p.problem.tree.levels.back().patches;
     std::vector<std::pair<Vector3d, double>> places;  // of patches well inside: centre and radius
     for (const Patch& patch : patches) {
@@ -183,7 +188,7 @@ EvidenceProblem local_bump(int triangles, Draw& draw) {
     const auto [inner, radius] = places.at(static_cast<std::size_t>(draw.between(0, 1) * double(places.size())));
     const Vector3d outward = Vector3d(0, inner.y(), inner.z()).normalized();
     const Vector3d centre = Vector3d(inner.x(), 0, 0) + 0.6 * outward;
-    const double height = draw.between(0.07, 0.1), reach = 1.15 * radius;
+    const double height = draw.between(0.06, 0.09), reach = 2 * radius;
     recover_shape(p, warped(surface, p.ends, [=](const Vector3d& q) {
                       const double s = std::max(0.0, 1 - (q - centre).squaredNorm() / (reach * reach));
                       return Vector3d(height * s * s * s * Vector3d(0, q.y(), q.z()).normalized());

@@ -87,7 +87,7 @@ EvidenceProblem wing_under_limits(int triangles, Draw& draw) {
                   .surface = surface,
                   .ends = {1, 0.05, 0.95 * shape.semi_span},
                   .kinds = {VariableKind::load_normal},
-                  .max_displacement = 0.03});
+                  .max_displacement = 0.08});
     p.problem.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
     p.problem.quantities = {volume(surface, p.problem.symmetry), area(),
                             pair_thickness(surface, thickness_pairs(surface, shape)), curvature_change(surface)};

@@ -105,7 +105,7 @@ struct ParameterEntry {
     double core = 0.25;
     std::vector<Eigen::Vector3d> directions;  ///< unit, of load variables; empty: x, y, z
     SplitEntry split;
-    double split_share = 0.9, growth = 3;
+    double split_share = 0.9, growth = 8;
     std::vector<Reference> on;                   ///< regions or patches; empty: everywhere
     std::vector<Reference> freeze;               ///< likewise; empty: nothing
     std::vector<std::vector<Reference>> groups;  ///< likewise

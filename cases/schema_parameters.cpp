@@ -101,7 +101,7 @@ std::vector<Key> parameter_keys() {
         {.path = "parameters.growth",
          .type = Type::number,
          .doc = "Most variables of a level, as a multiple of those of the level before.",
-         .fallback = "3",
+         .fallback = "8",
          .limits = {1, no_limit, true, false},
          .when = "split=sensitivity|gradient"},
         {.path = "parameters.on",

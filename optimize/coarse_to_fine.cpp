@@ -101,7 +101,11 @@ private:
     MinimizeResult run_level(const Eigen::VectorXd& start, bool first, bool last) {
         const Eigen::VectorXd weight_before = program_.weight();
         NonlinearProgram program = program_.enter(start);
-        if (hessian_.size() > 0 && state_.prolongation.cols() == hessian_.cols()) {
+        const LevelStartHessian known = state_.problem.optimize.level_start;
+        if (known == LevelStartHessian::diagonal)
+            program.metric = Eigen::MatrixXd::Identity(start.size(), start.size());  // y is scaled by the diagonal
+        if (known == LevelStartHessian::carried && hessian_.size() > 0 &&
+            state_.prolongation.cols() == hessian_.cols()) {
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * state_.prolongation * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_);

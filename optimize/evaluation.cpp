@@ -5,8 +5,8 @@
 namespace strake {
 namespace {
 
-/// A reasonable step takes four to six; more than twelve are better spent on a shorter step.
-constexpr int max_iterations = 12;
+/// A reasonable step takes four to six; more than nine are better spent on a shorter step.
+constexpr int max_iterations = 9;
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;

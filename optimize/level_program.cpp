@@ -129,7 +129,7 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
 }
 
 void LevelProgram::differentiate(Sample& sample) {
-    state_.evaluator.differentiate(current_);
+    if (!current_.dJ_dv.empty()) state_.evaluator.differentiate(current_);
     sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
     if (objective_gradient_ >= 0)
         sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);

@@ -71,6 +71,13 @@ enum class Method {
     esch
 };
 
+/// What a level knows of the Hessian when it starts; the first is what a run does, the others are there to be compared.
+enum class LevelStartHessian {
+    carried,  ///< what the level above learned, and the metric for the details
+    metric,   ///< a multiple of the response metric
+    diagonal  ///< a multiple of the metric's diagonal: raw variables, each scaled by itself
+};
+
 struct OptimizeOptions {
     Method method = Method::slsqp;
     int max_evaluations = 60;  ///< whole run, >= 1
@@ -83,6 +90,7 @@ struct OptimizeOptions {
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
     int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1
     unsigned seed = 1;                ///< of all that is random
+    LevelStartHessian level_start = LevelStartHessian::carried;
 };
 
 enum class Loss { none, huber, cauchy, soft_l1 };  ///< robust.hpp has the formulas

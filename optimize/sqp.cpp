@@ -21,6 +21,7 @@ constexpr int restorations = 3;      ///< evaluations spent at the end on meetin
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
 constexpr int most_softenings = 4;   ///< looks at the present metric before a step is taken
 constexpr double softened = 1.5;     ///< a step so many times as long as thought is made anew
+constexpr int stuck_steps = 4;       ///< the same, outside of the constraints
 constexpr int calm_steps = 2;        ///< small decreases in a row that mean convergence
 
 class Sqp {
@@ -190,12 +191,18 @@ private:
         const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
         const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&
                            largest_violation(p_, trial.constraints) <= tolerance();
+        // Far from feasible the violations are most of the merit: where it stands still, they cannot be met.
+        const bool stuck = largest_violation(p_, trial.constraints) > tolerance() &&
+                           decrease <= 10 * guard_.options.objective_tolerance * std::abs(merit(trial));
         calm_ = small ? calm_ + 1 : 0;
+        stuck_ = stuck ? stuck_ + 1 : 0;
         x_ = x;
         at_ = trial;
         failures_ = rejections_ = 0;
         if (calm_ >= calm_steps)
             return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
+        if (stuck_ >= stuck_steps)
+            return end(MinimizeStop::roundoff, "the violation of the constraints no longer falls");
         return is_outpaced();
     }
 
@@ -307,7 +314,7 @@ private:
     MatrixXd B_;
     double radius_ = guard_.options.first_step;
     bool is_limited_ = false;
-    int calm_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
+    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
     SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0};
 };
 

@@ -17,6 +17,7 @@ constexpr double largest_travel = 1.0;  // diagonals a prism may travel in one s
 constexpr double nearly_there = 1e-5;   // diagonals: from here the exact Hessian takes over
 constexpr int attempt_limit = 25;       // iterations of one mixed attempt
 constexpr int growth_limit = 4;         // iterations in a row that lead away
+constexpr int hasty_growth_limit = 2;   // the same where failing early is asked for
 constexpr int cg_limit = 30;            // substitutions after which a new factor is cheaper
 
 struct Iterate {
@@ -139,7 +140,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         if (step < nearly_there) return finish(loads);
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
-        if (growing >= growth_limit) return false;
+        if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;
     }
     return false;
 }

@@ -1,0 +1,117 @@
+#include "optimize/run_verdict.hpp"
+
+#include "core/error.hpp"
+#include "optimize/coarse_to_fine.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace strake;
+
+namespace {
+
+Problem volume_problem() {
+    Problem problem = ellipsoid_problem(2, 1);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.objective = "volume";
+    problem.maximize = true;
+    problem.optimize.max_evaluations = 40;
+    return problem;
+}
+
+/// A quantity whose values or sensitivities are changed on the way out.
+void tamper(Problem& problem, int quantity, const std::function<void(QuantityResult&)>& how) {
+    const auto honest = problem.quantities[quantity].evaluate;
+    problem.quantities[quantity].evaluate = [=](const QuantityRequest& request) {
+        QuantityResult result = honest(request);
+        how(result);
+        return result;
+    };
+}
+
+bool says(const std::string& words, const std::string& part) { return words.find(part) != std::string::npos; }
+
+}  // namespace
+
+TEST(Verdict, TwoConstraintsThatExcludeEachOtherAreNamed) {
+    Problem problem = volume_problem();
+    problem.constraints = {{"volume", 1.02, {}, {}, true}, {"area", {}, 0.98, {}, true}};
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "conflict") << r.reason;
+    EXPECT_EQ(r.conflict, (std::vector<std::string>{"volume", "area"}));
+    EXPECT_TRUE(says(r.reason, "volume >= ") && says(r.reason, "area <= ")) << r.reason;
+    EXPECT_FALSE(r.is_done());
+}
+
+TEST(Verdict, AGradientThatContradictsTheValuesIsNamed) {
+    Problem problem = volume_problem();
+    tamper(problem, 0, [](QuantityResult& result) {
+        for (Points& dJ : result.dJ_dv) dJ = -dJ;
+    });
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "gradient_inconsistent") << r.reason;
+    EXPECT_TRUE(says(r.reason, "the objective")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "gradient-check")) << r.reason;
+    EXPECT_FALSE(r.is_done());
+}
+
+TEST(Verdict, AFlatObjectiveIsNotJustConverged) {
+    Problem problem = volume_problem();
+    tamper(problem, 0, [](QuantityResult& result) {
+        result.values[0] = 1;
+        for (Points& dJ : result.dJ_dv) dJ.setZero();
+    });
+    const RunResult r = optimize(problem);
+    EXPECT_TRUE(says(r.reason, "did not change with any variable")) << r.reason;
+}
+
+TEST(Verdict, BoundsThatHoldTheRunAreCounted) {
+    Problem problem = volume_problem();
+    problem.parameters.max_displacement = 0.002;
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "converged") << r.reason;
+    EXPECT_TRUE(says(r.reason, "bounds active on 2 of 2 variables of level 1")) << r.reason;
+}
+
+TEST(Verdict, AThrowingQuantityEndsTheRunWithItsWords) {
+    Problem problem = volume_problem();
+    int calls = 0;
+    const auto honest = problem.quantities[1].evaluate;
+    problem.quantities[1].evaluate = [&](const QuantityRequest& request) {
+        if (++calls == 3) throw std::runtime_error("the licence server is gone");
+        return honest(request);
+    };
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "evaluation_failed");
+    EXPECT_TRUE(says(r.reason, "the licence server is gone")) << r.reason;
+    EXPECT_EQ(r.evaluations, 3);
+    EXPECT_GT(r.best_evaluation, 0);
+}
+
+TEST(Verdict, AFailureThatShortensTheStepDoesNotEndTheRun) {
+    Problem problem = volume_problem();
+    const RunResult undisturbed = optimize(problem);
+    problem.quantities[1].failing_shortens_step = true;
+    int calls = 0;
+    const auto honest = problem.quantities[1].evaluate;
+    problem.quantities[1].evaluate = [&](const QuantityRequest& request) -> QuantityResult {
+        if (++calls % 3 == 0) return {{}, {}, Failure{"undefined", "no crossing"}};
+        return honest(request);
+    };
+    const RunResult r = optimize(problem);
+    EXPECT_TRUE(r.is_done()) << r.reason;
+    EXPECT_GT(r.objective - r.objective_start, 0.9 * (undisturbed.objective - undisturbed.objective_start));
+}
+
+TEST(Verdict, DifferencesReplaceMissingGradients) {
+    Problem problem = volume_problem();
+    const RunResult exact = optimize(problem);
+    problem.quantities[0].has_sensitivities = false;
+    tamper(problem, 0, [](QuantityResult& result) { result.dJ_dv.clear(); });
+    EXPECT_THROW(optimize(problem), InvalidInput);
+    problem.optimize.finite_differences = true;
+    problem.optimize.max_evaluations = 200;
+    const RunResult r = optimize(problem);
+    EXPECT_TRUE(r.is_done()) << r.reason;
+    EXPECT_NEAR(r.objective, exact.objective, 1e-3 * (exact.objective - exact.objective_start));
+}

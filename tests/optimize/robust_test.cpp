@@ -58,8 +58,9 @@ TEST(Robust, DerivativesAreExactFarAndNear) {
                                                    (2 * h);
                 const Eigen::VectorXd exact = at.dr_dv * p;
                 EXPECT_LT((exact - difference).norm(), 1e-8 * exact.norm());
-                if (loss != Loss::none && size == 1)  // the plain derivative is another: the test can fail
+                if (loss != Loss::none && size == 1) {  // the plain derivative is another: the test can fail
                     EXPECT_GT((linear(v, width, size).dr_dv * p - difference).norm(), 1e-2 * exact.norm());
+                }
             }
 }
 

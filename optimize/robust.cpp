@@ -1,6 +1,5 @@
 #include "optimize/robust.hpp"
 
-#include <ceres/loss_function.h>
 #include <cmath>
 
 namespace strake {
@@ -22,21 +21,24 @@ std::array<double, 2> factor(Loss loss, double scale, double s) {
 }  // namespace
 
 std::array<double, 3> robust_loss(Loss loss, double scale, double squared_distance) {
-    std::array<double, 3> rho{squared_distance, 1, 0};
+    const double s = squared_distance, square = scale * scale;
+    // Written so that nothing cancels at small distances, as it does in Ceres' own losses.
     switch (loss) {
         case Loss::none:
             break;
         case Loss::huber:
-            ceres::HuberLoss(scale).Evaluate(squared_distance, rho.data());
-            break;
-        case Loss::cauchy:
-            ceres::CauchyLoss(scale).Evaluate(squared_distance, rho.data());
-            break;
-        case Loss::soft_l1:
-            ceres::SoftLOneLoss(scale).Evaluate(squared_distance, rho.data());
-            break;
+            if (s <= square) break;
+            return {2 * scale * std::sqrt(s) - square, scale / std::sqrt(s), -scale / (2 * s * std::sqrt(s))};
+        case Loss::cauchy: {
+            const double inlier = 1 / (1 + s / square);
+            return {square * std::log1p(s / square), inlier, -inlier * inlier / square};
+        }
+        case Loss::soft_l1: {
+            const double root = std::sqrt(1 + s / square);
+            return {2 * s / (root + 1), 1 / root, -1 / (2 * square * root * root * root)};
+        }
     }
-    return rho;
+    return {s, 1, 0};
 }
 
 Residuals robust(Loss loss, double scale, Residuals residuals) {

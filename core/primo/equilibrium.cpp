@@ -17,8 +17,10 @@ constexpr double largest_travel = 1.0;  // diagonals a prism may travel in one s
 constexpr double nearly_there = 1e-5;   // diagonals: from here the exact Hessian takes over
 constexpr int attempt_limit = 25;       // iterations of one mixed attempt
 constexpr int growth_limit = 4;         // iterations in a row that lead away
-constexpr int hasty_growth_limit = 2;   // the same where failing early is asked for
-constexpr int cg_limit = 30;            // substitutions after which a new factor is cheaper
+constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations more are allowed
+constexpr int extra_iterations = 4;
+constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
+constexpr int cg_limit = 30;           // substitutions after which a new factor is cheaper
 
 struct Iterate {
     std::vector<Eigen::Matrix3d> turn;
@@ -78,7 +80,11 @@ struct Attempt {
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool cancelled = false;
 
-    bool out_of_budget() const { return cancelled || end.iterations >= options.max_iterations; }
+    bool out_of_budget() const {
+        // What is as good as there is not given up for a few iterations.
+        const bool closing_in = end.last_step > 0 && end.last_step < closing_step;
+        return cancelled || end.iterations >= options.max_iterations + (closing_in ? extra_iterations : 0);
+    }
 
     void record(const Iterate& at, const Loads& loads, double step) {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();

@@ -59,7 +59,7 @@ using SolveProgress = std::function<bool(const SolveRecord&)>;  ///< return fals
 
 struct SolveOptions {
     double min_step = 1e-9;    ///< converged below this largest prism motion, in diagonals, > 0
-    int max_iterations = 60;   ///< Newton iterations over all fallbacks, >= 1
+    int max_iterations = 60;   ///< Newton iterations over all fallbacks, >= 1; four more where the last step is small
     bool fallbacks = true;     ///< after a failed attempt try line search and load steps; else fail early
     bool keep_factor = false;  ///< try the factor of an earlier design as preconditioner before factorizing anew
 };

@@ -112,12 +112,15 @@ private:
     void second_opinion() {
         if (result_.stop != MinimizeStop::converged && result_.stop != MinimizeStop::roundoff) return;
         if (guard_.cause != Cause::none) return;
+        // The models of slsqp are dense: with more variables they cost more than what they gain.
+        constexpr int most_variables = 300;
         const bool praxis = method_->method == Method::praxis && !is_constrained();
         if (praxis) {
             take(search_by(method_facts(Method::sbplx)));
             return;
         }
         Sample sample;
+        if (guard_.free.size() > most_variables) return;
         if (!method_->needs_gradients || !guard_.try_at(guard_.best_x, true, sample) || !promises_more(guard_)) return;
         guard_.tell_event(text(method_->name, " ended (", result_.reason,
                                "), but the gradient promises more: slsqp goes on from there"));

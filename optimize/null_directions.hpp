@@ -1,0 +1,24 @@
+#pragma once
+#include "optimize/response_metric.hpp"
+
+/// Directions of a design space that move nothing: loads that cancel, and patches that hardly move. Internal.
+namespace strake {
+
+/// The linear responses of variables that depend on others: each response is that of `kept` times its column of
+/// `share`, but for less than `null_share` of it (root mean square over the surface).
+struct Dependence {
+    std::vector<int> kept, dependent;
+    Eigen::MatrixXd share;  ///< kept x dependent
+};
+
+/// Below this share of its own response, what is left of a variable beside the others is nothing.
+constexpr double null_share = 1e-6;
+
+/// By elimination in the Gram matrix of the responses, in their order: of variables that depend on each other the later
+/// ones are called dependent. Columns of zeros (stiffness has no response) are kept.
+Dependence dependence(const Eigen::MatrixXd& responses);
+
+/// What the space has left out, in one line: "2 of 14 directions move the surface by less than ...".
+std::string null_words(const DesignSpace& space);
+
+}  // namespace strake

@@ -1,0 +1,53 @@
+#include "cases/case_source.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace strake {
+namespace {
+
+bool is_own_variable(const Case& c, const std::string& name) {
+    return std::any_of(c.variables.begin(), c.variables.end(), [&](const auto& v) { return v.variable.name == name; });
+}
+
+}  // namespace
+
+/// Nobody reads a variable in vain, and no name means two things in a history.
+void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) {
+    const std::vector<std::string> values = known_values(c);
+    std::vector<std::string> names;
+    for (const OwnVariableEntry& entry : c.variables) names.push_back(entry.variable.name);
+    std::set<std::string> taken;
+    for (const QuantityEntry& quantity : c.quantities) {
+        const auto* external = std::get_if<ExternalEntry>(&quantity.what);
+        if (!external) continue;
+        if (!external->depends_on) taken.insert(names.begin(), names.end());
+        for (const Reference& name : external->depends_on.value_or(std::vector<Reference>())) {
+            taken.insert(name.name);
+            if (is_own_variable(c, name.name)) continue;
+            const std::string near = nearest(name.name, names);
+            errors.add(name.place,
+                       text("variable '", name.name, "' is not declared",
+                            near.empty() ? "" : text("; did you mean '", near, "'?"),
+                            names.empty() ? "; the case has no variables" : text("; variables: ", joined(names))));
+        }
+    }
+    for (const OwnVariableEntry& entry : c.variables) {
+        const std::string& name = entry.variable.name;
+        if (std::find(values.begin(), values.end(), name) != values.end())
+            errors.add(entry.place, text("variables.", name, ": a quantity is called the same"));
+        else if (!c.objective.name.empty() && !taken.count(name))
+            errors.add(entry.place, text("variables.", name, ": no quantity depends on it; programs (command) can"));
+    }
+    for (const Entry& own : root.entries)
+        if (own.key == "variables" && !c.fit.empty())
+            errors.add(own.key_place, "variables are not supported together with fit, which moves the shape alone");
+    const Value* parameters = root.find("parameters");
+    const Value* shape = parameters ? parameters->find("variables") : nullptr;
+    if (shape && shape->entries.empty() && (c.variables.empty() || !c.fit.empty()))
+        errors.add(shape->place,
+                   "parameters.variables is empty: there is nothing to change (a case with variables of "
+                   "its own may leave the shape as it is)");
+}
+
+}  // namespace strake

@@ -18,6 +18,11 @@ void ProblemBuilder::set_springs() {
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
     if (purpose_ != Purpose::deform && is_search && by_variables)
         for (int t = 0; t < m; ++t) loaded[t] = p.on.empty() || p.on[t];
+    for (const GivenVariable& v : p.given)
+        if (v.traction.rows() > 0)
+            for (const int t : v.triangles) loaded[t] = 1;
+    for (const auto& [twist, place] : twists_)
+        for (const int t : twist.triangles) loaded[t] = 1;
     for (const LoadEntry& load : case_.loads)
         for (const int t : triangles(load.region)) {
             loaded[t] = 1;

@@ -23,15 +23,17 @@ void ProblemBuilder::set_parameters() {
     p.on = marked("parameters.on", entry.on);
     p.frozen = marked("parameters.freeze", entry.freeze);
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
+    set_given();
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
     if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
         errors_.add(entry.mirror_place,
                     "parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
-    if (is_search && errors_.empty()) check_freedom();
+    if (is_search && errors_.empty() && !p.kinds.empty()) check_freedom();
 }
 
 void ProblemBuilder::check_freedom() {
     const Parameters& p = out_.problem.parameters;
+    if (!p.given.empty() || !twists_.empty()) return;
     std::vector<char> held(start_.mesh.num_triangles(), 0);
     for (const int t : out_.problem.fixed) held[t] = 1;
     for (const GivenStrain& strain : out_.problem.strains)

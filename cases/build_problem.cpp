@@ -1,10 +1,12 @@
 #include "cases/problem_builder.hpp"
+#include "optimize/stored_design.hpp"
 
 namespace strake {
 
 BuiltProblem ProblemBuilder::build() {
     read_start();
     at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
+    read_stored();
     errors_.throw_if_any();
     evaluate_regions();
     errors_.throw_if_any();
@@ -17,10 +19,13 @@ BuiltProblem ProblemBuilder::build() {
     set_parameters();
     errors_.throw_if_any();
     set_springs();
+    set_twists();
     if (!case_.loads.empty()) set_tractions();
     if (purpose_ != Purpose::deform) set_goals();
     errors_.throw_if_any();
     problem.surface = std::move(start_.mesh);
+    if (stored_) at(case_.start_place, "optimize.start_from: ", [&] { start_from(problem, stored_); });
+    errors_.throw_if_any();
     return std::move(out_);
 }
 

@@ -63,7 +63,7 @@ void ProblemBuilder::set_pins() {
         given.motion.rotation = strain.rotate;
         for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
         given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
-        check_symmetry(strain, given);
+        check_symmetry(strain.place, text("strains: region '", strain.region.name, "'"), given);
         out_.problem.strains.push_back(std::move(given));
     }
     if (!errors_.empty()) return;
@@ -79,7 +79,7 @@ void ProblemBuilder::set_pins() {
 }
 
 /// Open edges on the plane of symmetry must stay there: the mirror image would come apart from them.
-void ProblemBuilder::check_symmetry(const StrainEntry& strain, const GivenStrain& given) {
+void ProblemBuilder::check_symmetry(const Place& place, const std::string& shown, const GivenStrain& given) {
     if (!case_.symmetry) return;
     const SymmetryPlane& plane = *case_.symmetry;
     std::vector<char> moved(start_.mesh.num_vertices(), 0);
@@ -102,8 +102,8 @@ void ProblemBuilder::check_symmetry(const StrainEntry& strain, const GivenStrain
             const Eigen::Vector3d arm = start_.mesh.vertices.row(v).transpose() - given.motion.about;
             const double off = plane.normal.dot(turn * arm - arm + given.motion.translation);
             if (std::abs(off) <= 1e-9 * start_.diagonal) continue;
-            errors_.add(strain.place, text("strains: region '", strain.region.name, "' takes vertex ", v,
-                                           " off the symmetry plane by ", off, "; move it within the plane only"));
+            errors_.add(place, text(shown, " takes vertex ", v, " off the symmetry plane by ", off,
+                                    "; move it within the plane only"));
             return;
         }
     }

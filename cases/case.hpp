@@ -94,6 +94,21 @@ struct SplitEntry {
         containing;  ///< triangle number, or the triangle nearest
 };
 
+/// A shape variable of the user's own.
+struct GivenEntry {
+    enum class Kind { load, load_normal, translate, rotate, twist } kind = Kind::load;
+    std::string name;
+    Place place;
+    std::optional<Reference> region;                       ///< a region or patch; a twist without it: the whole surface
+    Eigen::Vector3d direction = Eigen::Vector3d::UnitZ();  ///< unit: of the traction, the translation or the axis
+    std::optional<Eigen::Vector3d> about;                  ///< a point on the axis; without it the area centroid
+    std::optional<Length> max_displacement;
+    std::optional<double> max_angle;  ///< radians
+    int num_stations = 3;             ///< of a twist
+    std::vector<double> stations;     ///< of a twist, along the axis from `about`; empty: num_stations
+    bool is_motion() const { return kind == Kind::translate || kind == Kind::rotate; }
+};
+
 struct ParameterEntry {
     std::vector<double> levels_deg;      ///< empty: automatic
     double min_patch_percent = 0;        ///< with given levels
@@ -111,6 +126,12 @@ struct ParameterEntry {
     std::vector<std::vector<Reference>> groups;  ///< likewise
     bool mirror = false;
     Place mirror_place;
+    std::vector<GivenEntry> given;
+};
+
+struct OwnVariableEntry {
+    OwnVariable variable;
+    Place place;
 };
 
 struct TargetShapeEntry {
@@ -132,6 +153,7 @@ struct ExternalEntry {
     double timeout_s = 3600;
     std::string format;  ///< empty: the format of the surface file
     bool has_gradients = true;
+    std::optional<std::vector<Reference>> depends_on;  ///< own variables; without it all
 };
 struct VolumeEntry {};
 struct AreaEntry {};
@@ -170,12 +192,15 @@ struct Case {
     std::vector<StrainEntry> strains;
     ParameterEntry parameters;
     Place parameters_place;
+    std::vector<OwnVariableEntry> variables;
     std::vector<QuantityEntry> quantities;  ///< declared ones, then built-in ones that are used without an entry
     Reference objective;                    ///< empty name: none
     bool maximize = false;
     std::vector<Reference> fit;
     std::vector<ConstraintEntry> constraints;
     OptimizeOptions optimize;
+    std::optional<std::filesystem::path> start_from;  ///< folder of a run
+    Place start_place;
     FitOptions fitting;              ///< without the scale
     Length loss_scale{0.001, true};  ///< of `fitting`
     struct Output {

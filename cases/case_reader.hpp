@@ -30,6 +30,10 @@ private:
     void read_variables(const std::vector<std::string>& words);
     void read_directions(const Value* list);
     void read_split(const Value& map);
+    // read_given.cpp
+    void read_given(const Value& map, const std::string& shown);
+    // read_variables.cpp
+    void read_own_variable(const Entry& entry);
     // read_goals.cpp
     void read_quantity(const Entry& entry);
     void read_built_in(const std::string& type, const Value& map, QuantityEntry& quantity);

@@ -20,6 +20,12 @@ void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics
 /// "region 'tpi' is not declared; did you mean 'tip'? Regions: root, tip"
 void check_region(const Case& the_case, const Reference& reference, Diagnostics& errors);
 
+/// What `variables` and `depends_on` say fits together, and somebody reads each variable.
+void check_own_variables(const Value& root, const Case& the_case, Diagnostics& errors);
+
+/// What `parameters.given` says fits together with the rest of the case, as far as names tell.
+void check_given(const Case& the_case, Diagnostics& errors);
+
 /// Names of all values that objective, fit and constraints may use, `volume` and `area` included.
 std::vector<std::string> known_values(const Case& the_case);
 

@@ -304,6 +304,8 @@ void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics
     check_loads(root.find("loads"), errors);
     check_thickness(the_case, errors);
     check_parameters(root.find("parameters"), the_case, errors);
+    check_given(the_case, errors);
+    check_own_variables(root, the_case, errors);
     if (purpose != Purpose::deform) check_quantities(root.find("quantities"), the_case, errors);
     check_targets(the_case, !the_case.fit.empty(), errors);
     check_purpose(root, purpose, the_case, errors);

@@ -1,6 +1,7 @@
 #pragma once
 #include "cases/build_problem.hpp"
 #include "cases/regions.hpp"
+#include "optimize/twist.hpp"
 
 #include <map>
 
@@ -8,6 +9,7 @@
 namespace strake {
 
 struct ShellSetup;
+struct StoredDesign;
 
 class ProblemBuilder {
 public:
@@ -22,6 +24,8 @@ private:
     StartSurface start_;
     BuiltProblem out_;
     std::map<std::string, int> region_index_;
+    std::shared_ptr<const StoredDesign> stored_;  ///< that `start_from` names
+    std::vector<std::pair<TwistSpec, Place>> twists_;
 
     /// Runs `work`; what it refuses becomes an error at `place`.
     template <class Work>
@@ -40,11 +44,13 @@ private:
     void read_start();
     Split split();
     void build_tree();
+    void read_stored();
     void evaluate_regions();
     // build_shell.cpp
     void set_heights();
     void set_pins();
-    void check_symmetry(const StrainEntry& strain, const GivenStrain& given);
+    /// @param shown what is said to leave the plane: "strains: region 'x'".
+    void check_symmetry(const Place& place, const std::string& shown, const GivenStrain& given);
     void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
                               const std::vector<char>& is_fixed);
     // build_loads.cpp
@@ -58,6 +64,12 @@ private:
     /// Per triangle: lies in one of these regions or patches; empty without names.
     std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
     std::vector<int> region_or_patch(const std::string& key, const Reference& reference);
+    // build_given.cpp
+    void set_given();
+    void set_twists();
+    GivenVariable given_load(const GivenEntry& entry, const std::vector<int>& where) const;
+    GivenVariable given_motion(const GivenEntry& entry, const std::vector<int>& where);
+    bool may_be_given(const GivenEntry& entry, const std::vector<int>& where);
     // build_goals.cpp
     void set_goals();
     Quantity make(const QuantityEntry& entry, const VolumeEntry& what);

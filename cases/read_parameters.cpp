@@ -28,6 +28,9 @@ void CaseReader::read_parameters(const Value& map) {
     if (const Value* v = map.find("groups"))
         for (const Entry& group : v->entries)
             if (group.value.accepted) p.groups.push_back(references(&group.value));
+    if (const Value* v = map.find("given"))
+        for (std::size_t i = 0; i < v->entries.size(); ++i)
+            if (v->entries[i].value.accepted) read_given(v->entries[i].value, text("parameters.given[", i, "]"));
     if (const Value* v = map.find("mirror")) {
         p.mirror = v->number != 0;
         p.mirror_place = v->place;

@@ -7,6 +7,8 @@ namespace strake {
 std::vector<Key> surface_keys();    ///< case, surface, regions, fixed, symmetry
 std::vector<Key> shell_keys();      ///< shell, loads, strains
 std::vector<Key> parameter_keys();  ///< parameters
+std::vector<Key> given_keys();      ///< parameters.given
+std::vector<Key> variable_keys();   ///< variables
 std::vector<Key> goal_keys();       ///< quantities, objective, fit, constraints
 std::vector<Key> run_keys();        ///< optimize, output
 

@@ -2,7 +2,10 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/given.hpp"
 #include "optimize/mirror.hpp"
+#include "optimize/null_directions.hpp"
+#include "optimize/own_variables.hpp"
 #include "optimize/response_metric.hpp"
 #include "optimize/strain_core.hpp"
 
@@ -156,6 +159,8 @@ private:
                 case VariableKind::stiffness:
                     if (any_free) add_scalar(tied, kind, slot::stiffness, "stiffness");
                     break;
+                case VariableKind::own:
+                    break;
             }
     }
 
@@ -197,6 +202,30 @@ private:
     const RestFacts& rest_;
 };
 
+/// Physical value at x = 1. @param largest displacement at the value 1.
+double unit_of(const RestFacts& rest, const Variable& variable, double largest) {
+    double reach = rest.parameters.max_displacement;
+    if (variable.patch < 0) {
+        const GivenVariable& given = rest.parameters.given[variable.component];
+        if (given.unit > 0) return given.unit;
+        if (given.max_displacement > 0) reach = given.max_displacement;
+    }
+    return reach * rest.diagonal / largest;
+}
+
+/// Variables whose linear response follows from those before them are left out with a note: their directions would move
+/// nothing, and have no natural size.
+void leave_out_dependent(DesignSpace& space) {
+    const Dependence found = dependence(responses_at_rest(space).samples);
+    if (found.dependent.empty()) return;
+    for (std::size_t d = 0; d < found.dependent.size(); ++d)
+        space.left_out.push_back({space.variables[found.dependent[d]], found.share.col(static_cast<Eigen::Index>(d))});
+    std::vector<Variable> kept;
+    for (const int j : found.kept) kept.push_back(space.variables[j]);
+    space.variables = std::move(kept);
+    space.notes.push_back(null_words(space));
+}
+
 /// Units so that x = 1 moves the surface by max_displacement; variables that move nothing are left out with a note.
 void scale(DesignSpace& space) {
     const RestFacts& rest = *space.rest;
@@ -214,11 +243,12 @@ void scale(DesignSpace& space) {
             space.notes.push_back(text(variable.name, ": moves nothing, left out"));
             continue;
         } else {
-            variable.unit = rest.parameters.max_displacement * rest.diagonal / unscaled.largest[j];
+            variable.unit = unit_of(rest, variable, unscaled.largest[j]);
         }
         kept.push_back(variable);
     }
     space.variables = std::move(kept);
+    leave_out_dependent(space);
     const Responses responses = responses_at_rest(space);
     space.metric = response_metric(space, responses);
     space.soft_work = soft_work(space, responses);
@@ -250,6 +280,7 @@ void check(const Parameters& p, int m) {
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     auto rest = std::make_shared<RestFacts>();
     check(problem.parameters, problem.surface.num_triangles());
+    check_own(problem.own);
     rest->setup = shell_setup(problem);
     rest->surface = problem.surface;
     rest->adjacent = adjacency(problem.surface);
@@ -260,7 +291,9 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     rest->given_traction = problem.given_traction;
     rest->tree = std::make_shared<const PatchHierarchy>(problem.tree);
     rest->parameters = problem.parameters;
+    rest->own = problem.own;
     rest->cache = std::make_shared<ResponseCache>();
+    place_given(*rest);
     if (problem.parameters.mirror) {
         rest->mirror = plane_of_symmetry(problem.surface);
         if (!rest->mirror)
@@ -278,9 +311,12 @@ DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const F
     space.rest = std::move(rest);
     space.level = level;
     space.front = std::make_shared<const Front>(front);
+    space.carried_given = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space.rest->parameters.given.size()));
     place_cores(space, parent);
+    list_given(space);
     Candidates(space).list();
     scale(space);
+    append_own(space);
     return space;
 }
 

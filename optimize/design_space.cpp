@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/given.hpp"
 
 namespace strake {
 namespace {
@@ -18,12 +19,14 @@ void add_traction(const DesignSpace& space, const Eigen::VectorXd& value, Points
         if (at[slot::normal] != 0)
             for (const int t : patch.triangles) traction.row(t) += at[slot::normal] * space.rest->normal.row(t);
     }
+    add_given_traction(*space.rest, space.given_values(value), traction);
 }
 
 Points total_traction(const DesignSpace& space, const Eigen::VectorXd& value) {
     Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
     if (space.rest->given_traction.rows() > 0) traction = space.rest->given_traction;
     if (space.carried_traction.rows() > 0) traction += space.carried_traction;
+    add_given_traction(*space.rest, space.carried_given, traction);
     add_traction(space, value, traction);
     return traction;
 }
@@ -48,6 +51,7 @@ Eigen::VectorXd heights(const DesignSpace& space, const Eigen::VectorXd& value) 
 
 std::vector<RigidMotion> motions(const DesignSpace& space, const Eigen::VectorXd& value) {
     std::vector<RigidMotion> all = space.rest->setup.motions;
+    add_given_motions(*space.rest, space.given_values(value) + space.carried_given, all);
     for (std::size_t p = 0; p < space.motion.size(); ++p) {
         if (space.motion[p] < 0) continue;
         RigidMotion motion = space.carried_motion[p];
@@ -64,6 +68,18 @@ void check_size(const DesignSpace& space, const Eigen::VectorXd& x) {
         throw InvalidInput(text("x has ", x.size(), " entries, the space of level ", space.level, " has ", space.size(),
                                 " variables"));
     if (!x.allFinite()) throw InvalidInput("x is not finite");
+}
+
+/// Vertex velocities per unit of a degree of freedom that is a motion.
+Points motion_velocity(const DesignSpace& space, const std::vector<std::array<Points, 6>>& by_motion, int freedom) {
+    const int g = freedom - space.num_patch_freedoms();
+    if (g < 0) return by_motion[space.motion[freedom / slot::count]][freedom % slot::count - slot::rotation];
+    const auto& by_component = by_motion[space.rest->given_motion[g]];
+    const RigidMotion& motion = space.rest->parameters.given[g].motion;
+    Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
+    for (int c = 0; c < 3; ++c)
+        dv += motion.rotation[c] * by_component[c] + motion.translation[c] * by_component[3 + c];
+    return dv;
 }
 
 /// dJ/d(log of the height's factor) per triangle.
@@ -89,15 +105,14 @@ Eigen::VectorXd freedom_gradient(const DesignSpace& space, const Eigen::VectorXd
     if (heights_count) by_log_height = log_height_gradient(space, value, sensitivities);
     for (int t = 0; t < rest.surface.num_triangles(); ++t) {
         double* at = gradient.data() + slot::count * space.patches().label[t];
-        Eigen::RowVector3d by_traction = Eigen::RowVector3d::Zero();
-        for (int k = 0; k < 3; ++k)
-            by_traction += rest.area[t] / 3 * sensitivities.force.row(rest.surface.triangles(t, k));
+        const Eigen::RowVector3d by_traction = traction_gradient(rest, sensitivities.force, t);
         for (int c = 0; c < 3; ++c) at[slot::load + c] += by_traction[c];
         at[slot::normal] += by_traction.dot(rest.normal.row(t));
         if (heights_count) at[slot::stiffness] += by_log_height[t];
     }
-    if (sensitivities.wrench.rows() == 0) return gradient;
     const std::vector<RigidMotion> moved = motions(space, value);
+    add_given_gradient(space, moved, sensitivities, gradient);
+    if (sensitivities.wrench.rows() == 0) return gradient;
     for (std::size_t p = 0; p < space.motion.size(); ++p) {
         if (space.motion[p] < 0) continue;
         Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
@@ -112,6 +127,12 @@ Eigen::VectorXd freedom_gradient(const DesignSpace& space, const Eigen::VectorXd
 }
 
 }  // namespace
+
+int DesignSpace::num_own() const {
+    int count = 0;
+    while (count < size() && variables[size() - 1 - count].kind == VariableKind::own) ++count;
+    return count;
+}
 
 bool DesignSpace::changes_height() const {
     if (carried_log_height.size() > 0) return true;
@@ -156,7 +177,7 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 }
 
 void design_response(const DesignSpace& space, PrimoShell& shell,
-                     const std::function<void(int j, const Points& dv)>& consume) {
+                     const std::function<void(int j, const Points& dv)>& consume, double tolerance) {
     std::vector<std::array<Points, 6>> by_motion;
     for (const Variable& variable : space.variables) {
         if (variable.kind == VariableKind::stiffness)
@@ -166,11 +187,14 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell.motion_response();
     }
     for (int j = 0; j < space.size();) {
+        if (space.variables[j].kind == VariableKind::own) {
+            consume(j++, Points::Zero(space.rest->surface.num_vertices(), 3));
+            continue;
+        }
         if (space.variables[j].kind == VariableKind::strain) {
             Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
             for (const Freedom& move : space.variables[j].moves)
-                dv += by_motion[space.motion[move.index / slot::count]][move.index % slot::count - slot::rotation] *
-                      (move.factor * space.variables[j].unit);
+                dv += motion_velocity(space, by_motion, move.index) * (move.factor * space.variables[j].unit);
             consume(j++, dv);
             continue;
         }
@@ -179,14 +203,15 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
             forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
         }
-        const std::vector<Points> moved = shell.response(forces);
+        const std::vector<Points> moved = shell.response(forces, tolerance);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);
     }
 }
 
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x) {
     std::vector<std::pair<std::string, double>> values;
-    for (int j = 0; j < space.size(); ++j) values.emplace_back(space.variables[j].name, x[j] * space.variables[j].unit);
+    for (int j = 0; j < space.num_shape(); ++j)
+        values.emplace_back(space.variables[j].name, x[j] * space.variables[j].unit);
     return values;
 }
 

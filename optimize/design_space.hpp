@@ -16,7 +16,8 @@ namespace slot {
 constexpr int load = 0, normal = 3, rotation = 4, translation = 7, stiffness = 10, count = 11;
 }
 
-/// One degree of freedom that a variable moves: patch * slot::count + slot, and by how much.
+/// One degree of freedom that a variable moves: patch * slot::count + slot, behind them those of given variables, and
+/// by how much.
 struct Freedom {
     int index = 0;
     double factor = 1;
@@ -25,10 +26,12 @@ struct Freedom {
 struct Variable {
     std::string name;  ///< patch and component: `wing.upper.load_x`
     VariableKind kind = VariableKind::load;
-    int patch = 0;      ///< id in its level; of tied patches the first
+    int patch = 0;      ///< id in its level; of tied patches the first; -1: not of a patch
     int component = 0;  ///< load: x, y, z or number of the direction; strain: rotation x, y, z, translation x, y, z
-    double unit = 1;    ///< physical value at x = 1: 1/length, radians, length, or log of a factor
-    std::vector<Freedom> moves;  ///< one, or several for a direction and for tied patches
+                        ///< given: its number in `Parameters::given`
+    double unit = 1;    ///< physical value at x = 1: 1/length, radians, length, or log of a factor; own: see `offset`
+    std::vector<Freedom> moves;  ///< one, or several for a direction and for tied patches; own: none
+    double offset = 0;           ///< physical value at x = 0; zero but for own variables, whose start it is
 };
 
 /// What x asks of the shell.
@@ -52,23 +55,33 @@ struct RestFacts {
     Points given_traction;  ///< m x 3, or empty
     std::shared_ptr<const PatchHierarchy> tree;
     Parameters parameters;
+    std::vector<OwnVariable> own;
     std::optional<SymmetryPlane> mirror;   ///< plane of symmetry of the surface, where `parameters.mirror` asks for it
     std::shared_ptr<ResponseCache> cache;  ///< responses at rest of variables met so far
+    std::vector<int> given_motion;         ///< per `parameters.given`: its number in `setup.motions`; -1: a load
+    std::vector<std::vector<int>> given_pinned;  ///< per `parameters.given`: the triangles that follow its motion
     std::vector<std::string> notes;
 };
 /// @throws InvalidInput: limits of `Parameters`, no plane of symmetry where one is asked for, and as `shell_setup`.
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem);
 
+/// A variable that is left out because others do the same: the direction from it to them moves nothing.
+struct LeftOut {
+    Variable variable;
+    Eigen::VectorXd share;  ///< x of the shape variables whose linear response is that of this one at 1
+};
+
 struct DesignSpace {
     std::shared_ptr<const RestFacts> rest;
     int level = 0;
     std::shared_ptr<const Front> front;
-    std::vector<Variable> variables;
+    std::vector<Variable> variables;  ///< of the shape, then those of `rest->own`
     /// size() x size(), positive definite: x.metric.x is the size of a small change x, see response_metric.hpp.
     Eigen::MatrixXd metric;
     double soft_work = 0;                ///< what energies are measured by in it; 0: there are no loads
     Eigen::VectorXd lower, upper;        ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
     std::vector<std::string> notes;      ///< variables left out, and why
+    std::vector<LeftOut> left_out;       ///< because they depend on others
     std::vector<int> pin;                ///< ShellOptions::pin of this level: fixed, given strains, then the cores
     std::vector<std::vector<int>> core;  ///< pinned triangles of each patch with strain variables; empty elsewhere
     std::vector<int> motion;  ///< per patch: number of its motion in `ShellDemand::motions`, -1 without a core
@@ -76,10 +89,17 @@ struct DesignSpace {
                                               ///< inherited and has no variable here
     Points carried_traction;                  ///< m x 3: inherited where this level has no variable for it; empty: none
     Eigen::VectorXd carried_log_height;       ///< m: the same of the logarithm of the height's factor; empty: none
+    Eigen::VectorXd carried_given;            ///< per given variable: the same of its value
 
     int size() const { return static_cast<int>(variables.size()); }
+    int num_own() const;  ///< of the variables, the last ones
+    int num_shape() const { return size() - num_own(); }
     const PatchLevel& patches() const { return front->patches; }
-    int num_freedoms() const { return slot::count * static_cast<int>(front->patches.patches.size()); }
+    int num_patch_freedoms() const { return slot::count * static_cast<int>(front->patches.patches.size()); }
+    int num_freedoms() const { return num_patch_freedoms() + static_cast<int>(rest->parameters.given.size()); }
+    Eigen::VectorXd given_values(const Eigen::VectorXd& freedoms) const {
+        return freedoms.tail(num_freedoms() - num_patch_freedoms());
+    }
     bool changes_height() const;  ///< some variable is a stiffness, or one was inherited
 };
 
@@ -112,12 +132,13 @@ Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change);
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities);
 
-/// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks.
-/// `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for stiffness variables.
+/// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
+/// that of `PrimoShell::response`. `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for
+/// stiffness variables.
 void design_response(const DesignSpace& space, PrimoShell& shell,
-                     const std::function<void(int j, const Points& dv)>& consume);
+                     const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11);
 
-/// Physical values with names, for programs and for the files of a level.
+/// Physical values with names of the shape variables, for programs (`own_values` has the others).
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);
 
 inline bool is_load(VariableKind kind) { return kind == VariableKind::load || kind == VariableKind::load_normal; }

@@ -27,41 +27,55 @@ Eigen::VectorXd wanted_freedoms(const DesignSpace& parent, const Eigen::VectorXd
         wanted.segment<3>(at + slot::rotation) = motion.rotation;
         wanted.segment<3>(at + slot::translation) = turn * arm - arm + motion.translation;
     }
+    wanted.tail(child.carried_given.size()) = parent.given_values(above);
     return wanted;
 }
 
-/// Degrees of freedom from variables, num_freedoms() x size().
-Eigen::MatrixXd moves_matrix(const DesignSpace& space) {
-    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(space.num_freedoms(), space.size());
-    for (int j = 0; j < space.size(); ++j)
-        for (const Freedom& move : space.variables[j].moves)
-            moves(move.index, j) += space.variables[j].unit * move.factor;
+/// Degrees of freedom from variables, num_freedoms() x variables.
+Eigen::MatrixXd moves_matrix(const DesignSpace& space, const std::vector<Variable>& variables) {
+    Eigen::MatrixXd moves = Eigen::MatrixXd::Zero(space.num_freedoms(), static_cast<Eigen::Index>(variables.size()));
+    for (std::size_t j = 0; j < variables.size(); ++j)
+        for (const Freedom& move : variables[j].moves)
+            moves(move.index, static_cast<Eigen::Index>(j)) += variables[j].unit * move.factor;
     return moves;
 }
 
-/// x whose degrees of freedom come closest to the wanted ones.
+/// x whose degrees of freedom come closest to the wanted ones; own variables have none and are left at 0. What falls to
+/// variables that are left out goes to those that do the same.
 class Expression {
 public:
-    explicit Expression(const DesignSpace& space) : space_(space) {
+    explicit Expression(const DesignSpace& space)
+        : space_(space), all_(space.variables.begin(), space.variables.begin() + space.num_shape()) {
+        for (const LeftOut& other : space.left_out) all_.push_back(other.variable);
         std::vector<int> users(space.num_freedoms(), 0);
-        for (const Variable& variable : space.variables) {
+        for (const Variable& variable : all_) {
             is_simple_ &= variable.moves.size() == 1;
             for (const Freedom& move : variable.moves) is_simple_ &= ++users[move.index] == 1;
         }
-        if (!is_simple_) solver_.compute(moves_matrix(space));
+        if (!is_simple_) solver_.compute(moves_matrix(space, all_));
     }
     Eigen::VectorXd operator()(const Eigen::VectorXd& wanted) const {
-        if (!is_simple_) return solver_.solve(wanted);
-        Eigen::VectorXd x(space_.size());
-        for (int j = 0; j < space_.size(); ++j) {
-            const Freedom& move = space_.variables[j].moves.front();
-            x[j] = wanted[move.index] / (space_.variables[j].unit * move.factor);
-        }
+        const Eigen::VectorXd of_all = is_simple_ ? one_by_one(wanted) : Eigen::VectorXd(solver_.solve(wanted));
+        Eigen::VectorXd x = Eigen::VectorXd::Zero(space_.size());
+        x.head(space_.num_shape()) = of_all.head(space_.num_shape());
+        for (std::size_t d = 0; d < space_.left_out.size(); ++d)
+            x.head(space_.num_shape()) +=
+                of_all[space_.num_shape() + static_cast<Eigen::Index>(d)] * space_.left_out[d].share;
         return x;
     }
 
 private:
+    Eigen::VectorXd one_by_one(const Eigen::VectorXd& wanted) const {
+        Eigen::VectorXd x(static_cast<Eigen::Index>(all_.size()));
+        for (std::size_t j = 0; j < all_.size(); ++j) {
+            const Freedom& move = all_[j].moves.front();
+            x[static_cast<Eigen::Index>(j)] = wanted[move.index] / (all_[j].unit * move.factor);
+        }
+        return x;
+    }
+
     const DesignSpace& space_;
+    std::vector<Variable> all_;  ///< of the shape, then those left out
     bool is_simple_ = true;
     Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver_;
 };
@@ -80,6 +94,7 @@ void carry(DesignSpace& child, const Eigen::VectorXd& left) {
         if (child.carried_log_height.size() > 0)
             for (const int t : patch.triangles) child.carried_log_height[t] += left[at + slot::stiffness];
     }
+    child.carried_given += child.given_values(left);
 }
 
 Eigen::MatrixXd prolongation_at(const DesignSpace& parent, const Eigen::VectorXd& x, const DesignSpace& child,
@@ -94,6 +109,9 @@ Eigen::MatrixXd prolongation_at(const DesignSpace& parent, const Eigen::VectorXd
         prolongation.col(i) =
             express((wanted_freedoms(parent, up, child) - wanted_freedoms(parent, down, child)) / (2 * step));
     }
+    const int own = child.num_own();
+    prolongation.bottomRows(own).setZero();
+    prolongation.bottomRightCorner(own, own).setIdentity();
     return prolongation;
 }
 
@@ -111,9 +129,11 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const
     if (parent.changes_height())
         child.carried_log_height = parent.carried_log_height.size() > 0 ? parent.carried_log_height
                                                                         : Eigen::VectorXd(Eigen::VectorXd::Zero(m));
+    child.carried_given = parent.carried_given;
     const Expression express(child);
     const Eigen::VectorXd wanted = wanted_freedoms(parent, x, child);
     result.x = express(wanted);
+    result.x.tail(child.num_own()) = x.tail(parent.num_own());
     Eigen::VectorXd left = wanted;
     for (int j = 0; j < child.size(); ++j)
         for (const Freedom& move : child.variables[j].moves)

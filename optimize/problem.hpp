@@ -3,6 +3,7 @@
 #include "core/primo/shell.hpp"
 #include "objectives/quantity.hpp"
 
+#include <memory>
 #include <optional>
 
 /// A shape optimization problem, free of YAML: what `cases` makes of a case file and what a program that
@@ -14,6 +15,14 @@ enum class VariableKind {
     load_normal,  ///< traction along each triangle's own rest normal: one variable
     strain,       ///< rigid motion of a pinned patch core: rotation and translation, six variables
     stiffness,    ///< logarithm of the prism height: one variable
+    own           ///< one of `Problem::own`: not shape; not for `Parameters::kinds`
+};
+
+/// A design variable that is not shape, as an angle of attack: quantities are given its value.
+struct OwnVariable {
+    std::string name;
+    double start = 0, min = -1, max = 1;  ///< min <= start <= max, min < max; angles in radians
+    bool is_angle = false;
 };
 
 /// A prescribed rigid motion of some triangles (a given strain).
@@ -29,8 +38,19 @@ enum class SplitRule {
     gradient      ///< those with the largest integral of |dJ/dv| over their area (the paper's rule, IV)
 };
 
+/// A design variable that the user states, beside those of the patches: there on every level, never split. A load where
+/// `traction` is given, else the rigid motion of its triangles, which it pins for the whole run.
+struct GivenVariable {
+    std::string name;
+    std::vector<int> triangles;  ///< where it acts, ascending
+    Points traction;             ///< per listed triangle, 1/length, at the value 1; empty: a motion
+    RigidMotion motion;          ///< at the value 1; its rotation vector and translation are multiplied by the value
+    double unit = 0;             ///< value at x = 1; 0: where the linear response moves the surface by max_displacement
+    double max_displacement = 0;  ///< diagonals; 0: that of the parameters
+};
+
 struct Parameters {
-    std::vector<VariableKind> kinds{VariableKind::load};
+    std::vector<VariableKind> kinds{VariableKind::load};  ///< empty: the shape stays as it is
     double max_displacement = 0.05;  ///< bound of each variable by its own linear response, in diagonals, > 0
     std::vector<char>
         on;  ///< per triangle: may carry variables; empty: all. A patch takes part if any of its triangles does
@@ -43,6 +63,7 @@ struct Parameters {
     std::vector<std::vector<char>> groups;         ///< per group, per triangle: patches of a group share their values
     double core = 0.25;                            ///< what a strain leaves free, as a share of the inradius, in (0, 1)
     bool strain_rotates = true, strain_translates = true;  ///< components offered by `strain`
+    std::vector<GivenVariable> given;                      ///< beside those of the patches
 };
 
 struct Constraint {
@@ -103,6 +124,8 @@ struct FitOptions {
     int associations = 0;
 };
 
+struct StoredDesign;
+
 struct Problem {
     std::string name;
     TriMesh surface;
@@ -115,6 +138,7 @@ struct Problem {
     Points given_traction;            ///< m x 3 background loads; empty: none
     Eigen::VectorXd spring_per_area;  ///< per triangle, lambda_A; empty: none
     Parameters parameters;
+    std::vector<OwnVariable> own;      ///< beside the shape, on every level
     std::vector<Quantity> quantities;  ///< all that is logged, optimized or constrained
     std::string objective;             ///< a value's name; empty for a fit
     bool maximize = false;
@@ -122,6 +146,7 @@ struct Problem {
     FitOptions fitting;
     std::vector<Constraint> constraints;
     OptimizeOptions optimize;
+    std::shared_ptr<const StoredDesign> start;  ///< where `optimize` and `fit` begin, set by `start_from`; else at rest
 };
 
 }  // namespace strake

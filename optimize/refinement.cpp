@@ -23,6 +23,7 @@ std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& chil
     for (const auto* space : {&parent, &child})
         for (const Variable& variable : space->variables)
             for (const Freedom& move : variable.moves) {
+                if (variable.patch < 0) continue;
                 const auto owner = [&](int patch) {
                     return space == &parent ? patch : child.patches().patches[patch].parent;
                 };
@@ -33,11 +34,12 @@ std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& chil
     return root;
 }
 
-/// Variables by the group of the patch that they act on; `owner(variable)` is a patch of the parent.
+/// Shape variables by the group of the patch that they act on; `owner(variable)` is a patch of the parent.
 template <class Owner>
 std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vector<int>& group, const Owner& owner) {
     std::vector<std::vector<int>> members(group.size());
-    for (int j = 0; j < space.size(); ++j) members[group[owner(space.variables[j])]].push_back(j);
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (space.variables[j].patch >= 0) members[group[owner(space.variables[j])]].push_back(j);
     return members;
 }
 

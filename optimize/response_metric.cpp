@@ -1,16 +1,23 @@
 #include "optimize/response_metric.hpp"
 
 #include "core/error.hpp"
+#include "optimize/given.hpp"
 
 namespace strake {
 namespace {
 
-constexpr int most_samples = 3000;  ///< vertices for the metric: a mean square needs no more
+constexpr int most_samples = 3000;           ///< vertices for the metric: a mean square needs no more
+constexpr double response_tolerance = 1e-6;  ///< a metric needs no more either
 
 std::string key_of(const Variable& variable) {
     std::string key = variable.name;
+    if (variable.patch < 0) return "given " + key;
     for (const Freedom& move : variable.moves) key += text('|', move.index % slot::count, ':', move.factor);
     return key;
+}
+
+Eigen::Index num_sweeps(const RestFacts& rest) {
+    return static_cast<Eigen::Index>(4 * rest.tree->levels.back().patches.size() + rest.parameters.given.size());
 }
 
 /// Reduces displacement fields of the surface to what the metric needs.
@@ -24,7 +31,7 @@ public:
     ResponseCache::Column operator()(const Points& dv, bool is_load) const {
         const int count = (rest_.surface.num_vertices() + stride_ - 1) / stride_;
         ResponseCache::Column column{std::sqrt(dv.rowwise().squaredNorm().maxCoeff()), Eigen::VectorXd::Zero(3 * count),
-                                     Eigen::VectorXd::Zero(4 * static_cast<Eigen::Index>(leaves_.patches.size()))};
+                                     Eigen::VectorXd::Zero(num_sweeps(rest_))};
         for (int s = 0; s < count; ++s)
             column.samples.segment<3>(3 * s) =
                 std::sqrt(rest_.vertex_area[s * stride_] / sampled_area_) * dv.row(s * stride_).transpose();
@@ -34,6 +41,11 @@ public:
             column.swept.segment<3>(4 * leaves_.label[t]) += moved;
             column.swept[4 * leaves_.label[t] + 3] += moved.dot(rest_.normal.row(t));
         }
+        const auto& given = rest_.parameters.given;
+        for (std::size_t g = 0; is_load && g < given.size(); ++g)
+            for (Eigen::Index i = 0; i < given[g].traction.rows(); ++i)
+                column.swept[static_cast<Eigen::Index>(4 * leaves_.patches.size() + g)] +=
+                    traction_gradient(rest_, dv, given[g].triangles[i]).dot(given[g].traction.row(i));
         return column;
     }
 
@@ -60,9 +72,10 @@ std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShe
     const Reduction reduce(*space.rest);
     std::vector<ResponseCache::Column> columns;
     if (!wanted.empty())
-        design_response(movers, shell, [&](int j, const Points& dv) {
-            columns.push_back(reduce(dv, is_load(movers.variables[j].kind)));
-        });
+        design_response(
+            movers, shell,
+            [&](int j, const Points& dv) { columns.push_back(reduce(dv, is_load(movers.variables[j].kind))); },
+            response_tolerance);
     return columns;
 }
 
@@ -70,9 +83,8 @@ Responses none(const DesignSpace& space) {
     const RestFacts& rest = *space.rest;
     const int stride = std::max(1, rest.surface.num_vertices() / most_samples);
     const int count = (rest.surface.num_vertices() + stride - 1) / stride;
-    return {
-        Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
-        Eigen::MatrixXd::Zero(4 * static_cast<Eigen::Index>(rest.tree->levels.back().patches.size()), space.size())};
+    return {Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
+            Eigen::MatrixXd::Zero(num_sweeps(rest), space.size())};
 }
 
 void set(Responses& responses, int j, const ResponseCache::Column& column, double scale) {
@@ -88,7 +100,8 @@ PrimoShell shell_at_rest(const DesignSpace& space) {
     ShellOptions options = rest.setup.options;
     options.pin = space.pin;
     PrimoShell shell(rest.surface, options);
-    std::vector<RigidMotion> still(rest.setup.motions.size());
+    std::vector<RigidMotion> still = rest.setup.motions;
+    for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
     for (std::size_t p = 0; p < space.motion.size(); ++p)
         if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
     const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
@@ -96,19 +109,22 @@ PrimoShell shell_at_rest(const DesignSpace& space) {
     return shell;
 }
 
-/// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, at x = 1.
+/// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, and of each given load, at x = 1.
 Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
     const PatchLevel& leaves = space.rest->tree->levels.back();
-    Eigen::MatrixXd traction =
-        Eigen::MatrixXd::Zero(4 * static_cast<Eigen::Index>(leaves.patches.size()), space.size());
+    Eigen::MatrixXd traction = Eigen::MatrixXd::Zero(num_sweeps(*space.rest), space.size());
     std::vector<std::vector<int>> leaves_of(space.patches().patches.size());
     for (const Patch& leaf : leaves.patches)
         leaves_of[space.patches().label[leaf.triangles.front()]].push_back(leaf.id);
     for (int j = 0; j < space.size(); ++j) {
         if (!is_load(space.variables[j].kind)) continue;
-        for (const Freedom& move : space.variables[j].moves)
-            for (const int leaf : leaves_of[move.index / slot::count])
-                traction(4 * leaf + move.index % slot::count, j) += space.variables[j].unit * move.factor;
+        if (space.variables[j].patch < 0)
+            traction(static_cast<Eigen::Index>(4 * leaves.patches.size()) + space.variables[j].component, j) =
+                space.variables[j].unit;
+        else
+            for (const Freedom& move : space.variables[j].moves)
+                for (const int leaf : leaves_of[move.index / slot::count])
+                    traction(4 * leaf + move.index % slot::count, j) += space.variables[j].unit * move.factor;
     }
     return traction;
 }
@@ -178,13 +194,14 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 
 Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d) {
     const Points force = load_forces(space, d);
-    const Points moved = shell.response({force})[0];
+    const Points moved = shell.response({force}, response_tolerance)[0];
     // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
     const Reduction reduce(*space.rest);
     const double wanted = space.rest->parameters.max_displacement * space.rest->diagonal;
-    const Points back = shell.response({Points(4 / (wanted * wanted) * reduce.weighted(moved))})[0];
+    const Points back = shell.response({Points(4 / (wanted * wanted) * reduce.weighted(moved))}, response_tolerance)[0];
     const Eigen::MatrixXd traction = leaf_tractions(space);
     Eigen::VectorXd product = traction.transpose() * reduce(back, true).swept;
+    product.tail(space.num_own()) = d.tail(space.num_own());
     if (space.soft_work > 0) product += traction.transpose() * reduce(moved, true).swept / space.soft_work;
     return product;
 }

@@ -11,8 +11,9 @@ namespace strake {
 struct Responses {
     Eigen::VectorXd largest;  ///< displacement
     Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
-    /// Column j: integrals of the displacement (x, y, z) and of its normal part over each leaf of the tree, rest area;
-    /// zero for strains. The work of any patch's load in response j is a sum of these.
+    /// Column j: integrals of the displacement (x, y, z) and of its normal part over each leaf of the tree, rest area,
+    /// then the work of every given load at its value 1; zero for strains. The work of any load in response j is a sum
+    /// of these.
     Eigen::MatrixXd swept;
 };
 
@@ -45,7 +46,7 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 double soft_work(const DesignSpace& space, const Responses& responses);
 
 /// The same metric at the equilibrium of `shell`, times d: near buckling it finds soft directions long. Two
-/// back-substitutions, however many variables. @pre all variables are loads.
+/// back-substitutions, however many variables. @pre all variables of the shape are loads.
 Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d);
 
 }  // namespace strake

@@ -12,6 +12,7 @@ struct EvaluationRecord {
     double objective =
         std::numeric_limits<double>::quiet_NaN();  ///< as the case states it (a fit: mean square distance)
     std::vector<double> values;  ///< of all quantities, in the order of `RunResult::names`; empty when not ok
+    std::vector<double> own;     ///< values of the own variables, in their order
     double max_violation = std::numeric_limits<double>::quiet_NaN();  ///< largest scaled constraint violation
     bool accepted = false;                                            ///< the best design so far
     double max_displacement = 0;                                      ///< of the surface from its start, length
@@ -25,6 +26,8 @@ struct AcceptedDesign {
     const Eigen::VectorXd& x;
     const Points& vertices;
     const Points& dJ_dv;  ///< of the objective, n x 3; empty when not at hand
+    const Poses& poses;
+    const std::vector<std::pair<std::string, double>>& at_rest;  ///< what relative limits are multiples of
 };
 
 struct LevelStart {
@@ -40,7 +43,8 @@ struct LevelSummary {
     double inherited_objective_change = 0;  ///< relative
     /// Of a fit: the share of the root mean square distance left by the levels before that this level removed.
     double explained = std::numeric_limits<double>::quiet_NaN();
-    bool converged = false;  ///< of a fit: `objective_end` is the least that this level can reach
+    bool converged = false;             ///< of a fit: `objective_end` is the least that this level can reach
+    std::vector<std::string> left_out;  ///< variables whose directions, beside those of the others, move nothing
 };
 
 struct RunEvents {

@@ -1,6 +1,8 @@
 #include "optimize/run_state.hpp"
 
 #include "core/error.hpp"
+#include "optimize/own_variables.hpp"
+#include "optimize/stored_design.hpp"
 
 namespace strake {
 namespace {
@@ -8,7 +10,7 @@ namespace {
 constexpr double inheritance_tolerance = 1e-10;
 
 /// So that inheritance and level numbers need no special case: a tree that ends at level 0 is optimized on it.
-int first_level(const PatchHierarchy& tree) {
+int first_level_of(const PatchHierarchy& tree) {
     if (tree.levels.empty()) throw InvalidInput("the patch tree is empty");
     return tree.levels.size() > 1 ? 1 : 0;
 }
@@ -65,6 +67,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     record.reason = evaluation.reason;
     record.max_displacement = evaluation.max_displacement;
     record.seconds = last_seconds_;
+    for (const auto& [name, value] : own_values(space, x)) record.own.push_back(value);
     if (ok) {
         record.objective = objective;
         record.values = evaluation.values;
@@ -81,6 +84,8 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
         if (result.best_evaluation == 0) {
             result.objective_start = objective;
             result.values_start = evaluation.values;
+            const std::vector<double> at_rest = values_at_rest(evaluation.values);
+            for (std::size_t i = 0; i < at_rest.size(); ++i) at_rest_.emplace_back(result.names[i], at_rest[i]);
         }
         run_best = rank;
         result.best_evaluation = record.evaluation;
@@ -93,39 +98,82 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
         result.level = space.level;
     }
     if (events.evaluation) events.evaluation(record);
-    if (record.accepted && events.accepted) events.accepted({record, space, x, evaluation.vertices, dJ_dv});
+    if (record.accepted && events.accepted)
+        events.accepted({record, space, x, evaluation.vertices, dJ_dv, evaluator.poses(), at_rest_});
     return is_level_best;
 }
 
 bool RunState::can_refine() const {
-    if (rest->parameters.split == SplitRule::tree) return levels_left() > 0;
+    if (rest->parameters.kinds.empty()) return false;  // finer patches of a shape that stays as it is
+    if (rest->parameters.split == SplitRule::tree && follows_tree_) return levels_left() > 0;
     const std::vector<int> parts = parts_of(*rest->tree, *space.front);
     return *std::max_element(parts.begin(), parts.end()) > 1;
 }
 
 int RunState::levels_left() const {
+    if (rest->parameters.kinds.empty()) return 0;
     const int below = static_cast<int>(rest->tree->levels.size()) - 1 - space.level;
-    if (rest->parameters.split == SplitRule::tree) return below;
+    if (rest->parameters.split == SplitRule::tree && follows_tree_) return below;
     // Fronts may go on longer than the tree is deep.
     return can_refine() ? std::max(below, 1) : 0;
+}
+
+Eigen::VectorXd RunState::first_level() {
+    if (!problem.start) {
+        space = design_space(rest, first_level_of(*rest->tree));
+        evaluator.enter(space);
+        return Eigen::VectorXd::Zero(space.size());
+    }
+    const StoredDesign& design = *problem.start;
+    const StartSpace stored = start_space(rest, design);
+    InheritedSpace inherited = refine(stored.space, stored.x, stored.front);
+    space = std::move(inherited.space);
+    follows_tree_ = design.level < static_cast<int>(rest->tree->levels.size()) &&
+                    rest->tree->levels[design.level].label == space.patches().label;
+    evaluator.enter(space);
+    std::string reason;
+    level_best_vertices = evaluator.begin_from(design.poses, inherited.x, reason);
+    const double off = level_best_vertices.rows() == 0
+                           ? std::numeric_limits<double>::infinity()
+                           : std::sqrt((level_best_vertices - design.vertices).rowwise().squaredNorm().maxCoeff());
+    if (!(off <= inheritance_tolerance * rest->diagonal))
+        throw InvalidInput(text("start_from: the loads of that run do not give its shape here (",
+                                reason.empty() ? text("it is ", off / rest->diagonal, " diagonals off") : reason,
+                                "): fixed, symmetry, shell, loads and strains have to be those of that run"));
+    level_best_vertices = design.vertices;
+    note(text("starts from evaluation ", design.evaluation, " of the run before, objective there ", design.objective));
+    return inherited.x;
+}
+
+std::vector<double> RunState::values_at_rest(const std::vector<double>& first) const {
+    std::vector<double> values = first;
+    if (!problem.start) return values;
+    for (std::size_t i = 0; i < values.size(); ++i)
+        for (const auto& [name, value] : problem.start->at_rest)
+            if (name == result.names[i]) values[i] = value;
+    return values;
 }
 
 Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* front) {
     Eigen::VectorXd start;
     if (result.levels.empty()) {
-        space = design_space(rest, first_level(*rest->tree));
-        start = Eigen::VectorXd::Zero(space.size());
+        start = first_level();
     } else {
+        std::optional<Front> all;
+        if (!front && !follows_tree_)
+            all = split_front(*rest->tree, *space.front, std::vector<char>(space.front->depth.size(), 1));
+        if (all) front = &*all;
         InheritedSpace inherited = front ? refine(space, x, *front) : refine(space, x);
         space = std::move(inherited.space);
         start = std::move(inherited.x);
         prolongation = std::move(inherited.prolongation);
     }
-    evaluator.enter(space);
+    if (!result.levels.empty()) evaluator.enter(space);
     LevelSummary summary;
     summary.level = space.level;
     summary.patches = static_cast<int>(space.patches().patches.size());
     summary.variables = space.size();
+    for (const LeftOut& other : space.left_out) summary.left_out.push_back(other.variable.name);
     summary.evaluations = result.evaluations;  // until end_level: those before
     result.levels.push_back(summary);
     level_has_started_ = false;

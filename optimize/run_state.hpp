@@ -40,6 +40,8 @@ public:
     /// Levels that may still come, at least; 0 when the present one is the last.
     int levels_left() const;
     double seconds_left() const;  ///< of the whole run; infinite without a limit
+    /// What relative limits are multiples of: the values where the first of the runs that follow each other began.
+    std::vector<double> values_at_rest(const std::vector<double>& first) const;
     void note(const std::string& words) const {
         if (events.note) events.note(words);
     }
@@ -56,11 +58,14 @@ public:
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
 
 private:
+    Eigen::VectorXd first_level();
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
 
     std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
     double last_seconds_ = 0;
     bool level_has_started_ = false;
+    bool follows_tree_ = true;  ///< the front is a level of the tree
+    std::vector<std::pair<std::string, double>> at_rest_;
 };
 
 /// Has progress slackened? The gain per evaluation over the last `window` of them, against the best such rate of the

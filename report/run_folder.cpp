@@ -2,6 +2,8 @@
 
 #include "core/error.hpp"
 #include "core/mesh/vtp.hpp"
+#include "optimize/own_variables.hpp"
+#include "optimize/stored_design.hpp"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -32,6 +34,8 @@ const char* kind_word(VariableKind kind) {
             return "strain";
         case VariableKind::stiffness:
             return "stiffness";
+        case VariableKind::own:
+            return "own";
     }
     return "unknown";
 }
@@ -42,14 +46,15 @@ std::string labels_csv(const PatchLevel& level) {
     return rows;
 }
 
-/// x times unit is the physical value: traction 1/length, radians, length, or the logarithm of a factor.
+/// x times unit is the physical value: traction 1/length, radians, length, or the logarithm of a factor; of an own
+/// variable the change from its start.
 std::string variables_csv(const DesignSpace& space, const Eigen::VectorXd& x) {
     std::ostringstream rows = digits();
     rows << "name,kind,patch,x,lower,upper,unit,value\n";
     for (int j = 0; j < space.size(); ++j) {
         const Variable& v = space.variables[j];
         rows << v.name << ',' << kind_word(v.kind) << ',' << v.patch << ',' << x[j] << ',' << space.lower[j] << ','
-             << space.upper[j] << ',' << v.unit << ',' << x[j] * v.unit << '\n';
+             << space.upper[j] << ',' << v.unit << ',' << v.offset + x[j] * v.unit << '\n';
     }
     return rows.str();
 }
@@ -63,6 +68,7 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"objective_end", number(level.objective_end)},
             {"inherited_shape_change", number(level.inherited_shape_change)},
             {"inherited_objective_change", number(level.inherited_objective_change)},
+            {"left_out", level.left_out},
             {"stop", level.stop}};
 }
 
@@ -123,7 +129,9 @@ void RunFolder::begin(const Problem& problem, const std::vector<std::string>& va
     problem_ = &problem;
     format_ = format;
     policy_ = policy;
-    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names);
+    std::vector<std::string> own;
+    for (const OwnVariable& variable : problem.own) own.push_back(variable.name);
+    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, own);
     remember("history.csv");
 }
 
@@ -140,6 +148,7 @@ void RunFolder::add(const AcceptedDesign& design) {
     write_surface(folder_ / best, with_vertices(problem_->surface, design.vertices), format_);
     remember(best);
     write("levels/best.csv", variables_csv(design.space, design.x));
+    write("levels/best.design", design_bytes(stored_design(design)));
     const bool wanted = policy_ == SeriesPolicy::every_accepted || (policy_ == SeriesPolicy::best && steps_.empty());
     if (wanted) add_to_series(design.record.evaluation, design.vertices, design.dJ_dv);
 }
@@ -180,6 +189,12 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
     j["best_evaluation"] = result.best_evaluation;
     for (std::size_t i = 0; i < result.values.size(); ++i)
         j["values"][result.names[i]] = {{"start", number(result.values_start[i])}, {"best", number(result.values[i])}};
+    if (result.best_evaluation > 0)
+        for (const auto& [name, value] : own_values(result.space, result.x)) {
+            const OwnVariable& own = result.space.rest->own[j["variables"].size()];
+            j["variables"][name] = {{"start", number(own.start)}, {"best", number(value)}};
+            if (own.is_angle) j["variables"][name]["unit"] = "rad";
+        }
     j["levels"] = nlohmann::ordered_json::array();
     for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));
     return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

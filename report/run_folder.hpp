@@ -26,7 +26,7 @@ public:
     void add(const EvaluationRecord& record);
     /// levels/labels_K.csv (patch of each triangle, file order) and levels/variables_K.csv.
     void add(const LevelStart& level);
-    /// best.<format>, levels/best.csv, and the next data set of the series.
+    /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
     /// Completes series and run.json.
     void finish(const RunResult& result);
@@ -54,7 +54,8 @@ private:
 };
 
 /// What finish() writes as run.json, and `strake run --json` prints: {status, reason, level, evaluations, objective,
-/// best, max_violation, files, ...}. `objective` and `best` are those of the best design; null where there is none.
+/// best, max_violation, files, variables: {name: {start, best, unit: rad}}, ...}. `objective` and `best` are those of
+/// the best design; null where there is none.
 std::string run_json(const RunResult& result, const std::vector<std::string>& files);
 
 /// Throws what the constructor of RunFolder would throw about an existing folder, without making one.

@@ -2,6 +2,7 @@
 #include "optimize/given.hpp"
 #include "tests/cases/build_fixture.hpp"
 
+#include <algorithm>
 #include <numbers>
 
 namespace strake {
@@ -11,7 +12,9 @@ namespace {
 class Given : public BuildProblem {
 protected:
     Given() {
-        TriMesh box = box_surface({2, 1, 0.2}, 6);
+        TriMesh box = box_surface({1, 1, 1}, 6);
+        box.vertices.col(0) *= 2;
+        box.vertices.col(2) *= 0.2;
         surface(box);
     }
     static std::string with(const std::string& given, const std::string& more = "variables: [load]") {
@@ -69,8 +72,8 @@ TEST_F(Given, TwistHasAVariableForEveryStationThatIsNotHeld) {
     ASSERT_EQ(built.problem.parameters.given.size(), 2u);
     EXPECT_EQ(built.problem.parameters.given[0].name, "twist.2");
     EXPECT_NEAR(built.problem.parameters.given[1].unit, 3 * std::numbers::pi / 180, 1e-12);
-    ASSERT_EQ(built.warnings.size(), 1u);
-    EXPECT_TRUE(contains(built.warnings[0], "the section at station 1 (0) is held")) << built.warnings[0];
+    const auto held = [](const std::string& words) { return contains(words, "the section at station 1 (0) is held"); };
+    EXPECT_EQ(std::count_if(built.warnings.begin(), built.warnings.end(), held), 1);
     const BuiltProblem listed =
         build(with("{name: t, region: top, twist: [1, 0, 0], about: [0, 0.5, 0.1], stations: [0, 1, 1.9]}"));
     EXPECT_EQ(listed.problem.parameters.given.size(), 2u);
@@ -87,39 +90,39 @@ TEST_F(Given, SpringsStandUnderGivenLoads) {
 TEST_F(Given, MistakesAreToldWithTheirPlace) {
     const std::pair<const char*, const char*> mistakes[] = {
         {"{name: a, region: tip}",
-         "case.yaml:14:7: parameters.given[0] must have exactly one of load, translate, rotate, twist; it has none"},
+         "case.yaml:13:7: parameters.given[0] must have exactly one of load, translate, rotate, twist; it has none"},
         {"{name: a, region: tip, load: normal, rotate: [0, 1, 0]}",
-         "case.yaml:14:7: parameters.given[0] must have exactly one of load, translate, rotate, twist; it has load, "
+         "case.yaml:13:7: parameters.given[0] must have exactly one of load, translate, rotate, twist; it has load, "
          "rotate"},
-        {"{name: a, load: normal}", "case.yaml:14:7: parameters.given[0].region is missing"},
-        {"{region: tip, load: normal}", "case.yaml:14:7: parameters.given[0].name is missing"},
-        {"{name: a.b, region: tip, load: normal}", "case.yaml:14:14: parameters.given[0].name = a.b must be a name"},
-        {"{name: a, region: tpi, load: normal}", "case.yaml:14:25: parameters.given: 'tpi' is not a declared region"},
-        {"{name: a, region: tip, load: up}", "case.yaml:14:36: parameters.given[0].load = up must be"},
-        {"{name: a, region: tip, load: [0, 0, 0]}", "case.yaml:14:36: parameters.given[0].load = [0, 0, 0] has no"},
+        {"{name: a, load: normal}", "case.yaml:13:7: parameters.given[0].region is missing"},
+        {"{region: tip, load: normal}", "case.yaml:13:7: parameters.given[0].name is missing"},
+        {"{name: a.b, region: tip, load: normal}", "case.yaml:13:14: parameters.given[0].name = a.b must be a name"},
+        {"{name: a, region: tpi, load: normal}", "case.yaml:13:25: parameters.given: 'tpi' is not a declared region"},
+        {"{name: a, region: tip, load: up}", "case.yaml:13:36: parameters.given[0].load = up must be"},
+        {"{name: a, region: tip, load: [0, 0, 0]}", "case.yaml:13:36: parameters.given[0].load = [0, 0, 0] has no"},
         {"{name: a, region: tip, load: normal, about: [0, 0, 0]}",
-         "case.yaml:14:44: parameters.given[0].about goes only with rotate or twist"},
+         "case.yaml:13:44: parameters.given[0].about goes only with rotate or twist"},
         {"{name: a, region: tip, translate: [0, 0, 1], stations: 3}",
-         "case.yaml:14:52: parameters.given[0].stations goes only with twist"},
+         "case.yaml:13:52: parameters.given[0].stations goes only with twist"},
         {"{name: a, twist: [1, 0, 0], about: [0, 0, 0], max_displacement: 1%}",
-         "case.yaml:14:53: parameters.given[0].max_displacement goes only with load, translate or rotate"},
-        {"{name: a, twist: [1, 0, 0]}", "case.yaml:14:7: parameters.given[0].about is missing"},
+         "case.yaml:13:53: parameters.given[0].max_displacement goes only with load, translate or rotate"},
+        {"{name: a, twist: [1, 0, 0]}", "case.yaml:13:7: parameters.given[0].about is missing"},
         {"{name: a, twist: [1, 0, 0], about: [0, 0, 0], stations: [0, 2, 1]}",
-         "case.yaml:14:70: parameters.given[0].stations[2] = 1 must be > 2"},
+         "case.yaml:13:70: parameters.given[0].stations[2] = 1 must be > 2"},
         {"{name: a, twist: [1, 0, 0], about: [0, 0, 0], stations: [0, 7]}",
-         "case.yaml:14:7: parameters.given: twist a: the station at 7 must lie in [0, 2]"},
+         "case.yaml:13:7: parameters.given: twist a: the station at 7 must lie in [0, 2]"},
         {"{name: a, region: tip, rotate: [0, 1, 0], max_displacement: 1%, max_angle: 5deg}",
-         "case.yaml:14:7: parameters.given[0] must have only one of max_displacement, max_angle"},
-        {"{name: a, region: tip, rotate: [0, 1, 0], max_angle: 5}", "case.yaml:14:60: parameters.given[0].max_angle"},
+         "case.yaml:13:7: parameters.given[0] must have only one of max_displacement, max_angle"},
+        {"{name: a, region: tip, rotate: [0, 1, 0], max_angle: 5}", "case.yaml:13:60: parameters.given[0].max_angle"},
         {"{name: a, region: root, translate: [0, 0, 1]}",
-         "case.yaml:14:25: parameters.given: 'root' is moved by 'a' and also under fixed; it can only be one"},
+         "case.yaml:13:25: parameters.given: 'root' is moved by 'a' and also under fixed; it can only be one"},
         {"{name: a, region: top, translate: [0, 0, 1]}", "triangles are under fixed or strains and cannot follow it"},
         {"{name: a, region: tip, translate: [0, 0, 1]}\n    - {name: b, region: end, rotate: [1, 0, 0]}",
-         "case.yaml:15:25: parameters.given: 'b': "},
+         "case.yaml:14:25: parameters.given: 'b': "},
         {"{name: a, region: tip, translate: [0, 0, 1]}\n    - {name: b, region: tip, load: normal}",
-         "case.yaml:14:25: parameters.given: 'tip' is moved by 'a' and also under parameters.given 'b' as a load"},
+         "case.yaml:13:25: parameters.given: 'tip' is moved by 'a' and also under parameters.given 'b' as a load"},
         {"{name: a, region: tip, load: normal}\n    - {name: a, region: top, load: normal}",
-         "case.yaml:15:7: parameters.given names 'a' twice"},
+         "case.yaml:14:7: parameters.given names 'a' twice"},
     };
     for (const auto& [given, message] : mistakes) {
         const std::string told = error(with(given));
@@ -130,14 +133,14 @@ TEST_F(Given, MistakesAreToldWithTheirPlace) {
 TEST_F(Given, ConflictsWithAutomaticVariablesAreToldWithTheirPlace) {
     const std::string tip = "{name: a, region: tip, translate: [0, 0, 1]}";
     EXPECT_TRUE(contains(error(with(tip, "on: [tip]")),
-                         "case.yaml:14:25: parameters.given: 'tip' is moved by 'a' and also under parameters.on"));
+                         "case.yaml:13:25: parameters.given: 'tip' is moved by 'a' and also under parameters.on"));
     EXPECT_TRUE(contains(error(with("{name: a, region: end, translate: [0, 0, 1]}", "on: [tip]")),
                          "where nothing is left to load"));
     EXPECT_TRUE(contains(error(with(tip, "freeze: [tip]")), "also under parameters.freeze"));
     EXPECT_TRUE(contains(error(with("{name: a, region: end, load: normal}", "freeze: [tip]")),
                          "triangles are under parameters.freeze"));
     EXPECT_TRUE(contains(error(with("{name: a, twist: [1, 0, 0], about: [0, 0, 0]}", "variables: [strain]")),
-                         "case.yaml:14:7: parameters.given: 'a' twists by loads"));
+                         "case.yaml:13:7: parameters.given: 'a' twists by loads"));
     EXPECT_EQ(error(with(tip)), "");
 }
 

@@ -44,6 +44,7 @@ void ProblemBuilder::set_goals() {
             quantity.names = entry.value_names();
             out_.problem.quantities.push_back(std::move(quantity));
         });
+    for (const OwnVariableEntry& entry : case_.variables) out_.problem.own.push_back(entry.variable);
     out_.problem.objective = case_.objective.name;
     out_.problem.maximize = case_.maximize;
     for (const Reference& target : case_.fit) out_.problem.fit.push_back(target.name);
@@ -86,6 +87,11 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
     command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
     command.has_gradients = program.has_gradients;
+    if (program.depends_on) {
+        command.depends_on.emplace();
+        for (const Reference& variable : *program.depends_on) command.depends_on->push_back(variable.name);
+    }
+    command.may_lack_derivatives = case_.optimize.finite_differences;
     command.diagonal = start_.diagonal;
     command.units = case_.units;
     return external(command);

@@ -2,6 +2,7 @@
 #include "cases/surface_check.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/stored_design.hpp"
 
 #include <algorithm>
 
@@ -37,6 +38,31 @@ Split ProblemBuilder::split() {
                                     start_.mesh.num_triangles()));
     }
     return containing;
+}
+
+/// Before the tree is used: regions may name its patches.
+void ProblemBuilder::read_stored() {
+    if (!case_.start_from || purpose_ == Purpose::deform) return;
+    const std::string shown = text("optimize.start_from = ", printable(case_.start_from->string(), 400), ": ");
+    const std::filesystem::path file = *case_.start_from / "levels" / "best.design";
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+        const bool is_folder = std::filesystem::is_directory(*case_.start_from, ignored);
+        errors_.add(case_.start_place, shown + (is_folder ? "no design is stored there (levels/best.design): not the "
+                                                            "folder of a run, or of one that found no design"
+                                                          : "there is no such folder"));
+        return;
+    }
+    try {
+        auto design = std::make_shared<StoredDesign>(read_design(file));
+        check_surface(*design, start_.mesh);
+        stored_ = std::move(design);
+        if (!has_levels_of(out_.problem.tree, *stored_)) out_.problem.tree = stored_->tree;
+    } catch (const InputError& refused) {
+        errors_.add(case_.start_place, text("optimize.start_from: ", refused.what()));
+    } catch (const InvalidInput& refused) {
+        errors_.add(case_.start_place, shown + refused.what());
+    }
 }
 
 void ProblemBuilder::build_tree() {

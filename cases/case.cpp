@@ -75,7 +75,7 @@ public:
     std::string block(const Value& root) const {
         std::string out;
         for (const Entry& entry : root.entries) {
-            const bool is_named_map = entry.key == "regions" || entry.key == "quantities" ||
+            const bool is_named_map = entry.key == "regions" || entry.key == "quantities" || entry.key == "variables" ||
                                       entry.key == "constraints" || entry.key == "optimize" ||
                                       entry.key == "parameters";
             if (!is_named_map || entry.value.entries.empty()) {
@@ -113,7 +113,7 @@ private:
         if (path == "output.dir") return quoted(output_dir());
         const Type type = value.accepted->type == Type::list ? value.accepted->element : value.accepted->type;
         const std::filesystem::path here = case_.dir();
-        if (type == Type::file) return quoted(rebased(here / value.text, folder_));
+        if (type == Type::file || path == "optimize.start_from") return quoted(rebased(here / value.text, folder_));
         if (path.ends_with(".command[]") && is_program(value))
             return quoted(std::filesystem::absolute(here / value.text).lexically_normal().string());
         if (type == Type::text || type == Type::name || type == Type::path) return key(value.text);

@@ -44,10 +44,11 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
             errors.add(own.key_place, "variables are not supported together with fit, which moves the shape alone");
     const Value* parameters = root.find("parameters");
     const Value* shape = parameters ? parameters->find("variables") : nullptr;
-    if (shape && shape->entries.empty() && (c.variables.empty() || !c.fit.empty()))
+    const bool any = !c.parameters.given.empty() || (!c.variables.empty() && c.fit.empty());
+    if (shape && shape->entries.empty() && !any)
         errors.add(shape->place,
-                   "parameters.variables is empty: there is nothing to change (a case with variables of "
-                   "its own may leave the shape as it is)");
+                   "parameters.variables is empty: there is nothing to change (a case with parameters.given or with "
+                   "variables beside the shape may do without)");
 }
 
 }  // namespace strake

@@ -52,6 +52,8 @@ void CaseReader::read(const Value& root) {
     if (const Value* v = root.find("loads")) read_loads(*v);
     if (const Value* v = root.find("strains")) read_strains(*v);
     if (const Value* v = root.find("parameters")) read_parameters(*v);
+    if (const Value* v = root.find("variables"))
+        for (const Entry& entry : v->entries) read_own_variable(entry);
     if (const Value* v = root.find("quantities"))
         for (const Entry& entry : v->entries) read_quantity(entry);
     if (const Value* v = root.find("objective")) read_objective(*v);

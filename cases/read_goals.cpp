@@ -58,6 +58,7 @@ void CaseReader::read_quantity(const Entry& entry) {
         if (const Value* v = map.find("timeout")) external.timeout_s = v->number;
         if (const Value* v = map.find("format")) external.format = v->text;
         if (const Value* v = map.find("gradients")) external.has_gradients = v->number != 0;
+        if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
         quantity.what = std::move(external);
     }
     case_.quantities.push_back(std::move(quantity));

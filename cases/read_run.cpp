@@ -10,6 +10,10 @@ void CaseReader::read_optimize(const Value& map) {
     if (const Value* v = map.find("finite_differences")) o.finite_differences = v->number != 0;
     if (const Value* v = map.find("starts")) o.starts = static_cast<int>(v->number);
     if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);
+    if (const Value* v = map.find("start_from")) {
+        case_.start_from = dir_ / v->text;
+        case_.start_place = v->place;
+    }
     if (const Value* v = map.find("loss"))
         case_.fitting.loss = v->text == "huber"     ? Loss::huber
                              : v->text == "cauchy"  ? Loss::cauchy

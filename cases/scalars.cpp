@@ -96,6 +96,13 @@ std::string read_angle(const std::string& text, double& number) {
     return error;
 }
 
+std::string read_number_or_angle(const std::string& text, double& number) {
+    const std::string unit = split_unit(text).second;
+    if (unit == "deg" || unit == "rad") return read_angle(text, number);
+    const std::string error = read_number(text, number);
+    return error.empty() ? "" : "must be a number, or an angle with its unit, as 5deg or 0.1rad";
+}
+
 std::string read_duration(const std::string& text, double& number) {
     const auto [digits, unit] = split_unit(text);
     for (const Unit& u : time_table)
@@ -196,6 +203,8 @@ std::string convert(Value& value, Type type, const Key& key, const ScalarContext
             return read_length(value.text, context, false, value);
         case Type::angle:
             return read_angle(value.text, value.number);
+        case Type::number_or_angle:
+            return read_number_or_angle(value.text, value.number);
         case Type::duration:
             return read_duration(value.text, value.number);
         default:
@@ -232,6 +241,8 @@ std::string algorithm_word(const std::string& name) {
 }
 
 double degrees(double radians) { return std::round(radians * (180 / std::numbers::pi) * 1e12) / 1e12; }
+
+std::string shown_value(double value, bool is_angle) { return is_angle ? text(degrees(value), "deg") : text(value); }
 
 const std::vector<std::string>& length_units() {
     static const std::vector<std::string> names = [] {

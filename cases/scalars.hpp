@@ -23,6 +23,9 @@ std::string algorithm_word(const std::string& name);
 /// Degrees of an angle in radians, rounded to 1e-12 so that 90deg comes back as 90.
 double degrees(double radians);
 
+/// "3deg" of an angle in radians, else the number.
+std::string shown_value(double value, bool is_angle);
+
 const std::vector<std::string>& length_units();
 
 }  // namespace strake

@@ -13,19 +13,20 @@ namespace strake {
 enum class Type {
     map,
     list,
-    text,        ///< any text
-    name,        ///< letters, digits, '_' and '-'
-    word,        ///< one of Key::words
-    flag,        ///< true or false
-    integer,     ///< fits an int
-    number,      ///< finite
-    fraction,    ///< a number, or a percentage
-    length,      ///< number in the surface's unit, number with a unit, or percentage of the diagonal
-    coordinate,  ///< length without percentages
-    angle,       ///< number with deg or rad, or 0
-    duration,    ///< number with s, min or h
-    file,        ///< existing regular file, relative to the case file
-    path         ///< any path, relative to the case file
+    text,             ///< any text
+    name,             ///< letters, digits, '_' and '-'
+    word,             ///< one of Key::words
+    flag,             ///< true or false
+    integer,          ///< fits an int
+    number,           ///< finite
+    fraction,         ///< a number, or a percentage
+    length,           ///< number in the surface's unit, number with a unit, or percentage of the diagonal
+    coordinate,       ///< length without percentages
+    angle,            ///< number with deg or rad, or 0
+    number_or_angle,  ///< number, or number with deg or rad
+    duration,         ///< number with s, min or h
+    file,             ///< existing regular file, relative to the case file
+    path              ///< any path, relative to the case file
 };
 
 /// Limits in the unit that the message shows: degrees for angles, seconds for times, fractions.

@@ -75,10 +75,17 @@ std::vector<Key> goal_keys() {
          .when = "command"},
         {.path = "quantities.*.gradients",
          .type = Type::flag,
-         .doc = "Whether the program gives gradients; without them optimize needs a method without, or "
-                "finite_differences.",
+         .doc = "Whether the program gives gradients (per vertex, and by variables); without them optimize needs a "
+                "method without, or finite_differences.",
          .fallback = "true",
          .when = "command"},
+        {.path = "quantities.*.depends_on",
+         .type = Type::list,
+         .doc = "Those of `variables` that its values depend on, possibly none; without it all. By the others no "
+                "derivatives are asked for.",
+         .element = Type::name,
+         .when = "command",
+         .may_be_empty = true},
         {.path = "objective", .doc = "For run: exactly one of minimize, maximize."},
         {.path = "objective.minimize", .type = Type::text, .doc = "Quantity, or quantity.value of a program."},
         {.path = "objective.maximize", .type = Type::text, .doc = "Quantity, or quantity.value of a program."},

@@ -38,10 +38,11 @@ std::vector<Key> parameter_keys() {
          .doc =
              "Design variables of each patch: load (traction vector), load_normal (along the normals), strain (rigid "
              "motion of its core), strain_rotation or strain_translation (half of it), stiffness (logarithm of the "
-             "thickness).",
+             "thickness). []: the shape stays as it is, for cases that have only variables of their own.",
          .fallback = "[load]",
          .words = {"load", "load_normal", "strain", "strain_rotation", "strain_translation", "stiffness"},
-         .element = Type::word},
+         .element = Type::word,
+         .may_be_empty = true},
         {.path = "parameters.directions",
          .type = Type::list,
          .doc =

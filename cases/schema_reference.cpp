@@ -33,6 +33,8 @@ std::string type_name(Type type) {
             return "coordinate";
         case Type::angle:
             return "angle";
+        case Type::number_or_angle:
+            return "number or angle";
         case Type::duration:
             return "time";
         case Type::file:

@@ -43,7 +43,8 @@ std::vector<Key> run_keys() {
          .loose_word = true},
         {.path = "optimize.finite_differences",
          .type = Type::flag,
-         .doc = "Gradients of programs that give none by differences of one more evaluation a variable. Not for fit.",
+         .doc = "Gradients of programs that give none by differences of one more evaluation a variable; of programs "
+                "that give them per vertex only, those by variables. Not for fit.",
          .fallback = "false"},
         {.path = "optimize.starts",
          .type = Type::integer,
@@ -55,6 +56,11 @@ std::vector<Key> run_keys() {
          .doc = "Of all that is random. Not for fit.",
          .fallback = "1",
          .limits = not_negative},
+        {.path = "optimize.start_from",
+         .type = Type::path,
+         .doc = "Folder of an earlier run or fit on the same surface, at whose best design this one begins: with its "
+                "patches (the deeper ones of this case where the levels are the same), shape, and values of variables. "
+                "Without it at rest."},
         {.path = "optimize.loss",
          .type = Type::word,
          .doc = "Robust loss, by which far-off points pull less: none, huber (linear from loss_scale on), soft_l1 (the "

@@ -32,7 +32,6 @@ const Index& schema_index() {
 /// Keys of the design that this version does not have yet: a better answer than "unknown".
 const std::vector<std::string> later_keys{"repair",
                                           "remesh",
-                                          "variables",
                                           "shell.solver",
                                           "quantities.*.retries",
                                           "quantities.*.on_failure",
@@ -66,6 +65,8 @@ const char* described(Type type) {
             return "a coordinate";
         case Type::angle:
             return "an angle";
+        case Type::number_or_angle:
+            return "a number or an angle";
         case Type::duration:
             return "a time";
         case Type::file:
@@ -223,7 +224,7 @@ private:
         const std::string shown_path = below(shown, printable(entry.key));
         Value name;
         name.text = entry.key;
-        if (pattern == "regions" || pattern == "quantities") {
+        if (pattern == "regions" || pattern == "quantities" || pattern == "variables") {
             const std::string error = convert_scalar(name, Type::name, Key{}, context_);
             if (!error.empty()) errors_.add(entry.key_place, text(shown_path, " ", error));
         }

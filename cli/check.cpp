@@ -1,4 +1,5 @@
 #include "cases/build_problem.hpp"
+#include "cases/scalars.hpp"
 #include "cli/commands.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/primo/held.hpp"
@@ -41,7 +42,7 @@ int most_variables(const Problem& problem, const PatchLevel& level, const std::v
                  3 * (p.strain_rotates + p.strain_translates) * has(problem, VariableKind::strain) +
                  has(problem, VariableKind::stiffness);
     }
-    return count;
+    return count + static_cast<int>(problem.own.size());
 }
 
 std::string limits_text(const Constraint& c) {
@@ -87,6 +88,11 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
                                {"patches", level.patches.size()},
                                {"max_variables", most_variables(problem, level, pin)}});
     }
+    j["variables"] = Json::array();
+    for (const OwnVariable& own : problem.own) {
+        j["variables"].push_back({{"name", own.name}, {"start", own.start}, {"min", own.min}, {"max", own.max}});
+        if (own.is_angle) j["variables"].back()["unit"] = "rad";
+    }
     j["objective"] = problem.objective.empty() ? Json(nullptr) : Json(problem.objective);
     j["fit"] = problem.fit;
     j["constraints"] = Json::array();
@@ -111,6 +117,9 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
                    most_variables(problem, problem.tree.levels[k], pin));
+    for (const OwnVariable& own : problem.own)
+        fmt::print("variable    {}: {} in [{}, {}]\n", own.name, shown_value(own.start, own.is_angle),
+                   shown_value(own.min, own.is_angle), shown_value(own.max, own.is_angle));
     if (!problem.objective.empty())
         fmt::print("objective   {} {}\n", problem.maximize ? "maximize" : "minimize", problem.objective);
     if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));

@@ -1,10 +1,12 @@
 #include "cli/session.hpp"
 
 #include "cases/build_problem.hpp"
+#include "cases/scalars.hpp"
 #include "cli/commands.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
+#include "optimize/own_variables.hpp"
 #include "report/run_folder.hpp"
 
 #include <fmt/core.h>
@@ -85,6 +87,10 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
     for (std::size_t i = 0; i < r.values.size(); ++i)
         fmt::print("{:<11}  {:.9g} -> {:.9g} ({})\n", r.names[i], r.values_start[i], r.values[i],
                    percent(r.values_start[i], r.values[i]));
+    const auto own = own_values(r.space, r.x);
+    for (std::size_t i = 0; i < own.size(); ++i)
+        fmt::print("{:<11}  {} -> {}\n", own[i].first, shown_value(r.space.rest->own[i].start, problem.own[i].is_angle),
+                   shown_value(own[i].second, problem.own[i].is_angle));
     if (is_fit) fmt::print("rms distance {:.3e} of the diagonal left\n", std::sqrt(r.objective) / diagonal);
     if (!is_fit && !problem.constraints.empty()) fmt::print("violation    {:.2e} (largest, scaled)\n", r.max_violation);
     fmt::print("moved        {:.4g} % of the diagonal at most\n",

@@ -1,6 +1,7 @@
 #include "optimize/sweep.hpp"
 
 #include "cases/build_problem.hpp"
+#include "cases/scalars.hpp"
 #include "cli/commands.hpp"
 
 #include <fmt/core.h>
@@ -18,7 +19,7 @@ using Json = nlohmann::ordered_json;
 struct SweepArguments {
     std::string case_file, out;
     std::vector<std::string> variables;
-    std::vector<double> from, to;
+    std::vector<std::string> from, to;
     std::vector<int> steps;
     int level = 1;
     bool json = false, quiet = false;
@@ -33,12 +34,26 @@ T of_axis(const std::vector<T>& given, std::size_t i, std::size_t axes, const ch
     return given[given.size() == 1 ? 0 : i];
 }
 
-SweepOptions options_of(const SweepArguments& args) {
+/// Scaled, or the value of a variable of the case's own, with its unit if that is an angle.
+double end_of_range(const std::string& given, const std::string& variable, const Problem& problem, const char* option) {
+    const auto is_named = [&](const OwnVariable& own) { return own.name == variable; };
+    const auto own = std::find_if(problem.own.begin(), problem.own.end(), is_named);
+    const bool is_angle = own != problem.own.end() && own->is_angle;
+    Value value;
+    value.text = given;
+    const std::string refused = convert_scalar(value, is_angle ? Type::angle : Type::number, Key{}, {});
+    if (!refused.empty()) throw InvalidInput(text("sweep: ", option, " of ", variable, " = ", given, " ", refused));
+    return value.number;
+}
+
+SweepOptions options_of(const SweepArguments& args, const Problem& problem) {
     SweepOptions options;
     options.level = args.level;
     const std::size_t n = args.variables.size();
     for (std::size_t i = 0; i < n; ++i)
-        options.axes.push_back({args.variables[i], of_axis(args.from, i, n, "--from"), of_axis(args.to, i, n, "--to"),
+        options.axes.push_back({args.variables[i],
+                                end_of_range(of_axis(args.from, i, n, "--from"), args.variables[i], problem, "--from"),
+                                end_of_range(of_axis(args.to, i, n, "--to"), args.variables[i], problem, "--to"),
                                 of_axis(args.steps, i, n, "--steps")});
     return options;
 }
@@ -130,11 +145,11 @@ void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objec
 }
 
 void sweep_case(const SweepArguments& args) {
-    const SweepOptions options = options_of(args);
     Case the_case = load_case(args.case_file);
     const WorkFolder folder;
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_problem(the_case);
+    const SweepOptions options = options_of(args, built.problem);
     for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);
     int done_points = 0;
     const Sweep result = sweep(built.problem, options, [&](const SweepPoint& point) {
@@ -162,7 +177,9 @@ void add_sweep(CLI::App& app) {
         ->required()
         ->expected(1)
         ->take_all();
-    command->add_option("--from", args->from, "first value, scaled: 1 moves by max_displacement")
+    command
+        ->add_option("--from", args->from,
+                     "first value, scaled: 1 moves by max_displacement; of one of the case's `variables` its own value")
         ->required()
         ->expected(1)
         ->take_all();

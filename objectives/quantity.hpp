@@ -26,13 +26,18 @@ struct QuantityRequest {
     bool want_sensitivities = false;
     int evaluation = 0;  ///< number of this evaluation within the run, from 1
     int level = 0;
-    std::vector<std::pair<std::string, double>> variables;  ///< names and physical values of the design variables
+    std::vector<std::pair<std::string, double>> variables;  ///< names and physical values of the shape variables
+    /// The same of the case's own variables (`Problem::own`, in their order): angles in radians.
+    std::vector<std::pair<std::string, double>> own = {};
 };
 
 struct QuantityResult {
     std::vector<double> values;  ///< one per name; empty after a failure
     std::vector<Points> dJ_dv;   ///< n x 3 per value; empty when not asked for
     std::optional<Failure> failure;
+    /// dJ/d(own variable) per value, at fixed shape, in the order of `QuantityRequest::own`; empty: depends on the
+    /// shape alone. NaN where it is not known: by differences, if these are allowed, else a failure.
+    std::vector<Eigen::VectorXd> dJ_down = {};
 };
 
 /// Residuals of a fit, with the weights in them: J = sum of squares of r. Rows are grouped in points of `width` rows

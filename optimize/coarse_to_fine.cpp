@@ -128,13 +128,13 @@ private:
                 const ShellSensitivities lagrangian = program_.lagrangian();
                 double promised = 0;
                 const DesignFacts facts{state_.space, program_.known().x, lagrangian,
-                                        mean_curvature(hessian, program.metric), program_.known().dJ_dv};
+                                        shape_curvature(hessian, program.metric), program_.known().dJ_dv};
                 for (const SplitPromise& split : split_promises(facts, *below)) promised += split.promise;
                 return promised <= expected;
             };
         MinimizeResult result = minimize(program, how);
         hessian_ = result.hessian;
-        curvature_ = hessian_.size() > 0 ? mean_curvature(hessian_, program.metric) : 1;
+        curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
         result.x = program_.unscaled(result.x);
         // What was too far on this level is too far on the next, and what was not is not.
         if (result.radius > 0) first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, 2.0);
@@ -143,6 +143,12 @@ private:
 
     RunState state_;
     LevelProgram program_;
+    /// What details of the shape are weighed with; own variables may be curved quite differently.
+    double shape_curvature(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& metric) const {
+        const int n = state_.space.num_shape();
+        return n > 0 ? mean_curvature(hessian.topLeftCorner(n, n), metric.topLeftCorner(n, n)) : 1;
+    }
+
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
     double curvature_ = 1, first_step_ = 0.5;
     bool refining_is_idle_ = false;

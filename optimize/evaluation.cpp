@@ -1,6 +1,7 @@
 #include "optimize/evaluation.hpp"
 
 #include "core/error.hpp"
+#include "optimize/own_variables.hpp"
 
 namespace strake {
 namespace {
@@ -118,15 +119,25 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
             std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
         QuantityResult measured;
         try {
-            measured = quantity.evaluate({surface, gradients, number, space_.level, physical_values(space_, x)});
+            measured = quantity.evaluate(
+                {surface, gradients, number, space_.level, physical_values(space_, x), own_values(space_, x)});
         } catch (const OutputError&) {
             throw;
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& e) {
+Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, std::string& reason) {
+    accepted_ = poses;
+    ShapeEvaluation shape;
+    if (deform(x, shape)) accept();
+    reason = shape.reason;
+    return shape.vertices;
+}
+
             measured.failure = Failure{"exception", e.what()};
         }
         if (!measured.failure && measured.values.size() != quantity.names.size())
+    std::vector<Eigen::VectorXd> dJ_down;
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
                                                            quantity.names.size(), " (", quantity.names[0], ", ...)")};
         for (const double value : measured.values)
@@ -159,6 +170,8 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
 ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     ShapeEvaluation result;
     if (deform(x, result)) measure(number, x, result);
+        measured.dJ_down.resize(measured.values.size());
+        dJ_down.insert(dJ_down.end(), measured.dJ_down.begin(), measured.dJ_down.end());
     return result;
 }
 
@@ -168,17 +181,39 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
     const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
+        if (!own_sensitivities_usable(i, dJ_down[i], result)) return;
     for (std::size_t i = 0; i < all.size(); ++i)
+        result.dJ_down.push_back(std::move(dJ_down[i]));
         evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
     if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
 }
 
+/// None given: the value depends on the shape alone. Not known ones are left to differences where these are allowed.
+bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const {
+    const int count = space_.num_own();
+    if (dJ_down.size() == 0) dJ_down = Eigen::VectorXd::Zero(count);
+    std::string what;
+    if (dJ_down.size() != count) what = text(dJ_down.size(), " derivatives for ", count, " variables of the case");
+    for (int j = 0; j < count && what.empty(); ++j)
+        if (std::isinf(dJ_down[j]) || (std::isnan(dJ_down[j]) && !problem_.optimize.finite_differences))
+            what = text("no finite derivative by ", rest_->own[j].name);
+    if (what.empty()) return true;
+    result.status = EvaluationStatus::quantity_failed;
+    result.may_go_on = false;
+    result.reason = text(names_[i], ": ", what, "; optimize.finite_differences or a gradient-free method (cobyla) ",
+                         "can do without");
+    return false;
+}
+
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     for (const Variable& variable : space_.variables)
-        if (!is_load(variable.kind)) return {};
+        if (!is_load(variable.kind) && variable.kind != VariableKind::own) return {};
     ShapeEvaluation unused;
     if (!(last_ && last_x_ == x) && !deform(x, unused)) return {};
     return present_product(space_, *shell_, d);
 }
 
 }  // namespace strake
+    for (std::size_t i = 0; i < all.size(); ++i)
+        evaluation.gradients.row(static_cast<Eigen::Index>(i)).tail(space_.num_own()) =
+            evaluation.dJ_down[i].cwiseProduct(own_units(space_)).transpose();

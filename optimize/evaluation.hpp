@@ -21,7 +21,8 @@ struct ShapeEvaluation {
     Points vertices;             ///< n x 3; empty unless a valid surface was reached
     std::vector<double> values;  ///< in the order of `ShapeEvaluator::names()`; empty unless ok
     std::vector<Points> dJ_dv;   ///< of the differentiated values, in their order; empty without gradients
-    Eigen::MatrixXd gradients;   ///< differentiated values x variables, once `differentiate` was called
+    std::vector<Eigen::VectorXd> dJ_down;  ///< the same by the own variables; NaN: not given (with finite_differences)
+    Eigen::MatrixXd gradients;  ///< differentiated values x variables, once `differentiate` was called; NaN as above
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
     double max_displacement = 0;                    ///< from the start surface, length
 };
@@ -46,6 +47,11 @@ public:
     /// The next evaluations start from the equilibrium of the last one.
     void accept();
 
+    /// Before the first evaluation: from these poses to the equilibrium of x, where evaluations start then.
+    /// @return its vertices; empty where there is none, with the reason.
+    Points begin_from(const Poses& poses, const Eigen::VectorXd& x, std::string& reason);
+    const Poses& poses() const { return *last_; }  ///< @pre the last evaluation is ok
+
     /// The metric at x times d (`present_product`); empty with strains or stiffness among the variables, and where x,
     /// which an evaluation has reached before, is not reached again.
     Eigen::VectorXd metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d);
@@ -62,6 +68,7 @@ private:
 
     const Problem& problem_;
     std::shared_ptr<const RestFacts> rest_;
+    bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
     ValidityGuard guard_;
     std::vector<std::string> names_;
     std::vector<int> differentiated_;  ///< indices into names_

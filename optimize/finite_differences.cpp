@@ -76,16 +76,23 @@ bool differentiate_by_differences(const NonlinearProgram& program, const VectorX
     Eigen::MatrixXd jacobian = sample.jacobian.rows() == rows && sample.jacobian.cols() == n
                                    ? sample.jacobian
                                    : Eigen::MatrixXd::Zero(rows, n);
+    const auto is_wanted = [&](Eigen::Index i, Eigen::Index j) {  // i = -1: the objective
+        const bool whole = i < 0 ? how.objective : how.rows.empty() || how.rows[static_cast<std::size_t>(i)];
+        return whole || (how.missing && std::isnan(i < 0 ? gradient[j] : jacobian(i, j)));
+    };
     const Slopes slopes(program, x, sample, evaluate);
     VectorXd slope = VectorXd::Zero(1 + rows);
     for (Eigen::Index j = 0; j < n; ++j) {
+        bool any = false;
+        for (Eigen::Index i = -1; i < rows; ++i) any |= is_wanted(i, j);
+        if (!any) continue;
         if (program.lower[j] < program.upper[j]) {
             if (!slopes.along(j, slope)) return false;
         } else
             slope.setZero();
-        if (how.objective) gradient[j] = slope[0];
+        if (is_wanted(-1, j)) gradient[j] = slope[0];
         for (Eigen::Index i = 0; i < rows; ++i)
-            if (how.rows.empty() || how.rows[static_cast<std::size_t>(i)]) jacobian(i, j) = slope[1 + i];
+            if (is_wanted(i, j)) jacobian(i, j) = slope[1 + i];
     }
     sample.gradient = gradient;
     sample.jacobian = jacobian;

@@ -14,10 +14,12 @@ struct Differences {
     bool central = false;    ///< twice the evaluations, error h^2 instead of h
     bool objective = true;   ///< false: `differentiate` gives its gradient
     std::vector<char> rows;  ///< per constraint: 0, `differentiate` gives its gradient; empty: differences for all
+    bool missing = false;    ///< also the single entries that `differentiate` has left NaN
 };
 
-/// The program with gradients by differences: n evaluations a gradient (2n central). They count as evaluations, stay
-/// within the bounds (a forward step that does not fit goes backward) and are never the result.
+/// The program with gradients by differences: one evaluation (two: central) for each variable with an entry that is
+/// asked for. They count as evaluations, stay within the bounds (a forward step that does not fit goes backward) and
+/// are never the result.
 /// @throws InvalidInput: step not > 0, number of rows.
 NonlinearProgram with_differences(NonlinearProgram program, const Differences& how);
 

@@ -24,6 +24,7 @@ constexpr double recovered = 1e-8;
 class Fit {
 public:
     Fit(const Problem& problem, const RunEvents& events) : residuals_(problem), state_(problem, events, {}) {
+        if (!problem.own.empty()) throw InvalidInput("a fit moves the shape alone, and has no variables beside it");
         for (const VariableKind kind : problem.parameters.kinds)
             if (kind == VariableKind::stiffness)
                 throw InvalidInput("stiffness variables cannot be fitted; use load, load_normal or strain");

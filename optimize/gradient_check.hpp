@@ -64,7 +64,7 @@ struct GradientCheck {
 std::vector<std::string> checked_values(const Problem& problem);
 
 /// The point and the direction are random, drawn from the seed and the same on every platform. A point whose shape is
-/// refused is moved half-way to the start, at most five times.
+/// refused is moved half-way to the start, at most five times. Own variables stay within their bounds.
 /// Cost: one evaluation with gradients and one without for each h.
 /// @throws InvalidInput: bad options, unknown names, no variables, values without sensitivities; SolverError when no
 /// shape is reached, with the reason; UnheldPart.

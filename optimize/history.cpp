@@ -26,14 +26,21 @@ std::string history_row(const EvaluationRecord& record, std::size_t num_values) 
         row += ",";
         if (i < record.values.size()) row += number(record.values[i]);
     }
-    return row + "," + number(record.max_violation) + "," + (record.accepted ? "1" : "0");
+    row += ',';
+    row += number(record.max_violation);
+    row += record.accepted ? ",1" : ",0";
+    for (const double value : record.own) row.append(1, ',').append(number(value));
+    return row;
 }
 
-HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names)
+HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names,
+                             const std::vector<std::string>& own)
     : file_(file), out_(file, std::ios::binary | std::ios::trunc), num_values_(names.size()) {
     std::string header = "evaluation,level,status,objective";
     for (const std::string& name : names) header += "," + name;
-    write(header + ",max_violation,accepted");
+    header += ",max_violation,accepted";
+    for (const std::string& name : own) header += "," + name;
+    write(header);
 }
 
 void HistoryWriter::add(const EvaluationRecord& record) { write(history_row(record, num_values_)); }

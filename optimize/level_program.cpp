@@ -74,8 +74,11 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
         const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
         return product.size() > 0 ? Eigen::VectorXd(product.cwiseQuotient(weight_)) : product;
     };
-    if (needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients) {
+    const OptimizeOptions& options = state_.problem.optimize;
+    const bool may_miss = options.finite_differences && space.num_own() > 0;  // a program gives only some by own ones
+    if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {
         Differences differences;
+        differences.missing = may_miss;
         differences.objective = objective_gradient_ < 0;
         // One row per limit: inequalities first, then equalities, as the rows are.
         std::vector<char> equalities;
@@ -104,7 +107,8 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
     double objective = std::numeric_limits<double>::quiet_NaN();
     if (current_.status == EvaluationStatus::ok) {
         if (rows_.rows.empty() && !constrained_.empty())
-            rows_ = constraint_rows(state_.problem.constraints, constrained_, gradient_row_, current_.values);
+            rows_ = constraint_rows(state_.problem.constraints, constrained_, gradient_row_,
+                                    state_.values_at_rest(current_.values));
         objective = current_.values[objective_];
         sample.objective = sign() * objective;
         sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
@@ -139,9 +143,13 @@ void LevelProgram::differentiate(Sample& sample) {
             sample.jacobian.row(static_cast<Eigen::Index>(i)) =
                 rows_.rows[i].sign / rows_.rows[i].scale *
                 current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
-    if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank))
+    if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank)) {
         known_ = {current_x_, current_rank_, sample, current_.sensitivities,
                   current_.dJ_dv.empty() ? Points() : current_.dJ_dv[0]};
+        const auto without_missing = [](double g) { return std::isnan(g) ? 0.0 : g; };
+        known_.sample.gradient = known_.sample.gradient.unaryExpr(without_missing).eval();
+        known_.sample.jacobian = known_.sample.jacobian.unaryExpr(without_missing).eval();
+    }
 }
 
 bool LevelProgram::gives_lagrangian() const {

@@ -10,7 +10,7 @@ namespace strake {
 struct KnownDesign {
     Eigen::VectorXd x;
     Rank rank;
-    Sample sample;
+    Sample sample;                                  ///< what is left to differences is zero in its gradients
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values
     Points dJ_dv;                                   ///< of the objective
 };

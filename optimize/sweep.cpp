@@ -11,9 +11,10 @@ constexpr int shown_names = 12;
 
 int variable_named(const DesignSpace& space, const std::string& name) {
     std::string known;
-    for (int j = 0; j < space.size(); ++j) {
+    for (int i = 0; i < space.size(); ++i) {
+        const int j = (space.num_shape() + i) % space.size();  // the case's own ones first
         if (space.variables[j].name == name) return j;
-        if (j < shown_names) known += (known.empty() ? "" : ", ") + space.variables[j].name;
+        if (i < shown_names) known += (known.empty() ? "" : ", ") + space.variables[j].name;
     }
     if (space.size() > shown_names) known += text(" and ", space.size() - shown_names, " more");
     throw InvalidInput(text("sweep: no variable of level ", space.level, " is called '", name,
@@ -50,7 +51,10 @@ public:
     Sweeper(const Problem& problem, const SweepOptions& options)
         : problem_(problem), rest_(rest_facts(problem)), space_(design_space(rest_, options.level)) {
         if (!problem.fit.empty()) residuals_.emplace(problem);
-        for (const SweepAxis& axis : options.axes) variables_.push_back(variable_named(space_, axis.variable));
+        for (const SweepAxis& axis : options.axes) {
+            variables_.push_back(variable_named(space_, axis.variable));
+            check_bounds(axis);
+        }
     }
 
     std::vector<std::string> names() const { return ShapeEvaluator(problem_, rest_, {}).names(); }
@@ -59,8 +63,11 @@ public:
         Eigen::VectorXd x = Eigen::VectorXd::Zero(space_.size());
         SweepPoint point{.x = place, .physical = {}, .status = "", .reason = "", .values = {}};
         for (std::size_t i = 0; i < place.size(); ++i) {
-            x[variables_[i]] = place[i];
-            point.physical.push_back(place[i] * space_.variables[variables_[i]].unit);
+            const Variable& variable = space_.variables[variables_[i]];
+            const bool is_own = variable.kind == VariableKind::own;
+            x[variables_[i]] = is_own ? (place[i] - variable.offset) / variable.unit : place[i];
+            point.x[i] = x[variables_[i]];
+            point.physical.push_back(is_own ? place[i] : place[i] * variable.unit);
         }
         ShapeEvaluator evaluator(problem_, rest_, {});  // a new one: it would go on from where the last point ended
         evaluator.enter(space_);
@@ -83,6 +90,15 @@ private:
     DesignSpace space_;
     std::optional<FitResiduals> residuals_;
     std::vector<int> variables_;  ///< of the axes
+
+    /// Quantities are never asked for values of own variables that the case does not allow.
+    void check_bounds(const SweepAxis& axis) const {
+        for (const OwnVariable& own : rest_->own)
+            for (const double value : {axis.from, axis.to})
+                if (own.name == axis.variable && !(value >= own.min && value <= own.max))
+                    throw InvalidInput(text("sweep: ", own.name, " = ", value, " must be in [", own.min, ", ", own.max,
+                                            "]", own.is_angle ? " (radians)" : ""));
+    }
 
     void set_objective(const ShapeEvaluator& evaluator, const ShapeEvaluation& shape, SweepPoint& point) {
         if (!problem_.objective.empty()) point.objective = shape.values[evaluator.index_of(problem_.objective)];

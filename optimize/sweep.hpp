@@ -9,18 +9,19 @@ namespace strake {
 
 struct SweepAxis {
     std::string variable;
-    double from = -1, to = 1;  ///< of the scaled variable: 1 moves the surface by about `max_displacement`
-    int steps = 11;            ///< points, both ends included; one point: `from`
+    /// Of the scaled variable: 1 moves the surface by about `max_displacement`. Of an own variable its value itself.
+    double from = -1, to = 1;
+    int steps = 11;  ///< points, both ends included; one point: `from`
 };
 
 struct SweepOptions {
-    std::vector<SweepAxis> axes;  ///< all other variables are 0
+    std::vector<SweepAxis> axes;  ///< all other variables are 0: no load, own ones at their start
     int level = 1;                ///< of the tree
 };
 
 struct SweepPoint {
     std::vector<double> x;         ///< per axis, scaled
-    std::vector<double> physical;  ///< per axis: 1/length, radians, length, or log of a factor
+    std::vector<double> physical;  ///< per axis: 1/length, radians, length, log of a factor, value of an own variable
     std::string status;            ///< "ok", or why there is no value, in one word
     std::string reason;            ///< the same in words; empty when ok
     double objective = std::numeric_limits<double>::quiet_NaN();  ///< of a fit the sum of rho; NaN: none
@@ -38,7 +39,8 @@ constexpr int max_sweep_points = 1000;
 /// neighbours. A shape or a value that does not exist is a row with its status.
 /// @param each is called after each point. Cost: one equilibrium and one evaluation of all quantities a point.
 /// @throws InvalidInput: no axis, one twice, an unknown variable (with those that exist), a range that is not finite,
-/// fewer than one or more than `max_sweep_points` points, no such level; UnheldPart, OutputError.
+/// fewer than one or more than `max_sweep_points` points, an own variable out of its bounds, no such level; UnheldPart,
+/// OutputError.
 Sweep sweep(const Problem& problem, const SweepOptions& options,
             const std::function<void(const SweepPoint&)>& each = {});
 

@@ -123,17 +123,29 @@ std::vector<std::string> value_keys(const ExternalCommand& command) {
     return command.gives.empty() ? std::vector<std::string>{"value"} : command.gives;
 }
 
+/// Own variables by which the values have to be differentiated.
+std::vector<std::string> wanted_variables(const ExternalCommand& command, const QuantityRequest& request) {
+    std::vector<std::string> names;
+    for (const auto& [name, value] : request.own)
+        if (!command.depends_on ||
+            std::find(command.depends_on->begin(), command.depends_on->end(), name) != command.depends_on->end())
+            names.push_back(name);
+    return names;
+}
+
 std::string request_json(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
                          bool want_gradients) {
     using json = nlohmann::ordered_json;
     json variables = json::object();
-    for (const auto& [name, value] : request.variables) {
-        if (!std::isfinite(value)) throw InvalidInput(text(command.name, ": variable ", name, " = ", value));
-        variables[name] = value;
-    }
+    for (const auto* list : {&request.own, &request.variables})
+        for (const auto& [name, value] : *list) {
+            if (!std::isfinite(value)) throw InvalidInput(text(command.name, ": variable ", name, " = ", value));
+            variables[name] = value;
+        }
     json wanted = json::object();
     wanted["values"] = value_keys(command);
     wanted["gradients"] = want_gradients ? value_keys(command) : std::vector<std::string>{};
+    wanted["variables"] = want_gradients ? wanted_variables(command, request) : std::vector<std::string>{};
     json file = json::object();
     file["quantity"] = command.name;
     file["evaluation"] = request.evaluation;
@@ -152,11 +164,17 @@ QuantityResult read_results(const ExternalCommand& command, const QuantityReques
                             bool want_gradients) {
     QuantityResult result;
     const std::string bytes = read_handed_over(call.folder, call.result.filename().string(), result_limit);
-    const ProgramResult found = parse_result(bytes, command.gives, want_gradients);
+    const std::vector<std::string> by = wanted_variables(command, request);
+    const ProgramResult found = parse_result(bytes, command.gives, want_gradients, by, command.may_lack_derivatives);
     const std::size_t gradient_limit = result_limit + 1024 * static_cast<std::size_t>(request.surface.num_vertices());
     for (const std::string& file : found.gradient_files)
         result.dJ_dv.push_back(parse_gradient(read_handed_over(call.folder, file, gradient_limit), file,
                                               request.surface, match_rel * command.diagonal));
+    for (const std::vector<double>& derivatives : found.by_variable) {
+        Eigen::VectorXd& all = result.dJ_down.emplace_back(Eigen::VectorXd::Zero(static_cast<int>(request.own.size())));
+        for (std::size_t j = 0, k = 0; j < request.own.size() && k < by.size(); ++j)
+            if (request.own[j].first == by[k]) all[static_cast<int>(j)] = derivatives[k++];
+    }
     result.values = found.values;
     return result;
 }

@@ -18,6 +18,9 @@ struct ExternalCommand {
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
     bool own_folder = false;                ///< in 000001/<name>: where several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities
+    /// Own variables of the case that the values depend on; the derivatives by others are 0. Without it: all.
+    std::optional<std::vector<std::string>> depends_on;
+    bool may_lack_derivatives = false;  ///< by own variables: NaN then; else their lack is a failure
     double diagonal = 0;  ///< of the start surface; rows with coordinates are matched within 1e-5 of it, > 0
     std::string units;    ///< of length, as the case states it, for request.json
 };

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <nlohmann/json.hpp>
 
 namespace strake {
@@ -118,20 +119,56 @@ std::vector<json> entries(const json& result, const char* plural, const char* si
     return found;
 }
 
-void check_variables(const json& variables) {
-    if (!variables.is_object())
-        refuse("wrong_type", text("'variables' is ", variables.type_name(), ", must be an object"));
-    for (const auto& [name, derivatives] : variables.items()) {
-        const std::string where = text("'variables.", printable(name), "'");
-        if (!derivatives.is_object())
-            refuse("wrong_type", text(where, " is ", derivatives.type_name(), ", must be an object"));
-        for (const auto& [variable, value] : derivatives.items()) number(value, text(where, " ", printable(variable)));
+/// The derivatives of one value by the variables that are wanted; NaN where there is none and that is allowed.
+std::vector<double> derivatives(const json& by_variable, const std::string& where,
+                                const std::vector<std::string>& wanted, bool may_lack) {
+    if (!by_variable.is_object())
+        refuse("wrong_type", text(where, " is ", by_variable.type_name(), ", must be an object"));
+    for (const auto& [name, value] : by_variable.items()) number(value, text(where, " ", printable(name)));
+    std::vector<double> found;
+    for (const std::string& name : wanted) {
+        bool is_misspelt = false;
+        for (const auto& [key, value] : by_variable.items()) is_misspelt |= similar(name, key);
+        if (by_variable.contains(name))
+            found.push_back(by_variable[name].get<double>());
+        else if (may_lack && !is_misspelt)
+            found.push_back(std::numeric_limits<double>::quiet_NaN());
+        else
+            refuse_missing(by_variable, text("in ", where), name);
     }
+    return found;
+}
+
+/// {value: {variable: number}}, or {variable: number} where there is one value.
+std::vector<std::vector<double>> all_derivatives(const json& result, const std::vector<std::string>& gives,
+                                                 const std::vector<std::string>& wanted, bool may_lack) {
+    const std::vector<std::string> names = gives.empty() ? std::vector<std::string>{"value"} : gives;
+    if (!result.contains("variables")) {
+        if (!wanted.empty() && !may_lack)
+            refuse("missing_key", text("no 'variables' at the top: the derivative of '", names[0], "' by '", wanted[0],
+                                       "' is wanted (0 where it does not depend on it)"));
+        return std::vector(names.size(), std::vector(wanted.size(), std::numeric_limits<double>::quiet_NaN()));
+    }
+    const json& map = result["variables"];
+    if (!map.is_object()) refuse("wrong_type", text("'variables' is ", map.type_name(), ", must be an object"));
+    const auto is_number = [](const json& entry) { return entry.is_number(); };
+    if (names.size() == 1 && !map.empty() && std::all_of(map.begin(), map.end(), is_number))
+        return {derivatives(map, "'variables'", wanted, may_lack)};
+    for (const auto& [name, entry] : map.items())
+        derivatives(entry, text("'variables.", printable(name), "'"), {}, true);
+    std::vector<std::vector<double>> found;
+    for (const std::string& name : names) {
+        if (!map.contains(name) && !wanted.empty() && !may_lack) refuse_missing(map, "in 'variables'", name);
+        found.push_back(derivatives(map.contains(name) ? map[name] : json::object(), text("'variables.", name, "'"),
+                                    wanted, may_lack));
+    }
+    return found;
 }
 
 }  // namespace
 
-ProgramResult parse_result(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients) {
+ProgramResult parse_result(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients,
+                           const std::vector<std::string>& variables, bool may_lack) {
     const json result = parse(bytes);
     if (!result.is_object()) refuse("wrong_type", text("is ", result.type_name(), ", must be an object"));
     const auto shown = [&](const char* plural, const char* singular, std::size_t k) {
@@ -140,8 +177,12 @@ ProgramResult parse_result(const std::string& bytes, const std::vector<std::stri
     ProgramResult found;
     for (const json& entry : entries(result, "values", "value", gives))
         found.values.push_back(number(entry, shown("values", "value", found.values.size())));
-    if (result.contains("variables")) check_variables(result["variables"]);
-    if (!want_gradients) return found;
+    found.by_variable =
+        all_derivatives(result, gives, want_gradients ? variables : std::vector<std::string>(), may_lack);
+    if (!want_gradients) {
+        found.by_variable.clear();
+        return found;
+    }
     for (const json& entry : entries(result, "gradients", "gradient", gives))
         found.gradient_files.push_back(file_name(entry, shown("gradients", "gradient", found.gradient_files.size())));
     return found;

@@ -102,7 +102,9 @@ const Broken broken[] = {
      "neldermead, sbplx, praxis, crs2, isres, mlsl, direct, esch; did you mean 'slsqp'?"},
     {"evaluations: 200", "evaluations: 5.7", "case.yaml:20:49: optimize.budget.evaluations = 5.7 must be an integer"},
     {"evaluations: 200", "evaluations: -1", "case.yaml:20:49: optimize.budget.evaluations = -1 must be >= 1"},
-    {"variables: [load]", "variables: []", "case.yaml:14:49: parameters.variables must not be empty"},
+    {"variables: [load]", "variables: []",
+     "case.yaml:14:49: parameters.variables is empty: there is nothing to change (a case with parameters.given or with "
+     "variables beside the shape may do without)"},
     {"variables: [load]", "variables: [laod]",
      "case.yaml:14:50: parameters.variables[0] = laod must be one of load, load_normal, strain, strain_rotation, "
      "strain_translation, stiffness; did you mean 'load'?"},

@@ -62,6 +62,15 @@ def two_values():
                            "variables": {"drag": {"alpha": 0.1}}, "info": {"residual": "1e-9"}}))
 
 
+def by_variables(derivatives):
+    """The right answer plus twice alpha."""
+    def play():
+        write_gradient(gradient_rows())
+        total = sum(x + y + z for x, y, z in vertices()) + 2 * request["variables"]["alpha"]
+        write_text(json.dumps({"value": total, "gradient": "gradient.csv", "variables": derivatives}))
+    return play
+
+
 def environment():
     """What the program was started with, for the test to look at."""
     seen = {"cwd": os.getcwd(), "stdin": os.readlink("/proc/self/fd/0"), "descriptors": sorted(
@@ -159,6 +168,12 @@ def wrong_gradient(change):
 
 
 ROLES = {
+    "by_alpha": by_variables({"value": {"alpha": 2.0, "speed": -1, "unknown": 3}}),
+    "by_alpha_short": by_variables({"alpha": 2.0, "speed": -1}),
+    "by_alpha_only": by_variables({"alpha": 2.0}),
+    "by_alhpa": by_variables({"alhpa": 2.0, "speed": -1}),
+    "by_other_value": by_variables({"drag": {"alpha": 2.0, "speed": -1}}),
+    "by_word": by_variables({"value": {"alpha": "x", "speed": 1}}),
     "no_result": lambda: print("nothing to say"),
     "empty": lambda: write_text(""),
     "truncated": lambda: write_text('{\n  "value": 1.0,\n  "grad'),

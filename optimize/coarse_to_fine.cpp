@@ -141,14 +141,14 @@ private:
         return result;
     }
 
-    RunState state_;
-    LevelProgram program_;
     /// What details of the shape are weighed with; own variables may be curved quite differently.
     double shape_curvature(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& metric) const {
         const int n = state_.space.num_shape();
         return n > 0 ? mean_curvature(hessian.topLeftCorner(n, n), metric.topLeftCorner(n, n)) : 1;
     }
 
+    RunState state_;
+    LevelProgram program_;
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
     double curvature_ = 1, first_step_ = 0.5;
     bool refining_is_idle_ = false;

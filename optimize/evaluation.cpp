@@ -108,9 +108,18 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     return true;
 }
 
+Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, std::string& reason) {
+    accepted_ = poses;
+    ShapeEvaluation shape;
+    if (deform(x, shape)) accept();
+    reason = shape.reason;
+    return shape.vertices;
+}
+
 void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
     const TriMesh surface = with_vertices(rest_->surface, result.vertices);
     std::vector<Points> dJ_dv;
+    std::vector<Eigen::VectorXd> dJ_down;
     for (const Quantity& quantity : problem_.quantities) {
         // A program is asked for gradients only if one of its values needs them.
         const int first = static_cast<int>(result.values.size()),
@@ -126,18 +135,9 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& e) {
-Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, std::string& reason) {
-    accepted_ = poses;
-    ShapeEvaluation shape;
-    if (deform(x, shape)) accept();
-    reason = shape.reason;
-    return shape.vertices;
-}
-
             measured.failure = Failure{"exception", e.what()};
         }
         if (!measured.failure && measured.values.size() != quantity.names.size())
-    std::vector<Eigen::VectorXd> dJ_down;
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
                                                            quantity.names.size(), " (", quantity.names[0], ", ...)")};
         for (const double value : measured.values)
@@ -153,6 +153,8 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
         result.values.insert(result.values.end(), measured.values.begin(), measured.values.end());
         measured.dJ_dv.resize(measured.values.size());
         dJ_dv.insert(dJ_dv.end(), measured.dJ_dv.begin(), measured.dJ_dv.end());
+        measured.dJ_down.resize(measured.values.size());
+        dJ_down.insert(dJ_down.end(), measured.dJ_down.begin(), measured.dJ_down.end());
     }
     for (const int i : differentiated_) {
         if (dJ_dv[i].rows() != surface.num_vertices() || !dJ_dv[i].allFinite()) {
@@ -162,30 +164,11 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
                                  surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
             return;
         }
+        if (!own_sensitivities_usable(i, dJ_down[i], result)) return;
         result.dJ_dv.push_back(std::move(dJ_dv[i]));
+        result.dJ_down.push_back(std::move(dJ_down[i]));
     }
     result.status = EvaluationStatus::ok;
-}
-
-ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
-    ShapeEvaluation result;
-    if (deform(x, result)) measure(number, x, result);
-        measured.dJ_down.resize(measured.values.size());
-        dJ_down.insert(dJ_down.end(), measured.dJ_down.begin(), measured.dJ_down.end());
-    return result;
-}
-
-void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
-    if (evaluation.status != EvaluationStatus::ok || !last_)
-        throw InvalidInput("differentiate: the last evaluation gave no shape");
-    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
-    const auto& all = evaluation.sensitivities;
-    evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
-        if (!own_sensitivities_usable(i, dJ_down[i], result)) return;
-    for (std::size_t i = 0; i < all.size(); ++i)
-        result.dJ_down.push_back(std::move(dJ_down[i]));
-        evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
-    if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
 }
 
 /// None given: the value depends on the shape alone. Not known ones are left to differences where these are allowed.
@@ -205,6 +188,26 @@ bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, S
     return false;
 }
 
+ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
+    ShapeEvaluation result;
+    if (deform(x, result)) measure(number, x, result);
+    return result;
+}
+
+void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
+    if (evaluation.status != EvaluationStatus::ok || !last_)
+        throw InvalidInput("differentiate: the last evaluation gave no shape");
+    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
+    const auto& all = evaluation.sensitivities;
+    evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        evaluation.gradients.row(static_cast<Eigen::Index>(i)) = design_gradient(space_, last_x_, all[i]);
+    if (!evaluation.gradients.allFinite()) throw SolverError("the adjoint gave a gradient that is not finite");
+    for (std::size_t i = 0; i < all.size(); ++i)
+        evaluation.gradients.row(static_cast<Eigen::Index>(i)).tail(space_.num_own()) =
+            evaluation.dJ_down[i].cwiseProduct(own_units(space_)).transpose();
+}
+
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     for (const Variable& variable : space_.variables)
         if (!is_load(variable.kind) && variable.kind != VariableKind::own) return {};
@@ -214,6 +217,3 @@ Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const E
 }
 
 }  // namespace strake
-    for (std::size_t i = 0; i < all.size(); ++i)
-        evaluation.gradients.row(static_cast<Eigen::Index>(i)).tail(space_.num_own()) =
-            evaluation.dJ_down[i].cwiseProduct(own_units(space_)).transpose();

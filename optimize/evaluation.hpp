@@ -65,10 +65,10 @@ private:
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
+    bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
     std::shared_ptr<const RestFacts> rest_;
-    bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
     ValidityGuard guard_;
     std::vector<std::string> names_;
     std::vector<int> differentiated_;  ///< indices into names_

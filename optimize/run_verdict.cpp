@@ -21,9 +21,10 @@ std::string names_of(const RunEnd& end, const RunResult& r, const std::vector<in
 }
 
 std::string bounds_note(const RunResult& r, const RunEnd& end) {
-    if (end.level.active_bounds == 0 || r.space.size() == 0) return "";
-    return text("; bounds active on ", end.level.active_bounds, " of ", r.space.size(), " variables of level ", r.level,
-                " (a larger max_displacement would give them room)");
+    if (end.level.active_bounds == 0 || r.levels.empty()) return "";
+    // Of the last level, where the search ended: the best design may be one of a coarser level.
+    return text("; bounds active on ", end.level.active_bounds, " of ", r.levels.back().variables,
+                " variables of level ", r.levels.back().level, " (a larger max_displacement would give them room)");
 }
 
 std::string flat_note(const RunEnd& end) {

@@ -23,7 +23,8 @@ inline PatchLevel level_by(const TriMesh& mesh, const PatchLevel* parent, const 
             Patch patch;
             patch.id = at->second;
             patch.parent = parent ? above : -1;
-            patch.name = (parent ? parent->patches[above].name + "." : std::string()) + "p" + std::to_string(key(t));
+            patch.name = parent ? parent->patches[above].name + ".p" : "p";
+            patch.name += std::to_string(key(t));
             level.patches.push_back(patch);
         }
         level.patches[at->second].triangles.push_back(t);

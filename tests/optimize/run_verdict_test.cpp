@@ -115,3 +115,58 @@ TEST(Verdict, DifferencesReplaceMissingGradients) {
     EXPECT_TRUE(r.is_done()) << r.reason;
     EXPECT_NEAR(r.objective, exact.objective, 1e-3 * (exact.objective - exact.objective_start));
 }
+
+TEST(Verdict, AnInfeasibleStartReachesAFeasibleDesign) {
+    Problem problem = volume_problem();
+    problem.constraints = {{"area", {}, 0.98, {}, true}};
+    const RunResult r = optimize(problem);
+    EXPECT_TRUE(r.is_done()) << r.reason;
+    EXPECT_LE(r.values[1], (0.98 + 1e-6) * r.values_start[1]);
+    EXPECT_TRUE(r.conflict.empty());
+}
+
+TEST(Verdict, ABudgetThatIsTooSmallIsNamed) {
+    Problem problem = volume_problem();
+    problem.optimize.max_evaluations = 3;
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "budget");
+    EXPECT_TRUE(says(r.reason, "limit of evaluations is reached (3)")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "raise optimize.budget")) << r.reason;
+}
+
+TEST(Verdict, ATrueOptimumIsConvergedWithoutReservations) {
+    Problem problem = volume_problem();
+    problem.constraints = {{"area", {}, 1.01, {}, true}};
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "converged") << r.reason;
+    for (const char* reservation : {"bounds active", "did not change", "conflict", "inconsistent", "failed"})
+        EXPECT_FALSE(says(r.reason, reservation)) << r.reason;
+    // And it is one: another start and another method end there.
+    problem.optimize.method = Method::mma;
+    problem.optimize.max_evaluations = 150;
+    EXPECT_NEAR(optimize(problem).objective, r.objective, 1e-4 * (r.objective - r.objective_start));
+}
+
+/// An inequality and an equality, met by SQP itself, by MMA with an augmented Lagrangian for the equality, and by
+/// L-BFGS with one for both.
+TEST(Verdict, ConstraintsAreMetToAMillionthByEveryWay) {
+    for (const Method method : {Method::slsqp, Method::mma, Method::lbfgs}) {
+        Problem problem = ellipsoid_problem(2, 2);
+        problem.quantities.push_back(
+            target_shape_same("moved", problem.surface, with_vertices(problem.surface, problem.surface.vertices)));
+        problem.parameters.kinds = {VariableKind::load_normal};
+        problem.objective = "moved";
+        problem.constraints = {{"volume", 1.03, {}, {}, true}, {"area", {}, {}, 1.01, true}};
+        problem.optimize.method = method;
+        problem.optimize.max_evaluations = 300;
+        const RunResult r = optimize(problem);
+        SCOPED_TRACE(r.reason);
+        EXPECT_TRUE(r.is_done());
+        EXPECT_LE(r.max_violation, 1e-6);
+        EXPECT_GE(r.values[0], (1.03 - 1.1e-6) * r.values_start[0]);
+        EXPECT_NEAR(r.values[1], 1.01 * r.values_start[1], 1.1e-6 * 1.01 * r.values_start[1]);
+        if (std::getenv("STRAKE_TELL"))
+            std::cout << "TELL " << r.status << " " << r.objective << " violation " << r.max_violation << " after "
+                      << r.evaluations << "\n";
+    }
+}

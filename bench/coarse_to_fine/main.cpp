@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <map>
 
 /// strake_evidence: solves design problems in every way that is compared; profile.py makes tables and plots of it.
 namespace {
@@ -21,6 +22,7 @@ struct Settings {
     int triangles = 5000, budget = 150;
     unsigned seed = 1;
     std::string out = "evidence";
+    LevelStartHessian level_start = LevelStartHessian::carried;
 };
 
 std::string number(double value) {
@@ -92,7 +94,8 @@ Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method met
 }
 
 void run_problem(const std::string& name, const Settings& settings) {
-    const EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
+    EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
+    problem.problem.optimize.level_start = settings.level_start;
     const std::filesystem::path folder = settings.out;
     Report report;
     for (const Solver solver : all_solvers())
@@ -127,6 +130,12 @@ int main(int argc, char** argv) {
     app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
     app.add_option("--seed", settings.seed, "another seed makes another set of problems");
     app.add_option("--out", settings.out, "folder");
+    const std::map<std::string, LevelStartHessian> starts{{"carried", LevelStartHessian::carried},
+                                                          {"metric", LevelStartHessian::metric},
+                                                          {"diagonal", LevelStartHessian::diagonal}};
+    app.add_option("--level-start", settings.level_start,
+                   "what a level knows at its start (slsqp): carried, metric, diagonal")
+        ->transform(CLI::CheckedTransformer(starts));
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -14,6 +14,7 @@
 namespace strake {
 namespace {
 
+constexpr double nearly_all = 0.95;  ///< of the area of a patch that is held: worth a word
 constexpr double negligible = 1e-9;  ///< of the largest response of the same kind: moves nothing
 
 bool wants(const DesignSpace& space, VariableKind kind) {
@@ -126,6 +127,7 @@ public:
                     space_.notes.push_back(text("patch ", patch.name, ": all of its triangles are held, no variables"));
                     continue;
                 }
+                note_if_nearly_held(patch);
                 any_free |= is_free;
                 has_core &= !space_.core[patch.id].empty();
                 usable.members.push_back(member);
@@ -135,6 +137,16 @@ public:
     }
 
 private:
+    void note_if_nearly_held(const Patch& patch) {
+        double held = 0;
+        for (const int t : patch.triangles)
+            if (rest_.setup.options.pin[t] != free_prism) held += rest_.area[t];
+        if (held <= nearly_all * patch.area) return;
+        space_.nearly_held.push_back(patch.name);
+        space_.notes.push_back(text("patch ", patch.name, ": ", std::floor(1000 * held / patch.area) / 10,
+                                    " % of its area is held; its variables move what is left, which hardly can"));
+    }
+
     void offer(const Tied& tied, bool any_free, bool has_core) {
         static const char* axes[] = {"x", "y", "z"};
         const Parameters& p = rest_.parameters;

@@ -78,12 +78,13 @@ struct DesignSpace {
     std::vector<Variable> variables;  ///< of the shape, then those of `rest->own`
     /// size() x size(), positive definite: x.metric.x is the size of a small change x, see response_metric.hpp.
     Eigen::MatrixXd metric;
-    double soft_work = 0;                ///< what energies are measured by in it; 0: there are no loads
-    Eigen::VectorXd lower, upper;        ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
-    std::vector<std::string> notes;      ///< variables left out, and why
-    std::vector<LeftOut> left_out;       ///< because they depend on others
-    std::vector<int> pin;                ///< ShellOptions::pin of this level: fixed, given strains, then the cores
-    std::vector<std::vector<int>> core;  ///< pinned triangles of each patch with strain variables; empty elsewhere
+    double soft_work = 0;                  ///< what energies are measured by in it; 0: there are no loads
+    Eigen::VectorXd lower, upper;          ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
+    std::vector<std::string> notes;        ///< variables left out, and why
+    std::vector<LeftOut> left_out;         ///< because they depend on others
+    std::vector<std::string> nearly_held;  ///< names of patches of which hardly anything is free
+    std::vector<int> pin;                  ///< ShellOptions::pin of this level: fixed, given strains, then the cores
+    std::vector<std::vector<int>> core;    ///< pinned triangles of each patch with strain variables; empty elsewhere
     std::vector<int> motion;  ///< per patch: number of its motion in `ShellDemand::motions`, -1 without a core
     std::vector<RigidMotion> carried_motion;  ///< per patch: about the core's area-weighted centroid, with what was
                                               ///< inherited and has no variable here

@@ -43,8 +43,9 @@ struct LevelSummary {
     double inherited_objective_change = 0;  ///< relative
     /// Of a fit: the share of the root mean square distance left by the levels before that this level removed.
     double explained = std::numeric_limits<double>::quiet_NaN();
-    bool converged = false;             ///< of a fit: `objective_end` is the least that this level can reach
-    std::vector<std::string> left_out;  ///< variables whose directions, beside those of the others, move nothing
+    bool converged = false;                ///< of a fit: `objective_end` is the least that this level can reach
+    std::vector<std::string> left_out;     ///< variables whose directions, beside those of the others, move nothing
+    std::vector<std::string> nearly_held;  ///< patches of which hardly anything is free
 };
 
 struct RunEvents {

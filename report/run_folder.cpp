@@ -69,6 +69,7 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"inherited_shape_change", number(level.inherited_shape_change)},
             {"inherited_objective_change", number(level.inherited_objective_change)},
             {"left_out", level.left_out},
+            {"nearly_held", level.nearly_held},
             {"stop", level.stop}};
 }
 

@@ -20,11 +20,26 @@ std::string names_of(const RunEnd& end, const RunResult& r, const std::vector<in
     return words;
 }
 
+/// Own variables of the best design that lie at a bound, which no max_displacement moves: "alpha at its max".
+std::vector<std::string> own_at_bounds(const RunResult& r) {
+    std::vector<std::string> words;
+    if (r.best_evaluation == 0) return words;
+    for (int j = r.space.num_shape(); j < r.space.size(); ++j)
+        if (r.x[j] <= r.space.lower[j] + 1e-6 || r.x[j] >= r.space.upper[j] - 1e-6)
+            words.push_back(
+                text(r.space.variables[j].name, " at its ", r.x[j] <= r.space.lower[j] + 1e-6 ? "min" : "max"));
+    return words;
+}
+
 std::string bounds_note(const RunResult& r, const RunEnd& end) {
     if (end.level.active_bounds == 0 || r.levels.empty()) return "";
     // Of the last level, where the search ended: the best design may be one of a coarser level.
+    const std::vector<std::string> own = own_at_bounds(r);
+    std::string advice =
+        end.level.active_bounds > static_cast<int>(own.size()) ? "a larger max_displacement would give them room" : "";
+    for (const std::string& words : own) advice += (advice.empty() ? "" : "; ") + words;
     return text("; bounds active on ", end.level.active_bounds, " of ", r.levels.back().variables,
-                " variables of level ", r.levels.back().level, " (a larger max_displacement would give them room)");
+                " variables of level ", r.levels.back().level, " (", advice, ")");
 }
 
 std::string flat_note(const RunEnd& end) {

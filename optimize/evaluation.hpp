@@ -16,11 +16,11 @@ std::string to_string(EvaluationStatus status);
 
 struct ShapeEvaluation {
     EvaluationStatus status = EvaluationStatus::not_converged;
-    std::string reason;          ///< why it is not ok
-    bool may_go_on = true;       ///< a quantity failed, but says that this is no reason to end the run
-    Points vertices;             ///< n x 3; empty unless a valid surface was reached
-    std::vector<double> values;  ///< in the order of `ShapeEvaluator::names()`; empty unless ok
-    std::vector<Points> dJ_dv;   ///< of the differentiated values, in their order; empty without gradients
+    std::string reason;                    ///< why it is not ok
+    bool may_go_on = true;                 ///< a quantity failed, but says that this is no reason to end the run
+    Points vertices;                       ///< n x 3; empty unless a valid surface was reached
+    std::vector<double> values;            ///< in the order of `ShapeEvaluator::names()`; empty unless ok
+    std::vector<Points> dJ_dv;             ///< of the differentiated values, in their order; empty without gradients
     std::vector<Eigen::VectorXd> dJ_down;  ///< the same by the own variables; NaN: not given (with finite_differences)
     Eigen::MatrixXd gradients;  ///< differentiated values x variables, once `differentiate` was called; NaN as above
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call

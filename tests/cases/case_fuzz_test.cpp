@@ -1,4 +1,5 @@
 #include "cases/build_problem.hpp"
+#include "cases/schema.hpp"
 #include "tests/cases/folder.hpp"
 
 #include <gtest/gtest.h>
@@ -10,7 +11,7 @@
 namespace strake {
 namespace {
 
-const char* seed_case = R"(case: wing
+const char* optimization = R"(case: wing
 surface: {file: wing.obj, units: mm}
 regions:
   root: &r {box: [[-1, -1, -1], [1, 0.01, 1]]}
@@ -37,6 +38,69 @@ constraints:
 optimize: {method: slsqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%}}
 output: {dir: runs/wing, paraview: best}
 )";
+
+const char* ties_and_starts = R"(case: body
+surface: {file: wing.obj, units: in}
+regions:
+  nose: {component: 0}
+  base: {patch: p1.2}
+  wing: {solid: left wing}
+  flap: {component: 1}
+fixed: [nose]
+shell: {thickness: 3%}
+loads: [{region: base, force: [0, 0, 1]}]
+parameters:
+  levels: auto
+  patches_per_level: [4, 16]
+  sharp_angle: 35deg
+  variables: [load, stiffness]
+  directions: [[0, 0, 1], [1, 0, -1]]
+  max_displacement: 2 mm
+  split: sensitivity
+  split_share: 80%
+  growth: 2.5
+  on: [base, wing]
+  freeze: [nose]
+  groups: [[p1.1, p1.2], [base, wing]]
+  mirror: true
+  given:
+    - {name: lift, region: wing, load: normal, max_displacement: 3%}
+    - {name: push, region: base, load: [0, 0, 1]}
+    - {name: slide, region: flap, translate: [0, 1, 0]}
+    - {name: hinge, region: p1.1, rotate: [0, 1, 0], about: [0, 0, 0], max_angle: 5deg}
+    - {name: turn, twist: [0, 1, 0], about: [0, 0, 0], stations: [0, 1 in, 2 in]}
+quantities:
+  thin: {type: thickness, at: lines.csv, values: smallest}
+  cfd: {command: [sh, run.sh, "{surface}"], gradients: false, depends_on: [alpha]}
+variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
+objective: {maximize: volume}
+constraints:
+  area: {max: 1.01, relative: true}
+  thin: {min: 0.1}
+optimize:
+  method: NLOPT_LD_MMA
+  finite_differences: true
+  starts: 3
+  seed: 7
+  start_from: runs/before
+  budget: {evaluations: 40}
+  tolerances: {objective: 1e-5, step: 1e-4, constraint: 1e-7}
+)";
+
+const char* robust_fit = R"(surface: {file: wing.obj}
+symmetry: {plane: {normal: [0, 1, 0]}, at: 0.5}
+parameters: {variables: [strain_translation, load_normal], core: 30%, split: {largest: 2}}
+quantities:
+  scan: {type: measured_points, file: points.csv}
+  spars: {type: thickness, at: lines.csv, values: each}
+  rib: {type: section_area, plane: {normal: [0, 0, 2], at: 0.5}, wanted: 0.1}
+  match: {type: target_shape, file: wing.obj, match: closest}
+fit: [scan, spars, rib, match]
+optimize: {loss: cauchy, loss_scale: 0.2%, associations: 2}
+output: {paraview: none}
+)";
+
+const char* seeds[] = {optimization, ties_and_starts, robust_fit};
 
 const char* pieces[] = {"{",    "}",   "[",    "]",    ":",   ": ",    "- ",  "&a ", "*a ",  "<<: ", "!x ",   "'",
                         "\"",   "\t",  "\n",   "# ",   "|\n", ">\n",   "? ",  "%",   "deg",  "mm",   "1e999", "-",
@@ -84,17 +148,40 @@ std::string mutated(std::string yaml, Random& random) {
     return yaml;
 }
 
+/// Names of the last keys of the path that an author writes: not `*` and `[]`.
+std::string written_key(const std::string& path) {
+    std::string key = path.substr(path.rfind('.') + 1);
+    while (key.ends_with("[]")) key.resize(key.size() - 2);
+    return key;
+}
+
+TEST(CaseFuzz, SeedsHoldEveryKeyOfTheSchema) {
+    std::string all;
+    for (const char* seed : seeds) all += seed;
+    for (const Key& key : schema()) {
+        const std::string name = written_key(key.path);
+        if (name == "*") continue;
+        EXPECT_TRUE(all.find("\n" + name + ":") != std::string::npos ||
+                    all.find(" " + name + ":") != std::string::npos || all.find("{" + name + ":") != std::string::npos)
+            << key.path;
+    }
+}
+
 TEST(CaseFuzz, MutantsEndInACaseOrInAnError) {
     const Folder folder;
     folder.write("wing.obj", tetrahedron_obj);
     folder.write("flap.txt", "0\n");
+    folder.write("lines.csv", "0.2,0.2,0.1,0,0,1,0.5\n");
+    folder.write("points.csv", "0.2,0.2,0.1\n0.3,0.1,0,2\n");
     // More of them by hand: STRAKE_MUTANTS=100000.
     const char* wanted = std::getenv("STRAKE_MUTANTS");
     const int count = wanted ? std::max(1000, std::atoi(wanted)) : 2000;
     int legal = 0, refused = 0;
     for (int k = 0; k < count; ++k) {
         Random random(static_cast<std::uint64_t>(k) + 1);
-        const std::string yaml = k == 0 ? seed_case : mutated(seed_case, random);
+        const bool is_seed = k < static_cast<int>(std::size(seeds));
+        const char* seed = seeds[static_cast<std::size_t>(k) % std::size(seeds)];
+        const std::string yaml = is_seed ? seed : mutated(seed, random);
         const auto file = folder.write("case.yaml", yaml);
         try {
             const Case c = load_case(file);
@@ -104,7 +191,7 @@ TEST(CaseFuzz, MutantsEndInACaseOrInAnError) {
         } catch (const CaseError& e) {
             ++refused;
             EXPECT_FALSE(e.diagnostics.empty());
-            EXPECT_NE(k, 0) << e.what();
+            EXPECT_FALSE(is_seed) << e.what();
         }
     }
     EXPECT_GT(legal, 20);

@@ -29,7 +29,7 @@ bool has(const Problem& problem, VariableKind kind) {
 int most_variables(const Problem& problem, const PatchLevel& level, const std::vector<int>& pin) {
     const Parameters& p = problem.parameters;
     const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
-    int count = 0;
+    int count = static_cast<int>(p.given.size());
     for (const Patch& patch : level.patches) {
         bool is_free = false, is_on = p.on.empty(), is_frozen = false;
         for (const int t : patch.triangles) {
@@ -88,6 +88,8 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
                                {"patches", level.patches.size()},
                                {"max_variables", most_variables(problem, level, pin)}});
     }
+    j["given"] = Json::array();
+    for (const GivenVariable& variable : problem.parameters.given) j["given"].push_back(variable.name);
     j["variables"] = Json::array();
     for (const OwnVariable& own : problem.own) {
         j["variables"].push_back({{"name", own.name}, {"start", own.start}, {"min", own.min}, {"max", own.max}});
@@ -117,6 +119,9 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
                    most_variables(problem, problem.tree.levels[k], pin));
+    std::vector<std::string> given;
+    for (const GivenVariable& variable : problem.parameters.given) given.push_back(variable.name);
+    if (is_search && !given.empty()) fmt::print("given       {}\n", joined(given));
     for (const OwnVariable& own : problem.own)
         fmt::print("variable    {}: {} in [{}, {}]\n", own.name, shown_value(own.start, own.is_angle),
                    shown_value(own.min, own.is_angle), shown_value(own.max, own.is_angle));

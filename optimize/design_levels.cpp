@@ -305,7 +305,6 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     rest->parameters = problem.parameters;
     rest->own = problem.own;
     rest->cache = std::make_shared<ResponseCache>();
-    place_given(*rest);
     if (problem.parameters.mirror) {
         rest->mirror = plane_of_symmetry(problem.surface);
         if (!rest->mirror)

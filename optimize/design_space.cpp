@@ -74,7 +74,7 @@ void check_size(const DesignSpace& space, const Eigen::VectorXd& x) {
 Points motion_velocity(const DesignSpace& space, const std::vector<std::array<Points, 6>>& by_motion, int freedom) {
     const int g = freedom - space.num_patch_freedoms();
     if (g < 0) return by_motion[space.motion[freedom / slot::count]][freedom % slot::count - slot::rotation];
-    const auto& by_component = by_motion[space.rest->given_motion[g]];
+    const auto& by_component = by_motion[space.rest->setup.given_motion[g]];
     const RigidMotion& motion = space.rest->parameters.given[g].motion;
     Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
     for (int c = 0; c < 3; ++c)

@@ -58,8 +58,6 @@ struct RestFacts {
     std::vector<OwnVariable> own;
     std::optional<SymmetryPlane> mirror;   ///< plane of symmetry of the surface, where `parameters.mirror` asks for it
     std::shared_ptr<ResponseCache> cache;  ///< responses at rest of variables met so far
-    std::vector<int> given_motion;         ///< per `parameters.given`: its number in `setup.motions`; -1: a load
-    std::vector<std::vector<int>> given_pinned;  ///< per `parameters.given`: the triangles that follow its motion
     std::vector<std::string> notes;
 };
 /// @throws InvalidInput: limits of `Parameters`, no plane of symmetry where one is asked for, and as `shell_setup`.

@@ -31,59 +31,59 @@ void check_one(const GivenVariable& v, int num_triangles) {
 }
 
 /// Joins the motion of an earlier variable of the same triangles. False: there is none.
-bool join_motion(RestFacts& rest, int g) {
-    const auto& given = rest.parameters.given;
+bool join_motion(const std::vector<GivenVariable>& given, int g, ShellSetup& setup) {
     for (int other = 0; other < g; ++other) {
-        if (rest.given_motion[other] < 0 || given[other].triangles != given[g].triangles) continue;
-        RigidMotion& motion = rest.setup.motions[rest.given_motion[other]];
+        if (setup.given_motion[other] < 0 || given[other].triangles != given[g].triangles) continue;
+        RigidMotion& motion = setup.motions[setup.given_motion[other]];
         for (int k = 0; k < g; ++k)
-            if (rest.given_motion[k] == rest.given_motion[other] && !given[k].motion.rotation.isZero(0) &&
+            if (setup.given_motion[k] == setup.given_motion[other] && !given[k].motion.rotation.isZero(0) &&
                 !given[g].motion.rotation.isZero(0) && given[k].motion.about != given[g].motion.about)
                 throw InvalidInput(text("variables ", given[k].name, " and ", given[g].name,
                                         " turn the same triangles about different points"));
         if (!given[g].motion.rotation.isZero(0)) motion.about = given[g].motion.about;
-        rest.given_motion[g] = rest.given_motion[other];
-        rest.given_pinned[g] = rest.given_pinned[other];
+        setup.given_motion[g] = setup.given_motion[other];
+        setup.given_pinned[g] = setup.given_pinned[other];
         return true;
     }
     return false;
 }
 
-void pin_motion(RestFacts& rest, int g) {
-    if (join_motion(rest, g)) return;
-    const GivenVariable& v = rest.parameters.given[g];
-    const int number = static_cast<int>(rest.setup.motions.size());
+void pin_motion(const std::vector<GivenVariable>& given, int g, ShellSetup& setup) {
+    if (join_motion(given, g, setup)) return;
+    const GivenVariable& v = given[g];
+    const int number = static_cast<int>(setup.motions.size());
     int fixed = 0;
     for (const int t : v.triangles) {
-        int& pin = rest.setup.options.pin[t];
+        int& pin = setup.options.pin[t];
         if (pin > 0) throw InvalidInput(text("variable ", v.name, ": triangle ", t, " follows another motion already"));
         if (pin == fixed_prism) {
             ++fixed;
             continue;
         }
         pin = number + 1;
-        rest.given_pinned[g].push_back(t);
+        setup.given_pinned[g].push_back(t);
     }
-    if (rest.given_pinned[g].empty()) throw InvalidInput(text("variable ", v.name, ": all of its triangles are fixed"));
+    if (setup.given_pinned[g].empty())
+        throw InvalidInput(text("variable ", v.name, ": all of its triangles are fixed"));
     if (fixed > 0)
-        rest.notes.push_back(
+        setup.warnings.push_back(
             text("variable ", v.name, ": ", fixed, " of its triangles are fixed as well and stay fixed"));
-    rest.setup.motions.push_back({{0, 0, 0}, {0, 0, 0}, v.motion.about});
-    rest.given_motion[g] = number;
+    setup.motions.push_back({{0, 0, 0}, {0, 0, 0}, v.motion.about});
+    setup.given_motion[g] = number;
 }
 
 }  // namespace
 
-void place_given(RestFacts& rest) {
-    const auto& given = rest.parameters.given;
-    rest.given_motion.assign(given.size(), -1);
-    rest.given_pinned.assign(given.size(), {});
+void place_given(const Problem& problem, ShellSetup& setup) {
+    const auto& given = problem.parameters.given;
+    setup.given_motion.assign(given.size(), -1);
+    setup.given_pinned.assign(given.size(), {});
     std::set<std::string> names;
     for (std::size_t g = 0; g < given.size(); ++g) {
-        check_one(given[g], rest.surface.num_triangles());
+        check_one(given[g], problem.surface.num_triangles());
         if (!names.insert(given[g].name).second)
             throw InvalidInput(text("two given variables are called '", given[g].name, "'"));
-        if (given[g].traction.rows() == 0) pin_motion(rest, static_cast<int>(g));
+        if (given[g].traction.rows() == 0) pin_motion(given, static_cast<int>(g), setup);
     }
 }
 
@@ -113,9 +113,9 @@ void add_given_traction(const RestFacts& rest, const Eigen::VectorXd& values, Po
 
 void add_given_motions(const RestFacts& rest, const Eigen::VectorXd& values, std::vector<RigidMotion>& motions) {
     for (Eigen::Index g = 0; g < values.size(); ++g) {
-        if (rest.given_motion[g] < 0) continue;
-        motions[rest.given_motion[g]].rotation += values[g] * rest.parameters.given[g].motion.rotation;
-        motions[rest.given_motion[g]].translation += values[g] * rest.parameters.given[g].motion.translation;
+        if (rest.setup.given_motion[g] < 0) continue;
+        motions[rest.setup.given_motion[g]].rotation += values[g] * rest.parameters.given[g].motion.rotation;
+        motions[rest.setup.given_motion[g]].translation += values[g] * rest.parameters.given[g].motion.translation;
     }
 }
 
@@ -131,7 +131,7 @@ void add_given_gradient(const DesignSpace& space, const std::vector<RigidMotion>
     const auto& given = rest.parameters.given;
     for (std::size_t g = 0; g < given.size(); ++g) {
         double& sum = gradient[given_freedom(space, static_cast<int>(g))];
-        if (rest.given_motion[g] < 0) {
+        if (rest.setup.given_motion[g] < 0) {
             for (std::size_t i = 0; i < given[g].triangles.size(); ++i)
                 sum += traction_gradient(rest, sensitivities.force, given[g].triangles[i])
                            .dot(given[g].traction.row(static_cast<Eigen::Index>(i)));
@@ -140,10 +140,10 @@ void add_given_gradient(const DesignSpace& space, const std::vector<RigidMotion>
         if (sensitivities.wrench.rows() == 0) continue;
         Eigen::Matrix<double, 6, 1> rate;
         rate << given[g].motion.rotation, given[g].motion.translation;
-        for (const int t : rest.given_pinned[g]) {
+        for (const int t : rest.setup.given_pinned[g]) {
             Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
             for (int k = 0; k < 3; ++k) centroid += rest.surface.vertices.row(rest.surface.triangles(t, k)) / 3;
-            sum += sensitivities.wrench.row(t).dot(motion_twist(motions[rest.given_motion[g]], centroid) * rate);
+            sum += sensitivities.wrench.row(t).dot(motion_twist(motions[rest.setup.given_motion[g]], centroid) * rate);
         }
     }
 }

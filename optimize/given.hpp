@@ -8,7 +8,7 @@ namespace strake {
 /// Pins the triangles of given motions, each set under a motion of its own behind the given strains.
 /// @throws InvalidInput: names twice or empty; triangles that do not exist, are held or follow two motions; a load
 /// without effect; motions of the same triangles about different points.
-void place_given(RestFacts& rest);
+void place_given(const Problem& problem, ShellSetup& setup);
 
 /// One variable each, with unit 1 where none is stated.
 void list_given(DesignSpace& space);

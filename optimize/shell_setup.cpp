@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/given.hpp"
 
 namespace strake {
 namespace {
@@ -67,6 +68,7 @@ ShellSetup shell_setup(const Problem& problem) {
         pin_strain(problem, k, setup);
         setup.motions.push_back(problem.strains[k].motion);
     }
+    place_given(problem, setup);
     if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
     setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
     return setup;

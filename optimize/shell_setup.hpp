@@ -5,14 +5,19 @@
 namespace strake {
 
 struct ShellSetup {
-    ShellOptions options;              ///< heights, pins, symmetry
-    Loads loads;                       ///< given tractions as forces, springs per vertex
-    std::vector<RigidMotion> motions;  ///< motion k moves the triangles with pin k + 1: the given strains, in order
+    ShellOptions options;  ///< heights, pins, symmetry
+    Loads loads;           ///< given tractions as forces, springs per vertex
+    /// Motion k moves the triangles with pin k + 1: the given strains, in order, then the motions of given variables.
+    std::vector<RigidMotion> motions;
+    std::vector<int> given_motion;               ///< per `Parameters::given`: its number in `motions`; -1: a load
+    std::vector<std::vector<int>> given_pinned;  ///< per `Parameters::given`: the triangles that follow its motion
     std::vector<std::string> warnings;
 };
 
-/// Pins: fixed triangles, then the given strains. A triangle that is fixed and strained is fixed (warning and count).
-/// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left.
+/// Pins: fixed triangles, then the given strains, then what given variables move. A triangle that is fixed and strained
+/// is fixed (warning and count).
+/// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left, and
+/// as `place_given`.
 ShellSetup shell_setup(const Problem& problem);
 
 /// lambda_k = sum over the triangles at k of lambda_A A_T / 3 (n), summed in triangle order. `spring_per_area` is m

@@ -1,0 +1,89 @@
+#include "cli/run_strake.hpp"
+#include "core/mesh/io.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+/// The word, the line of reason and the exit status of a run belong together.
+namespace strake {
+namespace {
+
+using Json = nlohmann::json;
+
+struct Ended {
+    int status;
+    std::string word, reason, out, err;
+};
+
+class Status : public testing::Test {
+protected:
+    TempFolder folder;
+    int runs = 0;
+
+    Ended ended(const std::string& yaml, const std::string& command = "run") {
+        write_surface(folder / "s.obj", ellipsoid({1, 0.6, 0.4}, 2), SurfaceFormat::obj);
+        const std::string head =
+            "surface: {file: s.obj}\nshell: {thickness: 5%}\nregions: {root: {box: [[-2, -2, -2], [-0.7, 2, 2]]}}\n"
+            "fixed: [root]\n";
+        const std::string file = folder.write("case.yaml", head + yaml).string();
+        const std::string out = (folder / std::to_string(++runs)).string();
+        const ProgramRun json = run_strake({command, file, "--json", "--out", out});
+        const ProgramRun words = run_strake({command, file, "-q", "--out", out + "w"});
+        EXPECT_EQ(json.status, words.status);
+        Ended e{json.status, "", "", words.out, json.err + words.err};
+        const Json told = Json::parse(json.out);
+        e.word = told["status"];
+        e.reason = told["reason"];
+        EXPECT_FALSE(e.reason.empty());
+        EXPECT_NE(words.out.find(e.word), std::string::npos) << words.out;
+        // Nothing of the libraries underneath shows: their own log lines, their own words for an end.
+        for (const char* foreign : {"CHOLMOD", "glog", "ceres", "nlopt failure", "std::", "terminate"})
+            EXPECT_EQ((words.out + e.err).find(foreign), std::string::npos) << foreign;
+        return e;
+    }
+};
+
+const std::string volume =
+    "parameters: {patches_per_level: [2], variables: [load_normal]}\nobjective: {maximize: volume}\n";
+
+TEST_F(Status, ConvergedAndLimitsAreSuccess) {
+    Ended e = ended(volume + "constraints: {area: {max: 1.01, relative: true}}\n");
+    EXPECT_EQ(e.status, 0) << e.err;
+    EXPECT_EQ(e.word, "converged") << e.reason;
+    e = ended(volume + "optimize: {budget: {evaluations: 3}}\n");
+    EXPECT_EQ(e.status, 0) << e.err;
+    EXPECT_EQ(e.word, "budget");
+    EXPECT_NE(e.reason.find("limit of evaluations"), std::string::npos) << e.reason;
+}
+
+TEST_F(Status, ConflictsAreFailures) {
+    const Ended e =
+        ended(volume + "constraints: {area: {max: 0.98, relative: true}, volume: {min: 1.02, relative: true}}\n");
+    EXPECT_EQ(e.status, 1);
+    EXPECT_EQ(e.word, "conflict") << e.reason;
+    EXPECT_NE(e.reason.find("area <= "), std::string::npos) << e.reason;
+}
+
+TEST_F(Status, AFlatObjectiveIsConvergedOnlyWithANote) {
+    // Points on the part that is held do not move.
+    folder.write("points.csv", "-1.2,0,0\n");
+    const Ended e = ended(
+        "parameters: {patches_per_level: [2], variables: [load_normal]}\nquantities: {p: {type: measured_points, file: "
+        "points.csv}}\nobjective: {minimize: p}\n");
+    EXPECT_EQ(e.status, 0) << e.err;
+    EXPECT_NE(e.reason.find("did not change with any variable"), std::string::npos) << e.reason;
+}
+
+TEST_F(Status, AFitEndsInItsOwnWord) {
+    write_surface(folder / "t.obj", ellipsoid({1, 0.62, 0.38}, 2), SurfaceFormat::obj);
+    const Ended e = ended(
+        "parameters: {patches_per_level: [2], variables: [load_normal]}\nquantities: {t: {type: target_shape, file: "
+        "t.obj}}\nfit: [t]\n",
+        "fit");
+    EXPECT_EQ(e.status, 0) << e.err;
+    EXPECT_TRUE(e.word == "converged" || e.word == "progress") << e.word << " " << e.reason;
+}
+
+}  // namespace
+}  // namespace strake

@@ -1,6 +1,7 @@
 #include "optimize/given.hpp"
 
 #include "core/error.hpp"
+#include "optimize/coarse_to_fine.hpp"
 #include "optimize/evaluation.hpp"
 #include "problems.hpp"
 
@@ -155,6 +156,34 @@ TEST(Given, TheyAreCarriedOverExactlyAndNeverSplit) {
         }
         EXPECT_TRUE(space.carried_given.isZero(1e-14));
     }
+}
+
+TEST(Given, ARunThatRefinesBySensitivityUsesThem) {
+    Problem problem = with_given({VariableKind::load_normal});
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.objective = "volume";
+    problem.maximize = true;
+    Constraint limit;
+    limit.quantity = "area";
+    limit.max = 1.02;
+    limit.relative = true;
+    problem.constraints = {limit};
+    problem.optimize.max_evaluations = 40;
+    const RunResult r = optimize(problem);
+    EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
+    EXPECT_GT(r.levels.size(), 1u);
+    for (const LevelSummary& level : r.levels) EXPECT_LT(level.inherited_shape_change, 1e-10);
+    EXPECT_GT(r.x.head(4).cwiseAbs().minCoeff(), 0);
+    Problem without = problem;
+    without.parameters.given.clear();
+    EXPECT_GE(r.objective, optimize(without).objective);
+}
+
+TEST(Given, WhatTheyMoveHolds) {
+    Problem problem = with_given();
+    problem.fixed.clear();
+    Evaluated e(problem);
+    EXPECT_EQ(e.at(0.1 * Eigen::VectorXd::Ones(e.space.size())).status, EvaluationStatus::ok);
 }
 
 TEST(Given, UnitOfLengthDoesNotMatter) {

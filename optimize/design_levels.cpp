@@ -4,18 +4,15 @@
 #include "core/mesh/geometry.hpp"
 #include "optimize/given.hpp"
 #include "optimize/mirror.hpp"
-#include "optimize/null_directions.hpp"
 #include "optimize/own_variables.hpp"
 #include "optimize/response_metric.hpp"
+#include "optimize/scaling.hpp"
 #include "optimize/strain_core.hpp"
-
-#include <numbers>
 
 namespace strake {
 namespace {
 
 constexpr double nearly_all = 0.95;  ///< of the area of a patch that is held: worth a word
-constexpr double negligible = 1e-9;  ///< of the largest response of the same kind: moves nothing
 
 bool wants(const DesignSpace& space, VariableKind kind) {
     const auto& kinds = space.rest->parameters.kinds;
@@ -214,60 +211,6 @@ private:
     const RestFacts& rest_;
 };
 
-/// Physical value at x = 1. @param largest displacement at the value 1.
-double unit_of(const RestFacts& rest, const Variable& variable, double largest) {
-    double reach = rest.parameters.max_displacement;
-    if (variable.patch < 0) {
-        const GivenVariable& given = rest.parameters.given[variable.component];
-        if (given.unit > 0) return given.unit;
-        if (given.max_displacement > 0) reach = given.max_displacement;
-    }
-    return reach * rest.diagonal / largest;
-}
-
-/// Variables whose linear response follows from those before them are left out with a note: their directions would move
-/// nothing, and have no natural size.
-void leave_out_dependent(DesignSpace& space) {
-    const Dependence found = dependence(responses_at_rest(space).samples);
-    if (found.dependent.empty()) return;
-    for (std::size_t d = 0; d < found.dependent.size(); ++d)
-        space.left_out.push_back({space.variables[found.dependent[d]], found.share.col(static_cast<Eigen::Index>(d))});
-    std::vector<Variable> kept;
-    for (const int j : found.kept) kept.push_back(space.variables[j]);
-    space.variables = std::move(kept);
-    space.notes.push_back(null_words(space));
-}
-
-/// Units so that x = 1 moves the surface by max_displacement; variables that move nothing are left out with a note.
-void scale(DesignSpace& space) {
-    const RestFacts& rest = *space.rest;
-    const Responses unscaled = responses_at_rest(space);
-    double largest_load = 0;
-    for (int j = 0; j < space.size(); ++j)
-        if (is_load(space.variables[j].kind)) largest_load = std::max(largest_load, unscaled.largest[j]);
-    std::vector<Variable> kept;
-    for (int j = 0; j < space.size(); ++j) {
-        Variable variable = space.variables[j];
-        const double least = is_load(variable.kind) ? negligible * largest_load : 0;
-        if (variable.kind == VariableKind::stiffness) {
-            variable.unit = std::numbers::ln2;
-        } else if (!(unscaled.largest[j] > least)) {
-            space.notes.push_back(text(variable.name, ": moves nothing, left out"));
-            continue;
-        } else {
-            variable.unit = unit_of(rest, variable, unscaled.largest[j]);
-        }
-        kept.push_back(variable);
-    }
-    space.variables = std::move(kept);
-    leave_out_dependent(space);
-    const Responses responses = responses_at_rest(space);
-    space.metric = response_metric(space, responses);
-    space.soft_work = soft_work(space, responses);
-    space.lower = Eigen::VectorXd::Constant(space.size(), -1);
-    space.upper = Eigen::VectorXd::Constant(space.size(), 1);
-}
-
 void check_flags(const char* key, const std::vector<char>& flags, int m) {
     if (!flags.empty() && static_cast<int>(flags.size()) != m)
         throw InvalidInput(text("parameters.", key, ": ", flags.size(), " entries for ", m, " triangles"));
@@ -326,7 +269,7 @@ DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const F
     place_cores(space, parent);
     list_given(space);
     Candidates(space).list();
-    scale(space);
+    scale_variables(space);
     append_own(space);
     return space;
 }

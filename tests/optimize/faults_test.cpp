@@ -1,6 +1,8 @@
+#include "optimize/guard.hpp"
 #include "programs.hpp"
 
 #include <gtest/gtest.h>
+#include <nlopt.hpp>
 
 using namespace strake;
 using Eigen::VectorXd;
@@ -188,4 +190,26 @@ TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
         EXPECT_TRUE(r.is_feasible);
         EXPECT_GT(start - r.best.objective, 0.999 * (start - least)) << r.reason;
     }
+}
+
+/// What an algorithm asks for is looked at before anything is deformed.
+TEST(Guard, NotANumberIsNeverEvaluatedAndBoundsHold) {
+    const KnownProgram known = bowl();
+    std::vector<VectorXd> asked;
+    NonlinearProgram p = known.program;
+    p.evaluate = [&](const VectorXd& x) {
+        asked.push_back(x);
+        return known.program.evaluate(x);
+    };
+    const MinimizeOptions options;
+    for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
+        Guard guard(p, options);
+        EXPECT_THROW(guard.at_all(vec({0, wrong, 0}), false), nlopt::forced_stop);
+        EXPECT_EQ(guard.cause, Cause::asked_nonfinite);
+        EXPECT_TRUE(asked.empty());
+    }
+    Guard guard(p, options);
+    guard.at_all(vec({0, 7, -1e300}), false);
+    ASSERT_EQ(asked.size(), 1u);
+    EXPECT_EQ(asked[0], vec({0, 1, -1}));
 }

@@ -1,11 +1,13 @@
 #!/bin/bash
-# Renders docs/pictures from run folders, off screen with VTK: pictures.sh [BIN] [RUN_OF_FIT RUN_OF_WING RUN_OF_BODY]
-# Without run folders it takes the newest under runs/ (as ./run.sh leaves them). Needs: scripts/setup.sh pictures
+# Renders docs/pictures from run folders, off screen with VTK: pictures.sh [BIN] [RUN_OF_FIT RUN_OF_WING RUN_OF_BODY EVIDENCE]
+# Without run folders it takes the newest under runs/ (as ./run.sh leaves them), and the evidence suite's runs/evidence
+# (bench/coarse_to_fine/run.sh, at least --problems local_bump,global_twist). Needs: scripts/setup.sh pictures
 set -euo pipefail
 cd "$(dirname "$0")/.."
 bin=${1:-build/run/bin}
 newest() { find runs -maxdepth 1 -name "$1-*" -type d 2>/dev/null | sort | tail -n 1; }
 fit=${2:-$(newest wing-fit)} wing=${3:-$(newest wing-case)} body=${4:-$(newest lifting_body-case)}
+evidence=${5:-runs/evidence}
 out=docs/pictures
 mkdir -p $out
 work=$(mktemp -d)
@@ -39,4 +41,9 @@ fi
 if [ -n "$body" ]; then
     picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \
         --view=-1,-1,0.8 --titles "before|after: more volume within the area allowed" --size 800,560
+fi
+if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp.vtp" ]; then
+    bump=$evidence/local_bump-slsqp.vtp twist=$evidence/global_twist-slsqp.vtp
+    picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \
+        --titles "local bump: splits above a patch|its patches|global twist: splits above a patch|its patches"
 fi

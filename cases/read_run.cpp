@@ -25,8 +25,10 @@ void CaseReader::read_optimize(const Value& map) {
         if (const Value* v = budget->find("evaluations")) o.max_evaluations = static_cast<int>(v->number);
         if (const Value* v = budget->find("time")) o.max_seconds = v->number;
     }
-    if (const Value* refine = map.find("refine_when"))
+    if (const Value* refine = map.find("refine_when")) {
         if (const Value* v = refine->find("progress_below")) o.progress_below = v->number;
+        if (const Value* v = refine->find("promise_below")) o.promise_below = v->number;
+    }
     if (const Value* tolerances = map.find("tolerances")) {
         if (const Value* v = tolerances->find("objective")) o.objective_tolerance = v->number;
         if (const Value* v = tolerances->find("step")) o.step_tolerance = v->number;

@@ -97,6 +97,12 @@ std::vector<Key> run_keys() {
              "When the gain of an evaluation falls below this share of the level's best; 0: only when the level ends.",
          .fallback = "1%",
          .limits = {0, 1, false, true}},
+        {.path = "optimize.refine_when.promise_below",
+         .type = Type::fraction,
+         .doc = "With `split: sensitivity`: the run ends instead of refining when the expected decrease of all finer "
+                "variables is below this share of what the run has gained.",
+         .fallback = "0.1%",
+         .limits = {0, 1, false, true}},
         {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},
         {.path = "optimize.tolerances.objective",
          .type = Type::number,

@@ -14,7 +14,9 @@ constexpr int failures_before_refining = 4;  ///< the last level the minimizer's
 class Optimization {
 public:
     Optimization(const Problem& problem, const RunEvents& events)
-        : state_(problem, events, LevelProgram::differentiated_names(problem)), program_(state_) {}
+        : state_(problem, events, LevelProgram::differentiated_names(problem)), program_(state_) {
+        state_.evaluator.take_over_values();
+    }
 
     RunResult run() {
         Eigen::VectorXd x;
@@ -68,8 +70,10 @@ private:
         if (plan.promises.empty()) return false;
         // Measured by what has been gained, so that an objective may go to zero.
         const double now = state_.level_best_objective;
-        const double floor = 0.1 * state_.problem.optimize.objective_tolerance *
-                             std::max(std::abs(now), std::abs(state_.result.objective_start - now));
+        const double gained = std::abs(state_.result.objective_start - now);
+        const double floor =
+            std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
+                     state_.problem.optimize.promise_below * gained);
         refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && plan.promised <= floor;
         if (!refining_is_idle_) front = plan.front;
         return !refining_is_idle_;
@@ -119,18 +123,17 @@ private:
             const bool slackened = watch.slackened(step.merit, step.violation);
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
-        // Once the details below promise more than this level, it has done its part.
+        // Once the details below promise more than this level, it has done its part; much more, where all of them come.
+        const SplitRule split = state_.rest->parameters.split;
+        const double outgrown = split == SplitRule::tree ? 1 : 10;
         std::optional<Prospect> below;
-        if (!last && state_.rest->parameters.split == SplitRule::sensitivity && program_.gives_lagrangian())
-            below = prospect(state_.space, start);
+        if (!last && split != SplitRule::gradient && program_.gives_lagrangian()) below = prospect(state_.space, start);
         if (below)
             how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
                 const ShellSensitivities lagrangian = program_.lagrangian();
-                double promised = 0;
                 const DesignFacts facts{state_.space, program_.known().x, lagrangian,
                                         shape_curvature(hessian, program.metric), program_.known().dJ_dv};
-                for (const SplitPromise& split : split_promises(facts, *below)) promised += split.promise;
-                return promised <= expected;
+                return outgrown * promised_decrease(facts, *below) <= expected;
             };
         MinimizeResult result = minimize(program, how);
         hessian_ = result.hessian;

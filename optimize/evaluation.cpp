@@ -8,6 +8,8 @@ namespace {
 
 /// A reasonable step takes four to six; more than nine are better spent on a shorter step.
 constexpr int max_iterations = 9;
+constexpr double same_shape = 1e-10;     ///< diagonals, as is promised of a level's start
+constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;
@@ -58,10 +60,37 @@ int ShapeEvaluator::index_of(const std::string& name) const {
 void ShapeEvaluator::enter(const DesignSpace& space) {
     space_ = space;
     last_.reset();
+    known_.clear();
+    enters_ = true;
+}
+
+const Poses* ShapeEvaluator::nearest_known(const Eigen::VectorXd& x) const {
+    const Poses* nearest = accepted_ ? &*accepted_ : nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const KnownShape& shape : known_) {
+        const Eigen::VectorXd d = x - shape.x;
+        const double distance = d.dot(space_.metric * d);
+        if (distance < least) least = distance, nearest = &shape.poses;
+    }
+    return nearest;
 }
 
 void ShapeEvaluator::accept() {
     if (last_) accepted_ = last_;
+    if (last_) accepted_measured_ = last_measured_;
+}
+
+/// A level begins with the shape that the level before ended with: nobody pays for its values twice.
+bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const {
+    const Measured& m = accepted_measured_;
+    if (m.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own())) return false;
+    if ((m.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal) return false;
+    result.values = m.values;
+    result.dJ_dv = m.dJ_dv;
+    result.dJ_down = m.dJ_down;
+    result.status = EvaluationStatus::ok;
+    result.is_taken_over = true;
+    return true;
 }
 
 /// A shell serves as long as pins and heights stay; loads and motions change freely.
@@ -79,13 +108,14 @@ void ShapeEvaluator::build_shell(const ShellDemand& demand) {
 bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     const ShellDemand wanted = demand(space_, x);
     build_shell(wanted);
-    if (accepted_) shell_->set_poses(*accepted_);
+    const Poses* start = nearest_known(x);
+    if (start) shell_->set_poses(*start);
     SolveOptions options;
     options.keep_factor = true;
     // From an accepted design on a shorter step is cheaper than a way around a buckling point; the first design has to
     // be reached as it is.
-    if (accepted_) options.max_iterations = max_iterations;
-    options.fallbacks = !accepted_;
+    if (start) options.max_iterations = max_iterations;
+    options.fallbacks = !start;
     last_.reset();
     const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
     if (end.status != SolveStatus::converged) {
@@ -103,6 +133,9 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
         last_.reset();
         return false;
     }
+    std::erase_if(known_, [&](const KnownShape& shape) { return shape.x == x; });
+    if (known_.size() == known_shapes) known_.erase(known_.begin());
+    known_.push_back({x, *last_});
     result.vertices = vertices;
     result.max_displacement = std::sqrt((vertices - rest_->surface.vertices).rowwise().squaredNorm().maxCoeff());
     return true;
@@ -190,7 +223,11 @@ bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, S
 
 ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     ShapeEvaluation result;
-    if (deform(x, result)) measure(number, x, result);
+    const bool begins = std::exchange(enters_, false);
+    if (!deform(x, result)) return result;
+    if (!(takes_over_ && begins && take_over(x, result))) measure(number, x, result);
+    if (result.status == EvaluationStatus::ok)
+        last_measured_ = {result.vertices, x.tail(space_.num_own()), result.values, result.dJ_dv, result.dJ_down};
     return result;
 }
 

@@ -25,9 +25,10 @@ struct ShapeEvaluation {
     Eigen::MatrixXd gradients;  ///< differentiated values x variables, once `differentiate` was called; NaN as above
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
     double max_displacement = 0;                    ///< from the start surface, length
+    bool is_taken_over = false;  ///< the values are those of the same shape on the level before; nothing was called
 };
 
-/// Keeps the shell, its factor and the last accepted poses between evaluations. Not thread-safe.
+/// Keeps the shell, its factor and the poses of the last shapes between evaluations. Not thread-safe.
 class ShapeEvaluator {
 public:
     /// @param differentiated names of the values whose gradients are wanted; empty: never ask a quantity for any.
@@ -44,8 +45,11 @@ public:
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
     /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
-    /// The next evaluations start from the equilibrium of the last one.
+    /// The next level starts from the equilibrium of the last evaluation.
     void accept();
+    /// The first evaluation of a level takes over the values of the accepted shape where it is that shape (by default
+    /// they are measured again).
+    void take_over_values() { takes_over_ = true; }
 
     /// Before the first evaluation: from these poses to the equilibrium of x, where evaluations start then.
     /// @return its vertices; empty where there is none, with the reason.
@@ -62,6 +66,9 @@ public:
     const DesignSpace& space() const { return space_; }
 
 private:
+    /// Where the equilibrium at x is sought from: the nearest (in the metric) of the shapes that this level has reached
+    /// last, else the accepted one; none before the first evaluation of a run.
+    const Poses* nearest_known(const Eigen::VectorXd& x) const;
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
@@ -77,6 +84,22 @@ private:
     std::vector<int> shell_pin_;
     Eigen::VectorXd shell_height_, last_x_;
     std::optional<Poses> accepted_, last_;
+    struct Measured {
+        Points vertices;
+        Eigen::VectorXd own;  ///< own variables, scaled
+        std::vector<double> values;
+        std::vector<Points> dJ_dv;
+        std::vector<Eigen::VectorXd> dJ_down;
+    };
+    bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const;
+    Measured last_measured_, accepted_measured_;
+    bool takes_over_ = false;
+    bool enters_ = false;  ///< no evaluation yet in this space
+    struct KnownShape {
+        Eigen::VectorXd x;
+        Poses poses;
+    };
+    std::vector<KnownShape> known_;  ///< of this level, the latest last
 };
 
 }  // namespace strake

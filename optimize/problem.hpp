@@ -103,6 +103,8 @@ struct OptimizeOptions {
     Method method = Method::slsqp;
     int max_evaluations = 60;  ///< whole run, >= 1
     double max_seconds = 0;    ///< whole run; 0: no limit
+    double promise_below =
+        1e-3;  ///< refine only where the expected decrease is more than this share of what was gained
     double progress_below =
         0.01;  ///< refine when the gain per evaluation falls below this fraction of the level's best rate; 0: never
     double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective

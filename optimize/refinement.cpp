@@ -3,7 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/QR>
 #include <numeric>
 
 namespace strake {
@@ -43,13 +43,44 @@ std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vect
     return members;
 }
 
-/// g.M^-1.g
-double dual_square(const MatrixXd& M, const VectorXd& g) { return g.size() == 0 ? 0.0 : g.dot(M.ldlt().solve(g)); }
+/// Splits that are possible, in the order of their first patch.
+std::vector<SplitPromise> possible_splits(const DesignSpace& parent, const DesignSpace& child,
+                                          const std::vector<int>& parts) {
+    const std::vector<int> group = split_groups(parent, child);
+    const auto old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
+    const auto new_ones =
+        by_group(child, group, [&](const Variable& v) { return child.patches().patches[v.patch].parent; });
+    std::vector<SplitPromise> splits;
+    for (std::size_t g = 0; g < group.size(); ++g) {
+        SplitPromise split;
+        bool has_parts = false;
+        for (const Patch& patch : parent.patches().patches)
+            if (group[patch.id] == static_cast<int>(g)) {
+                split.patches.push_back(patch.id);
+                split.names += (split.names.empty() ? "" : "+") + patch.name;
+                has_parts |= parts[patch.id] > 1;
+            }
+        split.variables = new_ones[g];
+        split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
+        if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
+    }
+    return splits;
+}
 
-double detail_decrease(const VectorXd& g, const MatrixXd& M, const MatrixXd& P) {
-    const double whole = dual_square(M, g);
-    const double inherited = P.cols() == 0 ? 0.0 : dual_square(P.transpose() * M * P, P.transpose() * g);
-    return std::max(0.0, whole - inherited);
+/// Orthonormal basis of the columns; what is shorter than `least` is round-off.
+MatrixXd orthonormal(const MatrixXd& columns, double least) {
+    if (columns.cols() == 0) return columns;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+    Eigen::Index rank = 0;
+    while (rank < std::min(columns.rows(), columns.cols()) && std::abs(qr.matrixR()(rank, rank)) > least) ++rank;
+    return qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
+}
+
+/// The gradient of all children, whitened, without what the space itself can do about it.
+VectorXd open_gradient(const DesignFacts& facts, const Prospect& below) {
+    const VectorXd w =
+        below.metric.matrixL().solve(design_gradient(below.children.space, below.children.x, facts.lagrangian));
+    return w - below.known * (below.known.transpose() * w);
 }
 
 /// Integral of |dJ/dv| over each patch: a vertex gives each of its triangles its share of the area.
@@ -67,30 +98,97 @@ VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
 
 std::string percent(double share) { return text(std::isfinite(share) ? std::round(1000 * share) / 10 : 0.0, " %"); }
 
+/// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
+class Choice {
+public:
+    Choice(const DesignFacts& facts, const Prospect& below, double most)
+        : facts_(facts), below_(below), most_(most), splits_(below.splits), open_(open_gradient(facts, below)) {
+        all_ = open_.squaredNorm() / (2 * facts.curvature);
+        const bool by_gradient = facts.space.rest->parameters.split == SplitRule::gradient;
+        if (by_gradient) {
+            by_integral();
+            return;
+        }
+        const MatrixXd whitener = below.metric.matrixU();
+        for (const SplitPromise& split : splits_) {
+            const MatrixXd columns = whitener(Eigen::all, split.variables);
+            lengths_.push_back(columns.colwise().norm().maxCoeff());
+            columns_.push_back(columns - below.known * (below.known.transpose() * columns));
+        }
+    }
+
+    std::vector<char> operator()(RefinementPlan& plan) {
+        std::vector<char> chosen(facts_.space.front->depth.size(), 0);
+        std::vector<std::size_t> order;
+        double held = 0;
+        while (held < facts_.space.rest->parameters.split_share * all_ || held == 0) {
+            const bool is_first = plan.chosen == 0 && held == 0;
+            const std::optional<std::size_t> best = next(is_first ? 1e300 : most_ - plan.variables_after);
+            if (!best) break;
+            SplitPromise& split = splits_[*best];
+            split.chosen = true;
+            held += split.promise;
+            plan.variables_after += split.new_variables;
+            for (const int p : split.patches) chosen[p] = 1;
+            order.push_back(*best);
+            if (!columns_.empty()) forget(orthonormal(columns_[*best], round_off * lengths_[*best]));
+            if (split.promise <= 0) break;
+        }
+        for (std::size_t s = 0; s < splits_.size(); ++s)
+            if (!splits_[s].chosen) order.push_back(s);
+        std::vector<SplitPromise> sorted;
+        for (const std::size_t s : order) sorted.push_back(std::move(splits_[s]));
+        splits_ = std::move(sorted);
+        plan.promised += all_;
+        plan.chosen += held;
+        return chosen;
+    }
+
+    double all() const { return all_; }
+    std::vector<SplitPromise> splits() const { return splits_; }
+
+private:
+    static constexpr double round_off = 1e-5;  ///< the metric's own, squared
+
+    void by_integral() {
+        const VectorXd integral = integrated_sensitivity(facts_.space, facts_.dJ_dv);
+        all_ = 0;
+        for (SplitPromise& split : splits_) {
+            for (const int p : split.patches) split.promise += integral[p];
+            all_ += split.promise;
+        }
+    }
+    /// The split that gives most with no more than so many new variables; renews the promises of those not chosen.
+    std::optional<std::size_t> next(double variables) {
+        std::optional<std::size_t> best;
+        for (std::size_t s = 0; s < splits_.size(); ++s) {
+            SplitPromise& split = splits_[s];
+            if (split.chosen) continue;
+            if (!columns_.empty())
+                split.promise = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
+                                (2 * facts_.curvature);
+            if (split.new_variables <= variables && (!best || split.promise > splits_[*best].promise)) best = s;
+        }
+        return best;
+    }
+    void forget(const MatrixXd& done) {
+        open_ -= done * (done.transpose() * open_);
+        for (MatrixXd& columns : columns_) columns -= done * (done.transpose() * columns);
+    }
+
+    const DesignFacts& facts_;
+    const Prospect& below_;
+    double most_, all_ = 0;
+    std::vector<SplitPromise> splits_;
+    VectorXd open_;                  ///< what no chosen split can do yet
+    std::vector<MatrixXd> columns_;  ///< per split: its variables, whitened, beyond what is chosen
+    std::vector<double> lengths_;
+};
+
 /// Expected decrease by all variables of the space.
 double expected_decrease(const DesignFacts& facts) {
-    return dual_square(facts.space.metric, design_gradient(facts.space, facts.x, facts.lagrangian)) /
-           (2 * facts.curvature);
-}
-
-/// One round of splits within the growth that is allowed; adds to the plan.
-std::vector<char> choose(std::vector<SplitPromise>& promises, const DesignFacts& facts, double most,
-                         RefinementPlan& plan) {
-    std::vector<char> chosen(facts.space.front->depth.size(), 0);
-    double all = 0, held = 0;
-    for (const SplitPromise& split : promises) all += split.promise;
-    for (SplitPromise& split : promises) {
-        if (held >= facts.space.rest->parameters.split_share * all && held > 0) break;
-        const bool is_first = plan.chosen == 0 && held == 0;
-        if (!is_first && plan.variables_after + split.new_variables > most) continue;
-        split.chosen = true;
-        held += split.promise;
-        plan.variables_after += split.new_variables;
-        for (const int p : split.patches) chosen[p] = 1;
-    }
-    plan.promised += all;
-    plan.chosen += held;
-    return chosen;
+    const VectorXd g = design_gradient(facts.space, facts.x, facts.lagrangian);
+    return g.dot(facts.space.metric.ldlt().solve(g)) / (2 * facts.curvature);
 }
 
 }  // namespace
@@ -100,40 +198,18 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
     std::vector<int> parts = parts_of(tree, *space.front);
     if (*std::max_element(parts.begin(), parts.end()) <= 1) return {};
     const std::vector<char> everything(parts.size(), 1);
-    return Prospect{refine(space, x, split_front(tree, *space.front, everything)), std::move(parts)};
+    Prospect below;
+    below.children = refine(space, x, split_front(tree, *space.front, everything));
+    below.splits = possible_splits(space, below.children.space, parts);
+    below.parts = std::move(parts);
+    below.metric.compute(below.children.space.metric);
+    const MatrixXd inherited = below.metric.matrixU() * below.children.prolongation;
+    below.known = orthonormal(inherited, 1e-9 * std::max(1e-300, inherited.norm()));
+    return below;
 }
 
-std::vector<SplitPromise> split_promises(const DesignFacts& facts, const Prospect& below) {
-    const DesignSpace &parent = facts.space, &child = below.children.space;
-    const std::vector<int> group = split_groups(parent, child);
-    const auto old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
-    const auto new_ones =
-        by_group(child, group, [&](const Variable& v) { return child.patches().patches[v.patch].parent; });
-    const bool by_gradient = parent.rest->parameters.split == SplitRule::gradient;
-    const VectorXd gradient = design_gradient(child, below.children.x, facts.lagrangian);
-    const VectorXd integral = by_gradient ? integrated_sensitivity(parent, facts.dJ_dv) : VectorXd();
-    std::vector<SplitPromise> promises;
-    for (std::size_t g = 0; g < group.size(); ++g) {
-        SplitPromise split;
-        bool has_parts = false;
-        for (const Patch& patch : parent.patches().patches)
-            if (group[patch.id] == static_cast<int>(g)) {
-                split.patches.push_back(patch.id);
-                split.names += (split.names.empty() ? "" : "+") + patch.name;
-                has_parts |= below.parts[patch.id] > 1;
-                if (by_gradient) split.promise += integral[patch.id];
-            }
-        split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
-        if (!has_parts || split.new_variables <= 0) continue;
-        if (!by_gradient)
-            split.promise = detail_decrease(gradient(new_ones[g]), child.metric(new_ones[g], new_ones[g]),
-                                            below.children.prolongation(new_ones[g], old_ones[g])) /
-                            (2 * facts.curvature);
-        promises.push_back(std::move(split));
-    }
-    std::stable_sort(promises.begin(), promises.end(),
-                     [](const SplitPromise& a, const SplitPromise& b) { return a.promise > b.promise; });
-    return promises;
+double promised_decrease(const DesignFacts& facts, const Prospect& below) {
+    return open_gradient(facts, below).squaredNorm() / (2 * facts.curvature);
 }
 
 RefinementPlan plan_refinement(const DesignFacts& facts) {
@@ -144,21 +220,20 @@ RefinementPlan plan_refinement(const DesignFacts& facts) {
     plan.variables_before = plan.variables_after = facts.space.size();
     const double most = parameters.growth * std::max(1, plan.variables_before);
     std::optional<Prospect> below = prospect(facts.space, facts.x);
-    if (!below) return plan;
-    plan.promises = split_promises(facts, *below);
+    if (!below || below->splits.empty()) return plan;
+    Choice choice(facts, *below, most);
+    plan.front = split_front(tree, plan.front, choice(plan));
+    plan.promises = choice.splits();
     InheritedSpace present{facts.space, facts.x, {}};
-    plan.front = split_front(tree, plan.front, choose(plan.promises, facts, most, plan));
     while (parameters.split == SplitRule::sensitivity && plan.variables_after < most) {
         present = refine(present.space, present.x, plan.front);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
         below = prospect(present.space, present.x);
-        if (!below) break;
-        std::vector<SplitPromise> deeper = split_promises(next, *below);
-        double promised = 0;
-        for (const SplitPromise& split : deeper) promised += split.promise;
-        if (promised <= 0.5 * expected_decrease(next)) break;
+        if (!below || below->splits.empty()) break;
+        Choice deeper(next, *below, most);
+        if (deeper.all() <= 0.5 * expected_decrease(next)) break;
         const int variables = plan.variables_after;
-        const std::vector<char> chosen = choose(deeper, next, most, plan);
+        const std::vector<char> chosen = deeper(plan);
         if (plan.variables_after == variables) break;
         // One front for the caller: its parents are those of the space that the caller knows.
         Front finer = split_front(tree, plan.front, chosen);

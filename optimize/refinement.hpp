@@ -1,6 +1,8 @@
 #pragma once
 #include "optimize/design_space.hpp"
 
+#include <Eigen/Cholesky>
+
 /// Where to refine: the gradient that the children of every patch would have is known from one adjoint solve before
 /// they exist (DESIGN sections 4 and 6).
 namespace strake {
@@ -9,17 +11,18 @@ namespace strake {
 struct SplitPromise {
     std::vector<int> patches;  ///< ids in the front
     std::string names;
+    std::vector<int> variables;  ///< of the children
     int new_variables = 0;
-    double promise = 0;  ///< by sensitivity: expected decrease of the objective (or its Lagrangian); by gradient:
-                         ///< integral of |dJ/dv| over the patches
+    double promise = 0;  ///< by sensitivity: expected decrease of the objective (or its Lagrangian) beyond what the
+                         ///< splits before it give; by gradient: integral of |dJ/dv| over the patches
     bool chosen = false;
 };
 
 struct RefinementPlan {
     Front front;                         ///< of the next level
-    std::vector<SplitPromise> promises;  ///< falling
+    std::vector<SplitPromise> promises;  ///< the chosen first, in their order
     int variables_before = 0, variables_after = 0;
-    double promised = 0, chosen = 0;  ///< sums over all and over the chosen
+    double promised = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
     int rounds = 1;                   ///< levels of the tree that were passed at once
     std::string words() const;        ///< the decision with its numbers, one line
 };
@@ -36,21 +39,25 @@ struct DesignFacts {
 /// The children of all patches of a space that have parts: their variables, metric and prolongation.
 struct Prospect {
     InheritedSpace children;
-    std::vector<int> parts;  ///< per patch of the space
+    std::vector<int> parts;            ///< per patch of the space
+    std::vector<SplitPromise> splits;  ///< those that are possible, no promises yet
+    Eigen::LLT<Eigen::MatrixXd> metric;
+    Eigen::MatrixXd known;  ///< orthonormal columns: what the space itself can do, whitened by the metric
 };
 /// None where no patch has parts. Cost: the responses at rest that are not known yet.
 std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
 
-/// What splitting each patch promises, falling; with g the gradient and M the metric of all children of a patch and P
-/// the prolongation of its variables, the expected decrease is
-/// (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature): what the details add to what the patch itself could still do.
-/// `SplitRule::gradient` takes the integral of |dJ/dv| over the patch instead (paper, IV).
-std::vector<SplitPromise> split_promises(const DesignFacts& facts, const Prospect& children);
+/// The expected decrease by all details together: with g the gradient and M the metric of all children and P the
+/// prolongation, (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature), what they add to what the space itself could
+/// still do.
+double promised_decrease(const DesignFacts& facts, const Prospect& below);
 
-/// Chooses the patches that promise most: those that together hold `parameters.split_share` of all, as long as the
-/// variables grow by no more than `parameters.growth`; always at least one. Where the parts of parts promise more than
-/// half of all that the new variables could do, these are split at once: a level without a step of its own would be
-/// wasted.
+/// Chooses the patches that promise most, one after the other: the split that adds most to what the space and the
+/// splits before it can do (different patches often can do the same), until they hold `parameters.split_share` of what
+/// all would give, as long as the variables grow by no more than `parameters.growth`; always at least one.
+/// `SplitRule::gradient` takes the largest integral of |dJ/dv| over the patch instead (paper, IV). Where the parts of
+/// parts promise more than half of all that the new variables could do, these are split at once: a level without a step
+/// of its own would be wasted.
 /// @return an empty list of promises where no patch of the front has parts.
 RefinementPlan plan_refinement(const DesignFacts& facts);
 

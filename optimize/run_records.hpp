@@ -16,7 +16,8 @@ struct EvaluationRecord {
     double max_violation = std::numeric_limits<double>::quiet_NaN();  ///< largest scaled constraint violation
     bool accepted = false;                                            ///< the best design so far
     double max_displacement = 0;                                      ///< of the surface from its start, length
-    double seconds = 0;  ///< wall clock of this evaluation; not part of the history
+    double seconds = 0;          ///< wall clock of this evaluation; not part of the history
+    bool is_taken_over = false;  ///< values of the same shape on the level before: nothing was called
 };
 
 /// A best-so-far design; views are valid during the call.

@@ -67,6 +67,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     record.reason = evaluation.reason;
     record.max_displacement = evaluation.max_displacement;
     record.seconds = last_seconds_;
+    record.is_taken_over = evaluation.is_taken_over;
     for (const auto& [name, value] : own_values(space, x)) record.own.push_back(value);
     if (ok) {
         record.objective = objective;

@@ -113,7 +113,9 @@ private:
     /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
     VectorXd careful_step() {
         VectorXd d = model_step(at_.constraints);
-        for (int round = 0; round < most_softenings && p_.present_metric && d.size() > 0; ++round) {
+        // Once per point: to come back to it after a failure costs an equilibrium.
+        const int rounds = p_.present_metric && failures_ + rejections_ == 0 ? most_softenings : 0;
+        for (int round = 0; round < rounds && d.size() > 0; ++round) {
             const VectorXd present = p_.present_metric(x_, d);
             if (present.size() != d.size() || !present.allFinite()) break;
             const VectorXd known = p_.metric * d;

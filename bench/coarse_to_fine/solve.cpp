@@ -48,6 +48,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
     Tracer tracer{result};
     RunEvents events;
     events.evaluation = [&](const EvaluationRecord& record) {
+        if (record.is_taken_over) return;  // nothing was computed
         const double sign = problem.maximize ? -1 : 1;
         tracer.add(record.status == "ok" ? sign * record.objective : std::numeric_limits<double>::quiet_NaN(),
                    record.max_violation <= problem.optimize.constraint_tolerance);

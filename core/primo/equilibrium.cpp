@@ -21,6 +21,9 @@ constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
 constexpr int cg_limit = 30;           // substitutions after which a new factor is cheaper
+constexpr int cg_plenty = 12;          // substitutions from which the next step had better have a new factor
+constexpr int clipped_limit = 2;       // indefinite matrices near the end after which the shell is said to buckle
+constexpr double near_step = 0.02;     // diagonals: near the end
 
 struct Iterate {
     std::vector<Eigen::Matrix3d> turn;
@@ -79,6 +82,8 @@ struct Attempt {
     Equilibrium& end;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool cancelled = false;
+    bool fresh = false;  // the factor is of the last assembled matrix, unclipped, with the stress
+    int clipped = 0;     // indefinite matrices near the end
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -98,26 +103,39 @@ struct Attempt {
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
         ++end.factorizations;
         if (shell.factorize()) return;
+        fresh = false;
+        if (end.last_step > 0 && end.last_step < near_step) ++clipped;
+        if (is_buckling()) return;
         shell.assemble(at.turn, stress, loads, StressTerm::clipped);
         ++end.factorizations;
         if (!shell.factorize())
             throw SolverError("deform: the stiffness without stress is not positive definite; a part is barely held");
     }
 
+    /// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
+    bool is_buckling() const { return !options.fallbacks && clipped >= clipped_limit; }
+
+    /// @param reuse try the factor at hand first; false afterwards: the next step had better have a new one.
+    /// @return empty where the shell buckles.
     Eigen::VectorXd newton_step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
-                                bool reuse) {
+                                bool& reuse) {
         shell.assemble(at.turn, stress, loads, term);
+        fresh = false;
         if (reuse) {
             const CgResult cg = conjugate_gradients(shell, -at.gradient, 1e-3, cg_limit);
+            reuse = cg.iterations < cg_plenty;
             if (cg.positive && cg.relative_residual <= 1e-3) return cg.x;
         }
+        fresh = term == StressTerm::exact;
         factorize(at, stress, loads);
+        if (is_buckling()) return {};
+        reuse = options.keep_factor;
         return shell.precondition(-at.gradient);
     }
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
-    bool finish(const Loads& loads);
+    bool finish(const Loads& loads, double moved);
     bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
 };
 
@@ -130,10 +148,12 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
     for (int i = 0; i < attempt_limit && !out_of_budget(); ++i) {
-        const int factorizations = end.factorizations;
         Eigen::VectorXd twist = newton_step(at, stress, loads, term, reuse);
+        if (twist.size() == 0) {
+            end.reason = "the matrix stays indefinite near the equilibrium: the shell buckles";
+            return false;
+        }
         if (!twist.allFinite()) return false;
-        if (end.factorizations > factorizations) reuse = false;  // what did not help here will not help further on
         cap(shell.rest, twist);
         const Jumps rate = jump_rates(shell.rest, at.turn, twist);
         stress = sum(at.jump, rate);
@@ -143,7 +163,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        if (step < nearly_there) return finish(loads);
+        if (step < nearly_there) return finish(loads, fresh ? step : std::numeric_limits<double>::infinity());
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
         if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;
@@ -152,9 +172,9 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
 }
 
 /// Exact Newton steps to the floor, and the proof that the end is a minimum.
-bool Attempt::finish(const Loads& loads) {
+/// @param moved diagonals since an exact Hessian was factorized.
+bool Attempt::finish(const Loads& loads, double moved) {
     Iterate at = iterate(shell, loads);
-    double moved = std::numeric_limits<double>::infinity();  // since the factorization
     for (int i = 0; i < 8 && !out_of_budget(); ++i) {
         shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
         if (moved > 1e-7) {
@@ -191,7 +211,8 @@ bool Attempt::finish(const Loads& loads) {
 bool Attempt::line_search(const Loads& loads) {
     Iterate at = iterate(shell, loads);
     while (!out_of_budget()) {
-        Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, false);
+        bool reuse = false;
+        Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);
         if (!twist.allFinite()) return false;
         cap(shell.rest, twist);
         const double E = energy(shell.rest, at.jump, loads), slope = at.gradient.dot(twist);
@@ -207,7 +228,8 @@ bool Attempt::line_search(const Loads& loads) {
         const double step = length * step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        if (step < nearly_there && length == 1) return finish(loads);
+        if (step < nearly_there && length == 1)
+            return finish(loads, fresh ? step : std::numeric_limits<double>::infinity());
         if (step < 1e-3 * options.min_step) return false;
     }
     return false;

@@ -139,8 +139,7 @@ void PrimoShell::Impl::need_tangent() {
     has_tangent = true;
 }
 
-Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B) {
-    constexpr double tolerance = 1e-11;
+Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B, double tolerance) {
     Eigen::MatrixXd X = precondition(B);
     for (int c = 0; c < B.cols(); ++c) {
         const double norm = B.col(c).norm();
@@ -157,7 +156,7 @@ Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B) {
     return X;
 }
 
-std::vector<Points> PrimoShell::response(const std::vector<Points>& dF) {
+std::vector<Points> PrimoShell::response(const std::vector<Points>& dF, double tolerance) {
     Impl& shell = *impl_;
     for (const Points& field : dF) check_count(shell.rest, field, "a load change");
     shell.need_tangent();
@@ -168,7 +167,7 @@ std::vector<Points> PrimoShell::response(const std::vector<Points>& dF) {
         const std::size_t count = std::min<std::size_t>(block_width, dF.size() - first);
         Eigen::MatrixXd B(6 * shell.rest.num_free(), count);
         for (std::size_t c = 0; c < count; ++c) B.col(c) = vertex_wrenches(shell.rest, turn, dF[first + c]);
-        const Eigen::MatrixXd X = shell.solve_tangent(B);
+        const Eigen::MatrixXd X = shell.solve_tangent(B, tolerance);
         for (std::size_t c = 0; c < count; ++c) rates.push_back(vertex_rates(shell.rest, turn, X.col(c)));
     }
     return rates;

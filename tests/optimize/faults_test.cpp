@@ -108,6 +108,24 @@ TEST(Faults, DifferencesUnderFaultsToo) {
         }
 }
 
+TEST(Faults, SeveralStartsUnderFaultsToo) {
+    for (const MethodFacts& method : all_methods())
+        for (const Fault fault : {Fault::not_a_number, Fault::throws, Fault::fails})
+            for (const KnownProgram& known : {bowl(), hock_schittkowski_71()}) {
+                SCOPED_TRACE(std::string(method.name) + " " + known.name);
+                const Faulty f = with_fault(known.program, fault);
+                MinimizeOptions o = tight_options(method.method, 1200);
+                o.exceptions_are_failures = true;
+                o.starts = 3;
+                const MinimizeResult r = minimize(f.program, o);
+                EXPECT_LE(r.evaluations, 1200);
+                EXPECT_EQ(r.failures, *f.struck);
+                EXPECT_TRUE(r.x.allFinite() && std::isfinite(r.best.objective));
+                const bool right = r.is_feasible && std::abs(r.best.objective - known.value) < 3e-3 * known.value;
+                EXPECT_TRUE(right || r.stop != MinimizeStop::converged) << r.reason;
+            }
+}
+
 TEST(Faults, TheTextOfAnExceptionSurvivesEveryMethod) {
     for (const MethodFacts& method : all_methods()) {
         SCOPED_TRACE(method.name);

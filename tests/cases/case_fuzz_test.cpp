@@ -35,7 +35,7 @@ objective: {minimize: aero.drag}
 constraints:
   volume: {min: 1.0, relative: true}
   aero.lift: {equals: 0.3}
-optimize: {method: slsqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%}}
+optimize: {method: slsqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%, promise_below: 0.2%}}
 output: {dir: runs/wing, paraview: best}
 )";
 

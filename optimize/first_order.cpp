@@ -11,6 +11,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double nearly_active = 1e-2;
+constexpr double at_bound = 1e-9;  ///< of the range: rounding must not decide
 
 /// L^-1 b with metric = L L^T.
 MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
@@ -43,11 +44,16 @@ VectorXd multipliers(const NonlinearProgram& p, const Sample& sample) {
     return result;
 }
 
+bool leaves_bounds(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, double direction) {
+    const double range = p.upper[j] - p.lower[j], hair = std::isfinite(range) ? at_bound * range : 0;
+    return (x[j] <= p.lower[j] + hair && direction < 0) || (x[j] >= p.upper[j] - hair && direction > 0);
+}
+
 VectorXd descent_direction(const NonlinearProgram& p, const VectorXd& x, const Sample& sample) {
     const VectorXd lagrangian = sample.gradient + sample.jacobian.transpose() * multipliers(p, sample);
     VectorXd direction = p.metric.size() == 0 ? -lagrangian : VectorXd(-p.metric.llt().solve(lagrangian));
     for (Eigen::Index j = 0; j < direction.size(); ++j)
-        if ((x[j] <= p.lower[j] && direction[j] < 0) || (x[j] >= p.upper[j] && direction[j] > 0)) direction[j] = 0;
+        if (leaves_bounds(p, x, j, direction[j])) direction[j] = 0;
     return direction;
 }
 

@@ -8,6 +8,9 @@ namespace strake {
 /// once), zero for the others, in the norm of the inverse metric. `sample` is differentiated.
 Eigen::VectorXd multipliers(const NonlinearProgram& program, const Sample& sample);
 
+/// Variable j is at a bound (to rounding) and the direction leads out.
+bool leaves_bounds(const NonlinearProgram& program, const Eigen::VectorXd& x, Eigen::Index j, double direction);
+
 /// Where a first step would lead: -metric^-1 (gradient + jacobian^T multipliers), without what the bounds forbid.
 Eigen::VectorXd descent_direction(const NonlinearProgram& program, const Eigen::VectorXd& x, const Sample& sample);
 

@@ -14,7 +14,8 @@ namespace {
 
 using Eigen::VectorXd;
 
-constexpr double global_share = 0.7;  ///< of the evaluations; the rest polishes
+constexpr double global_share = 0.7;   ///< of the evaluations; the rest polishes
+constexpr double most_failing = 0.75;  ///< of the evaluations: more, and nothing is known of convergence
 constexpr int most_confirmations = 5, separable_confirmations = 20;
 constexpr int restoration_steps = 40, most_feasibility_phases = 2;
 
@@ -256,6 +257,8 @@ private:
         }
         if (guard_.failures > 0 && result_.stop != MinimizeStop::blocked)
             result_.reason += text("; ", guard_.failures, " of ", guard_.evaluations, " evaluations failed");
+        if (result_.stop == MinimizeStop::converged && guard_.failures > most_failing * guard_.evaluations)
+            result_.stop = MinimizeStop::blocked;  // on next to nothing
     }
 
     void take(const SearchEnd& found) {

@@ -206,6 +206,11 @@ void NloptRun::configure(nlopt::opt& opt, const Box& box, double objective_toler
         opt.add_equality_mconstraint(equalities, this, tolerances(p.num_equalities));
     // Our own limit counts distinct points; this one only keeps NLopt from circling among known ones.
     opt.set_maxeval(20 * o.max_evaluations + 100);
+    if (method_.method == Method::mma || method_.method == Method::ccsaq) {
+        // By default the approximations and the search on each are all but unlimited: hours, in a box that has shrunk.
+        opt.set_param("inner_maxeval", 30);
+        opt.set_param("dual_maxeval", 2000);
+    }
     if (o.max_seconds > 0) opt.set_maxtime(2 * o.max_seconds);
     const auto local = [&](nlopt::opt& it) {
         it.set_ftol_rel(objective_tolerance);

@@ -149,6 +149,7 @@ public:
 
 private:
     static constexpr double round_off = 1e-5;  ///< the metric's own, squared
+    static constexpr double tie = 1e-6;
 
     void by_integral() {
         const VectorXd integral = integrated_sensitivity(facts_.space, facts_.dJ_dv);
@@ -167,7 +168,9 @@ private:
             if (!columns_.empty())
                 split.promise = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
                                 (2 * facts_.curvature);
-            if (split.new_variables <= variables && (!best || split.promise > splits_[*best].promise)) best = s;
+            // Where promises agree (mirror images) the first counts, not the rounding.
+            if (split.new_variables <= variables && (!best || split.promise > (1 + tie) * splits_[*best].promise))
+                best = s;
         }
         return best;
     }

@@ -68,7 +68,7 @@ private:
         VectorXd g = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
         const VectorXd d = -B_.llt().solve(g);
         for (Eigen::Index j = 0; j < g.size(); ++j)
-            if ((x_[j] <= p_.lower[j] && d[j] < 0) || (x_[j] >= p_.upper[j] && d[j] > 0)) g[j] = 0;
+            if (leaves_bounds(p_, x_, j, d[j])) g[j] = 0;
         if (guard_.options.on_model(0.5 * g.dot(B_.llt().solve(g)), B_)) return false;
         return end(MinimizeStop::stopped, "stopped on request");
     }

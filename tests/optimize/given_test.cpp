@@ -161,6 +161,7 @@ TEST(Given, TheyAreCarriedOverExactlyAndNeverSplit) {
 TEST(Given, ARunThatRefinesBySensitivityUsesThem) {
     Problem problem = with_given({VariableKind::load_normal});
     problem.parameters.split = SplitRule::sensitivity;
+    problem.optimize.promise_below = 0;  // however little it is
     problem.objective = "volume";
     problem.maximize = true;
     Constraint limit;

@@ -58,7 +58,7 @@ std::vector<Key> parameter_keys() {
          .type = Type::fraction,
          .doc =
              "Width of the skin that a strain leaves free inside the border of its patch, as a share of the inradius.",
-         .fallback = "25%",
+         .fallback = "40%",
          .limits = {0, 1, true, true},
          .when = "variables[]=strain|strain_rotation|strain_translation"},
         {.path = "parameters.max_displacement",

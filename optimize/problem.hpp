@@ -61,7 +61,7 @@ struct Parameters {
     std::vector<Eigen::Vector3d> load_directions;  ///< unit vectors for `load`; empty: x, y, z
     bool mirror = false;                           ///< tie mirror images about the plane of symmetry of the surface
     std::vector<std::vector<char>> groups;         ///< per group, per triangle: patches of a group share their values
-    double core = 0.25;                            ///< what a strain leaves free, as a share of the inradius, in (0, 1)
+    double core = 0.4;                             ///< what a strain leaves free, as a share of the inradius, in (0, 1)
     bool strain_rotates = true, strain_translates = true;  ///< components offered by `strain`
     std::vector<GivenVariable> given;                      ///< beside those of the patches
 };

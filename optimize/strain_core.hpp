@@ -11,6 +11,6 @@ namespace strake {
 /// whose pinned cores must keep off the symmetry plane). The inradius is the largest distance within the patch.
 /// @param pin ShellOptions::pin; triangles that are pinned already are in no core.
 std::vector<std::vector<int>> strain_cores(const TriMesh& mesh, const Adjacency& adjacent, const PatchLevel& level,
-                                           const std::vector<int>& pin, bool open_edges_count, double share = 0.25);
+                                           const std::vector<int>& pin, bool open_edges_count, double share = 0.4);
 
 }  // namespace strake

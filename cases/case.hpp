@@ -117,7 +117,7 @@ struct ParameterEntry {
     std::vector<VariableKind> variables;
     Length max_displacement;
     bool strain_rotates = true, strain_translates = true;  ///< with strain variables
-    double core = 0.25;
+    double core = 0.4;
     std::vector<Eigen::Vector3d> directions;  ///< unit, of load variables; empty: x, y, z
     SplitEntry split;
     double split_share = 0.9, growth = 8;

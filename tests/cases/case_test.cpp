@@ -41,6 +41,7 @@ TEST_F(CaseFile, MinimalOneHasTheDefaultsOfTheStructs) {
     EXPECT_EQ(c.optimize.max_evaluations, o.max_evaluations);
     EXPECT_EQ(c.optimize.max_seconds, o.max_seconds);
     EXPECT_EQ(c.optimize.progress_below, o.progress_below);
+    EXPECT_EQ(c.optimize.promise_below, o.promise_below);
     EXPECT_EQ(c.optimize.objective_tolerance, o.objective_tolerance);
     EXPECT_EQ(c.optimize.step_tolerance, o.step_tolerance);
     EXPECT_EQ(c.optimize.constraint_tolerance, o.constraint_tolerance);

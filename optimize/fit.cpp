@@ -119,7 +119,7 @@ private:
     }
 
     bool evaluate(const VectorXd& x, VectorXd& r, RowMajorMatrix* dr_dx) {
-        if (failed_ || (x != current_x_ && out_of_budget())) return false;
+        if (failed_ || ((x.size() != current_x_.size() || x != current_x_) && out_of_budget())) return false;
         measure(x);
         if (!ok_) return false;
         r = rows_.r;

@@ -123,11 +123,15 @@ private:
             const bool slackened = watch.slackened(step.merit, step.violation);
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
-        // Once the details below promise more than this level, it has done its part; much more, where all of them come.
+        // Once the details below promise more than this level, it has done its part; where only the few that promise
+        // most come, already a tenth: the metric is stiffer on details than objectives are, so that promises are too
+        // small.
         const SplitRule split = state_.rest->parameters.split;
         const double outgrown = split == SplitRule::tree ? 1 : 10;
         std::optional<Prospect> below;
-        if (!last && split != SplitRule::gradient && program_.gives_lagrangian()) below = prospect(state_.space, start);
+        if (watched && state_.problem.optimize.progress_below > 0 && split != SplitRule::gradient &&
+            program_.gives_lagrangian())
+            below = prospect(state_.space, start);
         if (below)
             how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
                 const ShellSensitivities lagrangian = program_.lagrangian();

@@ -105,8 +105,9 @@ struct OptimizeOptions {
     double max_seconds = 0;    ///< whole run; 0: no limit
     double promise_below =
         1e-3;  ///< refine only where the expected decrease is more than this share of what was gained
-    double progress_below =
-        0.01;  ///< refine when the gain per evaluation falls below this fraction of the level's best rate; 0: never
+    /// Refine when the gain per evaluation falls below this fraction of the level's best rate, or finer details promise
+    /// more than the level still does; 0: only when its own search ends.
+    double progress_below = 0.01;
     double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"

@@ -171,7 +171,10 @@ private:
                                                             : 2) *
                                    radius_,
                                largest_radius);
-        if (ratio < acceptable || !(decrease > 0)) return rejected(length);
+        if (ratio < acceptable || !(decrease > 0)) {
+            stiffen(trial, taken);
+            return rejected(length);
+        }
         return accept(x_ + taken, trial, decrease);
     }
 
@@ -235,6 +238,17 @@ private:
         if (predicted <= 0.1 * guard_.options.objective_tolerance * size && feasible)
             return end(MinimizeStop::converged, "the gradient promises less than the tolerance");
         return false;
+    }
+
+    /// What a rejected step tells for nothing: the Lagrangian's curvature along d, where it is more than the model's.
+    void stiffen(const Sample& trial, const VectorXd& d) {
+        const VectorXd lambda = multipliers(p_, at_), Md = p_.metric * d;
+        const VectorXd slope = at_.gradient + at_.jacobian.transpose() * lambda;
+        const double rise =
+            trial.objective - at_.objective + lambda.dot(trial.constraints - at_.constraints) - slope.dot(d);
+        const double excess = 2 * rise - d.dot(B_ * d), length2 = d.dot(Md);
+        const double rounding = 1e-3 * guard_.options.objective_tolerance * std::abs(at_.objective);
+        if (excess > rounding && length2 > 0) B_ += excess / (length2 * length2) * Md * Md.transpose();
     }
 
     bool failed_at(const VectorXd& d) {

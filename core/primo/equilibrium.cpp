@@ -163,7 +163,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        if (step < nearly_there) return finish(loads, fresh ? step : std::numeric_limits<double>::infinity());
+        // Only the first stress is the true one: what proves the minimum has to be of that.
+        if (step < nearly_there) return finish(loads, fresh && i == 0 ? step : std::numeric_limits<double>::infinity());
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
         if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;

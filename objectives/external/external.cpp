@@ -24,7 +24,7 @@ namespace fs = std::filesystem;
 constexpr std::size_t result_limit = std::size_t{16} << 20;
 constexpr double match_rel = 1e-5;  // of the diagonal, DESIGN section 7
 
-constexpr std::array<const char*, 5> placeholders{"surface", "request", "result", "folder", "case_dir"};
+constexpr std::array<const char*, 5> replaced_words{"surface", "request", "result", "folder", "case_dir"};
 
 /// The words between braces in one argument.
 std::vector<std::string> words_in_braces(const std::string& argument) {
@@ -37,14 +37,14 @@ std::vector<std::string> words_in_braces(const std::string& argument) {
     return words;
 }
 
-/// Braces mean something to other programs too, so only what looks like a misspelt placeholder is refused.
-void check_placeholders(const ExternalCommand& command) {
+/// Braces mean something to other programs too, so only what looks like a misspelt word of ours is refused.
+void check_replaced_words(const ExternalCommand& command) {
     for (const std::string& argument : command.command)
         for (const std::string& word : words_in_braces(argument))
-            for (const std::string known : placeholders)
-                if (std::find(placeholders.begin(), placeholders.end(), word) == placeholders.end() &&
+            for (const std::string known : replaced_words)
+                if (std::find(replaced_words.begin(), replaced_words.end(), word) == replaced_words.end() &&
                     similar(known, word))
-                    throw InvalidInput(text(command.name, ": unknown placeholder {", word, "} in '", argument,
+                    throw InvalidInput(text(command.name, ": unknown word {", word, "} in '", argument,
                                             "'; did you mean {", known, "}?"));
 }
 
@@ -67,22 +67,22 @@ void validate(const ExternalCommand& command) {
     for (const std::string& name : command.gives)
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
     format_named(command.format);
-    check_placeholders(command);
+    check_replaced_words(command);
 }
 
 struct Call {
     fs::path folder, surface, request, result;
 };
 
-/// Each placeholder replaced within its own argument, once: what is put in is not looked at again.
+/// Each word in braces replaced within its own argument, once: what is put in is not looked at again.
 std::string replaced(const std::string& argument, const Call& call, const ExternalCommand& command) {
     const std::array<std::string, 5> values{call.surface.string(), call.request.string(), call.result.string(),
                                             call.folder.string(), fs::absolute(command.case_dir).string()};
     std::string done;
     for (std::size_t at = 0; at < argument.size();) {
         std::size_t k = 0, length = 0;
-        for (; argument[at] == '{' && k < placeholders.size(); ++k) {
-            const std::string key = text("{", placeholders[k], "}");
+        for (; argument[at] == '{' && k < replaced_words.size(); ++k) {
+            const std::string key = text("{", replaced_words[k], "}");
             if (argument.compare(at, key.size(), key) != 0) continue;
             length = key.size();
             break;

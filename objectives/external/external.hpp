@@ -8,13 +8,13 @@ namespace strake {
 
 struct ExternalCommand {
     std::string name;  ///< of the quantity; values are called name.value, or name where `gives` is empty
-    std::vector<std::string>
-        command;  ///< argument list, run without a shell; placeholders {surface} {request} {result} {folder} {case_dir}
-    std::vector<std::string> gives;  ///< names of the values; empty: one value
-    double timeout_s = 3600;         ///< per evaluation, > 0; then TERM, grace, KILL to the process group
-    double grace_s = 5;              ///< >= 0
-    std::string format;              ///< of the surface handed over: stl, stl-ascii, obj, ply, ply-ascii, off, tri
-    std::filesystem::path case_dir;  ///< program paths containing '/' are relative to it
+    std::vector<std::string> command;  ///< argument list, run without a shell; replaced in it: {surface} {request}
+                                       ///< {result} {folder} {case_dir}
+    std::vector<std::string> gives;    ///< names of the values; empty: one value
+    double timeout_s = 3600;           ///< per evaluation, > 0; then TERM, grace, KILL to the process group
+    double grace_s = 5;                ///< >= 0
+    std::string format;                ///< of the surface handed over: stl, stl-ascii, obj, ply, ply-ascii, off, tri
+    std::filesystem::path case_dir;    ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
     bool own_folder = false;                ///< in 000001/<name>: where several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities

@@ -69,7 +69,7 @@ TEST_F(BuildProblem, SymmetryNeedsOpenEdgesOnThePlane) {
 
 TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {
     const char* data = std::getenv("STRAKE_DATA");
-    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
+    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";  // the surfaces are not ours to ship
     const std::string file = std::string(data) + "/wing_c172_pygeo.stl";
     const auto yaml =
         folder.write("case.yaml", "case: c172\nsurface: {file: " + file +
@@ -91,7 +91,7 @@ TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {
 /// What is good enough to be deformed must not be refused.
 TEST_F(BuildProblem, RealSurfacesAreAccepted) {
     const char* data = std::getenv("STRAKE_DATA");
-    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";
+    if (!data) GTEST_SKIP() << "STRAKE_DATA is not set";  // the surfaces are not ours to ship
     for (const char* name :
          {"wing717_pyhyp.ply", "zeroebwb_93k.ply", "bunny_closed_cgal.off", "oneraM6_pyhyp_small.ply",
           "supersonic_wing_body_pypan.stl", "dpw_w1_pypan.tri", "bunny70k_meshlab.ply"}) {

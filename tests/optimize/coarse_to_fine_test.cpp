@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -15,13 +16,7 @@ namespace {
 
 Problem more_volume() {
     Problem problem = ellipsoid_problem(3, 3);
-    problem.objective = "volume";
-    problem.maximize = true;
-    Constraint limit;
-    limit.quantity = "area";
-    limit.max = 1.02;
-    limit.relative = true;
-    problem.constraints = {limit};
+    maximize_volume(problem);
     return problem;
 }
 
@@ -73,6 +68,19 @@ TEST(CoarseToFine, SameInputGivesTheSameHistory) {
     EXPECT_EQ(first, second);
 }
 
+TEST(CoarseToFine, ALevelEndsForDetailsOnlyWhereTheRuleAllowsIt) {
+    Problem problem = ellipsoid_problem(2, 3);
+    maximize_volume(problem);
+    const auto left_early = [&](double progress_below) {
+        problem.optimize.progress_below = progress_below;
+        const RunResult r = optimize(problem);
+        return std::count_if(r.levels.begin(), r.levels.end(),
+                             [](const LevelSummary& level) { return level.stop == "progress slackened"; });
+    };
+    EXPECT_GT(left_early(0.01), 0);
+    EXPECT_EQ(left_early(0), 0);
+}
+
 TEST(CoarseToFine, QuantityFailureEndsTheRun) {
     Problem problem = more_volume();
     const auto evaluate = problem.quantities[0].evaluate;
@@ -120,7 +128,7 @@ TEST(CoarseToFine, WrongProblemsAreRefused) {
 }
 
 TEST(CoarseToFine, ExternalObjectiveGivesTheHistoryOfTheBuiltInOne) {
-    if (std::system("python3 -c pass 2>/dev/null") != 0) GTEST_SKIP() << "needs python3";
+    ASSERT_EQ(std::system("python3 -c pass 2>/dev/null"), 0) << "the set-up scripts install python3";
     namespace fs = std::filesystem;
     const fs::path folder = fs::temp_directory_path() / ("strake_external_" + std::to_string(::getpid()));
     fs::create_directories(folder);

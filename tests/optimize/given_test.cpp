@@ -162,13 +162,7 @@ TEST(Given, ARunThatRefinesBySensitivityUsesThem) {
     Problem problem = with_given({VariableKind::load_normal});
     problem.parameters.split = SplitRule::sensitivity;
     problem.optimize.promise_below = 0;  // however little it is
-    problem.objective = "volume";
-    problem.maximize = true;
-    Constraint limit;
-    limit.quantity = "area";
-    limit.max = 1.02;
-    limit.relative = true;
-    problem.constraints = {limit};
+    maximize_volume(problem);
     problem.optimize.max_evaluations = 40;
     const RunResult r = optimize(problem);
     EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;

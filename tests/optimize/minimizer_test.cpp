@@ -1,6 +1,7 @@
 #include "optimize/minimizer.hpp"
 
 #include "core/error.hpp"
+#include "programs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -55,8 +56,6 @@ MinimizeOptions tight(Method method = Method::slsqp) {
     return o;
 }
 
-VectorXd vec(std::initializer_list<double> v) { return Eigen::Map<const VectorXd>(v.begin(), v.size()); }
-
 }  // namespace
 
 TEST(Minimizer, EveryMethodFindsTheValley) {
@@ -79,6 +78,18 @@ TEST(Minimizer, ConstraintIsActiveAndMet) {
     EXPECT_TRUE(r.is_feasible);
     EXPECT_LE(r.violation, 1e-6);
     EXPECT_LT((r.x - vec({0.786415, 0.617698})).norm(), 1e-4);  // published: Rosenbrock on the unit disc
+}
+
+/// Valleys much narrower than the first steps are long: what rejected steps tell of the curvature leads to their ends.
+TEST(Minimizer, RejectedStepsTeachTheModel) {
+    const KnownProgram known = rastrigin();
+    for (const double offset : {0.0, 0.13, 0.31, 0.47}) {
+        NonlinearProgram program = known.program;
+        program.start.array() += offset;
+        const MinimizeResult r = minimize(program, tight());
+        EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+        EXPECT_LE(r.evaluations, 50);
+    }
 }
 
 TEST(Minimizer, EqualityIsMetByMethodsThatTakeNone) {

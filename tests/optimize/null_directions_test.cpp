@@ -48,13 +48,7 @@ Problem box_problem() {
 Problem more_volume(bool repeats, int subdivisions = 2) {
     Problem problem = ellipsoid_problem(subdivisions, 2);
     problem.parameters.kinds = {VariableKind::load};
-    problem.objective = "volume";
-    problem.maximize = true;
-    Constraint limit;
-    limit.quantity = "area";
-    limit.max = 1.02;
-    limit.relative = true;
-    problem.constraints = {limit};
+    maximize_volume(problem);
     if (repeats) {
         GivenVariable v;
         v.name = "again";

@@ -60,4 +60,15 @@ inline Problem ellipsoid_problem(int subdivisions, int levels, double size = 1) 
     return problem;
 }
 
+/// Asks for as much volume as `area` times the present area can hold.
+inline void maximize_volume(Problem& problem, double area = 1.02) {
+    problem.objective = "volume";
+    problem.maximize = true;
+    Constraint limit;
+    limit.quantity = "area";
+    limit.max = area;
+    limit.relative = true;
+    problem.constraints = {limit};
+}
+
 }  // namespace strake

@@ -180,7 +180,7 @@ TEST(AutomaticLevels, OptionsAreKept) {
 
 TEST(AutomaticLevels, RealSurfacesKeepThePromises) {
     const char* folder = std::getenv("STRAKE_DATA");
-    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";
+    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";  // the surfaces are not ours to ship
     for (const char* file : {"zeroebwb_93k.ply", "bunny_closed_cgal.off", "wing717_pyhyp.ply",
                              "supersonic_wing_body_pypan.stl", "turbineblade_vtkdata.ply"}) {
         const TriMesh mesh = read_surface(std::filesystem::path(folder) / file).mesh;
@@ -197,7 +197,7 @@ TEST(AutomaticLevels, RealSurfacesKeepThePromises) {
 
 TEST(AutomaticLevels, TwoTriangulationsOfTheBunnyGiveTheSamePatches) {
     const char* folder = std::getenv("STRAKE_DATA");
-    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";
+    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";  // the surfaces are not ours to ship
     const TriMesh a = read_surface(std::filesystem::path(folder) / "bunny_closed_cgal.off").mesh;
     TriMesh b = read_surface(std::filesystem::path(folder) / "bunny_pmp.off").mesh;
     const Box box_a = bounding_box(a), box_b = bounding_box(b);  // the files differ by scale and offset

@@ -46,7 +46,7 @@ TEST(LargeDeformation, WingFromOneToFiftyPercent) {
 
 TEST(LargeDeformation, BunnyPulledAtAnEar) {
     const char* folder = std::getenv("STRAKE_DATA");
-    if (!folder) GTEST_SKIP() << "STRAKE_DATA names no folder of surfaces";  // they are not ours to ship
+    if (!folder) GTEST_SKIP() << "STRAKE_DATA names no folder of surfaces";  // the surfaces are not ours to ship
     const TriMesh mesh = read_surface(std::filesystem::path(folder) / "bunny_closed_cgal.off").mesh;
     ShellOptions options = uniform(mesh, 0.02 * box_diagonal(mesh));
     const double low = mesh.vertices.col(1).minCoeff(), high = mesh.vertices.col(1).maxCoeff();

@@ -197,7 +197,7 @@ private:
         const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&
                            largest_violation(p_, trial.constraints) <= tolerance();
         // Far from feasible the violations are most of the merit: where it stands still, they cannot be met.
-        const bool stuck = largest_violation(p_, trial.constraints) > tolerance() &&
+        const bool stuck = largest_violation(p_, trial.constraints) > 10 * tolerance() &&
                            decrease <= 10 * guard_.options.objective_tolerance * std::abs(merit(trial));
         calm_ = small ? calm_ + 1 : 0;
         stuck_ = stuck ? stuck_ + 1 : 0;

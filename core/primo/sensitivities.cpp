@@ -140,15 +140,38 @@ void PrimoShell::Impl::need_tangent() {
 }
 
 Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B, double tolerance) {
-    Eigen::MatrixXd X = precondition(B);
-    for (int c = 0; c < B.cols(); ++c) {
-        const double norm = B.col(c).norm();
-        if (norm == 0) continue;
-        // The factor may be of a design nearby: what it leaves goes through conjugate gradients.
+    // The factor may be of a design nearby. Where it is hardly off, repeated substitution of the whole block corrects
+    // it; where it is not, conjugate gradients do, column by column. H X can be no better than its round-off.
+    constexpr double quick = 0.05, rounding = 0.25 * std::numeric_limits<double>::epsilon();
+    double stiffness = 0;
+    for (const Matrix6& block : H.diagonal) stiffness = std::max(stiffness, block.norm());
+    Eigen::MatrixXd X = precondition(B), R(B.rows(), B.cols());
+    const auto allowed = [&](Eigen::Index c) {
+        return std::max(tolerance * B.col(c).norm(), rounding * stiffness * X.col(c).norm());
+    };
+    std::vector<Eigen::Index> open;
+    for (double before = 1;;) {
+        open.clear();
+        double worst = 0;
+        for (Eigen::Index c = 0; c < B.cols(); ++c) {
+            R.col(c) = B.col(c) - H.multiply(X.col(c));
+            if (R.col(c).norm() <= allowed(c)) continue;
+            open.push_back(c);
+            worst = std::max(worst, R.col(c).norm() / B.col(c).norm());
+        }
+        if (open.empty()) return X;
+        if (!(worst < quick * before)) break;
+        before = worst;
+        const Eigen::MatrixXd correction = precondition(R(Eigen::all, open));
+        for (std::size_t k = 0; k < open.size(); ++k) X.col(open[k]) += correction.col(static_cast<Eigen::Index>(k));
+    }
+    for (const Eigen::Index c : open) {
+        double last = std::numeric_limits<double>::infinity();
         for (int round = 0; round < 3; ++round) {
             const Eigen::VectorXd r = B.col(c) - H.multiply(X.col(c));
-            if (r.norm() <= tolerance * norm) break;
-            const CgResult cg = conjugate_gradients(*this, r, 0.5 * tolerance * norm / r.norm(), 60);
+            if (r.norm() <= allowed(c) || r.norm() > 0.5 * last) break;
+            last = r.norm();
+            const CgResult cg = conjugate_gradients(*this, r, 0.5 * allowed(c) / last, 60);
             if (!cg.positive) throw SolverError("shell: the exact Hessian is not positive definite at the equilibrium");
             X.col(c) += cg.x;
         }

@@ -34,7 +34,8 @@ public:
             }
             const bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
             // It was left for details that turn out to be worth nothing.
-            if (refining_is_idle_ && level.stop == MinimizeStop::stopped) level = run_level(x, false, true);
+            const bool left_early = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
+            if (refining_is_idle_ && left_early) level = run_level(x, false, true);
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
             if (!refines) break;

@@ -79,6 +79,7 @@ enum class MinimizeStop {
     evaluations,  ///< limit
     time,         ///< limit
     stopped,      ///< on_step said so
+    outpaced,     ///< on_model said so
     blocked,      ///< failures remain however small the step
     failed        ///< the start or a fatal evaluation failed, or the algorithm broke down at once
 };

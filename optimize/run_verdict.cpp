@@ -99,7 +99,8 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
 }  // namespace
 
 std::string level_words(const MinimizeResult& level) {
-    return level.stop == MinimizeStop::stopped ? "progress slackened" : level.reason;
+    if (level.stop == MinimizeStop::stopped) return "progress slackened";
+    return level.stop == MinimizeStop::outpaced ? "finer details promise more" : level.reason;
 }
 
 void conclude_run(RunResult& r, const RunEnd& end) {

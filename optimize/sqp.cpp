@@ -70,7 +70,7 @@ private:
         for (Eigen::Index j = 0; j < g.size(); ++j)
             if (leaves_bounds(p_, x_, j, d[j])) g[j] = 0;
         if (guard_.options.on_model(0.5 * g.dot(B_.llt().solve(g)), B_)) return false;
-        return end(MinimizeStop::stopped, "stopped on request");
+        return end(MinimizeStop::outpaced, "more is expected elsewhere");
     }
 
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }

@@ -74,8 +74,9 @@ TEST(CoarseToFine, ALevelEndsForDetailsOnlyWhereTheRuleAllowsIt) {
     const auto left_early = [&](double progress_below) {
         problem.optimize.progress_below = progress_below;
         const RunResult r = optimize(problem);
-        return std::count_if(r.levels.begin(), r.levels.end(),
-                             [](const LevelSummary& level) { return level.stop == "progress slackened"; });
+        return std::count_if(r.levels.begin(), r.levels.end(), [](const LevelSummary& level) {
+            return level.stop == "finer details promise more" || level.stop == "progress slackened";
+        });
     };
     EXPECT_GT(left_early(0.01), 0);
     EXPECT_EQ(left_early(0), 0);

@@ -67,17 +67,28 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        state_.note(text("refinement: ", plan.words()));
+        const double credit = this->credit();
+        state_.note(text("refinement: ", plan.words(),
+                         credit > 1 ? text("; the last one gave ", credit, " times what was expected") : ""));
         if (plan.promises.empty()) return false;
+        expected_of_level_ = plan.chosen + still_expected_;
         // Measured by what has been gained, so that an objective may go to zero.
         const double now = state_.level_best_objective;
         const double gained = std::abs(state_.result.objective_start - now);
         const double floor =
             std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
                      state_.problem.optimize.promise_below * gained);
-        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && plan.promised <= floor;
+        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && credit * plan.promised <= floor;
         if (!refining_is_idle_) front = plan.front;
         return !refining_is_idle_;
+    }
+
+    /// The metric is stiffer on details than objectives are, so promises are too small; how much, the level tells that
+    /// the last refinement made.
+    double credit() const {
+        const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+        return expected_of_level_ > 0 && std::isfinite(gained) ? std::clamp(gained / expected_of_level_, 1.0, 100.0)
+                                                               : 1;
     }
 
     MinimizeOptions options_of_level(bool first, bool last) {
@@ -135,12 +146,15 @@ private:
             below = prospect(state_.space, start);
         if (below)
             how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
+                still_expected_ = expected;
                 const ShellSensitivities lagrangian = program_.lagrangian();
                 const DesignFacts facts{state_.space, program_.known().x, lagrangian,
                                         shape_curvature(hessian, program.metric), program_.known().dJ_dv};
                 return outgrown * promised_decrease(facts, *below) <= expected;
             };
+        still_expected_ = 0;
         MinimizeResult result = minimize(program, how);
+        if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
         curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
         result.x = program_.unscaled(result.x);
@@ -159,6 +173,8 @@ private:
     LevelProgram program_;
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
     double curvature_ = 1, first_step_ = 0.5;
+    double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
+    double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false;
 };
 

@@ -12,11 +12,13 @@
 namespace strake {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double global_share = 0.7;   ///< of the evaluations; the rest polishes
 constexpr double most_failing = 0.75;  ///< of the evaluations: more, and nothing is known of convergence
 constexpr int most_confirmations = 5, separable_confirmations = 20;
+constexpr double fresh_share = 0.1;  ///< of the mean curvature: soft directions are to be seen
 constexpr int restoration_steps = 40, most_feasibility_phases = 2;
 
 void validate(const NonlinearProgram& p, const MinimizeOptions& o) {
@@ -162,25 +164,32 @@ private:
     }
 
     void run_sqp() {
+        double curvature = 0;
         for (bool go_on = true; go_on;) {
             const double before = guard_.best.objective;
             const bool feasible_before = guard_.best_feasible;
             Sample sample;
             if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
-            const SqpEnd sqp = minimize_by_sqp(guard_);
+            const SqpEnd sqp = minimize_by_sqp(guard_, curvature);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
             result_.hessian = sqp.hessian;
             end(sqp.stop, sqp.reason);
-            go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before);
+            const bool doubtful = confirmations_ == 0 && promises_more(guard_);
+            go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before, doubtful);
+            // A fresh model of about the same size has nothing to relearn; one that is doubted starts from nothing.
+            const MatrixXd& metric = guard_.program.metric;
+            const double size = metric.size() > 0 ? metric.trace() : static_cast<double>(guard_.best_x.size());
+            curvature = doubtful ? 0 : fresh_share * sqp.hessian.trace() / size;
         }
     }
 
-    /// A quasi-Newton method may stop short; what a fresh start gains tells.
-    bool wants_confirmation(double before, bool feasible_before) {
+    /// A quasi-Newton method may stop short; what a fresh start gains tells, and once what the gradient promises.
+    bool wants_confirmation(double before, bool feasible_before, bool doubtful) {
         const double floor = 10 * guard_.options.objective_tolerance * std::abs(guard_.best.objective);
         const bool gained = before - guard_.best.objective > floor || feasible_before != guard_.best_feasible;
-        if (!guard_.options.confirm || !gained || ++confirmations_ > most_confirmations) return false;
+        const bool wanted = (guard_.options.confirm && gained) || doubtful;
+        if (!wanted || ++confirmations_ > most_confirmations) return false;
         guard_.tell_event("converged; a fresh start from here confirms or continues");
         return true;
     }

@@ -26,7 +26,8 @@ constexpr int calm_steps = 2;        ///< small decreases in a row that mean con
 
 class Sqp {
 public:
-    explicit Sqp(Guard& guard) : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best) {
+    Sqp(Guard& guard, double least_curvature)
+        : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best), least_curvature_(least_curvature) {
         if (p_.metric.size() == 0) p_.metric = MatrixXd::Identity(x_.size(), x_.size());
     }
 
@@ -54,11 +55,11 @@ private:
         return s.objective + guard_.penalty * total_violation(p_, tightened(s.constraints));
     }
 
-    /// B = beta metric, so that the first step has the length of the first radius.
+    /// B = beta metric, so that the first step has the length of the first radius, or less where more is known.
     void start_hessian() {
         const VectorXd lagrangian = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
         const double slope = std::max(dual_norm(p_, lagrangian), 1e-3 * dual_norm(p_, at_.gradient));
-        B_ = (slope > 0 ? slope / guard_.options.first_step : 1.0) * p_.metric;
+        B_ = std::max(slope > 0 ? slope / guard_.options.first_step : 1.0, least_curvature_) * p_.metric;
         raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
     }
 
@@ -241,12 +242,15 @@ private:
     }
 
     /// What a rejected step tells for nothing: the Lagrangian's curvature along d, where it is more than the model's.
+    /// No more than makes the model's own step along d as long as the radius: a wall further out is not curvature here.
     void stiffen(const Sample& trial, const VectorXd& d) {
         const VectorXd lambda = multipliers(p_, at_), Md = p_.metric * d;
         const VectorXd slope = at_.gradient + at_.jacobian.transpose() * lambda;
         const double rise =
             trial.objective - at_.objective + lambda.dot(trial.constraints - at_.constraints) - slope.dot(d);
-        const double excess = 2 * rise - d.dot(B_ * d), length2 = d.dot(Md);
+        const double length2 = d.dot(Md), known = d.dot(B_ * d);
+        const double most = std::abs(slope.dot(d)) * std::sqrt(length2) / radius_;
+        const double excess = std::min(2 * rise, most) - known;
         const double rounding = 1e-3 * guard_.options.objective_tolerance * std::abs(at_.objective);
         if (excess > rounding && length2 > 0) B_ += excess / (length2 * length2) * Md * Md.transpose();
     }
@@ -329,6 +333,7 @@ private:
     Sample at_;  ///< at x_, with gradients
     MatrixXd B_;
     double radius_ = guard_.options.first_step;
+    double least_curvature_;
     bool is_limited_ = false;
     int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
     SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0};
@@ -336,6 +341,6 @@ private:
 
 }  // namespace
 
-SqpEnd minimize_by_sqp(Guard& guard) { return Sqp(guard).run(); }
+SqpEnd minimize_by_sqp(Guard& guard, double least_curvature) { return Sqp(guard, least_curvature).run(); }
 
 }  // namespace strake

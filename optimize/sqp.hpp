@@ -21,7 +21,8 @@ struct SqpEnd {
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.
+/// @param least_curvature of the first model over the metric; 0: such that its step has the length `first_step`
 /// @throws nlopt::forced_stop never: `guard.cause` of the end is turned into `stop`.
-SqpEnd minimize_by_sqp(Guard& guard);
+SqpEnd minimize_by_sqp(Guard& guard, double least_curvature = 0);
 
 }  // namespace strake

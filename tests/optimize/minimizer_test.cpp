@@ -89,6 +89,44 @@ TEST(Minimizer, RejectedStepsTeachTheModel) {
         const MinimizeResult r = minimize(program, tight());
         EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
         EXPECT_LE(r.evaluations, 50);
+        Sample end = r.best;
+        program.differentiate(r.x, end);
+        EXPECT_LT(end.gradient.norm(), 1e-4) << "curvature 20 pi^2: a minimum to 1e-6";
+    }
+}
+
+/// A wall beyond the optimum is met by the first steps; it must not pass for the curvature of what lies before it.
+TEST(Minimizer, AWallIsNoCurvature) {
+    struct Wall {
+        const char* name;
+        std::function<double(double)> value, slope;  ///< of the first variable, beside the bowl
+        double best;
+    };
+    const double inf = 1e300;
+    std::vector<Wall> walls;
+    for (const double height : {20.0, 1e3, 1e6, 1e10, inf})
+        walls.push_back({"step", [=](double a) { return a > 0.3 ? height : (a - 0.28) * (a - 0.28); },
+                         [](double a) { return 2 * (a - 0.28); }, 10});
+    walls.push_back({"barrier", [](double a) { return a < 0.3 ? 1e-3 / (0.3 - a) - a : 1e6; },
+                     [](double a) { return a < 0.3 ? 1e-3 / ((0.3 - a) * (0.3 - a)) - 1 : -1; }, 9.7632456});
+    walls.push_back({"steep", [](double a) { return 1e-3 * std::exp(std::min(100 * (a - 0.3), 600.0)) - a; },
+                     [](double a) { return 0.1 * std::exp(std::min(100 * (a - 0.3), 600.0)) - 1; }, 9.6869741});
+    for (const Wall& wall : walls) {
+        SCOPED_TRACE(wall.name);
+        const NonlinearProgram program = program_of(
+            vec({0, 0}), vec({-1, -1}), vec({1, 1}), 0, 0,
+            [&](const VectorXd& x) { return vec({10 + wall.value(x[0]) + 0.5 * (x[1] - x[0]) * (x[1] - x[0])}); },
+            [&](const VectorXd& x) {
+                Eigen::MatrixXd g(1, 2);
+                g << wall.slope(x[0]) - (x[1] - x[0]), x[1] - x[0];
+                return g;
+            });
+        MinimizeOptions options;
+        options.max_evaluations = 60;
+        options.confirm = true;
+        const MinimizeResult r = minimize(program, options);
+        EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+        EXPECT_NEAR(r.best.objective, wall.best, 2e-5) << r.evaluations;
     }
 }
 

@@ -40,11 +40,10 @@ configure() {  # PRESET
     cmake --preset "$1" "${launcher[@]}"
 }
 release_build() { configure release && cmake --build --preset release; }
-# The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader
-# (similarity_test is about whole runs).
+# The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader.
 sanitized() {
     local -a tests
-    mapfile -t tests < <(find tests/core/mesh/io*_test.cpp tests/cases/*_test.cpp -not -name 'similarity_test.cpp' -printf '%f\n' | sed 's/\.cpp$//')
+    mapfile -t tests < <(find tests/core/mesh/io*_test.cpp tests/cases/*_test.cpp -printf '%f\n' | sed 's/\.cpp$//')
     configure debug && cmake --build --preset debug --target "${tests[@]}" || return 1
     local pattern
     pattern=$(IFS='|'; echo "${tests[*]}")

@@ -15,11 +15,38 @@ void ProblemBuilder::read_start() {
     start_.adjacent = adjacency(start_.mesh);
     start_.area = triangle_areas(start_.mesh);
     start_.diagonal = box_diagonal(start_.mesh);
+    check_symmetry_plane();
+    errors_.throw_if_any();
     SurfaceDemands demands{case_.couple_nonmanifold, false, case_.symmetry};
     if (purpose_ != Purpose::deform)
         for (const QuantityEntry& quantity : case_.quantities)
             demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
     check_surface(case_.surface, start_, demands);
+}
+
+/// A half model ends on the plane, with open edges.
+void ProblemBuilder::check_symmetry_plane() {
+    if (!case_.symmetry) return;
+    const SymmetryPlane& plane = *case_.symmetry;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (int e = 0; e < start_.adjacent.num_edges(); ++e) {
+        if (start_.adjacent.edge_triangles[e].size() != 1) continue;
+        const auto [a, b] = start_.adjacent.edges[e];
+        const double one = plane.normal.dot(start_.mesh.vertices.row(a)) - plane.offset,
+                     other = plane.normal.dot(start_.mesh.vertices.row(b)) - plane.offset;
+        if (std::max(std::abs(one), std::abs(other)) <= 1e-6 * start_.diagonal) return;
+        lowest = std::min({lowest, one, other});
+        highest = std::max({highest, one, other});
+    }
+    const Eigen::Vector3d& n = plane.normal;
+    const std::string shown = text("symmetry: no open edge on the symmetry plane with normal (", n[0], ", ", n[1], ", ",
+                                   n[2], ") at ", plane.offset, " (both ends within 1e-6 of the diagonal)");
+    if (highest < lowest)
+        errors_.add(case_.symmetry_place, shown + ": the surface is closed; leave symmetry out for a full model");
+    else
+        errors_.add(case_.symmetry_place,
+                    text(shown, ": the open edges of the half lie between ", plane.offset + lowest, " and ",
+                         plane.offset + highest, " along that normal"));
 }
 
 Split ProblemBuilder::split() {

@@ -1,6 +1,7 @@
 #include "cases/case_source.hpp"
 
 #include <algorithm>
+#include <array>
 #include <set>
 
 namespace strake {
@@ -10,11 +11,24 @@ bool is_own_variable(const Case& c, const std::string& name) {
     return std::any_of(c.variables.begin(), c.variables.end(), [&](const auto& v) { return v.variable.name == name; });
 }
 
+constexpr const char* taken_by_history = ": this is a column of history.csv; choose another name";
+
+bool is_column(const std::string& name) {
+    constexpr std::array<const char*, 6> columns{"evaluation", "level",         "status",
+                                                 "objective",  "max_violation", "accepted"};
+    return std::find(columns.begin(), columns.end(), name) != columns.end();
+}
+
 }  // namespace
 
 /// Nobody reads a variable in vain, and no name means two things in a history.
 void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) {
     const std::vector<std::string> values = known_values(c);
+    for (const QuantityEntry& quantity : c.quantities)
+        if (is_column(quantity.name)) errors.add(quantity.place, text("quantities.", quantity.name, taken_by_history));
+    for (const OwnVariableEntry& entry : c.variables)
+        if (is_column(entry.variable.name))
+            errors.add(entry.place, text("variables.", entry.variable.name, taken_by_history));
     std::vector<std::string> names;
     for (const OwnVariableEntry& entry : c.variables) names.push_back(entry.variable.name);
     std::set<std::string> taken;

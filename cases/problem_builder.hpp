@@ -42,6 +42,7 @@ private:
 
     // build_surface.cpp
     void read_start();
+    void check_symmetry_plane();
     Split split();
     void build_tree();
     void read_stored();

@@ -93,9 +93,9 @@ std::vector<Key> run_keys() {
         {.path = "optimize.refine_when", .doc = "When the next level starts.", .fallback = "{}"},
         {.path = "optimize.refine_when.progress_below",
          .type = Type::fraction,
-         .doc =
-             "When the gain of an evaluation falls below this share of the level's best, or finer details promise more than "
-             "the level still does; 0: only when the level's own search ends.",
+         .doc = "When the gain of an evaluation falls below this share of the level's best, or finer details promise "
+                "more than "
+                "the level still does; 0: only when the level's own search ends.",
          .fallback = "1%",
          .limits = {0, 1, false, true}},
         {.path = "optimize.refine_when.promise_below",

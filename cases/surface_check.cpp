@@ -160,10 +160,6 @@ void check_surface(const std::filesystem::path& file, const StartSurface& start,
                      "delete inner walls, or state shell: {nonmanifold: couple}");
     report_cracks(start, report);
     if (demands.volume) report_volume(start, demands, facts, report);
-    if (demands.symmetry && free_edges(start, demands.symmetry).size() == free_edges(start, {}).size())
-        report.add(
-            "no open edge on the symmetry plane",
-            "a half model ends there (both ends within 1e-6 of the diagonal); correct symmetry, or leave it out");
     if (!report.lines().empty())
         throw SurfaceRefused(text(name, ": the surface cannot be used as it is", report.lines()));
 }

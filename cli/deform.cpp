@@ -1,5 +1,6 @@
 #include "cases/build_problem.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/io.hpp"
@@ -30,9 +31,10 @@ nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status
     nlohmann::ordered_json j;
     j["status"] = status;
     j["reason"] = end.reason;
+    const bool is_solved = end.iterations > 0;  // a linear answer is no equilibrium
     j["energy"] = number(end.energy);
-    j["gradient_norm"] = number(end.gradient_norm);
-    j["relative_gradient"] = number(end.relative_gradient);
+    j["gradient_norm"] = is_solved ? number(end.gradient_norm) : nullptr;
+    j["relative_gradient"] = is_solved ? number(end.relative_gradient) : nullptr;
     j["iterations"] = end.iterations;
     j["last_step"] = number(end.last_step);
     j["max_displacement"] = number(moved);
@@ -110,6 +112,7 @@ Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell
 
 void deform_case(const DeformArguments& args) {
     const Case the_case = load_case(args.case_file, Purpose::deform);
+    check_outputs({args.out, args.prisms}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_problem(the_case, Purpose::deform);
     const TriMesh& mesh = built.problem.surface;
     const ShellSetup setup = shell_setup(built.problem);

@@ -120,7 +120,7 @@ void add_gradient_check(CLI::App& app) {
         ->check(CLI::IsMember({"random", "start"}));
     command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");
     command->add_option("--level", args->options.level, "level of the patches (default: the finest)")
-        ->check(CLI::PositiveNumber);
+        ->check(CLI::Range(1, 1000));
     command->add_option("--out", args->out, "keep the folders of external evaluations here");
     command->add_flag("--json", args->json, "results as JSON on standard output");
     command->add_flag("-q,--quiet", args->quiet, "no progress");

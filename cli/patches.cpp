@@ -1,4 +1,5 @@
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/io.hpp"
@@ -204,6 +205,7 @@ void patches(const Options& options) {
     if (!options.vtp.empty() && std::filesystem::path(options.vtp).extension() != ".vtp")
         throw InvalidInput(text("-o ", options.vtp, ": patches are written as .vtp; for a table use --labels"));
 
+    check_outputs({options.vtp, options.labels}, {options.surface});
     const TriMesh mesh = read_surface(options.surface).mesh;
     check_triangles(split, mesh);
     const Adjacency adjacent = adjacency(mesh);

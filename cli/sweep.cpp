@@ -3,6 +3,7 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -146,6 +147,7 @@ void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objec
 
 void sweep_case(const SweepArguments& args) {
     Case the_case = load_case(args.case_file);
+    check_outputs({args.out}, {args.case_file, the_case.surface});
     const WorkFolder folder;
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_problem(the_case);
@@ -188,7 +190,7 @@ void add_sweep(CLI::App& app) {
         ->required()
         ->expected(1)
         ->take_all();
-    command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::PositiveNumber);
+    command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::Range(1, 1000));
     command->add_option("-o,--output", args->out, "also write the table to this file (CSV)");
     command->add_flag("--json", args->json, "one JSON object instead of the table");
     command->add_flag("-q,--quiet", args->quiet, "no messages about points without values");

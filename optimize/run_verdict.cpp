@@ -58,9 +58,14 @@ void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
         return;
     }
     r.status = "infeasible";
+    const bool by_budget = end.level.stop == MinimizeStop::evaluations || end.level.stop == MinimizeStop::time;
     const std::string unmet = end.level.conflict.empty() ? "the constraints" : names_of(end, r, end.level.conflict);
-    r.reason = text("no design within the bounds meets ", unmet, ", the least violation is ", r.max_violation, " (",
-                    words, "); relax it or allow a larger max_displacement", bounds_note(r, end));
+    r.reason = by_budget
+                   ? text("none of the ", r.evaluations, " designs evaluated meets ", unmet,
+                          ", the least violation is ", r.max_violation, " (", words,
+                          "); raise optimize.budget, or relax what is asked", bounds_note(r, end))
+                   : text("no design within the bounds meets ", unmet, ", the least violation is ", r.max_violation,
+                          " (", words, "); relax it or allow a larger max_displacement", bounds_note(r, end));
 }
 
 void feasible(RunResult& r, const RunEnd& end, const std::string& words) {

@@ -144,7 +144,7 @@ private:
     bool step() {
         if (needs_restoration() && guard_.evaluations + restorations >= guard_.options.max_evaluations)
             return end(MinimizeStop::evaluations,
-                       text("the limit of evaluations is reached (", guard_.evaluations, ")"));
+                       text("the limit of evaluations is reached (", guard_.options.max_evaluations, ")"));
         const VectorXd d = careful_step();
         if (d.size() == 0) return model_failed();
         const double gain = -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));

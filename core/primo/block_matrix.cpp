@@ -26,6 +26,19 @@ Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const {
     return y;
 }
 
+Eigen::VectorXd BlockMatrix::multiply_sizes(const Eigen::VectorXd& x) const {
+    const Eigen::VectorXd sizes = x.cwiseAbs();
+    Eigen::VectorXd y(x.size());
+    for (int j = 0; j < size(); ++j) y.segment<6>(6 * j).noalias() = diagonal[j].cwiseAbs() * sizes.segment<6>(6 * j);
+    for (int j = 0; j < size(); ++j)
+        for (int k = begin[j]; k < begin[j + 1]; ++k) {
+            const Matrix6 block = below[k].cwiseAbs();
+            y.segment<6>(6 * row[k]).noalias() += block * sizes.segment<6>(6 * j);
+            y.segment<6>(6 * j).noalias() += block.transpose() * sizes.segment<6>(6 * row[k]);
+        }
+    return y;
+}
+
 BlockMatrix block_matrix(int size, const std::vector<std::pair<int, int>>& pairs) {
     std::vector<std::pair<int, int>> places;
     places.reserve(pairs.size());

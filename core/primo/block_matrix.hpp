@@ -19,6 +19,8 @@ struct BlockMatrix {
     /// Position in `below` of the block (max, min) of two different rows. @pre it exists.
     int find(int a, int b) const;
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
+    /// |A| |x| by entries: round-off of A x is a few units in the last place of this.
+    Eigen::VectorXd multiply_sizes(const Eigen::VectorXd& x) const;
 };
 
 /// All-zero matrix with blocks at the listed pairs (any order, duplicates allowed, equal members ignored).

@@ -139,25 +139,39 @@ void PrimoShell::Impl::need_tangent() {
     has_tangent = true;
 }
 
+namespace {
+
+/// Of forces and torques, these divided by the prism's height.
+double wrench_norm(const RestState& rest, const Eigen::VectorXd& wrench) {
+    double sum = 0;
+    for (int f = 0; f < rest.num_free(); ++f) {
+        const double h = rest.prism_height[rest.free_prisms[f]];
+        sum += wrench.segment<3>(6 * f).squaredNorm() / (h * h) + wrench.segment<3>(6 * f + 3).squaredNorm();
+    }
+    return std::sqrt(sum);
+}
+
+}  // namespace
+
 Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B, double tolerance) {
     // The factor may be of a design nearby. Where it is hardly off, repeated substitution of the whole block corrects
     // it; where it is not, conjugate gradients do, column by column. H X can be no better than its round-off.
-    constexpr double quick = 0.05, rounding = 0.25 * std::numeric_limits<double>::epsilon();
-    double stiffness = 0;
-    for (const Matrix6& block : H.diagonal) stiffness = std::max(stiffness, block.norm());
+    constexpr double quick = 0.05, rounding = 0.5 * std::numeric_limits<double>::epsilon();
     Eigen::MatrixXd X = precondition(B), R(B.rows(), B.cols());
-    const auto allowed = [&](Eigen::Index c) {
-        return std::max(tolerance * B.col(c).norm(), rounding * stiffness * X.col(c).norm());
-    };
+    Eigen::VectorXd allowed(B.cols());
+    for (Eigen::Index c = 0; c < B.cols(); ++c)
+        allowed[c] =
+            std::max(tolerance * wrench_norm(rest, B.col(c)), rounding * wrench_norm(rest, H.multiply_sizes(X.col(c))));
     std::vector<Eigen::Index> open;
     for (double before = 1;;) {
         open.clear();
         double worst = 0;
         for (Eigen::Index c = 0; c < B.cols(); ++c) {
             R.col(c) = B.col(c) - H.multiply(X.col(c));
-            if (R.col(c).norm() <= allowed(c)) continue;
+            const double left = wrench_norm(rest, R.col(c));
+            if (left <= allowed[c]) continue;
             open.push_back(c);
-            worst = std::max(worst, R.col(c).norm() / B.col(c).norm());
+            worst = std::max(worst, left / wrench_norm(rest, B.col(c)));
         }
         if (open.empty()) return X;
         if (!(worst < quick * before)) break;
@@ -169,9 +183,10 @@ Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B, double
         double last = std::numeric_limits<double>::infinity();
         for (int round = 0; round < 3; ++round) {
             const Eigen::VectorXd r = B.col(c) - H.multiply(X.col(c));
-            if (r.norm() <= allowed(c) || r.norm() > 0.5 * last) break;
-            last = r.norm();
-            const CgResult cg = conjugate_gradients(*this, r, 0.5 * allowed(c) / last, 60);
+            const double left = wrench_norm(rest, r);
+            if (left <= allowed[c] || left > 0.5 * last) break;
+            last = left;
+            const CgResult cg = conjugate_gradients(*this, r, 0.5 * allowed[c] / left, 60);
             if (!cg.positive) throw SolverError("shell: the exact Hessian is not positive definite at the equilibrium");
             X.col(c) += cg.x;
         }

@@ -137,7 +137,7 @@ public:
 
     /// Vertex velocities dv for changes of the forces dF (n x 3 each), at the equilibrium of the last `solve`
     /// (or at rest before any). One back-substitution each, and another where it leaves more than `tolerance`
-    /// (relative).
+    /// (relative) and more than the round-off of the product.
     std::vector<Points> response(const std::vector<Points>& dF, double tolerance = 1e-11);
     /// The same for changes of the motions (6 per motion: rotation, translation); [k][c] is component c of motion k.
     std::vector<std::array<Points, 6>> motion_response();

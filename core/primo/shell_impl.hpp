@@ -30,7 +30,7 @@ struct PrimoShell::Impl {
     void advance(const Eigen::VectorXd& twist);
     /// Exact Hessian and its factor at `poses`, under the loads of the last solve.
     void need_tangent();
-    /// H X = B at `poses`, to `tolerance` of each column. @pre need_tangent().
+    /// H X = B at `poses`, to `tolerance` of each column or the round-off of H X. @pre need_tangent().
     Eigen::MatrixXd solve_tangent(const Eigen::MatrixXd& B, double tolerance = 1e-11);
     Points vertices() const;
 };

@@ -62,9 +62,13 @@ TEST_F(BuildProblem, CracksAreRefused) {
 
 TEST_F(BuildProblem, SymmetryNeedsOpenEdgesOnThePlane) {
     surface(box_surface());
-    EXPECT_TRUE(contains(error("symmetry: {plane: y}\n", Purpose::deform), "no open edge on the symmetry plane"));
+    EXPECT_TRUE(
+        contains(error("symmetry: {plane: y}\n", Purpose::deform), "the surface is closed; leave symmetry out"));
     surface(strip(1, 1, 2, 2));
     EXPECT_EQ(error("symmetry: {plane: y}\n", Purpose::deform), "");
+    const std::string off = error("symmetry: {plane: y, at: 0.25}\n", Purpose::deform);
+    EXPECT_TRUE(contains(off, "case.yaml:3:11: symmetry: no open edge on the symmetry plane")) << off;
+    EXPECT_TRUE(contains(off, "at 0.25") && contains(off, "the open edges of the half lie between ")) << off;
 }
 
 TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {

@@ -65,6 +65,8 @@ TEST_F(Variables, ErrorsNameThePlace) {
         {with("alpha: {start: 3deg, min: 0, mxa: 6deg}"), "case.yaml:6:32: unknown key 'mxa'"},
         {with("a.b: {start: 3, min: 0, max: 6}"), "case.yaml:6:3: variables.a.b must be a name"},
         {with("q: {start: 3, min: 0, max: 6}"), "case.yaml:6:3: variables.q: a quantity is called the same"},
+        {with("level: {start: 3, min: 0, max: 6}"),
+         "case.yaml:6:3: variables.level: this is a column of history.csv; choose another name"},
         {with(ok, ", depends_on: [alhpa]"),
          "variable 'alhpa' is not declared; did you mean 'alpha'?; variables: alpha"},
         {with(ok, ", depends_on: []"), "case.yaml:6:3: variables.alpha: no quantity depends on it"},

@@ -57,6 +57,44 @@ TEST_F(Status, ConvergedAndLimitsAreSuccess) {
     EXPECT_NE(e.reason.find("limit of evaluations"), std::string::npos) << e.reason;
 }
 
+TEST_F(Status, AnEndByTheBudgetProvesNothingAboutTheConstraints) {
+    const Ended e = ended(volume +
+                          "constraints: {area: {min: 1.01, relative: true}, volume: {max: 0.9, relative: true}}\n"
+                          "optimize: {budget: {evaluations: 2}}\n");
+    EXPECT_EQ(e.word, "infeasible");
+    EXPECT_NE(e.reason.find("none of the 2 designs evaluated meets"), std::string::npos) << e.reason;
+    EXPECT_NE(e.reason.find("raise optimize.budget"), std::string::npos) << e.reason;
+}
+
+TEST_F(Status, NothingThatIsReadIsOverwritten) {
+    const std::string surface = (folder / "s.obj").string();
+    write_surface(surface, ellipsoid({1, 0.6, 0.4}, 2), SurfaceFormat::obj);
+    const std::string file =
+        folder
+            .write("case.yaml",
+                   "surface: {file: s.obj}\nregions: {root: {box: [[-2, -2, -2], [-0.7, 2, 2]]}}\nfixed: [root]\n" +
+                       volume)
+            .string();
+    const std::string before = bytes_of(surface), text_before = bytes_of(file), link = (folder / "link.obj").string();
+    std::filesystem::create_symlink(surface, link);
+    const std::string twice = (folder / "twice.obj").string();
+    for (const std::vector<std::string>& arguments : std::vector<std::vector<std::string>>{
+             {"deform", file, "-o", surface},
+             {"deform", file, "-o", link},
+             {"deform", file, "-o", twice, "--prisms", twice},
+             {"patches", surface, "--angle", "auto", "--labels", surface},
+             {"patches", surface, "--angle", "auto", "--labels", (folder / "." / "s.obj").string()},
+             {"sweep", file, "--variable", "p1.load_normal", "--from", "0", "--to", "1", "--steps", "2", "-o", file}}) {
+        const ProgramRun run = run_strake(arguments);
+        EXPECT_EQ(run.status, 2) << run.err;
+        EXPECT_NE(run.err.find(arguments.back() == twice ? "two outputs" : "would overwrite"), std::string::npos)
+            << run.err;
+    }
+    EXPECT_EQ(bytes_of(surface), before);
+    EXPECT_EQ(bytes_of(file), text_before);
+    EXPECT_FALSE(std::filesystem::exists(twice));
+}
+
 TEST_F(Status, ConflictsAreFailures) {
     const Ended e =
         ended(volume + "constraints: {area: {max: 0.98, relative: true}, volume: {min: 1.02, relative: true}}\n");

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "objectives/external/external.hpp"
+#include "optimize/evaluation.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -32,6 +33,18 @@ TEST(CoarseToFine, GainsVolumeUnderAnAreaLimit) {
         EXPECT_EQ(d.vertices.rows(), d.dJ_dv.rows());
     };
     const Problem problem = more_volume();
+    // What a level starts from, solved anew from rest: the values that it takes over must be its own.
+    const auto rest = rest_facts(problem);
+    events.level = [&](const LevelStart& level) {
+        if (history.empty()) return;
+        ShapeEvaluator evaluator(problem, rest, {});
+        evaluator.enter(level.space);
+        const ShapeEvaluation anew = evaluator.evaluate(level.x, 1);
+        double best = 0;
+        for (const EvaluationRecord& record : history)
+            if (record.accepted) best = record.objective;
+        EXPECT_NEAR(anew.values[0], best, 1e-8 * best);  // a step below 1e-9 of the diagonal is left by either solve
+    };
     const RunResult r = optimize(problem, events);
     EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
     EXPECT_GT(r.objective, 1.03 * r.objective_start);
@@ -39,7 +52,6 @@ TEST(CoarseToFine, GainsVolumeUnderAnAreaLimit) {
     ASSERT_EQ(r.levels.size(), 3u);
     for (std::size_t k = 1; k < 3; ++k) {
         EXPECT_LT(r.levels[k].inherited_shape_change, 1e-10);
-        EXPECT_LT(r.levels[k].inherited_objective_change, 1e-10);
         EXPECT_GE(r.levels[k].objective_end, r.levels[k].objective_start);
     }
     EXPECT_EQ(static_cast<int>(history.size()), r.evaluations);

@@ -111,7 +111,6 @@ TEST(Refinement, EveryRuleStartsALevelFromTheInheritedShape) {
         ASSERT_GE(result.levels.size(), 2u);
         for (const LevelSummary& level : result.levels) {
             EXPECT_LT(level.inherited_shape_change, 1e-10);
-            EXPECT_LT(level.inherited_objective_change, 1e-8);  // of a mean square distance that is nearly zero
         }
     }
 }

@@ -28,14 +28,14 @@ public:
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
-                level = run_level(x, !any, state_.levels_left() == 0);
+                level = run_level(x, any ? Entry::refined : Entry::first);
                 any = true;
                 x = level.x;
             }
             const bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
             // It was left for details that turn out to be worth nothing.
             const bool left_early = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
-            if (refining_is_idle_ && left_early) level = run_level(x, false, true);
+            if (refining_is_idle_ && left_early) level = run_level(x, Entry::again);
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
             if (!refines) break;
@@ -113,20 +113,24 @@ private:
         return how;
     }
 
-    /// @param last no finer level comes.
-    MinimizeResult run_level(const Eigen::VectorXd& start, bool first, bool last) {
+    /// The first level, one below another, or the present one once more because no finer one comes.
+    enum class Entry { first, refined, again };
+
+    MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
+        const bool last = entry == Entry::again || state_.levels_left() == 0;
         const Eigen::VectorXd weight_before = program_.weight();
         NonlinearProgram program = program_.enter(start);
         const LevelStartHessian known = state_.problem.optimize.level_start;
         if (known == LevelStartHessian::diagonal)
             program.metric = Eigen::MatrixXd::Identity(start.size(), start.size());  // y is scaled by the diagonal
-        if (known == LevelStartHessian::carried && hessian_.size() > 0 &&
-            state_.prolongation.cols() == hessian_.cols()) {
+        const Eigen::MatrixXd inherits =
+            entry == Entry::again ? Eigen::MatrixXd::Identity(start.size(), start.size()) : state_.prolongation;
+        if (known == LevelStartHessian::carried && hessian_.size() > 0 && inherits.cols() == hessian_.cols()) {
             const Eigen::MatrixXd P =
-                program_.weight().asDiagonal() * state_.prolongation * weight_before.cwiseInverse().asDiagonal();
+                program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_);
         }
-        MinimizeOptions how = options_of_level(first, last);
+        MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global
         // search makes its progress in leaps.
         const bool watched = !last && how.starts == 1 && !method_facts(how.method).is_global;

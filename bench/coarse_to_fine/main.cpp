@@ -23,6 +23,7 @@ struct Settings {
     unsigned seed = 1;
     std::string out = "evidence";
     LevelStartHessian level_start = LevelStartHessian::carried;
+    double promise_below = OptimizeOptions().promise_below;
 };
 
 std::string number(double value) {
@@ -96,6 +97,7 @@ Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method met
 void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
+    problem.problem.optimize.promise_below = settings.promise_below;
     const std::filesystem::path folder = settings.out;
     Report report;
     for (const Solver solver : all_solvers())
@@ -136,6 +138,9 @@ int main(int argc, char** argv) {
     app.add_option("--level-start", settings.level_start,
                    "what a level knows at its start (slsqp): carried, metric, diagonal")
         ->transform(CLI::CheckedTransformer(starts));
+    app.add_option("--promise-below", settings.promise_below,
+                   "adaptive: share of the gain below which a promise is not worth a refinement")
+        ->check(CLI::Range(0.0, 1.0));
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -13,12 +13,22 @@ constexpr int failures_before_refining = 4;  ///< the last level the minimizer's
 
 class Optimization {
 public:
-    Optimization(const Problem& problem, const RunEvents& events)
-        : state_(problem, events, LevelProgram::differentiated_names(problem)), program_(state_) {
+    Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
     }
 
     RunResult run() {
+        try {
+            walk();
+        } catch (const Interrupted&) {
+            conclude_interrupted(state_.result);
+        }
+        return state_.result;
+    }
+
+private:
+    void walk() {
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -32,7 +42,12 @@ public:
                 any = true;
                 x = level.x;
             }
-            const bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
+                level = run_raised(x);
+                x = level.x;
+                refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            }
             // It was left for details that turn out to be worth nothing.
             if (refining_is_idle_ && level.stop == MinimizeStop::stopped) level = run_level(x, false, true);
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
@@ -44,10 +59,18 @@ public:
         state_.result.level = state_.space.level;
         conclude_run(state_.result, {level, program_.rows(), program_.quantity_failed(), state_.run_best.feasible,
                                      state_.can_refine(), refining_is_idle_});
-        return state_.result;
     }
 
-private:
+    static bool ended_at_limit(const MinimizeResult& level) {
+        return level.stop == MinimizeStop::evaluations || level.stop == MinimizeStop::time;
+    }
+
+    /// The level once more from its best design, which is not paid again, under the larger limits of a resumed run.
+    MinimizeResult run_raised(const Eigen::VectorXd& x) {
+        state_.begin_level_again();
+        return run_level(x, false, state_.levels_left() == 0);
+    }
+
     bool goes_on(const MinimizeResult& level) const {
         return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&
                state_.seconds_left() > 0;
@@ -93,7 +116,8 @@ private:
         how.step_tolerance = options.step_tolerance;
         how.constraint_tolerance = options.constraint_tolerance;
         how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
-        how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
+        how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
+        how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
         how.first_step = first_step_;
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
@@ -163,6 +187,8 @@ private:
 
 }  // namespace
 
-RunResult optimize(const Problem& problem, const RunEvents& events) { return Optimization(problem, events).run(); }
+RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
+    return Optimization(problem, events, journal).run();
+}
 
 }  // namespace strake

@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/journal.hpp"
 #include "optimize/run_records.hpp"
 
 /// Recovers a target shape, measured points or wanted dimensions: nonlinear least squares of the design variables on
@@ -12,7 +13,9 @@ namespace strake {
 /// less than `progress_below` of the residual; the run has converged when the last level has. Each level's summary says
 /// what share it explains of the distance that the levels before have left. A quantity that gives no residuals, or
 /// numbers that are not finite, ends the fit (status `evaluation_failed`) unless its failing shortens the step.
-/// @throws InvalidInput: nothing to fit, a quantity without residuals, stiffness variables, a wrong option; UnheldPart.
-RunResult fit(const Problem& problem, const RunEvents& events = {});
+/// @param journal as for `optimize`.
+/// @throws ReplayMismatch; InvalidInput: nothing to fit, a quantity without residuals, stiffness variables, a wrong
+/// option; UnheldPart.
+RunResult fit(const Problem& problem, const RunEvents& events = {}, Journal* journal = nullptr);
 
 }  // namespace strake

@@ -111,6 +111,10 @@ void Journal::check_version() {
         Statement row(db_, file_, sql);
         return row.step() ? row.integer(0) : 0;
     };
+    if (pragma("SELECT count(*) FROM sqlite_master") == 0)
+        throw InputError(text(file_.string(),
+                              ": holds nothing: the run ended before it began; remove its folder and "
+                              "start it again"));
     if (pragma("PRAGMA application_id") != application)
         throw InputError(text(file_.string(), ": is no journal of Strake; nothing was changed"));
     if (const long long has = pragma("PRAGMA user_version"); has != version)

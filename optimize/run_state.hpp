@@ -71,6 +71,7 @@ private:
     Eigen::VectorXd first_level();
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
     void check_design(const Eigen::VectorXd& x) const;
+    static void check_values(const JournalEvaluation& then, const EvaluationRecord& record);
     void keep(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, EvaluationRecord& record);
 
     Journal* journal_ = nullptr;

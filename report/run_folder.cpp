@@ -73,6 +73,19 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"stop", level.stop}};
 }
 
+/// What a run that was killed was about to write.
+void remove_unfinished(const fs::path& folder) {
+    for (const char* below : {".", "levels", "series"}) {
+        std::vector<fs::path> found;
+        std::error_code why;
+        for (fs::directory_iterator at(folder / below, why), end; !why && at != end; at.increment(why)) {
+            const std::string name = at->path().filename().string();
+            if (name.starts_with(".strake-") && name.ends_with(".tmp")) found.push_back(at->path());
+        }
+        for (const fs::path& file : found) fs::remove(file, why);
+    }
+}
+
 }  // namespace
 
 void check_run_folder(const fs::path& folder) {
@@ -97,6 +110,7 @@ RunFolder::RunFolder(const fs::path& folder, bool goes_on) : folder_(folder), go
         make_folder(folder);
     }
     lock_ = std::make_unique<RunLock>(folder);
+    if (goes_on) remove_unfinished(folder);
 }
 
 fs::path RunFolder::aside(const std::string& name) {

@@ -4,6 +4,7 @@
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
+#include <sqlite3.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <bit>
@@ -187,6 +188,12 @@ TEST_F(JournalFile, SurvivesAKill) {
 TEST_F(JournalFile, WhatIsNoJournalIsRefused) {
     EXPECT_THROW(Journal::open(file), InputError);  // missing
     folder.write("journal.sqlite", "");
+    expect_refused("holds nothing");
+    std::filesystem::remove(file);
+    sqlite3* other = nullptr;
+    sqlite3_open(file.c_str(), &other);
+    sqlite3_exec(other, "CREATE TABLE mine (x)", nullptr, nullptr, nullptr);
+    sqlite3_close(other);
     expect_refused("is no journal of Strake");
     folder.write("journal.sqlite",
                  "once upon a time there was a file that was no database, and rather a long one at that");

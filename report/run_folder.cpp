@@ -160,12 +160,14 @@ void RunFolder::begin(const Problem& problem, const std::vector<std::string>& va
     std::vector<std::string> own;
     for (const OwnVariable& variable : problem.own) own.push_back(variable.name);
     history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, own, goes_on_);
-    std::error_code ignored;
-    if (goes_on_) fs::remove(folder_ / "run.json", ignored);  // it tells of an earlier end
     remember("history.csv");
 }
 
-void RunFolder::add(const EvaluationRecord& record) { history_->add(record); }
+void RunFolder::add(const EvaluationRecord& record) {
+    std::error_code ignored;
+    if (goes_on_ && !record.is_replayed) fs::remove(folder_ / "run.json", ignored);  // it tells of an earlier end
+    history_->add(record);
+}
 
 void RunFolder::add(const LevelStart& level) {
     const std::string number = std::to_string(level.space.level);

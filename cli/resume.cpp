@@ -116,6 +116,10 @@ void resume(const ResumeArguments& args) {
     if (!args.quiet)
         fmt::print(stderr, "strake: goes on after {} of {} evaluations\n", journal.evaluations().size(),
                    limits.evaluations);
+    if (facts.host != host_name())
+        fmt::print(stderr,
+                   "note: the run began on {}; where this machine computes other bits, it will say so and stop\n",
+                   printable(facts.host));
     carry_out(std::move(request));
 }
 

@@ -134,6 +134,7 @@ std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_cas
     JournalFacts facts;
     facts.case_yaml = resolved_case(the_case, the_case.output.dir);
     facts.case_dir = std::filesystem::absolute(the_case.dir()).lexically_normal();
+    facts.host = host_name();
     facts.is_fit = is_fit;
     facts.values = value_names(problem);
     for (const OwnVariable& variable : problem.own) facts.own.push_back(variable.name);

@@ -3,7 +3,6 @@
 #include "report/run_status.hpp"
 
 #include <fmt/core.h>
-#include <cmath>
 #include <memory>
 
 namespace strake::cli {
@@ -33,12 +32,11 @@ struct HistoryArguments {
 };
 
 void print_row(const JournalEvaluation& e) {
-    fmt::print("{:5}  {:5}  {:16}", e.number, e.level, e.status);
-    if (std::isfinite(e.objective))
-        fmt::print("  {:16.9e}  {:9.1e}", e.objective, e.max_violation);
+    if (e.status == "ok")
+        fmt::print("{:5}  {:5}  {:16.9e}  {:9.1e}  {:8.2f}{}\n", e.number, e.level, e.objective, e.max_violation,
+                   e.seconds, e.accepted ? "  best" : "");
     else
-        fmt::print("  {:16}  {:9}", "", "");
-    fmt::print("  {:8.2f}{}\n", e.seconds, e.accepted ? "  best" : "");
+        fmt::print("{:5}  {:5}  {}: {}\n", e.number, e.level, e.status, e.reason.substr(0, e.reason.find('\n')));
 }
 
 void history(const HistoryArguments& args) {
@@ -47,7 +45,7 @@ void history(const HistoryArguments& args) {
     if (args.csv)
         fmt::print("{}\n", history_header(facts.values, facts.own));
     else
-        fmt::print("{:>5}  {:>5}  {:16}  {:>16}  violation  {:>8}\n", "eval", "level", "status", "objective", "time_s");
+        fmt::print("{:>5}  {:>5}  {:>16}  violation  {:>8}\n", "eval", "level", "objective", "time_s");
     for (const JournalEvaluation& e : journal->evaluations())
         if (args.csv)
             fmt::print("{}\n", history_row(record_of(e), facts.values.size()));

@@ -1,10 +1,11 @@
 #pragma once
-#include "optimize/journal.hpp"
 #include "optimize/run_records.hpp"
 
 /// The optimization driver: level by level down the patch tree, each starting from exactly the shape that the one
 /// before ended with (DESIGN section 6).
 namespace strake {
+
+class Journal;
 
 /// Minimizes (or maximizes) the problem's objective under its constraints and bounds on levels 1, 2, ... of the tree.
 /// A level ends when its optimizer converges, when progress slackens, or with its share of the budget: what is left,

@@ -1,10 +1,11 @@
 #pragma once
-#include "optimize/journal.hpp"
 #include "optimize/run_records.hpp"
 
 /// Recovers a target shape, measured points or wanted dimensions: nonlinear least squares of the design variables on
 /// the residuals of the fitted quantities, with the exact Jacobian dr/dx = dr/dv dv/dx, level by level.
 namespace strake {
+
+class Journal;
 
 /// Fits the quantities named in `problem.fit` (a quantity of several values by the part of its names before the dot);
 /// the objective of the records is the sum of squares of all residuals, under a robust loss the sum of its rho: for

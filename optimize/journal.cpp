@@ -92,6 +92,7 @@ std::unique_ptr<Journal> Journal::create(const std::filesystem::path& file, cons
     for (const auto& [key, hash] : facts.files) files.push_back(key + " " + hash);
     write_fact(db, file, "case", facts.case_yaml);
     write_fact(db, file, "case_dir", facts.case_dir.string());
+    write_fact(db, file, "host", facts.host);
     write_fact(db, file, "command", facts.is_fit ? "fit" : "run");
     write_fact(db, file, "values", lines_of(facts.values));
     write_fact(db, file, "own", lines_of(facts.own));
@@ -128,6 +129,7 @@ void Journal::read_facts() {
         const std::string name = row.words(0), value = row.words(1);
         if (name == "case") facts_.case_yaml = value;
         if (name == "case_dir") facts_.case_dir = value;
+        if (name == "host") facts_.host = value;
         if (name == "command") facts_.is_fit = value == "fit";
         if (name == "values") facts_.values = names_in(value);
         if (name == "own") facts_.own = names_in(value);

@@ -27,6 +27,7 @@ struct RunLimits {
 struct JournalFacts {
     std::string case_yaml;           ///< as in case.yaml of the folder
     std::filesystem::path case_dir;  ///< of the file that the run was started with, absolute
+    std::string host;                ///< machine on which the run began
     bool is_fit = false;
     std::vector<std::string> values, own;      ///< names of the values and of the own variables
     std::map<std::string, std::string> files;  ///< hash of each file that the case names

@@ -32,13 +32,13 @@ LockHolder written_in(int fd) {
     throw OutputError(text(file.string(), ": cannot be written: ", std::strerror(error)));
 }
 
-std::string own_words() {
-    char host[256] = "";
-    ::gethostname(host, sizeof host - 1);
-    return text(std::to_string(::getpid()), " ", host, "\n");
-}
-
 }  // namespace
+
+std::string host_name() {
+    char name[256] = "";
+    ::gethostname(name, sizeof name - 1);
+    return name;
+}
 
 std::string LockHolder::words() const {
     return process.empty() ? "another process" : text("process ", process, " on ", host);
@@ -61,7 +61,7 @@ RunLock::RunLock(const std::filesystem::path& folder) : file_(folder / "lock") {
         if (::fstat(fd_, &info) == 0 && info.st_nlink > 0) break;
         ::close(fd_);  // the one before has just removed it
     }
-    const std::string words = own_words();
+    const std::string words = text(std::to_string(::getpid()), " ", host_name(), "\n");
     if (::ftruncate(fd_, 0) != 0 ||
         ::pwrite(fd_, words.data(), words.size(), 0) != static_cast<ssize_t>(words.size())) {
         const int error = errno;

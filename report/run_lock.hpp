@@ -25,6 +25,9 @@ struct LockHolder {
     std::string words() const;  ///< "process 123 on node7"
 };
 
+/// Of this machine.
+std::string host_name();
+
 /// Who is running there; nothing where nobody is.
 std::optional<LockHolder> lock_holder(const std::filesystem::path& folder);
 

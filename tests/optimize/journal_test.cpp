@@ -20,6 +20,7 @@ JournalFacts facts() {
     JournalFacts f;
     f.case_yaml = "case: a\n";
     f.case_dir = "/cases/a b";
+    f.host = "node7";
     f.is_fit = true;
     f.values = {"volume", "aero.drag"};
     f.own = {"alpha"};
@@ -89,6 +90,7 @@ TEST_F(JournalFile, GivesBackEveryBit) {
     const auto journal = Journal::open(file);
     EXPECT_EQ(journal->facts().case_yaml, facts().case_yaml);
     EXPECT_EQ(journal->facts().case_dir, facts().case_dir);
+    EXPECT_EQ(journal->facts().host, "node7");
     EXPECT_TRUE(journal->facts().is_fit);
     EXPECT_EQ(journal->facts().values, facts().values);
     EXPECT_EQ(journal->facts().own, facts().own);

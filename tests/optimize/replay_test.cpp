@@ -2,6 +2,7 @@
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
 #include "optimize/history.hpp"
+#include "optimize/journal.hpp"
 #include "optimize/methods.hpp"
 #include "problems.hpp"
 
@@ -98,6 +99,19 @@ TEST_P(EveryMethodReplays, EndsWithTheSameBitsAndPaysNothingTwice) {
     expect_survives(problem, calls);
 }
 
+TEST_P(EveryMethodReplays, StopsOnRequest) {
+    std::vector<int> calls;
+    Problem problem = small(calls);
+    problem.optimize.method = GetParam().method;
+    problem.optimize.max_evaluations = 24;
+    RunEvents events;
+    events.stop_wanted = [&] { return calls.size() == 3; };
+    const RunResult stopped = optimize(problem, events);
+    EXPECT_EQ(stopped.status, "interrupted");
+    EXPECT_EQ(calls.size(), 3u);
+    EXPECT_GT(stopped.best_evaluation, 0);
+}
+
 INSTANTIATE_TEST_SUITE_P(Replay, EveryMethodReplays, testing::ValuesIn(all_methods()),
                          [](const auto& info) { return std::string(info.param.name); });
 
@@ -132,6 +146,28 @@ TEST(Replay, OfAFit) {
     problem.fit = {"match"};
     problem.optimize.max_evaluations = 20;
     expect_survives(problem, calls);
+}
+
+/// Of several programs in an evaluation, those that have ended are not paid again when a later one dies.
+TEST(Replay, ACallThatEndedIsKeptBeforeItsEvaluationEnds) {
+    const TempFolder folder;
+    std::vector<int> calls, later;
+    Problem problem = small(calls);
+    Quantity second = counted_volume(problem.surface, later);
+    second.names = {"second"};
+    bool dies = true;
+    second.evaluate = [inner = second.evaluate, &dies](const QuantityRequest& request) {
+        if (dies && request.evaluation == 4) throw Killed{};
+        return inner(request);
+    };
+    problem.quantities.push_back(second);
+    run(problem, fresh(folder / "j", problem).get());
+    ASSERT_EQ(calls.back(), 4);
+    dies = false;
+    const Told told = run(problem, Journal::open(folder / "j").get());
+    EXPECT_EQ(std::count(calls.begin(), calls.end(), 4), 1);
+    EXPECT_EQ(std::count(later.begin(), later.end(), 4), 1);
+    EXPECT_EQ(told.history, run(problem, nullptr).history);
 }
 
 TEST(Replay, AnotherProblemIsNoticedAtTheFirstDesignThatDiffers) {

@@ -73,17 +73,18 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"stop", level.stop}};
 }
 
-/// What a run that was killed was about to write.
-void remove_unfinished(const fs::path& folder) {
-    for (const char* below : {".", "levels", "series"}) {
-        std::vector<fs::path> found;
-        std::error_code why;
-        for (fs::directory_iterator at(folder / below, why), end; !why && at != end; at.increment(why)) {
-            const std::string name = at->path().filename().string();
-            if (name.starts_with(".strake-") && name.ends_with(".tmp")) found.push_back(at->path());
-        }
-        for (const fs::path& file : found) fs::remove(file, why);
+/// What a run that was killed was about to write, there and so many folders deeper.
+void remove_unfinished(const fs::path& folder, int deeper) {
+    std::vector<fs::path> found, below;
+    std::error_code why;
+    for (fs::directory_iterator at(folder, why), end; !why && at != end; at.increment(why)) {
+        const std::string name = at->path().filename().string();
+        std::error_code ignored;
+        if (name.starts_with(".strake-") && name.ends_with(".tmp")) found.push_back(at->path());
+        if (deeper > 0 && at->is_directory(ignored) && !at->is_symlink(ignored)) below.push_back(at->path());
     }
+    for (const fs::path& file : found) fs::remove(file, why);
+    for (const fs::path& next : below) remove_unfinished(next, deeper - 1);
 }
 
 }  // namespace
@@ -110,7 +111,8 @@ RunFolder::RunFolder(const fs::path& folder, bool goes_on) : folder_(folder), go
         make_folder(folder);
     }
     lock_ = std::make_unique<RunLock>(folder);
-    if (goes_on) remove_unfinished(folder);
+    constexpr int deepest = 3;  // evaluations/000012/aero
+    if (goes_on) remove_unfinished(folder, deepest);
 }
 
 fs::path RunFolder::aside(const std::string& name) {

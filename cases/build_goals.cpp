@@ -82,7 +82,7 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.gives = program.gives;
     command.timeout_s = program.timeout_s;
     command.format = program.format.empty() ? name_of(out_.format) : program.format;
-    command.case_dir = case_.dir();
+    command.case_dir = case_.command_dir.empty() ? case_.dir() : case_.command_dir;
     command.evaluations_dir = case_.output.dir / "evaluations";
     const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
     command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
@@ -94,7 +94,13 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.may_lack_derivatives = case_.optimize.finite_differences;
     command.diagonal = start_.diagonal;
     command.units = case_.units;
-    return external(command);
+    command.retries = program.retries;
+    command.may_follow_others = case_.output.goes_on;
+    if (program.on_failure == ExternalEntry::OnFailure::value)
+        command.value_after_failure = program.value_after_failure;
+    Quantity quantity = external(command);
+    quantity.failing_shortens_step = program.on_failure == ExternalEntry::OnFailure::shrink_step;
+    return quantity;
 }
 
 }  // namespace strake

@@ -128,7 +128,7 @@ private:
 
     /// The first argument of a command, where it is a path.
     bool is_program(const Value& value) const {
-        if (value.text.find('/') == std::string::npos) return false;
+        if (value.text.find('/') == std::string::npos || value.text.starts_with('{')) return false;
         const Value* quantities = case_.source->root.find("quantities");
         for (const Entry& quantity : quantities->entries)
             if (const Value* command = quantity.value.find("command"))
@@ -156,7 +156,9 @@ void name_after_file(Value& root, const std::filesystem::path& file) {
 
 }  // namespace
 
-Case load_case(const std::filesystem::path& file, Purpose purpose) {
+Case load_case(const std::filesystem::path& file, Purpose purpose) { return load_case(file, purpose, {}); }
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
     const std::string bytes = read_case_file(file.string());
     auto source = std::make_shared<Case::Source>();
     source->root = parse_yaml(bytes, file.string());
@@ -164,6 +166,7 @@ Case load_case(const std::filesystem::path& file, Purpose purpose) {
     Diagnostics errors(file.string(), source->lines);
     Case the_case;
     the_case.file = file;
+    the_case.command_dir = command_dir;
     name_after_file(source->root, file);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);

@@ -154,6 +154,9 @@ struct ExternalEntry {
     std::string format;  ///< empty: the format of the surface file
     bool has_gradients = true;
     std::optional<std::vector<Reference>> depends_on;  ///< own variables; without it all
+    int retries = 0;
+    enum class OnFailure { abort, value, shrink_step } on_failure = OnFailure::abort;
+    double value_after_failure = 0;
 };
 struct VolumeEntry {};
 struct AreaEntry {};
@@ -206,7 +209,11 @@ struct Case {
     struct Output {
         std::filesystem::path dir;  ///< may be set by the program before the problem is built
         ParaView paraview = ParaView::every_accepted;
+        bool goes_on = false;  ///< the folder is that of a run which goes on
     } output;
+    /// {case_dir} of commands; empty: the folder of the case file. A run that goes on reads another file than it began
+    /// with.
+    std::filesystem::path command_dir;
 
     /// Folder of the case file, "." when it was named without one.
     std::filesystem::path dir() const { return file.has_parent_path() ? file.parent_path() : "."; }
@@ -220,10 +227,22 @@ enum class Purpose { any, deform, run, fit };
 
 /// Reads and checks a case file without reading the surface. @throws CaseError with all that is wrong.
 Case load_case(const std::filesystem::path& file, Purpose purpose = Purpose::any);
+/// The same, where {case_dir} of commands stays another folder than the file's: a run that goes on.
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir);
 
 /// The case with every default filled in, as YAML text that gives the same case when it is loaded from `folder`
 /// (files there and not there are named by absolute paths where they lie outside of it).
 std::string resolved_case(const Case& the_case, const std::filesystem::path& folder);
+
+/// Files that the case names (not the programs), as seen from the working directory, by the path of their key; with
+/// `optimize.start_from` the design that it begins with.
+std::vector<std::pair<std::string, std::filesystem::path>> files_of(const Case& the_case);
+
+/// Keys, as "optimize.method", in which two texts that `resolved_case` gave differ; sorted.
+/// @throws CaseError where one of them is no YAML.
+std::vector<std::string> changed_keys(const std::string& before, const std::string& now);
+/// What is free to change in a run that goes on: budget, output, timeouts.
+bool may_change(const std::string& key);
 
 /// A collector for further errors about this case (used while the problem is built).
 Diagnostics diagnostics_of(const Case& the_case);

@@ -40,6 +40,22 @@ LineThicknessEntry CaseReader::read_line_thickness(const Value& map, const std::
     return entry;
 }
 
+void CaseReader::read_on_failure(const Value& policy, const std::string& name, ExternalEntry& external) {
+    using OnFailure = ExternalEntry::OnFailure;
+    if (policy.form == Value::Form::scalar) {
+        external.on_failure = policy.text == "shrink_step" ? OnFailure::shrink_step : OnFailure::abort;
+        return;
+    }
+    const Value* value = policy.find("value");
+    if (!value) return;
+    external.on_failure = OnFailure::value;
+    external.value_after_failure = value->number;
+    if (external.has_gradients)
+        errors_.add(policy.place, text("quantities.", printable(name),
+                                       ".on_failure.value has no gradient: it goes only with gradients: false; "
+                                       "shrink_step goes with gradients"));
+}
+
 void CaseReader::read_quantity(const Entry& entry) {
     const Value& map = entry.value;
     QuantityEntry quantity{entry.key, entry.key_place, VolumeEntry{}};
@@ -58,6 +74,8 @@ void CaseReader::read_quantity(const Entry& entry) {
         if (const Value* v = map.find("timeout")) external.timeout_s = v->number;
         if (const Value* v = map.find("format")) external.format = v->text;
         if (const Value* v = map.find("gradients")) external.has_gradients = v->number != 0;
+        if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
+        if (const Value* v = map.find("on_failure")) read_on_failure(*v, quantity.name, external);
         if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
         quantity.what = std::move(external);
     }

@@ -33,8 +33,6 @@ const Index& schema_index() {
 const std::vector<std::string> later_keys{"repair",
                                           "remesh",
                                           "shell.solver",
-                                          "quantities.*.retries",
-                                          "quantities.*.on_failure",
                                           "quantities.*.parallel",
                                           "quantities.*.scheduler",
                                           "quantities.*.gradient_command",

@@ -30,5 +30,8 @@ void add_fit(CLI::App& app);
 void add_schema(CLI::App& app);
 void add_gradient_check(CLI::App& app);
 void add_sweep(CLI::App& app);
+void add_resume(CLI::App& app);
+void add_status(CLI::App& app);
+void add_history(CLI::App& app);
 
 }  // namespace strake::cli

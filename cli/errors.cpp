@@ -3,6 +3,7 @@
 #include "cases/diagnostics.hpp"
 #include "cli/commands.hpp"
 #include "core/primo/shell.hpp"
+#include "optimize/journal.hpp"
 
 #include <filesystem>
 #include <new>
@@ -26,6 +27,8 @@ ProgramEnd end_of(const std::exception_ptr& thrown) {
         return {end.status, ""};
     } catch (const CaseError& e) {
         return {usage, e.quoted()};
+    } catch (const ReplayMismatch& e) {
+        return {run_failed, said(e)};
     } catch (const InvalidInput& e) {
         return {usage, said(e)};
     } catch (const InputError& e) {

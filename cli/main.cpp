@@ -33,6 +33,9 @@ int main(int argc, char** argv) {
     cli::add_schema(app);
     cli::add_gradient_check(app);
     cli::add_sweep(app);
+    cli::add_resume(app);
+    cli::add_status(app);
+    cli::add_history(app);
     try {
         app.parse(argc, argv);
         return cli::done;

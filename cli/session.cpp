@@ -3,6 +3,8 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/signals.hpp"
+#include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
@@ -11,6 +13,8 @@
 
 #include <fmt/core.h>
 #include <chrono>
+#include <csignal>
+#include <cstring>
 #include <nlohmann/json.hpp>
 
 namespace strake::cli {
@@ -45,7 +49,7 @@ public:
                        is_fit_ ? "rms distance" : "objective");
     }
     void evaluation(const EvaluationRecord& r) const {
-        if (quiet_) return;
+        if (quiet_ || r.is_replayed) return;
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
         if (r.status == "ok")
             fmt::print(stderr, "{:5}  {:7}  {:4}  {:4}  {:16.9e}  {:9.1e}  {:5.2f} %  {:7.1f}{}\n", r.level, patches_,
@@ -119,12 +123,36 @@ void print_json(const RunResult& result, const RunFolder& folder) {
     fmt::print("{}\n", run_json(result, files));
 }
 
+std::vector<std::string> value_names(const Problem& problem) {
+    std::vector<std::string> names;
+    for (const Quantity& quantity : problem.quantities)
+        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
+    return names;
+}
+
+std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
+    JournalFacts facts;
+    facts.case_yaml = resolved_case(the_case, the_case.output.dir);
+    facts.case_dir = std::filesystem::absolute(the_case.dir()).lexically_normal();
+    facts.host = host_name();
+    facts.is_fit = is_fit;
+    facts.values = value_names(problem);
+    for (const OwnVariable& variable : problem.own) facts.own.push_back(variable.name);
+    facts.files = file_hashes(the_case);
+    for (const char* companion : {"journal.sqlite-wal", "journal.sqlite-shm"}) folder.aside(companion);
+    return Journal::create(folder.aside("journal.sqlite"), facts,
+                           {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
+}
+
 /// Runs the search and writes its records. A run that fails before its first evaluation leaves no folder behind, so
 /// that the corrected one can go there.
-RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& folder, Progress& progress, bool is_fit) {
+/// @param journal of a run that goes on; without it a new one is made.
+RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& folder, Progress& progress, bool is_fit,
+                 std::unique_ptr<Journal> journal = nullptr) {
     const Problem& problem = built.problem;
-    bool has_evaluated = false;
+    bool has_evaluated = journal != nullptr;
     RunEvents events;
+    events.stop_wanted = stop_wanted;
     events.level = [&](const LevelStart& level) { progress.level(level), folder.add(level); };
     events.evaluation = [&](const EvaluationRecord& record) {
         has_evaluated = true;
@@ -134,41 +162,70 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
     events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
     events.note = [&](const std::string& words) { progress.note(words); };
     try {
+        watch_signals();
+        if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
         folder.write_case(resolved_case(the_case, the_case.output.dir));
-        std::vector<std::string> names;
-        for (const Quantity& quantity : problem.quantities)
-            names.insert(names.end(), quantity.names.begin(), quantity.names.end());
-        folder.begin(problem, names, built.format, series_policy(the_case.output.paraview));
-        return is_fit ? fit(problem, events) : optimize(problem, events);
+        folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview));
+        return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {
+        journal.reset();
         if (!has_evaluated) folder.discard();
         throw;
     }
 }
 
-void run_case(const SessionArguments& args, bool is_fit) {
-    Case the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
-    if (!args.out.empty()) the_case.output.dir = args.out;
-    if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
-    check_run_folder(the_case.output.dir);
-    if (!args.quiet) fmt::print(stderr, "strake: reading {}\n", the_case.surface.string());
-    const BuiltProblem built = build_problem(the_case, is_fit ? Purpose::fit : Purpose::run);
-
-    Progress progress(args.quiet, box_diagonal(built.problem.surface), is_fit);
-    for (const std::string& words : built.warnings) progress.warning(words);
-    RunFolder folder(the_case.output.dir);
-    const RunResult result = search(built, the_case, folder, progress, is_fit);
+/// The end of `run`, `fit` and `resume`: what is told, and the exit status.
+void conclude(const BuiltProblem& built, const RunResult& result, RunFolder& folder, bool json, bool is_fit) {
     folder.finish(result);
-    if (args.json)
+    if (json)
         print_json(result, folder);
     else
         report(built.problem, result, folder, is_fit);
     if (result.is_done()) return;
+    const std::string again = fmt::format("`strake resume {}`", printable(folder.folder().string()));
+    if (result.status == "interrupted") {
+        fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
+                   ::sigabbrev_np(stop_signal()), result.evaluations, again);
+        throw ExitStatus{interrupted};
+    }
     fmt::print(stderr, "strake: {}: {}: {}\n", is_fit ? "fit" : "run", result.status, result.reason);
-    throw ExitStatus{result.status == "evaluation_failed" ? external_failed : run_failed};
+    if (result.status != "evaluation_failed") throw ExitStatus{run_failed};
+    fmt::print(stderr, "strake: once that is mended, {} goes on with this evaluation\n", again);
+    throw ExitStatus{external_failed};
+}
+
+void run_case(const SessionArguments& args, bool is_fit) {
+    RunRequest request;
+    Case& the_case = request.the_case;
+    the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
+    if (!args.out.empty()) the_case.output.dir = args.out;
+    if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
+    check_run_folder(the_case.output.dir);
+    if (!args.quiet) fmt::print(stderr, "strake: reading {}\n", the_case.surface.string());
+    request.is_fit = is_fit;
+    request.json = args.json;
+    request.quiet = args.quiet;
+    carry_out(std::move(request));
 }
 
 }  // namespace
+
+std::map<std::string, std::string> file_hashes(const Case& the_case) {
+    std::map<std::string, std::string> hashes;
+    for (const auto& [key, file] : files_of(the_case)) hashes[key] = content_hash(read_bytes(file));
+    return hashes;
+}
+
+void carry_out(RunRequest request) {
+    const Case& the_case = request.the_case;
+    const BuiltProblem built = build_problem(the_case, request.is_fit ? Purpose::fit : Purpose::run);
+    Progress progress(request.quiet, box_diagonal(built.problem.surface), request.is_fit);
+    for (const std::string& words : built.warnings) progress.warning(words);
+    if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
+    RunFolder& folder = *request.folder;
+    const RunResult result = search(built, the_case, folder, progress, request.is_fit, std::move(request.journal));
+    conclude(built, result, folder, request.json, request.is_fit);
+}
 
 void run_session(const SessionArguments& args, bool is_fit) {
     try {

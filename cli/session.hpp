@@ -1,9 +1,10 @@
 #pragma once
-#include "optimize/run_records.hpp"
+#include "cases/case.hpp"
+#include "optimize/journal.hpp"
+#include "report/run_folder.hpp"
 
-#include <string>
-
-/// What `run` and `fit` share: from the case file to the run folder, progress on stderr, and the report at the end.
+/// What `run`, `fit` and `resume` share: from the case file to the run folder, progress on stderr, and the report at
+/// the end.
 namespace strake::cli {
 
 struct SessionArguments {
@@ -13,5 +14,19 @@ struct SessionArguments {
 
 /// @param is_fit `fit` instead of `run`. @throws ExitStatus unless the run is done, and what the libraries throw.
 void run_session(const SessionArguments& args, bool is_fit);
+
+/// A run or a fit that is ready to begin or to go on.
+struct RunRequest {
+    Case the_case;
+    bool is_fit = false, json = false, quiet = false;
+    std::unique_ptr<RunFolder> folder;  ///< null: a new one, at output.dir
+    std::unique_ptr<Journal> journal;   ///< of a run that goes on; null: a new one
+};
+
+/// Builds the problem, searches, and tells the end. @throws as run_session.
+void carry_out(RunRequest request);
+
+/// Of the files that the case names, by key. @throws InputError where one cannot be read.
+std::map<std::string, std::string> file_hashes(const Case& the_case);
 
 }  // namespace strake::cli

@@ -20,6 +20,10 @@ struct Failure {
     std::string message;  ///< where, what, expected; for a program with the last lines of its log
 };
 
+/// Thrown where the user wants to stop: the evaluation is no failure, it has no end. Not a std::exception, so that
+/// nothing takes it for one.
+struct Interrupted {};
+
 /// What is to be evaluated. `surface` is the deformed surface; the rest is for programs that want to know.
 struct QuantityRequest {
     const TriMesh& surface;
@@ -29,6 +33,8 @@ struct QuantityRequest {
     std::vector<std::pair<std::string, double>> variables;  ///< names and physical values of the shape variables
     /// The same of the case's own variables (`Problem::own`, in their order): angles in radians.
     std::vector<std::pair<std::string, double>> own = {};
+    /// Asked while a program runs; true: end the program and throw Interrupted.
+    std::function<bool()> stop_wanted = {};
 };
 
 struct QuantityResult {
@@ -38,6 +44,7 @@ struct QuantityResult {
     /// dJ/d(own variable) per value, at fixed shape, in the order of `QuantityRequest::own`; empty: depends on the
     /// shape alone. NaN where it is not known: by differences, if these are allowed, else a failure.
     std::vector<Eigen::VectorXd> dJ_down = {};
+    std::vector<std::string> remarks = {};  ///< for the log: failed attempts, a value that stands for a failure
 };
 
 /// Residuals of a fit, with the weights in them: J = sum of squares of r. Rows are grouped in points of `width` rows
@@ -61,6 +68,9 @@ struct Quantity {
     bool has_sensitivities = true;
     /// A failed evaluation is a step too far, after which a run goes on; else it ends the run.
     bool failing_shortens_step = false;
+    /// What identifies the program that is run, with its arguments. Not empty: an evaluation is dear, a journal keeps
+    /// what it gave.
+    std::string program = {};
 };
 
 }  // namespace strake

@@ -13,12 +13,22 @@ constexpr int failures_before_refining = 4;  ///< the last level the minimizer's
 
 class Optimization {
 public:
-    Optimization(const Problem& problem, const RunEvents& events)
-        : state_(problem, events, LevelProgram::differentiated_names(problem)), program_(state_) {
+    Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
     }
 
     RunResult run() {
+        try {
+            walk();
+        } catch (const Interrupted&) {
+            conclude_interrupted(state_.result);
+        }
+        return state_.result;
+    }
+
+private:
+    void walk() {
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -32,10 +42,15 @@ public:
                 any = true;
                 x = level.x;
             }
-            const bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
+                level = run_raised(x);
+                x = level.x;
+                refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            }
             // It was left for details that turn out to be worth nothing.
             const bool left_early = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
-            if (refining_is_idle_ && left_early) level = run_level(x, Entry::again);
+            if (refining_is_idle_ && left_early) level = run_level(x, Entry::finished);
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
             if (!refines) break;
@@ -45,10 +60,18 @@ public:
         state_.result.level = state_.space.level;
         conclude_run(state_.result, {level, program_.rows(), program_.quantity_failed(), state_.run_best.feasible,
                                      state_.can_refine(), refining_is_idle_});
-        return state_.result;
     }
 
-private:
+    static bool ended_at_limit(const MinimizeResult& level) {
+        return level.stop == MinimizeStop::evaluations || level.stop == MinimizeStop::time;
+    }
+
+    /// The level once more from its best design, which is not paid again, under the larger limits of a resumed run.
+    MinimizeResult run_raised(const Eigen::VectorXd& x) {
+        state_.begin_level_again();
+        return run_level(x, Entry::again);
+    }
+
     bool goes_on(const MinimizeResult& level) const {
         return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&
                state_.seconds_left() > 0;
@@ -105,7 +128,8 @@ private:
         how.step_tolerance = options.step_tolerance;
         how.constraint_tolerance = options.constraint_tolerance;
         how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
-        how.max_seconds = options.max_seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
+        how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
+        how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
         how.first_step = first_step_;
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
@@ -113,18 +137,19 @@ private:
         return how;
     }
 
-    /// The first level, one below another, or the present one once more because no finer one comes.
-    enum class Entry { first, refined, again };
+    /// The first level, one below another, the present one once more, or to its end because no finer one comes.
+    enum class Entry { first, refined, again, finished };
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
-        const bool last = entry == Entry::again || state_.levels_left() == 0;
+        const bool last = entry == Entry::finished || state_.levels_left() == 0;
         const Eigen::VectorXd weight_before = program_.weight();
         NonlinearProgram program = program_.enter(start);
         const LevelStartHessian known = state_.problem.optimize.level_start;
         if (known == LevelStartHessian::diagonal)
             program.metric = Eigen::MatrixXd::Identity(start.size(), start.size());  // y is scaled by the diagonal
+        const bool is_same = entry == Entry::again || entry == Entry::finished;
         const Eigen::MatrixXd inherits =
-            entry == Entry::again ? Eigen::MatrixXd::Identity(start.size(), start.size()) : state_.prolongation;
+            is_same ? Eigen::MatrixXd::Identity(start.size(), start.size()) : state_.prolongation;
         if (known == LevelStartHessian::carried && hessian_.size() > 0 && inherits.cols() == hessian_.cols()) {
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
@@ -184,6 +209,8 @@ private:
 
 }  // namespace
 
-RunResult optimize(const Problem& problem, const RunEvents& events) { return Optimization(problem, events).run(); }
+RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
+    return Optimization(problem, events, journal).run();
+}
 
 }  // namespace strake

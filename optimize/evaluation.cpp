@@ -1,7 +1,10 @@
 #include "optimize/evaluation.hpp"
 
 #include "core/error.hpp"
+#include "optimize/journal.hpp"
 #include "optimize/own_variables.hpp"
+
+#include <chrono>
 
 namespace strake {
 namespace {
@@ -149,8 +152,30 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
     return shape.vertices;
 }
 
+/// What a program gave is kept before anything else happens: a run that dies pays for nothing twice.
+QuantityResult ShapeEvaluator::call(const Quantity& quantity, const QuantityRequest& request,
+                                    ShapeEvaluation& result) const {
+    if (!journal_ || quantity.program.empty()) return quantity.evaluate(request);
+    const std::string& name = quantity.names[0];
+    if (auto known = journal_->find_call(request.evaluation, name)) {
+        if (known->surface != result.surface)
+            throw ReplayMismatch(text("evaluation ", request.evaluation, ": the surface that ", name,
+                                      " was given is not the recorded one, bit by bit: another machine, another "
+                                      "version of Strake or of its libraries, or another surface file"));
+        return std::move(known->result);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    JournalCall made{request.evaluation, name, content_hash(quantity.program), result.surface, {}, 0};
+    made.result = quantity.evaluate(request);
+    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // A failure that ends the run is no answer: the next start asks again.
+    if (!made.result.failure || quantity.failing_shortens_step) journal_->add(made);
+    return std::move(made.result);
+}
+
 void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
     const TriMesh surface = with_vertices(rest_->surface, result.vertices);
+    if (journal_) result.surface = content_hash(surface);
     std::vector<Points> dJ_dv;
     std::vector<Eigen::VectorXd> dJ_down;
     for (const Quantity& quantity : problem_.quantities) {
@@ -161,15 +186,20 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
             std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
         QuantityResult measured;
         try {
-            measured = quantity.evaluate(
-                {surface, gradients, number, space_.level, physical_values(space_, x), own_values(space_, x)});
+            measured = call(quantity,
+                            {surface, gradients, number, space_.level, physical_values(space_, x),
+                             own_values(space_, x), stop_wanted_},
+                            result);
         } catch (const OutputError&) {
+            throw;
+        } catch (const ReplayMismatch&) {
             throw;
         } catch (const std::bad_alloc&) {
             throw;
         } catch (const std::exception& e) {
             measured.failure = Failure{"exception", e.what()};
         }
+        result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
         if (!measured.failure && measured.values.size() != quantity.names.size())
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
                                                            quantity.names.size(), " (", quantity.names[0], ", ...)")};

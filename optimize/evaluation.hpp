@@ -5,6 +5,8 @@
 /// One evaluation: x -> loads -> equilibrium -> a valid surface -> values, and by one adjoint call their gradients.
 namespace strake {
 
+class Journal;
+
 enum class EvaluationStatus {
     ok,
     not_converged,   ///< the shell found no equilibrium
@@ -26,6 +28,8 @@ struct ShapeEvaluation {
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
     double max_displacement = 0;                    ///< from the start surface, length
     bool is_taken_over = false;  ///< the values are those of the same shape on the level before; nothing was called
+    std::vector<std::string> remarks;  ///< of the quantities, for the log
+    std::string surface;               ///< with a journal: hash of the surface; empty: none
 };
 
 /// Keeps the shell, its factor and the poses of the last shapes between evaluations. Not thread-safe.
@@ -51,6 +55,12 @@ public:
     /// they are measured again).
     void take_over_values() { takes_over_ = true; }
 
+    /// What programs gave is kept there, and taken from there. @param stop_wanted handed on to them; may be empty.
+    void keep_calls(Journal* journal, std::function<bool()> stop_wanted) {
+        journal_ = journal;
+        stop_wanted_ = std::move(stop_wanted);
+    }
+
     /// Before the first evaluation: from these poses to the equilibrium of x, where evaluations start then.
     /// @return its vertices; empty where there is none, with the reason.
     Points begin_from(const Poses& poses, const Eigen::VectorXd& x, std::string& reason);
@@ -72,6 +82,7 @@ private:
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
+    QuantityResult call(const Quantity& quantity, const QuantityRequest& request, ShapeEvaluation& result) const;
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
@@ -94,6 +105,8 @@ private:
     bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const;
     Measured last_measured_, accepted_measured_;
     bool takes_over_ = false;
+    Journal* journal_ = nullptr;
+    std::function<bool()> stop_wanted_;
     bool enters_ = false;  ///< no evaluation yet in this space
     struct KnownShape {
         Eigen::VectorXd x;

@@ -4,6 +4,7 @@
 #include "optimize/fit_residuals.hpp"
 #include "optimize/fit_verdict.hpp"
 #include "optimize/run_state.hpp"
+#include "optimize/run_verdict.hpp"
 
 #include <utility>
 
@@ -23,7 +24,8 @@ constexpr double recovered = 1e-8;
 
 class Fit {
 public:
-    Fit(const Problem& problem, const RunEvents& events) : residuals_(problem), state_(problem, events, {}) {
+    Fit(const Problem& problem, const RunEvents& events, Journal* journal)
+        : residuals_(problem), state_(problem, events, {}, journal) {
         if (!problem.own.empty()) throw InvalidInput("a fit moves the shape alone, and has no variables beside it");
         for (const VariableKind kind : problem.parameters.kinds)
             if (kind == VariableKind::stiffness)
@@ -31,6 +33,16 @@ public:
     }
 
     RunResult run() {
+        try {
+            walk();
+        } catch (const Interrupted&) {
+            conclude_interrupted(state_.result);
+        }
+        return std::move(state_.result);
+    }
+
+private:
+    void walk() {
         VectorXd x;
         bool any = false;
         do {
@@ -41,16 +53,18 @@ public:
             }
             any = true;
             x = run_level(x);
+            while (end_ == FitEnd::budget && state_.limits_were_raised()) {
+                state_.begin_level_again();
+                x = run_level(x);
+            }
             describe_level(state_.result.levels.back(), state_.level_best_objective, end_, words_);
             state_.end_level(state_.result.levels.back().stop);
         } while (goes_on() && state_.space.level < state_.last_level());
         if (!any) throw InvalidInput("nothing to fit: no variable of any level moves anything; is all of it fixed?");
         state_.result.level = state_.space.level;
         conclude_fit(state_.result, end_, words_, state_.last_level());
-        return std::move(state_.result);
     }
 
-private:
     bool goes_on() {
         return end_ != FitEnd::failed && end_ != FitEnd::no_design && end_ != FitEnd::recovered &&
                state_.evaluations_left() > 0 && state_.seconds_left() > 0;
@@ -75,6 +89,8 @@ private:
         } catch (const UnheldPart&) {
             throw;
         } catch (const InvalidInput&) {
+            throw;
+        } catch (const OutputError&) {
             throw;
         } catch (const std::exception& error) {
             ShapeEvaluation none;
@@ -228,6 +244,8 @@ private:
 
 }  // namespace
 
-RunResult fit(const Problem& problem, const RunEvents& events) { return Fit(problem, events).run(); }
+RunResult fit(const Problem& problem, const RunEvents& events, Journal* journal) {
+    return Fit(problem, events, journal).run();
+}
 
 }  // namespace strake

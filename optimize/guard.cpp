@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/first_order.hpp"
 
+#include <chrono>
 #include <nlopt.hpp>
 
 namespace strake {
@@ -31,6 +32,11 @@ Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o)
     for (Eigen::Index j = 0; j < p.start.size(); ++j)
         if (p.lower[j] < p.upper[j]) free.push_back(static_cast<int>(j));
     wants_gradient = method.needs_gradients;
+}
+
+double Guard::now() const {
+    if (options.clock) return options.clock();
+    return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
 }
 
 Eigen::VectorXd Guard::all_variables(const double* z) const {
@@ -93,8 +99,7 @@ void Guard::fail_gradient(const Eigen::VectorXd& x, const std::string& why) {
 
 Sample Guard::count_and_evaluate(const Eigen::VectorXd& x) {
     if (evaluations >= limit) stop(Cause::evaluations);
-    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin_;
-    if (options.max_seconds > 0 && evaluations > 0 && elapsed.count() > options.max_seconds) stop(Cause::time);
+    if (options.max_seconds > 0 && evaluations > 0 && now() - begin_ > options.max_seconds) stop(Cause::time);
     ++evaluations;
     Sample s;
     try {

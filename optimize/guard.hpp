@@ -2,7 +2,6 @@
 #include "optimize/methods.hpp"
 #include "optimize/minimizer.hpp"
 
-#include <chrono>
 #include <exception>
 
 /// What stands between NLopt and a nonlinear program: evaluates every x once, refuses NaN, keeps the cause of every
@@ -69,13 +68,14 @@ private:
     void rank(const Eigen::VectorXd& x);
     void differentiate(const Eigen::VectorXd& x);
     void check_gradient(const Eigen::VectorXd& x);
+    double now() const;  ///< seconds
     bool tell(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
 
     Sample last_;
     Eigen::VectorXd last_x_;
     long asked_ = 0;
     bool told_outside_ = false;
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double begin_ = now();
 };
 
 }  // namespace strake

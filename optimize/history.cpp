@@ -1,6 +1,7 @@
 #include "optimize/history.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/file.hpp"
 
 #include <cerrno>
 #include <charconv>
@@ -33,22 +34,51 @@ std::string history_row(const EvaluationRecord& record, std::size_t num_values) 
     return row;
 }
 
-HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names,
-                             const std::vector<std::string>& own)
-    : file_(file), out_(file, std::ios::binary | std::ios::trunc), num_values_(names.size()) {
+std::string history_header(const std::vector<std::string>& names, const std::vector<std::string>& own) {
     std::string header = "evaluation,level,status,objective";
     for (const std::string& name : names) header += "," + name;
     header += ",max_violation,accepted";
     for (const std::string& name : own) header += "," + name;
-    write(header);
+    return header;
+}
+
+HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names,
+                             const std::vector<std::string>& own, bool goes_on)
+    : file_(file), num_values_(names.size()) {
+    std::error_code missing;
+    if (goes_on && std::filesystem::is_regular_file(file, missing)) kept_ = read_bytes(file);
+    errno = 0;
+    out_.open(file, std::ios::binary | (kept_.empty() ? std::ios::trunc : std::ios::app));
+    if (!out_) refuse();
+    write(history_header(names, own));
 }
 
 void HistoryWriter::add(const EvaluationRecord& record) { write(history_row(record, num_values_)); }
 
 void HistoryWriter::write(const std::string& line) {
+    const std::string row = line + "\n";
+    if (kept_.size() - same_ >= row.size() && kept_.compare(same_, row.size(), row) == 0) {
+        same_ += row.size();
+        return;
+    }
+    finish();
     errno = 0;
-    out_ << line << '\n' << std::flush;
-    if (!out_) throw OutputError(text(file_.string(), ": cannot write: ", std::strerror(errno ? errno : EIO)));
+    out_ << row << std::flush;
+    if (!out_) refuse();
+}
+
+void HistoryWriter::finish() {
+    if (same_ < kept_.size()) {
+        std::error_code why;
+        std::filesystem::resize_file(file_, same_, why);
+        if (why) throw OutputError(text(file_.string(), ": cannot write: ", why.message()));
+    }
+    kept_.clear();
+    same_ = 0;
+}
+
+void HistoryWriter::refuse() const {
+    throw OutputError(text(file_.string(), ": cannot write: ", std::strerror(errno ? errno : EIO)));
 }
 
 }  // namespace strake

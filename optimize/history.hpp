@@ -13,17 +13,24 @@ namespace strake {
 class HistoryWriter {
 public:
     /// @throws OutputError with path and reason.
+    /// @param goes_on a file that exists is kept as far as the rows are the same: that of a run which is replayed.
     HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names,
-                  const std::vector<std::string>& own = {});
+                  const std::vector<std::string>& own = {}, bool goes_on = false);
     void add(const EvaluationRecord& record);  ///< @throws OutputError
+    void finish();                             ///< what was kept and has not come again goes
 
 private:
     void write(const std::string& line);
+    [[noreturn]] void refuse() const;
+    std::string kept_;      ///< bytes of the file
+    std::size_t same_ = 0;  ///< so many of them have come again
     std::filesystem::path file_;
     std::ofstream out_;
     std::size_t num_values_ = 0;
 };
 
+/// The first row, without the end of line.
+std::string history_header(const std::vector<std::string>& names, const std::vector<std::string>& own);
 /// One row, without the end of line. `num_values` empty columns stand for a record without values.
 std::string history_row(const EvaluationRecord& record, std::size_t num_values);
 

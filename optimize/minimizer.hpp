@@ -71,6 +71,7 @@ struct MinimizeOptions {
     /// the constraints nearly; return false to stop here.
     std::function<bool(double expected, const Eigen::MatrixXd& hessian)> on_model;
     std::function<void(const std::string&)> on_event;  ///< restarts, starts and box changes, in words
+    std::function<double()> clock;                     ///< seconds, for max_seconds; empty: the wall clock
 };
 
 enum class MinimizeStop {

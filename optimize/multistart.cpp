@@ -34,8 +34,7 @@ private:
         options.starts = 1;
         options.max_evaluations = std::max(1, left / (options_.starts - k));
         if (options_.max_seconds > 0) {
-            const std::chrono::duration<double> spent = std::chrono::steady_clock::now() - begin_;
-            options.max_seconds = (options_.max_seconds - spent.count()) / (options_.starts - k);
+            options.max_seconds = (options_.max_seconds - (now() - begin_)) / (options_.starts - k);
             if (!(options.max_seconds > 0)) return;
         }
         options.on_step = [&](const MinimizeStep& step) { return told(step); };
@@ -51,6 +50,11 @@ private:
                                    std::isfinite(r.best.objective) ? text("objective ", r.best.objective) : "no value",
                                    r.is_feasible ? "" : ", not feasible", " after ", r.evaluations, " evaluations; ",
                                    r.reason));
+    }
+
+    double now() const {
+        if (options_.clock) return options_.clock();
+        return std::chrono::duration<double>(std::chrono::steady_clock::now().time_since_epoch()).count();
     }
 
     bool is_better(const MinimizeResult& r) const {
@@ -86,7 +90,7 @@ private:
     int best_start_ = 0, starts_ = 0, evaluations_ = 0, shrinks_ = 0, failures_ = 0;
     bool is_over_ = false, is_fatal_ = false, has_any_ = false, any_feasible_ = false;
     double objective_ = 0, violation_ = 0, merit_ = std::numeric_limits<double>::infinity();
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
+    double begin_ = now();
 };
 
 }  // namespace

@@ -18,6 +18,7 @@ struct EvaluationRecord {
     double max_displacement = 0;                                      ///< of the surface from its start, length
     double seconds = 0;          ///< wall clock of this evaluation; not part of the history
     bool is_taken_over = false;  ///< values of the same shape on the level before: nothing was called
+    bool is_replayed = false;    ///< it is in the journal already: no program was called
 };
 
 /// A best-so-far design; views are valid during the call.
@@ -55,13 +56,16 @@ struct RunEvents {
     std::function<void(const AcceptedDesign&)> accepted;
     std::function<void(const LevelSummary&)> level_end;
     std::function<void(const std::string&)> note;
+    /// Asked before every evaluation and while a program runs; true ends the run (status `interrupted`). From the
+    /// thread of the run.
+    std::function<bool()> stop_wanted;
 };
 
 struct RunResult {
     /// One word: converged | budget (evaluations or time) | progress (a fit whose progress slackened on the last level)
     /// | roundoff | blocked (valid evaluations end next to the best design) | conflict (constraints that cannot be met
     /// together) | infeasible | gradient_inconsistent (with the values) | failed | evaluation_failed (a quantity gave
-    /// no value)
+    /// no value) | interrupted (`RunEvents::stop_wanted` said so)
     std::string status = "failed";
     std::string reason;                 ///< one sentence or two: why, and what to do next
     std::vector<std::string> conflict;  ///< names of the constraints that cannot be met together; empty: none found

@@ -17,8 +17,15 @@ int first_level_of(const PatchHierarchy& tree) {
 
 }  // namespace
 
-RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::string>& differentiated)
-    : problem(p), events(e), rest(rest_facts(p)), evaluator(p, rest, differentiated) {
+RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::string>& differentiated,
+                   Journal* journal)
+    : problem(p),
+      events(e),
+      rest(rest_facts(p)),
+      evaluator(p, rest, differentiated),
+      journal_(journal),
+      replayed_(journal ? static_cast<int>(journal->evaluations().size()) : 0) {
+    evaluator.keep_calls(journal, e.stop_wanted);
     if (p.optimize.max_evaluations < 1)
         throw InvalidInput(text("max_evaluations = ", p.optimize.max_evaluations, " must be >= 1"));
     result.names = evaluator.names();
@@ -26,15 +33,18 @@ RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::
         for (const std::string& words : *list) note(words);
 }
 
-double RunState::seconds_left() const {
-    if (problem.optimize.max_seconds <= 0) return std::numeric_limits<double>::infinity();
-    return problem.optimize.max_seconds -
-           std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-}
-
 ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
+    if (events.stop_wanted && events.stop_wanted()) throw Interrupted{};
     const auto begin = std::chrono::steady_clock::now();
-    ShapeEvaluation evaluation = evaluator.evaluate(x, ++result.evaluations);
+    ++result.evaluations;
+    check_design(x);
+    ShapeEvaluation evaluation;
+    try {
+        evaluation = evaluator.evaluate(x, result.evaluations);
+    } catch (const Interrupted&) {
+        --result.evaluations;  // it has no end
+        throw;
+    }
     last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return evaluation;
 }
@@ -75,6 +85,8 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
         record.max_violation = rank.violation;
         record.accepted = result.best_evaluation == 0 || rank.better_than(run_best);
     }
+    keep(x, evaluation, record);
+    for (const std::string& words : evaluation.remarks) note(text("evaluation ", record.evaluation, ": ", words));
     if (is_level_best) {
         level_best = rank;
         level_best_vertices = evaluation.vertices;
@@ -170,6 +182,7 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* fron
         prolongation = std::move(inherited.prolongation);
     }
     if (!result.levels.empty()) evaluator.enter(space);
+    level_limits_ = limits();
     LevelSummary summary;
     summary.level = space.level;
     summary.patches = static_cast<int>(space.patches().patches.size());
@@ -182,6 +195,12 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* fron
     for (const std::string& words : space.notes) note(text("level ", space.level, ": ", words));
     if (events.level) events.level({space, start});
     return start;
+}
+
+void RunState::begin_level_again() {
+    level_limits_ = limits();
+    prolongation = Eigen::MatrixXd::Identity(space.size(), space.size());
+    evaluator.enter(space);
 }
 
 void RunState::end_level(const std::string& why) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/evaluation.hpp"
+#include "optimize/journal.hpp"
 #include "optimize/run_records.hpp"
 
 #include <chrono>
@@ -19,9 +20,11 @@ struct Rank {
 
 class RunState {
 public:
-    RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated);
+    /// @param journal that the run is written to and, as far as it goes, replayed against; may be null.
+    RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
+             Journal* journal = nullptr);
 
-    /// Evaluates x as the next evaluation of the run.
+    /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x);
     /// Records the last evaluation. `objective` as the case states it. Returns whether it is the best of the level;
     /// then the next evaluation starts from its equilibrium.
@@ -34,8 +37,15 @@ public:
     /// There are finer patches than the present ones.
     bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary
+    void begin_level_again();                ///< from its best design, under the limits of now
 
-    int evaluations_left() const { return problem.optimize.max_evaluations - result.evaluations; }
+    int evaluations_left() const { return limits().evaluations - result.evaluations; }
+    /// In force now: those of the problem, or what the journal says of them.
+    RunLimits limits() const;
+    /// Seconds of the run, those of earlier starts included. While it is replayed, those of then.
+    double elapsed() const;
+    /// A level ended at the limits of then, and the run may go on under larger ones.
+    bool limits_were_raised() const;
     int last_level() const { return space.level + levels_left(); }
     /// Levels that may still come, at least; 0 when the present one is the last.
     int levels_left() const;
@@ -60,9 +70,15 @@ public:
 private:
     Eigen::VectorXd first_level();
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
+    void check_design(const Eigen::VectorXd& x) const;
+    static void check_values(const JournalEvaluation& then, const EvaluationRecord& record);
+    void keep(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, EvaluationRecord& record);
 
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-    double last_seconds_ = 0;
+    Journal* journal_ = nullptr;
+    RunLimits level_limits_;  ///< when the level began or was begun again
+    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();  ///< of what is not replayed
+    double elapsed_before_ = 0, last_seconds_ = 0;
+    int replayed_ = 0;  ///< evaluations that the journal held at the start
     bool level_has_started_ = false;
     bool follows_tree_ = true;  ///< the front is a level of the tree
     std::vector<std::pair<std::string, double>> at_rest_;

@@ -108,6 +108,11 @@ std::string level_words(const MinimizeResult& level) {
     return level.stop == MinimizeStop::outpaced ? "finer details promise more" : level.reason;
 }
 
+void conclude_interrupted(RunResult& r) {
+    r.status = "interrupted";
+    r.reason = text("stopped by the user after ", r.evaluations, " evaluations");
+}
+
 void conclude_run(RunResult& r, const RunEnd& end) {
     const std::string words = level_words(end.level);
     if (end.quantity_failed) {

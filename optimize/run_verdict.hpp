@@ -17,6 +17,9 @@ struct RunEnd {
 /// Fills status, reason and the names of conflicting constraints. @pre the other fields of the result are final.
 void conclude_run(RunResult& result, const RunEnd& end);
 
+/// The run was stopped by the user.
+void conclude_interrupted(RunResult& result);
+
 /// Why a level ended.
 std::string level_words(const MinimizeResult& level);
 

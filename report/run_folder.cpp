@@ -73,6 +73,20 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"stop", level.stop}};
 }
 
+/// What a run that was killed was about to write, there and so many folders deeper.
+void remove_unfinished(const fs::path& folder, int deeper) {
+    std::vector<fs::path> found, below;
+    std::error_code why;
+    for (fs::directory_iterator at(folder, why), end; !why && at != end; at.increment(why)) {
+        const std::string name = at->path().filename().string();
+        std::error_code ignored;
+        if (name.starts_with(".strake-") && name.ends_with(".tmp")) found.push_back(at->path());
+        if (deeper > 0 && at->is_directory(ignored) && !at->is_symlink(ignored)) below.push_back(at->path());
+    }
+    for (const fs::path& file : found) fs::remove(file, why);
+    for (const fs::path& next : below) remove_unfinished(next, deeper - 1);
+}
+
 }  // namespace
 
 void check_run_folder(const fs::path& folder) {
@@ -80,6 +94,9 @@ void check_run_folder(const fs::path& folder) {
     const fs::file_status status = fs::status(folder, why);
     if (!fs::exists(status)) return;
     if (!fs::is_directory(status)) throw OutputError(text(folder.string(), ": exists and is not a folder"));
+    if (const auto holder = lock_holder(folder))
+        throw OutputError(text(folder.string(), ": a run is going on in this folder (", holder->words(),
+                               "); give --out a new folder"));
     const bool empty = fs::is_empty(folder, why);
     if (why) throw OutputError(text(folder.string(), ": ", why.message()));
     if (!empty)
@@ -88,9 +105,19 @@ void check_run_folder(const fs::path& folder) {
                                "--out a new folder, or remove this one"));
 }
 
-RunFolder::RunFolder(const fs::path& folder) : folder_(folder) {
-    check_run_folder(folder);
-    make_folder(folder);
+RunFolder::RunFolder(const fs::path& folder, bool goes_on) : folder_(folder), goes_on_(goes_on) {
+    if (!goes_on) {
+        check_run_folder(folder);
+        make_folder(folder);
+    }
+    lock_ = std::make_unique<RunLock>(folder);
+    constexpr int deepest = 3;  // evaluations/000012/aero
+    if (goes_on) remove_unfinished(folder, deepest);
+}
+
+fs::path RunFolder::aside(const std::string& name) {
+    aside_.push_back(name);
+    return folder_ / name;
 }
 
 void RunFolder::make_folder(const fs::path& folder) {
@@ -106,7 +133,9 @@ void RunFolder::make_folder(const fs::path& folder) {
 void RunFolder::discard() {
     history_.reset();
     std::error_code ignored;
-    for (const std::string& file : files_) fs::remove(folder_ / file, ignored);
+    for (const auto* list : {&files_, &aside_})
+        for (const std::string& file : *list) fs::remove(folder_ / file, ignored);
+    lock_.reset();
     for (const fs::path& folder : made_) fs::remove(folder, ignored);  // not what somebody else has put something into
     files_.clear();
     made_.clear();
@@ -132,11 +161,15 @@ void RunFolder::begin(const Problem& problem, const std::vector<std::string>& va
     policy_ = policy;
     std::vector<std::string> own;
     for (const OwnVariable& variable : problem.own) own.push_back(variable.name);
-    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, own);
+    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, own, goes_on_);
     remember("history.csv");
 }
 
-void RunFolder::add(const EvaluationRecord& record) { history_->add(record); }
+void RunFolder::add(const EvaluationRecord& record) {
+    std::error_code ignored;
+    if (goes_on_ && !record.is_replayed) fs::remove(folder_ / "run.json", ignored);  // it tells of an earlier end
+    history_->add(record);
+}
 
 void RunFolder::add(const LevelStart& level) {
     const std::string number = std::to_string(level.space.level);
@@ -146,10 +179,13 @@ void RunFolder::add(const LevelStart& level) {
 
 void RunFolder::add(const AcceptedDesign& design) {
     const std::string best = "best" + extension_of(format_);
-    write_surface(folder_ / best, with_vertices(problem_->surface, design.vertices), format_);
-    remember(best);
-    write("levels/best.csv", variables_csv(design.space, design.x));
-    write("levels/best.design", design_bytes(stored_design(design)));
+    for (const std::string& file : {best, std::string("levels/best.csv"), std::string("levels/best.design")})
+        remember(file);
+    if (design.record.evaluation >= best_from_) {
+        write_surface(folder_ / best, with_vertices(problem_->surface, design.vertices), format_);
+        write("levels/best.csv", variables_csv(design.space, design.x));
+        write("levels/best.design", design_bytes(stored_design(design)));
+    }
     const bool wanted = policy_ == SeriesPolicy::every_accepted || (policy_ == SeriesPolicy::best && steps_.empty());
     if (wanted) add_to_series(design.record.evaluation, design.vertices, design.dJ_dv);
 }
@@ -163,15 +199,19 @@ void RunFolder::add_to_series(int evaluation, const Points& vertices, const Poin
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
         cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
     make_folder(folder_ / "series");
-    write_vtp(folder_ / name.str(), with_vertices(problem_->surface, vertices), points, cells);
+    // What a replay comes past has been written, whole and with the same bytes.
+    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str()))
+        write_vtp(folder_ / name.str(), with_vertices(problem_->surface, vertices), points, cells);
     steps_.emplace_back(evaluation, name.str());
     write_pvd(folder_ / "series.pvd", steps_);
     remember("series.pvd");
 }
 
 void RunFolder::finish(const RunResult& result) {
-    if (policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
+    const bool is_over = result.status != "interrupted";
+    if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
         add_to_series(result.best_evaluation, result.vertices, {});
+    if (is_over) history_->finish();
     remember("run.json");
     write("run.json", run_json(result, files_) + "\n");
 }

@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/io.hpp"
 #include "optimize/history.hpp"
+#include "report/run_lock.hpp"
 
 #include <filesystem>
 #include <memory>
@@ -15,7 +16,8 @@ enum class SeriesPolicy { every_accepted, best, none };
 class RunFolder {
 public:
     /// Makes the folder. @throws OutputError when it exists and is not empty, with the remedy; or cannot be made.
-    explicit RunFolder(const std::filesystem::path& folder);
+    /// It is locked until the object goes. @param goes_on that of a run which goes on: its records are completed.
+    explicit RunFolder(const std::filesystem::path& folder, bool goes_on = false);
 
     void write_case(const std::string& yaml);
 
@@ -28,6 +30,12 @@ public:
     void add(const LevelStart& level);
     /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
+    /// Of a run that is replayed: the best design of evaluations before this one has been replaced already, and is not
+    /// written again.
+    void begin_best_at(int evaluation) { best_from_ = evaluation; }
+    /// A file that others keep there: not told among the files, but removed by `discard`.
+    std::filesystem::path aside(const std::string& name);
+
     /// Completes series and run.json.
     void finish(const RunResult& result);
     /// Removes what was written and the folders that were made, before the first design: as if there had been no run.
@@ -44,12 +52,15 @@ private:
     void remember(const std::string& name);
 
     std::filesystem::path folder_;
+    bool goes_on_ = false;
+    std::unique_ptr<RunLock> lock_;
+    int best_from_ = 0;
     const Problem* problem_ = nullptr;
     std::unique_ptr<HistoryWriter> history_;
     SurfaceFormat format_ = SurfaceFormat::stl_binary;
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;
-    std::vector<std::string> files_;
+    std::vector<std::string> files_, aside_;
     std::vector<std::filesystem::path> made_;  ///< folders that did not exist, the deepest first
 };
 

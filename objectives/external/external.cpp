@@ -11,10 +11,12 @@
 
 #include <algorithm>
 #include <array>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <nlohmann/json.hpp>
 #include <set>
+#include <thread>
 
 namespace strake {
 namespace {
@@ -63,6 +65,13 @@ void validate(const ExternalCommand& command) {
         refuse("grace = ", command.grace_s, " s must be >= 0");
     if (!(command.diagonal > 0) || !std::isfinite(command.diagonal))
         refuse("diagonal = ", command.diagonal, " must be > 0");
+    if (command.retries < 0) refuse("retries = ", command.retries, " must be >= 0");
+    if (!(command.pause_s >= 0) || !std::isfinite(command.pause_s))
+        refuse("pause = ", command.pause_s, " s must be >= 0");
+    if (command.value_after_failure && !std::isfinite(*command.value_after_failure))
+        refuse("on_failure.value = ", *command.value_after_failure, " must be finite");
+    if (command.value_after_failure && command.has_gradients)
+        refuse("on_failure.value has no gradient, so that it goes only with a program that gives none");
     std::set<std::string> seen;
     for (const std::string& name : command.gives)
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
@@ -99,20 +108,26 @@ std::string program_of(const ExternalCommand& command, const std::string& argume
     return (fs::absolute(command.case_dir) / argument).lexically_normal().string();
 }
 
-Call fresh_folder(const ExternalCommand& command, int evaluation) {
+/// An attempt never gets a folder that another has had: what that one still writes must not be taken for its result.
+Call fresh_folder(const ExternalCommand& command, int evaluation, int attempt) {
     if (evaluation < 0) throw InvalidInput(text(command.name, ": evaluation = ", evaluation, " must be >= 0"));
     char number[16];
     std::snprintf(number, sizeof number, "%06d", evaluation);
+    fs::path first = fs::absolute(command.evaluations_dir).lexically_normal() / number;
+    if (command.own_folder) first /= command.name;
     Call call;
-    call.folder = fs::absolute(command.evaluations_dir).lexically_normal() / number;
-    if (command.own_folder) call.folder /= command.name;
     std::error_code error;
-    fs::create_directories(call.folder.parent_path(), error);
-    if (error) throw OutputError(text(call.folder.parent_path().string(), ": cannot be created: ", error.message()));
-    if (!fs::create_directory(call.folder, error))
-        throw OutputError(text(call.folder.string(), error ? ": cannot be created: " + error.message()
-                                                           : std::string(": exists already; the folder of an "
-                                                                         "evaluation must be fresh")));
+    fs::create_directories(first.parent_path(), error);
+    if (error) throw OutputError(text(first.parent_path().string(), ": cannot be created: ", error.message()));
+    for (;; ++attempt) {
+        call.folder = first;
+        if (attempt > 1) call.folder += text("-", attempt);
+        if (fs::create_directory(call.folder, error)) break;
+        if (error) throw OutputError(text(call.folder.string(), ": cannot be created: ", error.message()));
+        if (!command.may_follow_others)
+            throw OutputError(
+                text(call.folder.string(), ": exists already; the folder of an evaluation must be fresh"));
+    }
     call.surface = call.folder / ("surface" + extension_of(format_named(command.format)));
     call.request = call.folder / "request.json";
     call.result = call.folder / "result.json";
@@ -179,10 +194,9 @@ QuantityResult read_results(const ExternalCommand& command, const QuantityReques
     return result;
 }
 
-QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& request) {
-    if (auto failure = vertices_finite(command.name, request.surface)) return {{}, {}, failure};
+QuantityResult attempt(const ExternalCommand& command, const QuantityRequest& request, int number) {
     const bool want_gradients = request.want_sensitivities && command.has_gradients;
-    const Call call = fresh_folder(command, request.evaluation);
+    const Call call = fresh_folder(command, request.evaluation, number);
     write_surface(call.surface, request.surface, format_named(command.format));
     write_atomically(call.request, request_json(command, request, call, want_gradients));
 
@@ -192,7 +206,9 @@ QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& r
     process.folder = call.folder;
     process.timeout_s = command.timeout_s;
     process.grace_s = command.grace_s;
+    process.stop_wanted = request.stop_wanted;
     const ProcessEnd end = run_process(process);
+    if (end.failure && end.failure->kind == "interrupted") throw Interrupted{};
 
     Failure failure;
     try {
@@ -205,6 +221,50 @@ QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& r
         text(command.name, ", evaluation ", request.evaluation, ": ", failure.message, "\n  in ", call.folder.string());
     if (!end.last_lines.empty()) failure.message += "\n  the program's last lines:\n" + end.last_lines;
     return {{}, {}, failure};
+}
+
+void pause_before(const ExternalCommand& command, const QuantityRequest& request, int attempt) {
+    const double seconds = std::min(10.0, std::ldexp(command.pause_s, std::min(attempt - 2, 20)));
+    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    do {
+        if (request.stop_wanted && request.stop_wanted()) throw Interrupted{};
+        std::this_thread::sleep_for(std::chrono::duration<double>(std::min(seconds, 0.02)));
+    } while (std::chrono::steady_clock::now() < until);
+}
+
+/// The first line of a failure's message; the others name its folder and its log.
+std::string headline(const Failure& failure) {
+    return text(failure.kind, ": ", failure.message.substr(0, failure.message.find('\n')));
+}
+
+QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& request) {
+    if (auto failure = vertices_finite(command.name, request.surface)) return {{}, {}, failure};
+    std::vector<std::string> remarks;
+    QuantityResult result;
+    const int attempts = 1 + command.retries;
+    for (int k = 1; k <= attempts; ++k) {
+        if (k > 1) pause_before(command, request, k);
+        result = attempt(command, request, k);
+        if (!result.failure || result.failure->kind == "spawn") break;
+        if (k < attempts)
+            remarks.push_back(text(headline(*result.failure), "; attempt ", k + 1, " of ", attempts, " follows"));
+    }
+    if (result.failure && command.retries > 0 && result.failure->kind != "spawn")
+        result.failure->message += text("\n  ", attempts, " attempts failed");
+    if (result.failure && command.value_after_failure) {
+        remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
+        result = {};
+        result.values.assign(value_keys(command).size(), *command.value_after_failure);
+    }
+    result.remarks = std::move(remarks);
+    return result;
+}
+
+/// Its arguments as they are written in the case.
+std::string identity(const ExternalCommand& command) {
+    std::string words = command.format;
+    for (const std::string& argument : command.command) words.append(1, '\0').append(argument);
+    return words;
 }
 
 }  // namespace
@@ -232,6 +292,7 @@ Quantity external(const ExternalCommand& command) {
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
     quantity.evaluate = [command](const QuantityRequest& request) { return evaluate(command, request); };
     quantity.has_sensitivities = command.has_gradients;
+    quantity.program = identity(command);
     return quantity;
 }
 

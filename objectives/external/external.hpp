@@ -21,17 +21,23 @@ struct ExternalCommand {
     /// Own variables of the case that the values depend on; the derivatives by others are 0. Without it: all.
     std::optional<std::vector<std::string>> depends_on;
     bool may_lack_derivatives = false;  ///< by own variables: NaN then; else their lack is a failure
-    double diagonal = 0;  ///< of the start surface; rows with coordinates are matched within 1e-5 of it, > 0
-    std::string units;    ///< of length, as the case states it, for request.json
+    double diagonal = 0;   ///< of the start surface; rows with coordinates are matched within 1e-5 of it, > 0
+    std::string units;     ///< of length, as the case states it, for request.json
+    int retries = 0;       ///< further attempts after a failure, >= 0; not where the program cannot be started
+    double pause_s = 0.1;  ///< before the first of them, twice as long before each next one (10 s at most), >= 0
+    /// What the values become after the last attempt has failed; nothing: the failure is the result. Without gradients.
+    std::optional<double> value_after_failure;
+    bool may_follow_others = false;  ///< a folder that exists is left alone, the next free of 000001, 000001-2, … taken
 };
 
 /// A quantity that runs `command` once an evaluation, in the fresh folder evaluations_dir/NNNNNN (or a
-/// folder of its own within). Whatever the program
+/// folder of its own within; further attempts in NNNNNN-2, NNNNNN-3, …). Whatever the program
 /// does wrong is the result's `failure` (kinds spawn, exit, signal, timeout, no_result, unreadable, missing_key,
 /// wrong_type, not_finite, wrong_count), whose message ends with the program's last lines. Must be called from a
 /// thread that lives as long as the program runs: the program gets TERM when that thread ends.
-/// @throws InvalidInput for wrong options; `evaluate` throws OutputError when the folder exists or cannot be written,
-/// InvalidInput for an evaluation number < 0 or a variable that is not finite.
+/// @throws InvalidInput for wrong options; `evaluate` throws Interrupted when the request's stop is wanted, OutputError
+/// when the folder exists or cannot be written, InvalidInput for an evaluation number < 0 or a variable that is not
+/// finite.
 Quantity external(const ExternalCommand& command);
 
 /// Why the command's program cannot be started (kind spawn), before anything runs; nothing when it can.

@@ -169,11 +169,11 @@ bool has_ended(pid_t child) {
     return (status == 0 && info.si_pid == child) || (status != 0 && errno == ECHILD);
 }
 
-/// Pours output until the program has ended or `until`; true when it has ended.
-bool wait_until(pid_t child, Outputs& outputs, Clock::time_point until) {
+/// Pours output until the program has ended, `until`, or until the user wants to stop; true when it has ended.
+bool wait_until(pid_t child, Outputs& outputs, Clock::time_point until, const std::function<bool()>& stop_wanted = {}) {
     int pause_ms = 1;
     while (!has_ended(child)) {
-        if (Clock::now() >= until) return false;
+        if (Clock::now() >= until || (stop_wanted && stop_wanted())) return false;
         outputs.take(pause_ms);
         pause_ms = std::min(2 * pause_ms, 20);
     }
@@ -192,8 +192,11 @@ int finish(pid_t child, Outputs& outputs) {
     return reaped == child ? status : -1;
 }
 
-Failure timed_out(pid_t child, Outputs& outputs, const ProcessCommand& command) {
+/// Ends the process group, after the timeout or because the user wants to stop.
+Failure end_group(pid_t child, Outputs& outputs, const ProcessCommand& command) {
+    const bool is_interrupt = command.stop_wanted && command.stop_wanted();
     const auto message = [&](const char* how) {
+        if (is_interrupt) return Failure{"interrupted", text("the run was interrupted; ", how)};
         return Failure{"timeout", text("not finished after the timeout of ", command.timeout_s, " s; ", how)};
     };
     ::kill(-child, SIGTERM);
@@ -237,10 +240,10 @@ ProcessEnd run_process(const ProcessCommand& command) {
         out.write.close();
         err.write.close();
         Outputs outputs(out, err, out_log, err_log);
-        if (wait_until(child, outputs, after(command.timeout_s)))
+        if (wait_until(child, outputs, after(command.timeout_s), command.stop_wanted))
             end.failure = how_it_ended(finish(child, outputs));
         else
-            end.failure = timed_out(child, outputs, command);
+            end.failure = end_group(child, outputs, command);
     } catch (const Refused& refused) {
         end.failure = refused.failure;
     }

@@ -11,11 +11,12 @@ struct ProcessCommand {
     std::filesystem::path folder;        ///< working directory; stdout.log and stderr.log are made there
     double timeout_s = 3600;             ///< > 0; then TERM to the process group, grace_s, KILL
     double grace_s = 5;
+    std::function<bool()> stop_wanted;  ///< asked while it runs; true: as after the timeout, kind `interrupted`
     std::size_t log_bytes = std::size_t{10} << 20;  ///< of each log, from the start; the last 64 KiB are always kept
 };
 
 struct ProcessEnd {
-    std::optional<Failure> failure;  ///< spawn, exit, signal or timeout; nothing after status 0
+    std::optional<Failure> failure;  ///< spawn, exit, signal, timeout, interrupted; nothing after status 0
     std::string last_lines;          ///< printable: of stderr.log, or of stdout.log when that is empty
 };
 

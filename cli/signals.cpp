@@ -1,0 +1,36 @@
+#include "cli/signals.hpp"
+
+#include <unistd.h>
+#include <atomic>
+#include <csignal>
+
+namespace strake::cli {
+namespace {
+
+std::atomic<int> noted{0};  // a handler can reach nothing else
+static_assert(std::atomic<int>::is_always_lock_free);
+
+extern "C" void note(int number) {
+    int none = 0;
+    if (!noted.compare_exchange_strong(none, number)) ::_exit(128 + number);
+}
+
+}  // namespace
+
+void watch_signals() {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction before {};
+        ::sigaction(number, nullptr, &before);
+        if (number == SIGHUP && before.sa_handler == SIG_IGN) continue;
+        struct sigaction ours {};
+        ours.sa_handler = note;
+        ours.sa_flags = SA_RESTART;
+        sigemptyset(&ours.sa_mask);
+        ::sigaction(number, &ours, nullptr);
+    }
+}
+
+bool stop_wanted() { return noted.load() != 0; }
+int stop_signal() { return noted.load(); }
+
+}  // namespace strake::cli

@@ -1,0 +1,12 @@
+#pragma once
+
+/// What the user says by signals while a run goes on.
+namespace strake::cli {
+
+/// From now on the first INT, TERM or HUP is only noted; the second ends the program at once with status 128 + its
+/// number. HUP stays ignored where it was (nohup).
+void watch_signals();
+bool stop_wanted();
+int stop_signal();  ///< its number; 0: none
+
+}  // namespace strake::cli

@@ -1,0 +1,262 @@
+#include "optimize/journal.hpp"
+
+#include "core/error.hpp"
+#include "optimize/journal_tables.hpp"
+
+#include <sqlite3.h>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+
+namespace strake {
+namespace {
+
+constexpr int application = 1400140139;  // as in the tables
+constexpr int version = 1;
+
+void execute(sqlite3* db, const std::filesystem::path& file, const char* sql) {
+    if (const int code = sqlite3_exec(db, sql, nullptr, nullptr, nullptr); code != SQLITE_OK)
+        throw_sqlite(db, file, code);
+}
+
+/// Several changes that are on the disk together or not at all.
+class Transaction {
+public:
+    Transaction(sqlite3* db, const std::filesystem::path& file) : db_(db), file_(file) {
+        execute(db, file, "BEGIN IMMEDIATE");
+    }
+    ~Transaction() {
+        if (!done_) sqlite3_exec(db_, "ROLLBACK", nullptr, nullptr, nullptr);
+    }
+    void commit() {
+        execute(db_, file_, "COMMIT");
+        done_ = true;
+    }
+
+private:
+    sqlite3* db_;
+    const std::filesystem::path& file_;
+    bool done_ = false;
+};
+
+void write_fact(sqlite3* db, const std::filesystem::path& file, const char* name, const std::string& value) {
+    Statement(db, file, "INSERT OR REPLACE INTO facts VALUES (?, ?)").bind(std::string(name)).bind(value).run();
+}
+
+std::uint64_t hashed(std::string_view bytes, std::uint64_t hash) {
+    for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3ull;
+    return hash;
+}
+
+constexpr std::uint64_t hash_start = 0xcbf29ce484222325ull;
+
+std::string digits_of(std::uint64_t hash) {
+    char digits[17];
+    std::snprintf(digits, sizeof digits, "%016llx", static_cast<unsigned long long>(hash));
+    return digits;
+}
+
+}  // namespace
+
+std::string content_hash(std::string_view bytes) { return digits_of(hashed(bytes, hash_start)); }
+
+std::string content_hash(const TriMesh& surface) {
+    const auto bytes = [](const auto& matrix) {
+        return std::string_view(reinterpret_cast<const char*>(matrix.data()),
+                                sizeof(*matrix.data()) * static_cast<std::size_t>(matrix.size()));
+    };
+    return digits_of(hashed(bytes(surface.triangles), hashed(bytes(surface.vertices), hash_start)));
+}
+
+Journal::Journal(const std::filesystem::path& file, int flags) : file_(file) {
+    int code = sqlite3_open_v2(file.c_str(), &db_, flags, nullptr);
+    sqlite3_busy_timeout(db_, 10000);  // of a reader that looks while we write
+    if (code != SQLITE_OK) {
+        const std::string words = sqlite_words(db_, file, code);
+        sqlite3_close(db_);
+        throw OutputError(words);
+    }
+}
+
+Journal::~Journal() { sqlite3_close(db_); }
+
+std::unique_ptr<Journal> Journal::create(const std::filesystem::path& file, const JournalFacts& facts,
+                                         const RunLimits& limits) {
+    std::unique_ptr<Journal> journal(new Journal(file, SQLITE_OPEN_READWRITE | SQLITE_OPEN_CREATE));
+    sqlite3* db = journal->db_;
+    // With a log ahead of the file, readers need not wait; FULL: a commit returns when it is on the disk.
+    execute(db, file, "PRAGMA journal_mode = WAL; PRAGMA synchronous = FULL");
+    Transaction all(db, journal->file_);
+    make_tables(db, file);
+    std::vector<std::string> files;
+    for (const auto& [key, hash] : facts.files) files.push_back(key + " " + hash);
+    write_fact(db, file, "case", facts.case_yaml);
+    write_fact(db, file, "case_dir", facts.case_dir.string());
+    write_fact(db, file, "host", facts.host);
+    write_fact(db, file, "command", facts.is_fit ? "fit" : "run");
+    write_fact(db, file, "values", lines_of(facts.values));
+    write_fact(db, file, "own", lines_of(facts.own));
+    write_fact(db, file, "files", lines_of(files));
+    Statement(db, file, "INSERT INTO limits VALUES (0, ?, ?)")
+        .bind(static_cast<long long>(limits.evaluations))
+        .bind(limits.seconds)
+        .run();
+    all.commit();
+    journal->facts_ = facts;
+    journal->limits_ = {{0, limits.evaluations, limits.seconds}};
+    return journal;
+}
+
+void Journal::check_version() {
+    const auto pragma = [&](const char* sql) {
+        Statement row(db_, file_, sql);
+        return row.step() ? row.integer(0) : 0;
+    };
+    if (pragma("SELECT count(*) FROM sqlite_master") == 0)
+        throw InputError(text(file_.string(),
+                              ": holds nothing: the run ended before it began; remove its folder and "
+                              "start it again"));
+    if (pragma("PRAGMA application_id") != application)
+        throw InputError(text(file_.string(), ": is no journal of Strake; nothing was changed"));
+    if (const long long has = pragma("PRAGMA user_version"); has != version)
+        throw InputError(text(file_.string(), ": is of version ", has, ", this program reads version ", version,
+                              "; nothing was changed"));
+}
+
+void Journal::read_facts() {
+    Statement row(db_, file_, "SELECT name, value FROM facts");
+    while (row.step()) {
+        const std::string name = row.words(0), value = row.words(1);
+        if (name == "case") facts_.case_yaml = value;
+        if (name == "case_dir") facts_.case_dir = value;
+        if (name == "host") facts_.host = value;
+        if (name == "command") facts_.is_fit = value == "fit";
+        if (name == "values") facts_.values = names_in(value);
+        if (name == "own") facts_.own = names_in(value);
+        if (name == "files")
+            for (const std::string& line : names_in(value)) {
+                const std::size_t blank = line.rfind(' ');
+                facts_.files[line.substr(0, blank)] = line.substr(blank + 1);
+            }
+    }
+    Statement limits(db_, file_, "SELECT after, evaluations, seconds FROM limits ORDER BY after");
+    while (limits.step())
+        limits_.push_back({static_cast<int>(limits.integer(0)), static_cast<int>(limits.integer(1)), limits.number(2)});
+    if (limits_.empty() || limits_[0].after != 0 || facts_.case_yaml.empty())
+        throw InputError(text(file_.string(), ": the journal is damaged (no facts of the run); nothing was changed"));
+}
+
+void Journal::read_evaluations() {
+    Statement rows(db_, file_, select_evaluations);
+    while (rows.step()) {
+        evaluations_.push_back(evaluation_of(rows, file_));
+        if (evaluations_.back().number != static_cast<int>(evaluations_.size()))
+            throw InputError(text(file_.string(), ": the journal is damaged (evaluation ", evaluations_.size(),
+                                  " is missing); nothing was changed"));
+    }
+}
+
+void Journal::drop_final_failure() {
+    if (evaluations_.empty() || !evaluations_.back().is_final_failure) return;
+    Statement(db_, file_, "DELETE FROM evaluations WHERE number = ?")
+        .bind(static_cast<long long>(evaluations_.back().number))
+        .run();
+    evaluations_.pop_back();
+}
+
+std::unique_ptr<Journal> Journal::open(const std::filesystem::path& file) {
+    std::error_code why;
+    if (!std::filesystem::is_regular_file(file, why))
+        throw InputError(text(file.string(), ": ", why ? why.message() : "is no file"));
+    std::unique_ptr<Journal> journal(new Journal(file, SQLITE_OPEN_READWRITE));
+    journal->check_version();
+    Statement check(journal->db_, file, "PRAGMA quick_check(1)");
+    if (check.step() && check.words(0) != "ok")
+        throw InputError(text(file.string(), ": the journal is damaged (", check.words(0), "); nothing was changed"));
+    execute(journal->db_, file, "PRAGMA synchronous = FULL");
+    journal->read_facts();
+    journal->read_evaluations();
+    Statement calls(journal->db_, file, select_calls);
+    while (calls.step()) call_of(calls, file);
+    journal->drop_final_failure();
+    return journal;
+}
+
+std::unique_ptr<Journal> Journal::look(const std::filesystem::path& file) {
+    std::error_code why;
+    if (!std::filesystem::is_regular_file(file, why))
+        throw InputError(text(file.string(), ": ", why ? why.message() : "is no file"));
+    const auto read = [&](const std::filesystem::path& name, int flags) {
+        std::unique_ptr<Journal> journal(new Journal(name, flags));
+        journal->file_ = file;
+        journal->check_version();
+        execute(journal->db_, journal->file_, "BEGIN");  // one moment
+        journal->read_facts();
+        journal->read_evaluations();
+        execute(journal->db_, journal->file_, "COMMIT");
+        return journal;
+    };
+    try {
+        return read(file, SQLITE_OPEN_READONLY);
+    } catch (const OutputError&) {
+        // In a folder where nothing may be written: as the file is.
+        std::string name = "file:";
+        for (const char c : std::filesystem::absolute(file).string()) {
+            char escaped[4];
+            std::snprintf(escaped, sizeof escaped, "%%%02x", static_cast<unsigned char>(c));
+            name += escaped;
+        }
+        return read(name + "?immutable=1", SQLITE_OPEN_READONLY | SQLITE_OPEN_URI);
+    }
+}
+
+const RunLimits& Journal::limits_after(int evaluations) const {
+    std::size_t k = limits_.size() - 1;
+    while (k > 0 && limits_[k].after > evaluations) --k;
+    return limits_[k];
+}
+
+const JournalEvaluation* Journal::find(int number) const {
+    return number >= 1 && number <= static_cast<int>(evaluations_.size()) ? &evaluations_[number - 1] : nullptr;
+}
+
+std::optional<JournalCall> Journal::find_call(int evaluation, const std::string& quantity) const {
+    Statement row(db_, file_, select_call);
+    row.bind(static_cast<long long>(evaluation)).bind(quantity);
+    if (!row.step()) return {};
+    return call_of(row, file_);
+}
+
+void Journal::add(const JournalEvaluation& evaluation) {
+    if (evaluation.number != static_cast<int>(evaluations_.size()) + 1)
+        throw InvalidInput(text("journal: evaluation ", evaluation.number, " follows ", evaluations_.size()));
+    Transaction one(db_, file_);
+    insert(db_, file_, evaluation);
+    one.commit();
+    evaluations_.push_back(evaluation);
+}
+
+void Journal::add(const JournalCall& call) {
+    Transaction one(db_, file_);
+    insert(db_, file_, call);
+    one.commit();
+}
+
+void Journal::set_limits(int max_evaluations, double max_seconds) {
+    if (limits().evaluations == max_evaluations && limits().seconds == max_seconds) return;
+    const RunLimits next{static_cast<int>(evaluations_.size()), max_evaluations, max_seconds};
+    Statement(db_, file_, "INSERT OR REPLACE INTO limits VALUES (?, ?, ?)")
+        .bind(static_cast<long long>(next.after))
+        .bind(static_cast<long long>(next.evaluations))
+        .bind(next.seconds)
+        .run();
+    if (limits_.back().after == next.after) limits_.pop_back();
+    limits_.push_back(next);
+}
+
+void Journal::set_case(const std::string& yaml) {
+    write_fact(db_, file_, "case", yaml);
+    facts_.case_yaml = yaml;
+}
+
+}  // namespace strake

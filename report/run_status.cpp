@@ -1,0 +1,102 @@
+#include "report/run_status.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/file.hpp"
+
+#include <algorithm>
+#include <nlohmann/json.hpp>
+
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::ordered_json;
+
+/// Status and reason of a run that has come to an end.
+void read_end(const fs::path& file, RunStatus& status) {
+    std::error_code ignored;
+    if (!fs::is_regular_file(file, ignored)) return;
+    const Json end = Json::parse(read_bytes(file), nullptr, false);
+    if (!end.is_object() || !end.contains("status") || !end["status"].is_string()) return;
+    status.status = end["status"];
+    if (end.contains("reason") && end["reason"].is_string()) status.reason = end["reason"];
+}
+
+Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+std::vector<std::string> files_in(const fs::path& folder) {
+    std::vector<std::string> files;
+    std::error_code why;
+    for (fs::directory_iterator at(folder, why), end; !why && at != end; at.increment(why))
+        if (at->is_regular_file(why)) files.push_back(at->path().string());
+    std::sort(files.begin(), files.end());
+    return files;
+}
+
+}  // namespace
+
+RunStatus run_status(const fs::path& folder) {
+    std::error_code ignored;
+    if (!fs::exists(folder / "journal.sqlite", ignored))
+        throw InputError(text(folder.string(), ": holds no run (there is no journal.sqlite)"));
+    RunStatus status;
+    status.holder = lock_holder(folder);
+    const auto journal = Journal::look(folder / "journal.sqlite");
+    status.evaluations = static_cast<int>(journal->evaluations().size());
+    status.max_evaluations = journal->limits().evaluations;
+    for (const JournalEvaluation& e : journal->evaluations()) {
+        status.level = e.level;
+        status.seconds = e.elapsed;
+        if (!e.accepted) continue;
+        status.best_evaluation = e.number;
+        status.objective = e.objective;
+        status.max_violation = e.max_violation;
+    }
+    status.files = files_in(folder);
+    read_end(folder / "run.json", status);
+    if (status.holder) {
+        status.status = "running";
+        status.reason = text(status.holder->words(), " is at evaluation ", status.evaluations + 1);
+    } else if (status.status.empty()) {
+        status.status = "killed";
+        status.reason = text("it ended without a word after ", status.evaluations, " evaluations; `strake resume ",
+                             folder.string(), "` goes on");
+    }
+    return status;
+}
+
+std::string status_json(const RunStatus& s) {
+    Json j;
+    j["status"] = s.status;
+    j["reason"] = s.reason;
+    j["level"] = s.level;
+    j["evaluations"] = s.evaluations;
+    j["objective"] = number(s.objective);
+    j["best"] = number(s.objective);
+    j["max_violation"] = number(s.max_violation);
+    j["files"] = s.files;
+    j["best_evaluation"] = s.best_evaluation;
+    j["max_evaluations"] = s.max_evaluations;
+    j["seconds"] = number(s.seconds);
+    if (s.holder) j["running"] = {{"process", s.holder->process}, {"host", s.holder->host}};
+    return j.dump(2, ' ', false, Json::error_handler_t::replace);
+}
+
+EvaluationRecord record_of(const JournalEvaluation& e) {
+    EvaluationRecord record;
+    record.evaluation = e.number;
+    record.level = e.level;
+    record.status = e.status;
+    record.reason = e.reason;
+    record.objective = e.objective;
+    record.values = e.values;
+    record.own = e.own;
+    record.max_violation = e.max_violation;
+    record.accepted = e.accepted;
+    record.max_displacement = e.max_displacement;
+    record.seconds = e.seconds;
+    record.is_taken_over = e.is_taken_over;
+    return record;
+}
+
+}  // namespace strake

@@ -1,0 +1,440 @@
+#include "cli/run_strake.hpp"
+#include "core/mesh/io.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <sys/resource.h>
+#include <chrono>
+#include <csignal>
+#include <nlohmann/json.hpp>
+#include <random>
+#include <set>
+#include <sstream>
+#include <thread>
+
+/// Runs that are killed, interrupted, or shut out, and what `resume` makes of them.
+namespace strake {
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+void pause_ms(int milliseconds) { std::this_thread::sleep_for(std::chrono::milliseconds(milliseconds)); }
+
+/// A program that is started and then left to itself.
+class Started {
+public:
+    /// @param prepare done in the child before it becomes the program.
+    Started(const TempFolder& folder, const std::vector<std::string>& arguments,
+            const std::function<void()>& prepare = {})
+        : err_((folder / "err").string()) {
+        std::vector<char*> argv{const_cast<char*>(STRAKE_PROGRAM)};
+        for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+        argv.push_back(nullptr);
+        fs::remove(err_);
+        child_ = fork();
+        if (child_ != 0) return;
+        dup2(open("/dev/null", O_WRONLY), 1);
+        dup2(open(err_.c_str(), O_WRONLY | O_CREAT, 0644), 2);
+        if (prepare) prepare();
+        execv(argv[0], argv.data());
+        _exit(126);
+    }
+    void send(int number) const { kill(child_, number); }
+    pid_t process() const { return child_; }
+    bool has_ended() const {
+        siginfo_t info{};
+        return waitid(P_PID, static_cast<id_t>(child_), &info, WEXITED | WNOHANG | WNOWAIT) == 0 && info.si_pid != 0;
+    }
+    /// Exit status, 128 + signal when it did not exit.
+    int wait() const {
+        int status = 0;
+        waitpid(child_, &status, 0);
+        return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    }
+    std::string messages() const { return bytes_of(err_); }
+
+private:
+    std::string err_;
+    pid_t child_ = -1;
+};
+
+/// Writes the number of the evaluation to `calls`, then the volume of the surface times `{factor}`.
+const char* program = R"(import json, os, sys, time
+here = os.path.dirname(os.path.abspath(__file__))
+request = json.load(open(sys.argv[1]))
+number = request["evaluation"]
+with open(here + "/calls", "a") as calls:
+    calls.write("%d\n" % number)
+def asked(what):
+    return os.path.exists("%s/%s-%d" % (here, what, number))
+if asked("sleep"):
+    if asked("deaf"):
+        import signal
+        signal.signal(signal.SIGTERM, signal.SIG_IGN)
+    open(here + "/sleeping", "w").close()
+    time.sleep(4)
+if asked("fail"):
+    sys.exit("licence server is down")
+if asked("once"):
+    os.remove("%s/once-%d" % (here, number))
+    sys.exit(3)
+p = [tuple(map(float, l.split()[1:4])) for l in open("surface.obj") if l.startswith("v ")]
+total, g = 0.0, [[0.0, 0.0, 0.0] for _ in p]
+for l in open("surface.obj"):
+    if not l.startswith("f "):
+        continue
+    t = [int(w.split("/")[0]) - 1 for w in l.split()[1:4]]
+    for i in range(3):
+        a, b, c = p[t[i]], p[t[(i + 1) % 3]], p[t[(i + 2) % 3]]
+        n = (b[1] * c[2] - b[2] * c[1], b[2] * c[0] - b[0] * c[2], b[0] * c[1] - b[1] * c[0])
+        if i == 0:
+            total += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6
+        for k in range(3):
+            g[t[i]][k] += n[k] / 6
+with open("g.csv", "w") as f:
+    f.writelines("%d,%r,%r,%r\n" % (k, *row) for k, row in enumerate(g))
+json.dump({"value": total, "gradient": "g.csv"}, open("result.json", "w"))
+)";
+
+const std::string body =
+    "surface: {file: s.obj}\nregions: {root: {box: [[-2, -2, -2], [-0.7, 2, 2]]}}\nfixed: [root]\n"
+    "shell: {thickness: 5%}\nparameters: {patches_per_level: [2, 4], variables: [load]}\n";
+const std::string by_program =
+    "quantities: {bulk: {command: [python3, \"-S\", \"-E\", \"{case_dir}/bulk.py\", \"{request}\"] @}}\n"
+    "objective: {maximize: bulk}\nconstraints: {area: {max: 1.02, relative: true}}\n";
+const std::string built_in = "objective: {maximize: volume}\nconstraints: {area: {max: 1.02, relative: true}}\n";
+const std::string budget = "optimize: {budget: {evaluations: 10}}\n";
+
+class Resume : public testing::Test {
+protected:
+    TempFolder folder;
+    std::string path(const std::string& name) const { return (folder / name).string(); }
+
+    void SetUp() override {
+        write_surface(folder / "s.obj", ellipsoid({1, 0.6, 0.4}, 2), SurfaceFormat::obj);
+        folder.write("bulk.py", program);
+    }
+    /// A case whose command has these further keys.
+    std::string external_case(const std::string& more = "", const std::string& tail = budget) const {
+        std::string text = body + by_program + tail;
+        text.replace(text.find('@'), 1, more);
+        return folder.write("case.yaml", text).string();
+    }
+    /// The run of `external_case()`, in `whole`: made once for all tests.
+    void undisturbed() const {
+        static const TempFolder once;
+        if (!fs::exists(once / "whole")) {
+            const ProgramRun run = run_strake({"run", external_case(), "--out", (once / "whole").string(), "-q"});
+            ASSERT_EQ(run.status, 0) << run.err;
+        }
+        fs::copy(once / "whole", folder / "whole", fs::copy_options::recursive);
+        fs::remove(folder / "calls");
+    }
+    void mark(const std::string& what) const { folder.write(what, ""); }
+    std::multiset<int> calls() const {
+        std::multiset<int> all;
+        std::istringstream lines(bytes_of(folder / "calls"));
+        for (int number; lines >> number;) all.insert(number);
+        return all;
+    }
+    void expect_same(const std::string& a, const std::string& b) const {
+        for (const char* file : {"history.csv", "best.obj", "levels/best.csv", "levels/best.design", "series.pvd"}) {
+            EXPECT_FALSE(bytes_of(folder / a / file).empty()) << file;
+            EXPECT_EQ(bytes_of(folder / a / file), bytes_of(folder / b / file)) << file;
+        }
+        EXPECT_EQ(Json::parse(bytes_of(folder / a / "run.json"))["reason"],
+                  Json::parse(bytes_of(folder / b / "run.json"))["reason"]);
+        std::set<std::string> shapes[2];
+        for (int k = 0; k < 2; ++k)
+            for (const auto& entry : fs::directory_iterator(folder / (k == 0 ? a : b) / "series"))
+                shapes[k].insert(entry.path().filename().string() + bytes_of(entry.path()));
+        EXPECT_TRUE(shapes[0] == shapes[1]);
+        for (const auto& entry : fs::recursive_directory_iterator(folder / b))
+            EXPECT_EQ(entry.path().string().find(".tmp"), std::string::npos) << entry.path();
+        EXPECT_FALSE(fs::exists(folder / b / "lock"));
+    }
+    /// Evaluations that the journal in `out` has on record.
+    std::set<int> recorded(const std::string& out) const {
+        std::set<int> numbers;
+        const ProgramRun told = run_strake({"history", path(out), "--csv"});
+        std::istringstream rows(told.out);
+        for (std::string row; std::getline(rows, row);)
+            if (std::isdigit(static_cast<unsigned char>(row[0]))) numbers.insert(std::stoi(row));
+        return numbers;
+    }
+    /// Kills the run again and again until one start comes to its end. @return how often.
+    int run_with_kills(const std::string& file, const std::string& out, int seed, int most_ms) const {
+        std::mt19937 random(static_cast<unsigned>(seed));
+        int kills = 0;
+        for (int status = -1; status != 0 && kills < 200;) {
+            const bool begun = fs::exists(folder / out / "journal.sqlite");
+            const std::set<int> paid = begun ? recorded(out) : std::set<int>();
+            folder.write("calls", "");
+            std::vector<std::string> arguments{"resume", path(out), "-q"};
+            if (!begun) {
+                fs::remove_all(folder / out);
+                arguments = {"run", file, "--out", path(out), "-q"};
+            }
+            const Started run(folder, arguments);
+            // Later starts are given longer, so that there is an end.
+            pause_ms(static_cast<int>(random() % static_cast<unsigned>(most_ms + 40 * kills)));
+            run.send(SIGKILL);
+            status = run.wait();
+            for (const int number : calls()) EXPECT_FALSE(paid.contains(number)) << number << " was paid again";
+            if (status == 128 + SIGKILL) {
+                ++kills;
+            } else if (status == 3 && run.messages().find("holds nothing") != std::string::npos) {
+                fs::remove_all(folder / out);  // killed before the first word was written
+            } else {
+                EXPECT_EQ(status, 0) << run.messages();
+                if (status != 0) return kills;
+            }
+        }
+        return kills;
+    }
+};
+
+TEST_F(Resume, AfterKillsAtAnyMomentTheBitsAreThoseOfAnUndisturbedRun) {
+    const std::string file = folder.write("case.yaml", body + built_in + budget).string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("whole"), "-q"}).status, 0);
+    int kills = 0;
+    for (int seed = 1; kills < 20; ++seed) {
+        const std::string out = "killed" + std::to_string(seed);
+        kills += run_with_kills(file, out, seed, 150);
+        expect_same("whole", out);
+        if (HasFailure()) return;
+    }
+}
+
+TEST_F(Resume, NoFinishedCallOfAProgramIsPaidTwice) {
+    const std::string file = external_case();
+    undisturbed();
+    int kills = 0;
+    for (int seed = 1; kills < 8; ++seed) {
+        const std::string out = "killed" + std::to_string(seed);
+        kills += run_with_kills(file, out, seed, 400);
+        expect_same("whole", out);
+        if (HasFailure()) return;
+    }
+    EXPECT_EQ(run_strake({"history", path("killed1"), "--csv"}).out, bytes_of(folder / "whole/history.csv"));
+}
+
+TEST_F(Resume, OfAFitAndFromAMovedFolder) {
+    TriMesh wanted = ellipsoid({1, 0.6, 0.4}, 2);
+    wanted.vertices.col(2) *= 1.05;
+    write_surface(folder / "wanted.obj", wanted, SurfaceFormat::obj);
+    const std::string file =
+        folder
+            .write("case.yaml",
+                   body + "quantities: {m: {type: target_shape, file: wanted.obj, match: same}}\nfit: [m]\n" + budget)
+            .string();
+    const ProgramRun whole = run_strake({"fit", file, "--out", path("whole"), "-q"});
+    const Started run(folder, {"fit", file, "--out", path("killed"), "-q"});
+    while (bytes_of(folder / "killed/history.csv").size() < 300) pause_ms(5);
+    run.send(SIGKILL);
+    run.wait();
+    fs::rename(folder / "killed", folder / "moved");
+    EXPECT_EQ(run_strake({"resume", path("moved"), "-q"}).status, whole.status);
+    expect_same("whole", "moved");
+}
+
+TEST_F(Resume, ABudgetCanBeRaisedAndNothingElseChanged) {
+    const std::string file = external_case(", retries: 1");
+    ASSERT_EQ(run_strake({"run", file, "--out", path("a"), "-q"}).status, 0);
+    const std::string history = bytes_of(folder / "a/history.csv"), yaml = bytes_of(folder / "a/case.yaml");
+    const auto edited = [&](const std::string& from, const std::string& to) {
+        std::string text = yaml;
+        text.replace(text.find(from), from.size(), to);
+        folder.write("a/case.yaml", text);
+        return run_strake({"resume", path("a"), "-q"});
+    };
+    const auto expect_refused = [&](const ProgramRun& run, const std::string& words) {
+        EXPECT_EQ(run.status, 2);
+        EXPECT_NE(run.err.find(words), std::string::npos) << run.err;
+        EXPECT_EQ(bytes_of(folder / "a/history.csv"), history);
+    };
+    expect_refused(edited("load]", "load_normal]"), "parameters.variables[0]");
+    expect_refused(edited("max: 1.02", "max: 1.03"), "constraints.area.max");
+    expect_refused(edited("retries: 1", "retries: 2"), "quantities.bulk.retries");
+    expect_refused(edited("-E", "-I"), "quantities.bulk.command[2]");
+    expect_refused(edited("evaluations: 10", "evaluations: 9"), "can only be raised");
+    folder.write("a/case.yaml", yaml);
+    expect_refused(run_strake({"resume", path("a"), "-q", "--evaluations", "+1.5"}), "whole number");
+    expect_refused(run_strake({"resume", path("a"), "-q", "--time", "5"}), "--time");
+
+    folder.write("calls", "");
+    EXPECT_EQ(edited("timeout: 1h", "timeout: 2h").status, 0);
+    EXPECT_EQ(bytes_of(folder / "a/history.csv"), history);
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q", "--evaluations", "+4"}).status, 0);
+    const std::string longer = bytes_of(folder / "a/history.csv");
+    EXPECT_EQ(longer.substr(0, history.size()), history);
+    const std::size_t made = recorded("a").size();
+    EXPECT_GT(made, 10u);
+    EXPECT_LE(made, 14u);
+    EXPECT_LE(calls().size(), made - 10);
+    for (const int number : calls()) EXPECT_GT(number, 10);
+    EXPECT_EQ(edited("evaluations: 10", "evaluations: 20").status, 0);
+    EXPECT_GT(recorded("a").size(), made);
+
+    std::string surface = bytes_of(folder / "s.obj");
+    folder.write("s.obj", surface + "# another file\n");
+    const ProgramRun other = run_strake({"resume", path("a"), "-q"});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("surface.file"), std::string::npos) << other.err;
+}
+
+TEST_F(Resume, TheFirstSignalEndsInOrderAndTheSecondAtOnce) {
+    const std::string file = external_case();
+    undisturbed();
+    mark("sleep-4");
+    const Started run(folder, {"run", file, "--out", path("a"), "-q"});
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    const ProgramRun status = run_strake({"status", path("a"), "--json"});
+    EXPECT_EQ(status.status, 0) << status.err;
+    const Json told = Json::parse(status.out);
+    EXPECT_EQ(told["status"], "running");
+    EXPECT_EQ(told["evaluations"], 3);
+    EXPECT_EQ(told["running"]["process"], std::to_string(run.process()));
+    // Meanwhile nobody else gets in.
+    for (const std::vector<std::string>& arguments :
+         {std::vector<std::string>{"run", file, "--out", path("a"), "-q"}, {"resume", path("a"), "-q"}}) {
+        const ProgramRun other = run_strake(arguments);
+        EXPECT_EQ(other.status, 4);
+        EXPECT_NE(other.err.find("process " + std::to_string(run.process())), std::string::npos) << other.err;
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    run.send(SIGINT);
+    EXPECT_EQ(run.wait(), 75) << run.messages();
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3)) << "the program got TERM";
+    EXPECT_NE(run.messages().find("strake resume " + path("a")), std::string::npos) << run.messages();
+    EXPECT_EQ(Json::parse(run_strake({"status", path("a"), "--json"}).out)["status"], "interrupted");
+    EXPECT_EQ(recorded("a").size(), 3u);
+
+    mark("deaf-4");
+    fs::remove(folder / "sleeping");
+    const Started deaf(folder, {"resume", path("a"), "-q"});
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    pause_ms(50);  // it turns a deaf ear
+    const auto asked = std::chrono::steady_clock::now();
+    while (!deaf.has_ended()) {  // two signals that come too close are one
+        deaf.send(SIGTERM);
+        pause_ms(100);
+    }
+    EXPECT_EQ(deaf.wait(), 128 + SIGTERM);
+    EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(4)) << "the program had five to end";
+    fs::remove(folder / "sleep-4");
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
+    expect_same("whole", "a");
+    EXPECT_TRUE(fs::exists(folder / "a/evaluations/000004-3")) << "each attempt had a folder of its own";
+}
+
+TEST_F(Resume, AnAbortIsAskedAgainOnceItIsMended) {
+    const std::string file = external_case();
+    undisturbed();
+    mark("fail-5");
+    const ProgramRun failed = run_strake({"run", file, "--out", path("a"), "-q"});
+    EXPECT_EQ(failed.status, 5);
+    EXPECT_NE(failed.err.find("licence server is down"), std::string::npos) << failed.err;
+    EXPECT_NE(failed.err.find("strake resume"), std::string::npos) << failed.err;
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 5);
+    fs::remove(folder / "fail-5");
+    folder.write("calls", "");
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
+    expect_same("whole", "a");
+    EXPECT_EQ(*calls().begin(), 5);
+}
+
+TEST_F(Resume, RetriesLeaveTheSameBitsAndAreNoEvaluations) {
+    undisturbed();
+    for (const char* flaky : {"once-1", "once-3", "once-4", "once-9"}) mark(flaky);
+    folder.write("calls", "");
+    const ProgramRun run = run_strake({"run", external_case(", retries: 1"), "--out", path("a")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    expect_same("whole", "a");
+    EXPECT_EQ(calls().count(3), 2u);
+    EXPECT_NE(run.err.find("evaluation 3: exit: "), std::string::npos) << run.err;
+    EXPECT_TRUE(fs::exists(folder / "a/evaluations/000003/stderr.log")) << "the failed attempt is kept";
+    EXPECT_TRUE(fs::exists(folder / "a/evaluations/000003-2/result.json"));
+}
+
+TEST_F(Resume, AFailureCanBeAStepTooFarOrAValue) {
+    mark("fail-3");
+    const ProgramRun shrunk = run_strake({"run", external_case(", on_failure: shrink_step"), "--out", path("a"), "-q"});
+    EXPECT_EQ(shrunk.status, 0) << shrunk.err;
+    const std::string history = bytes_of(folder / "a/history.csv");
+    EXPECT_NE(history.find("\n3,2,quantity_failed,,"), std::string::npos) << history;
+    const std::string cobyla = "optimize: {method: cobyla, budget: {evaluations: 6}}\n";
+    const ProgramRun replaced = run_strake(
+        {"run", external_case(", gradients: false, on_failure: {value: 0.125}", cobyla), "--out", path("b")});
+    EXPECT_EQ(replaced.status, 0) << replaced.err;
+    EXPECT_NE(bytes_of(folder / "b/history.csv").find("\n3,1,ok,1.2500000000000000e-01"), std::string::npos);
+    EXPECT_NE(replaced.err.find("0.125 stands for it"), std::string::npos) << replaced.err;
+    const ProgramRun refused = run_strake({"check", external_case(", on_failure: {value: 0.125}")});
+    EXPECT_EQ(refused.status, 2);
+    EXPECT_NE(refused.err.find("gradients: false"), std::string::npos) << refused.err;
+}
+
+TEST_F(Resume, WhatIsNoRunOrADamagedOneIsRefusedAndLeftAlone) {
+    fs::create_directory(folder / "empty");
+    EXPECT_EQ(run_strake({"resume", path("empty")}).status, 2);
+    EXPECT_EQ(run_strake({"status", path("empty")}).status, 3);
+    EXPECT_TRUE(fs::is_empty(folder / "empty"));
+    const std::string file = folder.write("case.yaml", body + built_in + budget).string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("a"), "-q"}).status, 0);
+    const std::string whole = bytes_of(folder / "a/journal.sqlite"), history = bytes_of(folder / "a/history.csv");
+    for (const std::string& bytes : {whole.substr(0, whole.size() / 2), std::string("no database at all"),
+                                     std::string(whole.size(), 'x'), std::string()}) {
+        folder.write("a/journal.sqlite", bytes);
+        const ProgramRun run = run_strake({"resume", path("a"), "-q"});
+        EXPECT_EQ(run.status, 3) << run.err;
+        EXPECT_NE(run.err.find("journal.sqlite: "), std::string::npos) << run.err;
+        EXPECT_EQ(bytes_of(folder / "a/history.csv"), history);
+        EXPECT_EQ(bytes_of(folder / "a/journal.sqlite"), bytes);
+    }
+    // A torn row and lost files are made whole again.
+    folder.write("a/journal.sqlite", whole);
+    folder.write("a/history.csv", history.substr(0, history.size() - 30));
+    fs::remove(folder / "a/best.obj");
+    fs::remove(folder / "a/case.yaml");
+    folder.write("a/lock", "999999 nowhere\n");
+    const ProgramRun mended = run_strake({"resume", path("a"), "-q"});
+    EXPECT_EQ(mended.status, 0) << mended.err;
+    EXPECT_EQ(bytes_of(folder / "a/history.csv"), history);
+    EXPECT_TRUE(fs::exists(folder / "a/best.obj"));
+}
+
+TEST_F(Resume, AFullDiskLosesNothing) {
+    const std::string file = folder.write("case.yaml", body + built_in + budget).string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("whole"), "-q"}).status, 0);
+    const Started full(folder, {"run", file, "--out", path("a"), "-q"}, [] {
+        signal(SIGXFSZ, SIG_IGN);
+        const rlimit limit{40000, 40000};
+        setrlimit(RLIMIT_FSIZE, &limit);
+    });
+    EXPECT_EQ(full.wait(), 4) << full.messages();
+    EXPECT_NE(full.messages().find(path("a")), std::string::npos) << full.messages();
+    EXPECT_GT(recorded("a").size(), 0u);
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
+    expect_same("whole", "a");
+}
+
+TEST_F(Resume, AFolderThatMayNotBeWrittenIsToldAndCanStillBeLookedAt) {
+    const std::string file = folder.write("case.yaml", body + built_in + budget).string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("a"), "-q"}).status, 0);
+    fs::permissions(folder.path(), fs::perms(0755));
+    fs::permissions(folder / "a", fs::perms(0555));
+    const auto as_nobody = [] {
+        if (geteuid() == 0 && setuid(65534) != 0) _exit(126);
+    };
+    const Started resumed(folder, {"resume", path("a"), "-q"}, as_nobody);
+    const int status = resumed.wait();
+    if (status == 126) GTEST_SKIP() << "the program cannot be started by another user here";
+    EXPECT_EQ(status, 4) << resumed.messages();
+    EXPECT_NE(resumed.messages().find("Permission denied"), std::string::npos) << resumed.messages();
+    const Started looked(folder, {"status", path("a")}, as_nobody);
+    EXPECT_EQ(looked.wait(), 0) << looked.messages();
+}
+
+}  // namespace
+}  // namespace strake

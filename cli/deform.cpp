@@ -7,6 +7,7 @@
 #include "core/mesh/vtp.hpp"
 #include "optimize/shell_setup.hpp"
 #include "optimize/validity.hpp"
+#include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <memory>
@@ -22,22 +23,17 @@ struct DeformArguments {
 
 double largest_displacement(const Points& from, const Points& to) { return (to - from).rowwise().norm().maxCoeff(); }
 
-/// A number, or null where there is none: JSON has no NaN.
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status, double moved) {
     nlohmann::ordered_json j;
     j["status"] = status;
     j["reason"] = end.reason;
     const bool is_solved = end.iterations > 0;  // a linear answer is no equilibrium
-    j["energy"] = number(end.energy);
-    j["gradient_norm"] = is_solved ? number(end.gradient_norm) : nullptr;
-    j["relative_gradient"] = is_solved ? number(end.relative_gradient) : nullptr;
+    j["energy"] = json_number(end.energy);
+    j["gradient_norm"] = is_solved ? json_number(end.gradient_norm) : nullptr;
+    j["relative_gradient"] = is_solved ? json_number(end.relative_gradient) : nullptr;
     j["iterations"] = end.iterations;
-    j["last_step"] = number(end.last_step);
-    j["max_displacement"] = number(moved);
+    j["last_step"] = json_number(end.last_step);
+    j["max_displacement"] = json_number(moved);
     j["stable"] = end.stable;
     j["factorizations"] = end.factorizations;
     j["load_steps"] = end.load_steps;

@@ -2,6 +2,7 @@
 
 #include "cases/build_problem.hpp"
 #include "cli/commands.hpp"
+#include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -38,25 +39,22 @@ private:
     bool is_temporary_;
 };
 
-/// A number, or null where there is none: JSON has no NaN.
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
-}
-
 nlohmann::ordered_json json_of(const TaylorTest& test) {
     nlohmann::ordered_json j;
     j["name"] = test.name;
     j["passed"] = test.passed;
     j["verdict"] = test.verdict;
-    j["value"] = number(test.value);
-    j["slope"] = number(test.slope);
-    j["differences_slope"] = number(test.differences_slope);
-    j["uncertainty"] = number(test.uncertainty);
-    j["order"] = number(test.order);
+    j["value"] = json_number(test.value);
+    j["slope"] = json_number(test.slope);
+    j["differences_slope"] = json_number(test.differences_slope);
+    j["uncertainty"] = json_number(test.uncertainty);
+    j["order"] = json_number(test.order);
     j["steps"] = nlohmann::ordered_json::array();
     for (const TaylorStep& s : test.steps)
-        j["steps"].push_back(
-            {{"h", s.h}, {"value", number(s.value)}, {"remainder", number(s.remainder)}, {"order", number(s.order)}});
+        j["steps"].push_back({{"h", s.h},
+                              {"value", json_number(s.value)},
+                              {"remainder", json_number(s.remainder)},
+                              {"order", json_number(s.order)}});
     return j;
 }
 
@@ -65,7 +63,7 @@ void print_json(const GradientCheck& check) {
     j["status"] = check.passed() ? "passed" : "failed";
     j["level"] = check.level;
     j["variables"] = check.variables;
-    j["point_size"] = number(check.size);
+    j["point_size"] = json_number(check.size);
     j["evaluations"] = check.evaluations;
     j["tests"] = nlohmann::ordered_json::array();
     for (const TaylorTest& test : check.tests) j["tests"].push_back(json_of(test));

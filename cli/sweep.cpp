@@ -4,6 +4,7 @@
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <unistd.h>
@@ -128,7 +129,6 @@ std::string csv_of(const SweepOptions& options, const Sweep& sweep, bool with_ob
 }
 
 void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objective) {
-    const auto number = [](double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); };
     Json j;
     j["level"] = options.level;
     j["variables"] = Json::array();
@@ -138,7 +138,7 @@ void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objec
     for (const SweepPoint& point : sweep.points) {
         Json row{{"x", point.x}, {"physical", point.physical}, {"status", point.status}};
         if (!point.reason.empty()) row["reason"] = point.reason;
-        if (with_objective) row["objective"] = number(point.objective);
+        if (with_objective) row["objective"] = json_number(point.objective);
         row["values"] = point.values;
         j["points"].push_back(std::move(row));
     }

@@ -90,9 +90,9 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        const double credit = this->credit();
+        const double times = credit();
         state_.note(text("refinement: ", plan.words(),
-                         credit > 1 ? text("; the last one gave ", credit, " times what was expected") : ""));
+                         times > 1 ? text("; the last one gave ", times, " times what was expected") : ""));
         if (plan.promises.empty()) return false;
         expected_of_level_ = plan.chosen + still_expected_;
         // Measured by what has been gained, so that an objective may go to zero.
@@ -101,7 +101,7 @@ private:
         const double floor =
             std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
                      state_.problem.optimize.promise_below * gained);
-        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && credit * plan.promised <= floor;
+        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.promised <= floor;
         if (!refining_is_idle_) front = plan.front;
         return !refining_is_idle_;
     }

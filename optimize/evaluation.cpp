@@ -154,18 +154,18 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
 
 /// What a program gave is kept before anything else happens: a run that dies pays for nothing twice.
 QuantityResult ShapeEvaluator::call(const Quantity& quantity, const QuantityRequest& request,
-                                    ShapeEvaluation& result) const {
+                                    const std::string& surface) const {
     if (!journal_ || quantity.program.empty()) return quantity.evaluate(request);
     const std::string& name = quantity.names[0];
     if (auto known = journal_->find_call(request.evaluation, name)) {
-        if (known->surface != result.surface)
+        if (known->surface != surface)
             throw ReplayMismatch(text("evaluation ", request.evaluation, ": the surface that ", name,
                                       " was given is not the recorded one, bit by bit: another machine, another "
                                       "version of Strake or of its libraries, or another surface file"));
         return std::move(known->result);
     }
     const auto begin = std::chrono::steady_clock::now();
-    JournalCall made{request.evaluation, name, content_hash(quantity.program), result.surface, {}, 0};
+    JournalCall made{request.evaluation, name, content_hash(quantity.program), surface, {}, 0};
     made.result = quantity.evaluate(request);
     made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     // A failure that ends the run is no answer: the next start asks again.
@@ -189,7 +189,7 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
             measured = call(quantity,
                             {surface, gradients, number, space_.level, physical_values(space_, x),
                              own_values(space_, x), stop_wanted_},
-                            result);
+                            result.surface);
         } catch (const OutputError&) {
             throw;
         } catch (const ReplayMismatch&) {

@@ -82,7 +82,7 @@ private:
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
-    QuantityResult call(const Quantity& quantity, const QuantityRequest& request, ShapeEvaluation& result) const;
+    QuantityResult call(const Quantity& quantity, const QuantityRequest& request, const std::string& surface) const;
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;

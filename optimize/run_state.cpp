@@ -199,7 +199,6 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* fron
 
 void RunState::begin_level_again() {
     level_limits_ = limits();
-    prolongation = Eigen::MatrixXd::Identity(space.size(), space.size());
     evaluator.enter(space);
 }
 

@@ -55,10 +55,11 @@ private:
         return s.objective + guard_.penalty * total_violation(p_, tightened(s.constraints));
     }
 
+    VectorXd lagrangian_gradient() const { return at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_); }
+
     /// B = beta metric, so that the first step has the length of the first radius, or less where more is known.
     void start_hessian() {
-        const VectorXd lagrangian = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
-        const double slope = std::max(dual_norm(p_, lagrangian), 1e-3 * dual_norm(p_, at_.gradient));
+        const double slope = std::max(dual_norm(p_, lagrangian_gradient()), 1e-3 * dual_norm(p_, at_.gradient));
         B_ = std::max(slope > 0 ? slope / guard_.options.first_step : 1.0, least_curvature_) * p_.metric;
         raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
     }
@@ -66,7 +67,7 @@ private:
     /// Somebody knows of something better than what this model still expects.
     bool is_outpaced() {
         if (!guard_.options.on_model || largest_violation(p_, at_.constraints) > nearly_met) return false;
-        VectorXd g = at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
+        VectorXd g = lagrangian_gradient();
         const VectorXd d = -B_.llt().solve(g);
         for (Eigen::Index j = 0; j < g.size(); ++j)
             if (leaves_bounds(p_, x_, j, d[j])) g[j] = 0;

@@ -4,6 +4,7 @@
 #include "core/mesh/vtp.hpp"
 #include "optimize/own_variables.hpp"
 #include "optimize/stored_design.hpp"
+#include "report/json_number.hpp"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -18,10 +19,6 @@ std::ostringstream digits() {
     s.imbue(std::locale::classic());
     s << std::setprecision(17);
     return s;
-}
-
-nlohmann::ordered_json number(double value) {
-    return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }
 
 const char* kind_word(VariableKind kind) {
@@ -64,10 +61,10 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"patches", level.patches},
             {"variables", level.variables},
             {"evaluations", level.evaluations},
-            {"objective_start", number(level.objective_start)},
-            {"objective_end", number(level.objective_end)},
-            {"inherited_shape_change", number(level.inherited_shape_change)},
-            {"inherited_objective_change", number(level.inherited_objective_change)},
+            {"objective_start", json_number(level.objective_start)},
+            {"objective_end", json_number(level.objective_end)},
+            {"inherited_shape_change", json_number(level.inherited_shape_change)},
+            {"inherited_objective_change", json_number(level.inherited_objective_change)},
             {"left_out", level.left_out},
             {"nearly_held", level.nearly_held},
             {"stop", level.stop}};
@@ -222,18 +219,19 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
     j["reason"] = result.reason;
     j["level"] = result.level;
     j["evaluations"] = result.evaluations;
-    j["objective"] = number(result.objective);
-    j["best"] = number(result.objective);
-    j["max_violation"] = number(result.max_violation);
+    j["objective"] = json_number(result.objective);
+    j["best"] = json_number(result.objective);
+    j["max_violation"] = json_number(result.max_violation);
     j["files"] = files;
-    j["objective_start"] = number(result.objective_start);
+    j["objective_start"] = json_number(result.objective_start);
     j["best_evaluation"] = result.best_evaluation;
     for (std::size_t i = 0; i < result.values.size(); ++i)
-        j["values"][result.names[i]] = {{"start", number(result.values_start[i])}, {"best", number(result.values[i])}};
+        j["values"][result.names[i]] = {{"start", json_number(result.values_start[i])},
+                                        {"best", json_number(result.values[i])}};
     if (result.best_evaluation > 0)
         for (const auto& [name, value] : own_values(result.space, result.x)) {
             const OwnVariable& own = result.space.rest->own[j["variables"].size()];
-            j["variables"][name] = {{"start", number(own.start)}, {"best", number(value)}};
+            j["variables"][name] = {{"start", json_number(own.start)}, {"best", json_number(value)}};
             if (own.is_angle) j["variables"][name]["unit"] = "rad";
         }
     j["levels"] = nlohmann::ordered_json::array();

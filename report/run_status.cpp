@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "report/json_number.hpp"
 
 #include <algorithm>
 #include <nlohmann/json.hpp>
@@ -21,8 +22,6 @@ void read_end(const fs::path& file, RunStatus& status) {
     status.status = end["status"];
     if (end.contains("reason") && end["reason"].is_string()) status.reason = end["reason"];
 }
-
-Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
 
 std::vector<std::string> files_in(const fs::path& folder) {
     std::vector<std::string> files;
@@ -71,13 +70,13 @@ std::string status_json(const RunStatus& s) {
     j["reason"] = s.reason;
     j["level"] = s.level;
     j["evaluations"] = s.evaluations;
-    j["objective"] = number(s.objective);
-    j["best"] = number(s.objective);
-    j["max_violation"] = number(s.max_violation);
+    j["objective"] = json_number(s.objective);
+    j["best"] = json_number(s.objective);
+    j["max_violation"] = json_number(s.max_violation);
     j["files"] = s.files;
     j["best_evaluation"] = s.best_evaluation;
     j["max_evaluations"] = s.max_evaluations;
-    j["seconds"] = number(s.seconds);
+    j["seconds"] = json_number(s.seconds);
     if (s.holder) j["running"] = {{"process", s.holder->process}, {"host", s.holder->host}};
     return j.dump(2, ' ', false, Json::error_handler_t::replace);
 }

@@ -36,8 +36,7 @@ double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned
     double sum = 0;
     for (int i = 0; i < rest.num_prisms(); ++i)
         if ((rest.pin[i] != free_prism) == pinned_ones)
-            sum += g6.row(i).head<3>().squaredNorm() / (rest.prism_height[i] * rest.prism_height[i]) +
-                   g6.row(i).tail<3>().squaredNorm();
+            sum += wrench_square(g6.row(i).head<3>(), g6.row(i).tail<3>(), rest.prism_height[i]);
     return std::sqrt(sum);
 }
 

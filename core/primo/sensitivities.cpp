@@ -141,13 +141,12 @@ void PrimoShell::Impl::need_tangent() {
 
 namespace {
 
-/// Of forces and torques, these divided by the prism's height.
+/// Of the free prisms together.
 double wrench_norm(const RestState& rest, const Eigen::VectorXd& wrench) {
     double sum = 0;
-    for (int f = 0; f < rest.num_free(); ++f) {
-        const double h = rest.prism_height[rest.free_prisms[f]];
-        sum += wrench.segment<3>(6 * f).squaredNorm() / (h * h) + wrench.segment<3>(6 * f + 3).squaredNorm();
-    }
+    for (int f = 0; f < rest.num_free(); ++f)
+        sum += wrench_square(wrench.segment<3>(6 * f), wrench.segment<3>(6 * f + 3),
+                             rest.prism_height[rest.free_prisms[f]]);
     return std::sqrt(sum);
 }
 

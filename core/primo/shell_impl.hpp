@@ -44,6 +44,11 @@ struct CgResult {
 };
 CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, double tolerance, int max_iterations);
 
+/// Force and torque on a prism squared, the torque divided by the prism's height.
+inline double wrench_square(const Eigen::Vector3d& torque, const Eigen::Vector3d& force, double height) {
+    return torque.squaredNorm() / (height * height) + force.squaredNorm();
+}
+
 /// Largest motion of a prism (translation plus rotation times its radius), in diagonals.
 double step_size(const RestState& rest, const Eigen::VectorXd& twist);
 

@@ -96,6 +96,12 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.units = case_.units;
     command.retries = program.retries;
     command.may_follow_others = case_.output.goes_on;
+    command.parallel = program.parallel;
+    command.by_hand = case_.output.by_hand;
+    command.slurm = program.slurm;
+    command.queue_s = program.queue_s;
+    command.cache = program.cache;
+    command.files = program.cache_files;
     if (program.on_failure == ExternalEntry::OnFailure::value)
         command.value_after_failure = program.value_after_failure;
     Quantity quantity = external(command);

@@ -35,6 +35,7 @@ private:
     // read_variables.cpp
     void read_own_variable(const Entry& entry);
     // read_goals.cpp
+    void read_where_it_runs(const Value& map, ExternalEntry& external) const;
     void read_on_failure(const Value& policy, const std::string& name, ExternalEntry& external);
     void read_quantity(const Entry& entry);
     void read_built_in(const std::string& type, const Value& map, QuantityEntry& quantity);

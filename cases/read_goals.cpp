@@ -56,6 +56,16 @@ void CaseReader::read_on_failure(const Value& policy, const std::string& name, E
                                        "shrink_step goes with gradients"));
 }
 
+void CaseReader::read_where_it_runs(const Value& map, ExternalEntry& external) const {
+    if (const Value* v = map.find("parallel")) external.parallel = static_cast<int>(v->number);
+    if (const Value* scheduler = map.find("scheduler")) {
+        if (const Value* v = scheduler->find("slurm")) external.slurm = texts(v);
+        if (const Value* v = scheduler->find("wait")) external.queue_s = v->number;
+    }
+    if (const Value* v = map.find("cache")) external.cache = dir_ / v->text;
+    for (const std::string& file : texts(map.find("cache_files"))) external.cache_files.push_back(dir_ / file);
+}
+
 void CaseReader::read_quantity(const Entry& entry) {
     const Value& map = entry.value;
     QuantityEntry quantity{entry.key, entry.key_place, VolumeEntry{}};
@@ -77,6 +87,7 @@ void CaseReader::read_quantity(const Entry& entry) {
         if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
         if (const Value* v = map.find("on_failure")) read_on_failure(*v, quantity.name, external);
         if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
+        read_where_it_runs(map, external);
         quantity.what = std::move(external);
     }
     case_.quantities.push_back(std::move(quantity));

@@ -14,6 +14,7 @@ enum Status : int {
     surface_file = 3,
     output_failed = 4,
     external_failed = 5,
+    step_ended = 10,  ///< of `step` alone: the run has ended well, nothing is awaited
     interrupted = 75
 };
 
@@ -31,6 +32,7 @@ void add_schema(CLI::App& app);
 void add_gradient_check(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_resume(CLI::App& app);
+void add_step(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
 

@@ -1,6 +1,9 @@
 #pragma once
+#include "optimize/design_calls.hpp"
 #include "optimize/response_metric.hpp"
 #include "optimize/validity.hpp"
+
+#include <deque>
 
 /// One evaluation: x -> loads -> equilibrium -> a valid surface -> values, and by one adjoint call their gradients.
 namespace strake {
@@ -47,6 +50,10 @@ public:
     /// @param number of the evaluation within the run, for external programs. Failing is a result.
     /// @throws UnheldPart, InvalidInput and SolverError as PrimoShell::solve does.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
+    /// These designs will be asked for next, as the evaluations from `first` on: where programs may run in parallel,
+    /// the shapes are made one after another in this order and the programs called as slots are free. If others are
+    /// asked for, what was begun is given up.
+    void expect(const std::vector<Eigen::VectorXd>& designs, int first);
     /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
     /// The next level starts from the equilibrium of the last evaluation.
@@ -81,8 +88,27 @@ private:
     const Poses* nearest_known(const Eigen::VectorXd& x) const;
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
-    void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
-    QuantityResult call(const Quantity& quantity, const QuantityRequest& request, const std::string& surface) const;
+    /// A design on its way: deformed, and its quantities asked.
+    struct Design {
+        int number = 0;
+        Eigen::VectorXd x;
+        ShapeEvaluation result;
+        std::optional<Poses> poses;          ///< none: there is no shape
+        std::unique_ptr<DesignCalls> calls;  ///< none: there is no shape, or its values are taken over
+        std::exception_ptr thrown;           ///< by the deformation
+        bool is_ready() const { return !calls || calls->is_ready(); }
+    };
+    Design begin(const Eigen::VectorXd& x, int number);
+    Design next(const Eigen::VectorXd& x, int number);  ///< where it is expected, its programs have run already
+    bool begin_expected();
+    void advance();
+    void give_up();
+    [[noreturn]] void interrupt();
+    std::unique_ptr<DesignCalls> calls_of(const Eigen::VectorXd& x, int number, ShapeEvaluation& result) const;
+    void measure(DesignCalls& calls, ShapeEvaluation& result) const;
+    void take_own_sensitivities(std::vector<Points>& dJ_dv, std::vector<Eigen::VectorXd>& dJ_down,
+                                ShapeEvaluation& result) const;
+    QuantityResult call(const Quantity& quantity, const QuantityRequest& request) const;
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
@@ -94,6 +120,7 @@ private:
     std::unique_ptr<PrimoShell> shell_;
     std::vector<int> shell_pin_;
     Eigen::VectorXd shell_height_, last_x_;
+    Eigen::VectorXd shell_x_;  ///< of the equilibrium that the shell is at
     std::optional<Poses> accepted_, last_;
     struct Measured {
         Points vertices;
@@ -113,6 +140,9 @@ private:
         Poses poses;
     };
     std::vector<KnownShape> known_;  ///< of this level, the latest last
+    int parallel_ = 1;               ///< most designs whose programs run at the same time
+    std::deque<std::pair<int, Eigen::VectorXd>> expected_;
+    std::deque<Design> ahead_;  ///< begun and not yet asked for, and the one that is
 };
 
 }  // namespace strake

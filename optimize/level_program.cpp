@@ -69,6 +69,11 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     program_.num_equalities = num_equalities_;
     program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
     program_.differentiate = [this](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
+    program_.expect = [this](const std::vector<Eigen::VectorXd>& points) {
+        std::vector<Eigen::VectorXd> designs;
+        for (const Eigen::VectorXd& y : points) designs.push_back(unscaled(y));
+        state_.evaluator.expect(designs, state_.result.evaluations + 1);
+    };
     program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
     program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
         const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));

@@ -41,8 +41,13 @@ ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
     ShapeEvaluation evaluation;
     try {
         evaluation = evaluator.evaluate(x, result.evaluations);
-    } catch (const Interrupted&) {
+    } catch (const Interrupted& interrupted) {
         --result.evaluations;  // it has no end
+        result.going_on = interrupted.going_on;
+        throw;
+    } catch (const Awaited& awaited) {
+        --result.evaluations;
+        result.awaited = awaited.calls;
         throw;
     }
     last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();

@@ -24,7 +24,7 @@ public:
     RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
              Journal* journal = nullptr);
 
-    /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted.
+    /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted; Awaited.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x);
     /// Records the last evaluation. `objective` as the case states it. Returns whether it is the best of the level;
     /// then the next evaluation starts from its equilibrium.

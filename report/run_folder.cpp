@@ -205,7 +205,7 @@ void RunFolder::add_to_series(int evaluation, const Points& vertices, const Poin
 }
 
 void RunFolder::finish(const RunResult& result) {
-    const bool is_over = result.status != "interrupted";
+    const bool is_over = result.status != "interrupted" && result.status != "waiting";
     if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
         add_to_series(result.best_evaluation, result.vertices, {});
     if (is_over) history_->finish();
@@ -234,6 +234,11 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
             j["variables"][name] = {{"start", json_number(own.start)}, {"best", json_number(value)}};
             if (own.is_angle) j["variables"][name]["unit"] = "rad";
         }
+    for (const AwaitedCall& call : result.awaited)
+        j["awaited"].push_back({{"evaluation", call.evaluation},
+                                {"quantity", call.quantity},
+                                {"folder", call.folder},
+                                {"command", call.command}});
     j["levels"] = nlohmann::ordered_json::array();
     for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));
     return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

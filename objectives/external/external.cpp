@@ -1,32 +1,25 @@
 #include "objectives/external/external.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/file.hpp"
 #include "core/mesh/io.hpp"
-#include "objectives/external/gradient.hpp"
+#include "objectives/external/attempt.hpp"
+#include "objectives/external/by_hand.hpp"
 #include "objectives/external/handed_over.hpp"
+#include "objectives/external/job.hpp"
 #include "objectives/external/process.hpp"
 #include "objectives/external/refused.hpp"
-#include "objectives/external/result.hpp"
 #include "objectives/finite.hpp"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <nlohmann/json.hpp>
+#include <memory>
 #include <set>
 #include <thread>
 
 namespace strake {
 namespace {
-
-namespace fs = std::filesystem;
-
-constexpr std::size_t result_limit = std::size_t{16} << 20;
-constexpr double match_rel = 1e-5;  // of the diagonal, DESIGN section 7
-
-constexpr std::array<const char*, 5> replaced_words{"surface", "request", "result", "folder", "case_dir"};
 
 /// The words between braces in one argument.
 std::vector<std::string> words_in_braces(const std::string& argument) {
@@ -76,151 +69,30 @@ void validate(const ExternalCommand& command) {
     for (const std::string& name : command.gives)
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
     format_named(command.format);
+    if (command.parallel < 1) refuse("parallel = ", command.parallel, " must be >= 1");
+    if (!(command.queue_s > 0)) refuse("queue = ", command.queue_s, " s must be > 0");
     check_replaced_words(command);
 }
 
-struct Call {
-    fs::path folder, surface, request, result;
-};
-
-/// Each word in braces replaced within its own argument, once: what is put in is not looked at again.
-std::string replaced(const std::string& argument, const Call& call, const ExternalCommand& command) {
-    const std::array<std::string, 5> values{call.surface.string(), call.request.string(), call.result.string(),
-                                            call.folder.string(), fs::absolute(command.case_dir).string()};
-    std::string done;
-    for (std::size_t at = 0; at < argument.size();) {
-        std::size_t k = 0, length = 0;
-        for (; argument[at] == '{' && k < replaced_words.size(); ++k) {
-            const std::string key = text("{", replaced_words[k], "}");
-            if (argument.compare(at, key.size(), key) != 0) continue;
-            length = key.size();
-            break;
-        }
-        done += length > 0 ? values[k] : argument.substr(at, 1);
-        at += std::max<std::size_t>(length, 1);
-    }
-    return done;
-}
-
-/// A path that contains '/' is relative to the case file; a plain name is looked up on PATH.
-std::string program_of(const ExternalCommand& command, const std::string& argument) {
-    if (argument.find('/') == std::string::npos) return argument;
-    return (fs::absolute(command.case_dir) / argument).lexically_normal().string();
-}
-
-/// An attempt never gets a folder that another has had: what that one still writes must not be taken for its result.
-Call fresh_folder(const ExternalCommand& command, int evaluation, int attempt) {
-    if (evaluation < 0) throw InvalidInput(text(command.name, ": evaluation = ", evaluation, " must be >= 0"));
-    char number[16];
-    std::snprintf(number, sizeof number, "%06d", evaluation);
-    fs::path first = fs::absolute(command.evaluations_dir).lexically_normal() / number;
-    if (command.own_folder) first /= command.name;
-    Call call;
-    std::error_code error;
-    fs::create_directories(first.parent_path(), error);
-    if (error) throw OutputError(text(first.parent_path().string(), ": cannot be created: ", error.message()));
-    for (;; ++attempt) {
-        call.folder = first;
-        if (attempt > 1) call.folder += text("-", attempt);
-        if (fs::create_directory(call.folder, error)) break;
-        if (error) throw OutputError(text(call.folder.string(), ": cannot be created: ", error.message()));
-        if (!command.may_follow_others)
-            throw OutputError(
-                text(call.folder.string(), ": exists already; the folder of an evaluation must be fresh"));
-    }
-    call.surface = call.folder / ("surface" + extension_of(format_named(command.format)));
-    call.request = call.folder / "request.json";
-    call.result = call.folder / "result.json";
-    return call;
-}
-
-std::vector<std::string> value_keys(const ExternalCommand& command) {
-    return command.gives.empty() ? std::vector<std::string>{"value"} : command.gives;
-}
-
-/// Own variables by which the values have to be differentiated.
-std::vector<std::string> wanted_variables(const ExternalCommand& command, const QuantityRequest& request) {
-    std::vector<std::string> names;
-    for (const auto& [name, value] : request.own)
-        if (!command.depends_on ||
-            std::find(command.depends_on->begin(), command.depends_on->end(), name) != command.depends_on->end())
-            names.push_back(name);
-    return names;
-}
-
-std::string request_json(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                         bool want_gradients) {
-    using json = nlohmann::ordered_json;
-    json variables = json::object();
-    for (const auto* list : {&request.own, &request.variables})
-        for (const auto& [name, value] : *list) {
-            if (!std::isfinite(value)) throw InvalidInput(text(command.name, ": variable ", name, " = ", value));
-            variables[name] = value;
-        }
-    json wanted = json::object();
-    wanted["values"] = value_keys(command);
-    wanted["gradients"] = want_gradients ? value_keys(command) : std::vector<std::string>{};
-    wanted["variables"] = want_gradients ? wanted_variables(command, request) : std::vector<std::string>{};
-    json file = json::object();
-    file["quantity"] = command.name;
-    file["evaluation"] = request.evaluation;
-    file["level"] = request.level;
-    file["wanted"] = wanted;
-    file["surface"] = call.surface.filename().string();
-    file["result"] = call.result.filename().string();
-    file["vertices"] = request.surface.num_vertices();
-    file["triangles"] = request.surface.num_triangles();
-    file["units"] = {{"length", command.units}, {"angle", "rad"}};
-    file["variables"] = variables;
-    return file.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
-}
-
-QuantityResult read_results(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                            bool want_gradients) {
-    QuantityResult result;
-    const std::string bytes = read_handed_over(call.folder, call.result.filename().string(), result_limit);
-    const std::vector<std::string> by = wanted_variables(command, request);
-    const ProgramResult found = parse_result(bytes, command.gives, want_gradients, by, command.may_lack_derivatives);
-    const std::size_t gradient_limit = result_limit + 1024 * static_cast<std::size_t>(request.surface.num_vertices());
-    for (const std::string& file : found.gradient_files)
-        result.dJ_dv.push_back(parse_gradient(read_handed_over(call.folder, file, gradient_limit), file,
-                                              request.surface, match_rel * command.diagonal));
-    for (const std::vector<double>& derivatives : found.by_variable) {
-        Eigen::VectorXd& all = result.dJ_down.emplace_back(Eigen::VectorXd::Zero(static_cast<int>(request.own.size())));
-        for (std::size_t j = 0, k = 0; j < request.own.size() && k < by.size(); ++j)
-            if (request.own[j].first == by[k]) all[static_cast<int>(j)] = derivatives[k++];
-    }
-    result.values = found.values;
-    return result;
-}
-
+/// A process of our own.
 QuantityResult attempt(const ExternalCommand& command, const QuantityRequest& request, int number) {
     const bool want_gradients = request.want_sensitivities && command.has_gradients;
-    const Call call = fresh_folder(command, request.evaluation, number);
-    write_surface(call.surface, request.surface, format_named(command.format));
-    write_atomically(call.request, request_json(command, request, call, want_gradients));
-
+    const Call call = fresh_call(command, request.evaluation, number);
+    hand_over(command, request, call, want_gradients);
     ProcessCommand process;
-    for (const std::string& argument : command.command) process.arguments.push_back(replaced(argument, call, command));
-    process.arguments.front() = program_of(command, process.arguments.front());
+    process.arguments = arguments_of(command, call);
     process.folder = call.folder;
     process.timeout_s = command.timeout_s;
     process.grace_s = command.grace_s;
     process.stop_wanted = request.stop_wanted;
     const ProcessEnd end = run_process(process);
     if (end.failure && end.failure->kind == "interrupted") throw Interrupted{};
-
-    Failure failure;
     try {
         if (end.failure) throw Refused{*end.failure};
         return read_results(command, request, call, want_gradients);
     } catch (const Refused& refused) {
-        failure = refused.failure;
+        return failed(command, request, call, refused.failure, end.last_lines);
     }
-    failure.message =
-        text(command.name, ", evaluation ", request.evaluation, ": ", failure.message, "\n  in ", call.folder.string());
-    if (!end.last_lines.empty()) failure.message += "\n  the program's last lines:\n" + end.last_lines;
-    return {{}, {}, failure};
 }
 
 void pause_before(const ExternalCommand& command, const QuantityRequest& request, int attempt) {
@@ -237,14 +109,16 @@ std::string headline(const Failure& failure) {
     return text(failure.kind, ": ", failure.message.substr(0, failure.message.find('\n')));
 }
 
-QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& request) {
+QuantityResult evaluate(const ExternalCommand& command, SlurmQueue* queue, const QuantityRequest& request) {
     if (auto failure = vertices_finite(command.name, request.surface)) return {{}, {}, failure};
     std::vector<std::string> remarks;
     QuantityResult result;
     const int attempts = 1 + command.retries;
     for (int k = 1; k <= attempts; ++k) {
-        if (k > 1) pause_before(command, request, k);
-        result = attempt(command, request, k);
+        if (k > 1 && !command.by_hand) pause_before(command, request, k);
+        result = command.by_hand ? attempt_by_hand(command, request, k)
+                 : queue         ? attempt_as_job(command, *queue, request, k)
+                                 : attempt(command, request, k);
         if (!result.failure || result.failure->kind == "spawn") break;
         if (k < attempts)
             remarks.push_back(text(headline(*result.failure), "; attempt ", k + 1, " of ", attempts, " follows"));
@@ -255,6 +129,7 @@ QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& r
         remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
         result = {};
         result.values.assign(value_keys(command).size(), *command.value_after_failure);
+        result.stands_for_failure = true;
     }
     result.remarks = std::move(remarks);
     return result;
@@ -267,16 +142,37 @@ std::string identity(const ExternalCommand& command) {
     return words;
 }
 
+/// The same with all that decides what it answers: names, and what the program and the named files hold now.
+std::string cache_key(const ExternalCommand& command) {
+    std::string key = identity(command) + '\0' + command.units;
+    for (const std::string& name : command.gives) key += '\0' + name;
+    if (command.depends_on)
+        for (const std::string& name : *command.depends_on) key += '\0' + ("by " + name);
+    std::vector<std::filesystem::path> files = command.files;
+    const std::string program = arguments_of(command, Call{}).front();
+    std::error_code ignored;
+    if (program.find('/') != std::string::npos && std::filesystem::is_regular_file(program, ignored))
+        files.push_back(program);
+    for (const std::filesystem::path& file : files) {
+        const std::string bytes = read_bytes(file);
+        key += text('\0', bytes.size(), '\0') + bytes;
+    }
+    return key;
+}
+
 }  // namespace
 
 std::optional<Failure> check_program(const ExternalCommand& command) {
     validate(command);
-    const Call nowhere;
-    if (replaced(command.command.front(), nowhere, command) != command.command.front() &&
-        command.command.front().find("{case_dir}") == std::string::npos)
+    if (command.by_hand) return {};
+    const std::string written = command.command.front(), found = arguments_of(command, Call{}).front();
+    if (written.find('{') != std::string::npos && written.find("{case_dir}") == std::string::npos &&
+        !words_in_braces(written).empty())
         return {};  // a program in the evaluation's folder: there is none yet
     try {
-        find_program(program_of(command, replaced(command.command.front(), nowhere, command)));
+        find_program(found);
+        if (command.slurm)
+            for (const char* client : {"sbatch", "squeue", "scancel"}) find_program(client);
     } catch (const Refused& refused) {
         return Failure{refused.failure.kind, text(command.name, ": ", refused.failure.message)};
     }
@@ -290,9 +186,16 @@ Quantity external(const ExternalCommand& command) {
         quantity.names = {command.name};
     else
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
-    quantity.evaluate = [command](const QuantityRequest& request) { return evaluate(command, request); };
+    std::shared_ptr<SlurmQueue> queue;
+    if (command.slurm) queue = std::make_shared<SlurmQueue>();
+    quantity.evaluate = [command, queue](const QuantityRequest& request) {
+        return evaluate(command, queue.get(), request);
+    };
+    quantity.parallel = command.parallel;
     quantity.has_sensitivities = command.has_gradients;
     quantity.program = identity(command);
+    quantity.cache = command.cache;
+    if (!command.cache.empty()) quantity.cache_key = cache_key(command);
     return quantity;
 }
 

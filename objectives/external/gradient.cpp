@@ -95,10 +95,11 @@ private:
     void take(std::string_view line) {
         const std::size_t first = line.find_first_not_of(" \t\r");
         if (first == std::string_view::npos || line[first] == '#') return;
-        std::vector<std::string_view> fields;
-        for (std::size_t begin = 0; begin <= line.size() && fields.size() <= 6;) {
+        std::array<std::string_view, 7> fields;
+        std::size_t count = 0;
+        for (std::size_t begin = 0; begin <= line.size() && count < fields.size();) {
             const std::size_t comma = std::min(line.find(',', begin), line.size());
-            fields.push_back(line.substr(begin, comma - begin));
+            fields[count++] = line.substr(begin, comma - begin);
             begin = comma + 1;
         }
         double unused = 0;
@@ -106,15 +107,15 @@ private:
             header_seen_ = true;
             return;
         }
-        if (columns_ == 0) columns_ = fields.size();
-        if ((fields.size() != 4 && fields.size() != 6) || fields.size() != columns_)
-            refuse("unreadable", text(fields.size() > 6 ? "more than 6" : text(fields.size()), " columns, expected ",
+        if (columns_ == 0) columns_ = count;
+        if ((count != 4 && count != 6) || count != columns_)
+            refuse("unreadable", text(count > 6 ? "more than 6" : text(count), " columns, expected ",
                                       columns_ == 4   ? "4 as before: index,dJ/dx,dJ/dy,dJ/dz"
                                       : columns_ == 6 ? "6 as before: x,y,z,dJ/dx,dJ/dy,dJ/dz"
                                                       : "index,dJ/dx,dJ/dy,dJ/dz or x,y,z,dJ/dx,dJ/dy,dJ/dz"));
         std::array<double, 6> numbers{};
-        for (std::size_t k = 0; k < fields.size(); ++k) numbers[k] = number(fields[k], k);
-        put(fields.size() == 4 ? by_index(numbers[0]) : by_place(numbers),
+        for (std::size_t k = 0; k < count; ++k) numbers[k] = number(fields[k], k);
+        put(count == 4 ? by_index(numbers[0]) : by_place(numbers),
             {numbers[columns_ - 3], numbers[columns_ - 2], numbers[columns_ - 1]});
     }
 

@@ -30,7 +30,8 @@ strains:
 parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
-  aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step}
+  aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
+    parallel: 4, cache: answers, cache_files: [wing.obj]}
 objective: {minimize: aero.drag}
 constraints:
   volume: {min: 1.0, relative: true}
@@ -71,7 +72,8 @@ parameters:
     - {name: turn, twist: [0, 1, 0], about: [0, 0, 0], stations: [0, 1 in, 2 in]}
 quantities:
   thin: {type: thickness, at: lines.csv, values: smallest}
-  cfd: {command: [sh, run.sh, "{surface}"], gradients: false, on_failure: {value: 1e3}, depends_on: [alpha]}
+  cfd: {command: [sh, run.sh, "{surface}"], gradients: false, on_failure: {value: 1e3}, depends_on: [alpha],
+    scheduler: {slurm: [--partition=short, --ntasks=8], wait: 2h}}
 variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
 objective: {maximize: volume}
 constraints:

@@ -1,0 +1,41 @@
+#pragma once
+#include "objectives/external/external.hpp"
+
+#include <chrono>
+#include <map>
+#include <mutex>
+
+/// Programs as jobs of Slurm. Internal.
+namespace strake {
+
+/// The user's jobs as squeue tells them, asked at most every two seconds however many calls follow theirs.
+class SlurmQueue {
+public:
+    struct Job {
+        std::string name, state, reason;  ///< PENDING, PartitionConfig
+        double seconds = 0;               ///< that it has run
+    };
+    struct View {
+        std::chrono::steady_clock::time_point asked;
+        bool is_known = false;  ///< squeue answered
+        std::string words;      ///< why not
+        std::map<std::string, Job> jobs;
+    };
+    /// Not older than two seconds. @param scratch folder in which files may be made meanwhile. @throws OutputError.
+    View view(const std::filesystem::path& scratch);
+
+private:
+    std::mutex busy_;
+    View last_;
+};
+
+/// Attempt `number` at the evaluation as a job: `job.sh` in its folder is submitted with sbatch; its number is kept in
+/// the file `job`, its exit status comes in `exit`. The first attempt of a later start follows the job that an earlier
+/// one submitted for the same request. The job is cancelled at the timeout, when it can never start, and when the
+/// request is given up; else it goes on when the run is interrupted. Failures: submit, never_starts, vanished, timeout
+/// and those of any program.
+/// @throws Interrupted (naming the job where it goes on); OutputError.
+QuantityResult attempt_as_job(const ExternalCommand& command, SlurmQueue& queue, const QuantityRequest& request,
+                              int number);
+
+}  // namespace strake

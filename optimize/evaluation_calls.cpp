@@ -93,6 +93,7 @@ ShapeEvaluator::Design ShapeEvaluator::next(const Eigen::VectorXd& x, int number
         const bool runs =
             std::any_of(ahead_.begin(), ahead_.end(), [](const Design& d) { return d.calls && d.calls->is_running(); });
         if (!runs && ahead_.front().calls->is_awaited()) {
+            if (begin_expected()) continue;  // an answer that came meanwhile has made room
             Awaited all;
             for (const Design& design : ahead_)
                 if (design.calls) design.calls->add_awaited(all.calls);

@@ -81,6 +81,7 @@ private:
             return name;
         };
         std::vector<std::string> arguments{"sbatch", "--parsable", "--job-name=" + name_of(call_),
+                                           "--chdir=" + call_.folder.string(),
                                            "--output=" + plain(call_.folder / "job.out"), "--no-requeue"};
         arguments.insert(arguments.end(), command_.slurm->begin(), command_.slurm->end());
         arguments.push_back((call_.folder / "job.sh").string());

@@ -1,4 +1,5 @@
 #include "cli/program_case.hpp"
+#include "core/error.hpp"
 
 /// Evaluations as jobs of Slurm: a fake one, and, where it is installed, a real one of a single node.
 namespace strake {
@@ -14,7 +15,7 @@ protected:
         old_path_ = std::getenv("PATH");
         fs::create_directory(folder / "slurm");
         setenv("FAKE_SLURM_DIR", path("slurm").c_str(), 1);
-        setenv("PATH", (std::string(FAKE_SLURM) + ":" + old_path_).c_str(), 1);
+        setenv("PATH", text(FAKE_SLURM, ":", old_path_).c_str(), 1);
     }
     void TearDown() override { setenv("PATH", old_path_.c_str(), 1); }
     std::string job_case(const std::string& more = "") const {
@@ -142,10 +143,10 @@ TEST(RealSlurm, EachEvaluationIsPaidOnce) {
     public:
         void TestBody() override {
             const std::string script = SLURM_SCRIPT, where = path("slurm");
-            ASSERT_EQ(std::system((script + " up " + where + " 4").c_str()), 0);
-            setenv("SLURM_CONF", (where + "/slurm.conf").c_str(), 1);
+            ASSERT_EQ(std::system(text(script, " up ", where, " 4").c_str()), 0);
+            setenv("SLURM_CONF", text(where, "/slurm.conf").c_str(), 1);
             play();
-            std::system((script + " down " + where).c_str());
+            std::system(text(script, " down ", where).c_str());
         }
         void start() { SetUp(); }
 
@@ -172,7 +173,7 @@ TEST(RealSlurm, EachEvaluationIsPaidOnce) {
             fs::remove(folder / "sleep-6");
             std::string job = bytes_of(folder / "jobs/evaluations/000006/job");
             while (job.empty()) pause_ms(20), job = bytes_of(folder / "jobs/evaluations/000006/job");
-            EXPECT_EQ(std::system(("scancel " + job).c_str()), 0);
+            EXPECT_EQ(std::system(text("scancel ", job).c_str()), 0);
             EXPECT_EQ(again.wait(), 0) << again.messages();
             const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
             expect_same("whole", "jobs");

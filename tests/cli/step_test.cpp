@@ -1,4 +1,5 @@
 #include "cli/program_case.hpp"
+#include "core/error.hpp"
 
 /// `strake step`: a run whose programs somebody else starts.
 namespace strake {
@@ -23,7 +24,7 @@ protected:
         return all;
     }
     static int answer(const std::string& where) {
-        return WEXITSTATUS(std::system(("sh " + where + "/command.sh").c_str()));
+        return WEXITSTATUS(std::system(text("sh ", where, "/command.sh").c_str()));
     }
     /// Steps and answers, in reverse order, until the run ends. @return how many folders each step handed out.
     std::vector<std::size_t> drive(const std::string& file, int& status) const {
@@ -48,7 +49,7 @@ TEST_F(Step, DrivenToTheEndTheHistoryIsThatOfRun) {
     const std::vector<std::size_t> handed = drive(file, status);
     EXPECT_EQ(status, 10);
     EXPECT_EQ(handed.size(), calls().size());
-    EXPECT_EQ(std::set<int>(calls().begin(), calls().end()).size(), handed.size()) << "each was asked once";
+    for (const int number : calls()) EXPECT_EQ(calls().count(number), 1u) << number;
     expect_same("whole", "stepped");
     const ProgramRun again = step(file, true);
     EXPECT_EQ(again.status, 10);
@@ -78,8 +79,8 @@ TEST_F(Step, WaitsAsLongAsItTakesAndPicksUpWhatIsThere) {
     for (const char* name : {"surface.obj", "request.json", "command.sh"}) EXPECT_TRUE(fs::exists(fs::path(first) / name));
     EXPECT_EQ(Json::parse(run_strake({"status", path("stepped"), "--json"}).out)["status"], "waiting");
     // A program that is at work has written nothing that counts.
-    std::ofstream(first + "/result.json") << "{\"val";
-    std::ofstream(first + "/running") << "";
+    std::ofstream(fs::path(first) / "result.json") << "{\"val";
+    std::ofstream(fs::path(first) / "running") << "";
     EXPECT_EQ(step(file).status, 0);
     EXPECT_EQ(recorded("stepped").size(), 0u);
     ASSERT_EQ(answer(first), 0);
@@ -96,14 +97,14 @@ TEST_F(Step, AFailureIsReportedRetriedAndEndsTheRun) {
     const std::string first = lines(step(file).out).at(0);
     EXPECT_EQ(answer(first), 1);
     const std::string second = lines(step(file).out).at(0);
-    EXPECT_EQ(second, first + "-2");
+    EXPECT_EQ(second, text(first, "-2"));
     EXPECT_EQ(answer(second), 1);
     const ProgramRun failed = step(file);
     EXPECT_EQ(failed.status, 5);
     EXPECT_NE(failed.err.find("reported"), std::string::npos) << failed.err;
     EXPECT_NE(failed.err.find("licence server is down"), std::string::npos) << failed.err;
     fs::remove(folder / "fail-1");
-    fs::remove(second + "/failed");
+    fs::remove(fs::path(second) / "failed");
     EXPECT_EQ(answer(second), 0);
     EXPECT_EQ(step(file).status, 0);
     EXPECT_EQ(recorded("stepped").size(), 1u);

@@ -1,3 +1,4 @@
+#include "core/error.hpp"
 #include "core/mesh/io.hpp"
 #include "core/mesh/temp_folder.hpp"
 #include "optimize/answer_cache.hpp"

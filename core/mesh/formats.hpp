@@ -53,6 +53,8 @@ std::string su2(const TriMesh& mesh);
 std::string gmsh(const TriMesh& mesh);     ///< version 4.1
 std::string nastran(const TriMesh& mesh);  ///< GRID* (16 columns) and CTRIA3
 std::string vtk(const TriMesh& mesh);      ///< legacy polygons, binary
+/// Groups as positive numbers: their names where all are such numbers, else counted from 1.
+std::vector<std::string> component_numbers(const TriMesh& mesh);
 /// Triangles of each group in their order; one part where there are no groups.
 std::vector<std::vector<int>> triangles_by_group(const TriMesh& mesh);
 

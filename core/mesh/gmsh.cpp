@@ -23,23 +23,12 @@ struct ElementType {
 };
 constexpr std::array<signed char, 12> nothing{-1};
 constexpr ElementType element_types[] = {
-    {1, 1, 2, nothing},
-    {2, 2, 3, {0, 1, 2, -1}},
-    {3, 2, 4, {0, 1, 2, 0, 2, 3, -1}},
-    {4, 3, 4, nothing},
-    {5, 3, 8, nothing},
-    {6, 3, 6, nothing},
-    {7, 3, 5, nothing},
-    {8, 1, 3, nothing},
-    {9, 2, 6, {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5}},
-    {11, 3, 10, nothing},
-    {12, 3, 27, nothing},
-    {13, 3, 18, nothing},
-    {14, 3, 14, nothing},
-    {15, 0, 1, nothing},
-    {17, 3, 20, nothing},
-    {18, 3, 15, nothing},
-    {19, 3, 13, nothing},
+    {1, 1, 2, nothing},   {2, 2, 3, {0, 1, 2, -1}}, {3, 2, 4, {0, 1, 2, 0, 2, 3, -1}},
+    {4, 3, 4, nothing},   {5, 3, 8, nothing},       {6, 3, 6, nothing},
+    {7, 3, 5, nothing},   {8, 1, 3, nothing},       {9, 2, 6, {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5}},
+    {11, 3, 10, nothing}, {12, 3, 27, nothing},     {13, 3, 18, nothing},
+    {14, 3, 14, nothing}, {15, 0, 1, nothing},      {17, 3, 20, nothing},
+    {18, 3, 15, nothing}, {19, 3, 13, nothing},
 };
 
 /// Sections as text or bytes: numbers one after the other, whatever the encoding.
@@ -103,8 +92,9 @@ private:
 const ElementType& type_of(std::int64_t number, const Source& in) {
     for (const ElementType& type : element_types)
         if (type.number == number) return type;
-    in.fail(text("element type ", number,
-                 " is unknown here; surfaces may have 2 (triangle), 3 (quadrilateral) and 9 (triangle of second order)"));
+    in.fail(
+        text("element type ", number,
+             " is unknown here; surfaces may have 2 (triangle), 3 (quadrilateral) and 9 (triangle of second order)"));
 }
 
 class GmshReader {
@@ -113,11 +103,16 @@ public:
 
     SurfaceFile read() {
         while (next_section()) {
-            if (section_ == "MeshFormat") read_format();
-            else if (section_ == "PhysicalNames") read_names();
-            else if (section_ == "Entities") read_entities(source());
-            else if (section_ == "Nodes") version_ < 4 ? read_nodes_2(source()) : read_nodes_4(source());
-            else if (section_ == "Elements") version_ < 4 ? read_elements_2(source()) : read_elements_4(source());
+            if (section_ == "MeshFormat")
+                read_format();
+            else if (section_ == "PhysicalNames")
+                read_names();
+            else if (section_ == "Entities")
+                read_entities(source());
+            else if (section_ == "Nodes")
+                version_ < 4 ? read_nodes_2(source()) : read_nodes_4(source());
+            else if (section_ == "Elements")
+                version_ < 4 ? read_elements_2(source()) : read_elements_4(source());
         }
         if (version_ == 0) throw InputError(text(name_, ": no $MeshFormat section"));
         SurfaceBuilder surface = builder_.with_used_vertices_only();
@@ -190,7 +185,8 @@ private:
             const std::int64_t dimension = in.integer(in.word(), "dimension");
             const std::int64_t tag = in.integer(in.word(), "number of a physical group");
             std::string_view title = in.rest();
-            if (title.size() < 2 || title.front() != '"' || title.back() != '"') in.fail("a name in quotes is expected");
+            if (title.size() < 2 || title.front() != '"' || title.back() != '"')
+                in.fail("a name in quotes is expected");
             if (dimension == 2) physical_name_[tag] = title.substr(1, title.size() - 2);
         }
     }
@@ -256,7 +252,8 @@ private:
         std::array<int, 6> corner{};
         for (std::size_t k = 0; k < nodes.size(); ++k) {
             const auto at = node_.find(nodes[k]);
-            if (at == node_.end()) in.fail(text("an element names the node ", nodes[k], ", which the file does not have"));
+            if (at == node_.end())
+                in.fail(text("an element names the node ", nodes[k], ", which the file does not have"));
             corner[k] = at->second;
         }
         for (std::size_t k = 0; k + 2 < type.triangles.size() && type.triangles[k] >= 0; k += 3) {
@@ -287,7 +284,8 @@ private:
                 read_list(elements, num_tags, 4, tags);
                 read_list(elements, type.nodes, 4, nodes);
                 if (type.dimension == 2)
-                    add_element(type, group_of(num_tags > 0 ? tags[0] : 0, num_tags > 1 ? tags[1] : 0), nodes, elements);
+                    add_element(type, group_of(num_tags > 0 ? tags[0] : 0, num_tags > 1 ? tags[1] : 0), nodes,
+                                elements);
             }
         }
     }
@@ -343,19 +341,22 @@ std::string gmsh(const TriMesh& mesh) {
         }
         out += "$EndPhysicalNames\n";
     }
-    int number = 0;
-    for (std::size_t g = 0; g < parts.size(); ++g) {
-        const std::string tag = std::to_string(g + 1);
-        entities += tag + " 0 0 0 0 0 0 " + (mesh.group.empty() ? "0" : "1 " + tag) + " 0\n";
-        elements += "2 " + tag + " 2 " + std::to_string(parts[g].size()) + "\n";
-        for (const int t : parts[g])
-            append_row(elements, std::to_string(++number) + " ", mesh.triangles.data() + 3 * t, 1);
+    for (std::size_t g = 0; g < parts.size(); ++g)
+        entities += text(g + 1, " 0 0 0 0 0 0 ", mesh.group.empty() ? "0" : text("1 ", g + 1), " 0\n");
+    // A block for each run of triangles of one group, so that their order is kept.
+    int blocks = 0;
+    for (int begin = 0, end = 0; begin < mesh.num_triangles(); begin = end, ++blocks) {
+        const int group = mesh.group.empty() ? 0 : mesh.group[begin];
+        while (end < mesh.num_triangles() && (mesh.group.empty() || mesh.group[end] == group)) ++end;
+        elements += text("2 ", group + 1, " 2 ", end - begin, "\n");
+        for (int t = begin; t < end; ++t)
+            append_row(elements, std::to_string(t + 1) + " ", mesh.triangles.data() + 3 * t, 1);
     }
     out += "$Entities\n0 0 " + std::to_string(parts.size()) + " 0\n" + entities + "$EndEntities\n";
     out += "$Nodes\n1 " + vertices + " 1 " + vertices + "\n2 1 0 " + vertices + "\n";
     for (int v = 1; v <= mesh.num_vertices(); ++v) out += std::to_string(v) + "\n";
     for (int v = 0; v < mesh.num_vertices(); ++v) append_row(out, "", mesh.vertices.data() + 3 * v);
-    out += "$EndNodes\n$Elements\n" + std::to_string(parts.size()) + " " + triangles + " 1 " + triangles + "\n";
+    out += "$EndNodes\n$Elements\n" + std::to_string(blocks) + " " + triangles + " 1 " + triangles + "\n";
     return out + elements + "$EndElements\n";
 }
 

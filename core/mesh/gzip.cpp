@@ -1,9 +1,9 @@
 #include "core/error.hpp"
 #include "core/mesh/formats.hpp"
 
+#include <zlib.h>
 #include <algorithm>
 #include <memory>
-#include <zlib.h>
 
 /// Files that gzip has packed, as `hull.stl.gz`.
 namespace strake::formats {

@@ -77,7 +77,8 @@ private:
             line("element of a marker");
             const std::int64_t type = in_.integer(in_.word(), "type of an element");
             if (type != triangle && type != quadrilateral)
-                in_.fail(text("type ", type, " of a marker's element; a surface has 5 (triangle) and 9 (quadrilateral)"));
+                in_.fail(
+                    text("type ", type, " of a marker's element; a surface has 5 (triangle) and 9 (quadrilateral)"));
             const int corners = type == triangle ? 3 : 4;
             std::array<int, 4> polygon{};
             for (int k = 0; k < corners; ++k) {

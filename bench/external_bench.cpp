@@ -55,8 +55,9 @@ public:
         command.has_gradients = gradient;
         // A hard link is the cheapest program that leaves a gradient of its own.
         command.command = {"sh", "-c",
-                           gradient ? "ln ../../g.csv g.csv; echo '{\"value\": 1.5, \"gradient\": \"g.csv\"}' > result.json"
-                                    : "echo '{\"value\": 1.5}' > result.json"};
+                           gradient
+                               ? "ln ../../g.csv g.csv; echo '{\"value\": 1.5, \"gradient\": \"g.csv\"}' > result.json"
+                               : "echo '{\"value\": 1.5}' > result.json"};
         return command;
     }
     TriMesh mesh = sheet(256);
@@ -124,4 +125,3 @@ BENCHMARK(journal_call)->Arg(0)->Arg(1)->Arg(3)->Unit(benchmark::kMillisecond)->
 
 }  // namespace
 }  // namespace strake
-

@@ -80,8 +80,8 @@ void add_serial_warning(const Problem& problem, std::vector<std::string>& warnin
         all_give_gradients &= quantity.has_sensitivities;
     }
     const MethodFacts& method = method_facts(problem.optimize.method);
-    const bool has_batches = method.needs_gradients && problem.optimize.finite_differences &&
-                             (!all_give_gradients || !problem.own.empty());
+    const bool has_batches =
+        method.needs_gradients && problem.optimize.finite_differences && (!all_give_gradients || !problem.own.empty());
     if (parallel < 2 || has_batches || problem.objective.empty()) return;
     warnings.push_back(fmt::format(
         "parallel: {}: {} asks for one evaluation after another{}; only gradients by finite_differences are known in "

@@ -11,9 +11,10 @@ void check_same_case(const Case& the_case, const JournalFacts& facts, const std:
     for (const std::string& key : changed_keys(facts.case_yaml, yaml))
         if (!may_change(key)) changed.push_back(key);
     if (!changed.empty())
-        throw InvalidInput(text(the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
-                                " not what the run began with; only budget, output, timeout, parallel, scheduler and "
-                                "cache may change. Undo it, or start another run (optimize.start_from begins at a design of this one)"));
+        throw InvalidInput(text(
+            the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
+            " not what the run began with; only budget, output, timeout, parallel, scheduler and "
+            "cache may change. Undo it, or start another run (optimize.start_from begins at a design of this one)"));
     for (const auto& [key, hash] : file_hashes(the_case))
         if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)
             throw InvalidInput(text(the_case.file.string(), ": ", key,

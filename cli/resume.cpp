@@ -38,8 +38,8 @@ double raised(const std::string& option, const std::string& words, double before
 }
 
 RunLimits new_limits(const ResumeArguments& args, const RunLimits& before, const Case& the_case, bool case_is_newer) {
-    RunLimits now = case_is_newer ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds}
-                                  : before;
+    RunLimits now =
+        case_is_newer ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds} : before;
     if (!args.evaluations.empty()) {
         const double n =
             raised("--evaluations", args.evaluations, before.evaluations, "as 100 (in all) or +50 (more)", read_number);

@@ -191,9 +191,8 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     }
     if (result.is_done() && request.is_step) throw ExitStatus{step_ended};
     if (result.is_done()) return;
-    const std::string again = request.is_step
-                                  ? std::string("`strake step`")
-                                  : fmt::format("`strake resume {}`", printable(folder.folder().string()));
+    const std::string again = request.is_step ? std::string("`strake step`")
+                                              : fmt::format("`strake resume {}`", printable(folder.folder().string()));
     if (result.status == "interrupted") {
         fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
                    ::sigabbrev_np(stop_signal()), result.evaluations, again);

@@ -31,9 +31,9 @@ void step(const SessionArguments& args) {
     if (request.journal->facts().is_fit) throw InvalidInput(text(dir.string(), ": is the folder of a fit"));
     const Continuation now = continuation(the_case, request.journal->facts(), dir);
     const RunLimits before = request.journal->limits();
-    begin_again(request, now,
-                now.has_new_budget ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds}
-                                   : before);
+    begin_again(
+        request, now,
+        now.has_new_budget ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds} : before);
     carry_out(std::move(request));
 }
 

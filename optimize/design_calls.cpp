@@ -10,8 +10,11 @@ DesignCalls::DesignCalls(const std::vector<Quantity>& quantities, Facts facts, M
 DesignCalls::~DesignCalls() { stop(true); }
 
 QuantityRequest DesignCalls::request(std::size_t q) const {
-    return {facts_.surface,   facts_.gradients[q] != 0, facts_.number, facts_.level, facts_.variables, facts_.own,
-            facts_.stop_wanted, {},                     facts_.hash};
+    return {facts_.surface,     facts_.gradients[q] != 0,
+            facts_.number,      facts_.level,
+            facts_.variables,   facts_.own,
+            facts_.stop_wanted, {},
+            facts_.hash};
 }
 
 void DesignCalls::run(std::size_t q, Call& call) {
@@ -49,8 +52,7 @@ void DesignCalls::advance(std::vector<int>& free) {
                                      [this, q, asked = std::move(asked)] { return make_(quantities_[q], asked); });
             call.state = State::running;
         }
-        if (call.state == State::running &&
-            call.future.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+        if (call.state == State::running && call.future.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
             collect(call);
         if (call.state == State::done && call.has_failed()) return end(q + 1, true);
     }

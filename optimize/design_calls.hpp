@@ -29,9 +29,9 @@ public:
     /// Evaluates built-in quantities, starts programs and takes their answers, in the order of the quantities; what
     /// follows a failure is not wanted any more. @param free slots per quantity, fewer by what is started.
     void advance(std::vector<int>& free);
-    bool is_ready() const;     ///< all answers up to the first failure are there
-    bool is_running() const;   ///< a program
-    bool is_awaited() const;   ///< an answer comes from outside
+    bool is_ready() const;    ///< all answers up to the first failure are there
+    bool is_running() const;  ///< a program
+    bool is_awaited() const;  ///< an answer comes from outside
     int occupied(std::size_t quantity) const;
 
     /// Ends what runs and waits for that. @param given_up as QuantityRequest::is_given_up.

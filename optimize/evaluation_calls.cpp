@@ -3,6 +3,7 @@
 #include "optimize/evaluation.hpp"
 #include "optimize/journal.hpp"
 #include "optimize/own_variables.hpp"
+#include "optimize/quantity_call.hpp"
 
 #include <chrono>
 #include <thread>
@@ -76,8 +77,8 @@ ShapeEvaluator::Design ShapeEvaluator::next(const Eigen::VectorXd& x, int number
     }
     const auto is_asked = [&](int n, const Eigen::VectorXd& other) { return n == number && other == x; };
     const bool is_begun = !ahead_.empty() && is_asked(ahead_.front().number, ahead_.front().x);
-    const bool is_expected = ahead_.empty() && !expected_.empty() &&
-                             is_asked(expected_.front().first, expected_.front().second);
+    const bool is_expected =
+        ahead_.empty() && !expected_.empty() && is_asked(expected_.front().first, expected_.front().second);
     if (!is_begun && !is_expected) {
         const bool was_expected = !ahead_.empty() || !expected_.empty();
         give_up();
@@ -160,18 +161,7 @@ void ShapeEvaluator::measure(DesignCalls& calls, ShapeEvaluation& result) const 
     std::vector<Eigen::VectorXd> dJ_down;
     for (std::size_t q = 0; q < problem_.quantities.size(); ++q) {
         const Quantity& quantity = problem_.quantities[q];
-        QuantityResult measured;
-        try {
-            measured = calls.take(q);
-        } catch (const OutputError&) {
-            throw;
-        } catch (const ReplayMismatch&) {
-            throw;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {
-            measured.failure = Failure{"exception", e.what()};
-        }
+        QuantityResult measured = or_failure([&] { return calls.take(q); });
         result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
         if (!measured.failure && measured.values.size() != quantity.names.size())
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
@@ -202,8 +192,9 @@ void ShapeEvaluator::take_own_sensitivities(std::vector<Points>& dJ_dv, std::vec
         if (dJ_dv[i].rows() != rest_->surface.num_vertices() || !dJ_dv[i].allFinite()) {
             result.status = EvaluationStatus::quantity_failed;
             result.may_go_on = false;
-            result.reason = text(names_[i], ": no finite vertex sensitivities (", dJ_dv[i].rows(), " rows for ",
-                                 rest_->surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
+            result.reason =
+                text(names_[i], ": no finite vertex sensitivities (", dJ_dv[i].rows(), " rows for ",
+                     rest_->surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
             return;
         }
         if (!own_sensitivities_usable(i, dJ_down[i], result)) return;

@@ -252,7 +252,9 @@ void Journal::drop_calls_from(int evaluation) {
 }
 
 std::vector<int> Journal::cached() const {
-    Statement rows(db_, file_, "SELECT DISTINCT evaluation FROM calls WHERE remarks LIKE '%is taken from the cache%' ORDER BY evaluation");
+    Statement rows(
+        db_, file_,
+        "SELECT DISTINCT evaluation FROM calls WHERE remarks LIKE '%is taken from the cache%' ORDER BY evaluation");
     std::vector<int> numbers;
     while (rows.step()) numbers.push_back(static_cast<int>(rows.integer(0)));
     return numbers;

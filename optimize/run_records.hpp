@@ -68,8 +68,8 @@ struct RunResult {
     /// no value) | interrupted (`RunEvents::stop_wanted` said so) | waiting (for answers from outside)
     std::string status = "failed";
     std::string reason;                 ///< one sentence or two: why, and what to do next
-    std::vector<AwaitedCall> awaited;    ///< of status `waiting`
-    std::vector<std::string> going_on;   ///< of status `interrupted`: jobs that stay in a queue
+    std::vector<AwaitedCall> awaited;   ///< of status `waiting`
+    std::vector<std::string> going_on;  ///< of status `interrupted`: jobs that stay in a queue
     std::vector<std::string> conflict;  ///< names of the constraints that cannot be met together; empty: none found
     int level = 0, evaluations = 0;
     double objective_start = std::numeric_limits<double>::quiet_NaN();

@@ -48,7 +48,8 @@ QuantityResult failed(const ExternalCommand& command, const QuantityRequest& req
 
 std::vector<std::string> value_keys(const ExternalCommand& command);
 
-/// The program's last lines from the logs in its folder, printable: of stderr.log, or of stdout.log where that is empty.
+/// The program's last lines from the logs in its folder, printable: of stderr.log, or of stdout.log where that is
+/// empty.
 std::string last_lines_in(const std::filesystem::path& folder);
 
 }  // namespace strake

@@ -80,9 +80,12 @@ private:
             for (const char c : path.string()) name.append(c == '%' ? 2 : 1, c);
             return name;
         };
-        std::vector<std::string> arguments{"sbatch", "--parsable", "--job-name=" + name_of(call_),
+        std::vector<std::string> arguments{"sbatch",
+                                           "--parsable",
+                                           "--job-name=" + name_of(call_),
                                            "--chdir=" + call_.folder.string(),
-                                           "--output=" + plain(call_.folder / "job.out"), "--no-requeue"};
+                                           "--output=" + plain(call_.folder / "job.out"),
+                                           "--no-requeue"};
         arguments.insert(arguments.end(), command_.slurm->begin(), command_.slurm->end());
         arguments.push_back((call_.folder / "job.sh").string());
         const ClientOutput output = slurm_client(arguments, call_.folder);
@@ -229,10 +232,9 @@ private:
     }
 
     std::string accounting() const {
-        const ClientOutput told =
-            slurm_client({"sacct", "--noheader", "--allocations", "--parsable2", "--format=State,ExitCode", "--jobs",
-                          id_},
-                         call_.folder);
+        const ClientOutput told = slurm_client(
+            {"sacct", "--noheader", "--allocations", "--parsable2", "--format=State,ExitCode", "--jobs", id_},
+            call_.folder);
         const std::string words = printable(told.words.substr(0, told.words.find('\n')), 200);
         return told.is_done && !words.empty() ? text(" (sacct: ", words, ")") : "";
     }

@@ -55,8 +55,8 @@ ClientOutput slurm_client(const std::vector<std::string>& arguments, const fs::p
     output.is_done = !end.failure;
     if (output.is_done) output.words = read_bytes(fs::path(folder) / "stdout.log");
     if (end.failure)
-        output.words = text(arguments.front(), ": ", end.failure->message, end.last_lines.empty() ? "" : "\n",
-                            end.last_lines);
+        output.words =
+            text(arguments.front(), ": ", end.failure->message, end.last_lines.empty() ? "" : "\n", end.last_lines);
     std::error_code ignored;
     fs::remove_all(folder, ignored);
     return output;
@@ -67,8 +67,8 @@ SlurmQueue::View SlurmQueue::view(const fs::path& scratch) {
     if (last_.asked != Clock::time_point() && Clock::now() - last_.asked < period) return last_;
     last_.asked = Clock::now();
     // All jobs of ours: a single one that is gone would be an error like any other.
-    const ClientOutput output = slurm_client(
-        {"squeue", "--noheader", text("--user=", ::geteuid()), "--format=%i|%T|%r|%M|%j"}, scratch);
+    const ClientOutput output =
+        slurm_client({"squeue", "--noheader", text("--user=", ::geteuid()), "--format=%i|%T|%r|%M|%j"}, scratch);
     last_.is_known = output.is_done;
     last_.words = output.is_done ? "" : output.words;
     last_.jobs = output.is_done ? jobs_in(output.words) : std::map<std::string, Job>();

@@ -18,20 +18,20 @@ TEST_F(Parallel, RandomOrdersGiveTheBitsOfOneAfterAnother) {
     mark("jitter");
     for (const int n : {2, 3, 16}) {
         const std::string out = text("n", n);
-        const ProgramRun run =
-            run_strake({"run", values_case(text(", parallel: ", n)), "--out", path(out), "-q"});
+        const ProgramRun run = run_strake({"run", values_case(text(", parallel: ", n)), "--out", path(out), "-q"});
         EXPECT_EQ(run.status, 0) << run.err;
         expect_same("whole", out);
     }
 }
 
 TEST_F(Parallel, ProgramsOfOneEvaluationRunSideBySide) {
-    std::string text = body +
-                       "quantities:\n  bulk: {command: [python3, \"-S\", \"{case_dir}/bulk.py\", \"{request}\"] @}\n"
-                       "  slow: {command: [sh, \"-c\", \"sleep 0.3; echo '{\\\"value\\\": 1}' > result.json\"], gradients: "
-                       "false}\n  late: {command: [sh, \"-c\", \"sleep 0.3; echo '{\\\"value\\\": 2}' > "
-                       "result.json\"], gradients: false}\nobjective: {maximize: bulk}\n"
-                       "optimize: {budget: {evaluations: 4}}\n";
+    std::string text =
+        body +
+        "quantities:\n  bulk: {command: [python3, \"-S\", \"{case_dir}/bulk.py\", \"{request}\"] @}\n"
+        "  slow: {command: [sh, \"-c\", \"sleep 0.3; echo '{\\\"value\\\": 1}' > result.json\"], gradients: "
+        "false}\n  late: {command: [sh, \"-c\", \"sleep 0.3; echo '{\\\"value\\\": 2}' > "
+        "result.json\"], gradients: false}\nobjective: {maximize: bulk}\n"
+        "optimize: {budget: {evaluations: 4}}\n";
     const auto seconds = [&](const std::string& more, const std::string& out) {
         std::string with = text;
         with.replace(with.find('@'), 1, more);
@@ -99,7 +99,8 @@ TEST_F(Parallel, FailedPointsOfAGradientAreReplacedByTheOtherSideInTheSameOrder)
     const std::string policy = ", on_failure: shrink_step";
     const ProgramRun one = run_strake({"run", values_case(policy), "--out", path("one"), "-q"});
     mark("jitter");
-    const ProgramRun many = run_strake({"run", values_case(text(policy, ", parallel: 5")), "--out", path("many"), "-q"});
+    const ProgramRun many =
+        run_strake({"run", values_case(text(policy, ", parallel: 5")), "--out", path("many"), "-q"});
     EXPECT_EQ(one.status, many.status) << one.err << many.err;
     expect_same("one", "many");
     EXPECT_NE(bytes_of(folder / "one/history.csv").find("\n3,1,quantity_failed"), std::string::npos);

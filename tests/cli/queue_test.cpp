@@ -5,7 +5,8 @@
 namespace strake {
 namespace {
 
-const std::string differences = "optimize: {finite_differences: true, budget: {evaluations: 20}}\n";
+const std::string differences = "optimize: {finite_differences: true, budget: {evaluations: 8}}\n";
+const std::string twenty = "optimize: {finite_differences: true, budget: {evaluations: 20}}\n";
 const std::string no_gradients = ", gradients: false";
 
 class Queue : public ProgramCase {
@@ -22,7 +23,8 @@ protected:
         return external_case(no_gradients + ", scheduler: {slurm: [--partition=main]}" + more, differences);
     }
     void ask_whole() const {
-        ASSERT_EQ(run_strake({"run", external_case(no_gradients, differences), "--out", path("whole"), "-q"}).status, 0);
+        ASSERT_EQ(run_strake({"run", external_case(no_gradients, differences), "--out", path("whole"), "-q"}).status,
+                  0);
         fs::remove(folder / "calls");
     }
     void say(const std::string& what, const std::string& words = "") const { folder.write("slurm/" + what, words); }
@@ -86,8 +88,7 @@ TEST_F(Queue, WhatCanNeverStartIsFoundAndCancelled) {
     EXPECT_NE(never.err.find("PartitionConfig"), std::string::npos) << never.err;
     EXPECT_EQ(lines("cancelled"), 1u);
     say("pending", "Resources");
-    const ProgramRun waited = run(
-        external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s}", differences), "b");
+    const ProgramRun waited = run(external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s}", differences), "b");
     EXPECT_EQ(waited.status, 5);
     EXPECT_NE(waited.err.find("did not start within 1 s, pending for Resources"), std::string::npos) << waited.err;
     EXPECT_EQ(lines("cancelled"), 2u);
@@ -152,11 +153,11 @@ TEST(RealSlurm, EachEvaluationIsPaidOnce) {
 
     private:
         void play() {
-            const std::string plain = external_case(no_gradients, differences);
+            const std::string plain = external_case(no_gradients, twenty);
             ASSERT_EQ(run_strake({"run", plain, "--out", path("whole"), "-q"}).status, 0);
             fs::remove(folder / "calls");
             const std::string file = external_case(
-                no_gradients + ", retries: 1, parallel: 4, scheduler: {slurm: [--partition=main]}", differences);
+                no_gradients + ", retries: 1, parallel: 4, scheduler: {slurm: [--partition=main]}", twenty);
             mark("sleep-3");
             mark("sleep-6");
             const auto begin = std::chrono::steady_clock::now();

@@ -7,8 +7,7 @@ namespace {
 
 class Step : public ProgramCase {
 protected:
-    const std::string differences =
-        "optimize: {finite_differences: true, budget: {evaluations: 14}}\n";
+    const std::string differences = "optimize: {finite_differences: true, budget: {evaluations: 14}}\n";
     std::string values_case(const std::string& more = "") const {
         return external_case(", gradients: false" + more, differences);
     }
@@ -76,7 +75,8 @@ TEST_F(Step, WaitsAsLongAsItTakesAndPicksUpWhatIsThere) {
     ASSERT_EQ(told["awaited"].size(), 1u);
     const std::string first = told["awaited"][0]["folder"];
     EXPECT_EQ(told["awaited"][0]["command"][0], "python3");
-    for (const char* name : {"surface.obj", "request.json", "command.sh"}) EXPECT_TRUE(fs::exists(fs::path(first) / name));
+    for (const char* name : {"surface.obj", "request.json", "command.sh"})
+        EXPECT_TRUE(fs::exists(fs::path(first) / name));
     EXPECT_EQ(Json::parse(run_strake({"status", path("stepped"), "--json"}).out)["status"], "waiting");
     // A program that is at work has written nothing that counts.
     std::ofstream(fs::path(first) / "result.json") << "{\"val";

@@ -1,7 +1,7 @@
+#include "optimize/answer_cache.hpp"
 #include "core/error.hpp"
 #include "core/mesh/io.hpp"
 #include "core/mesh/temp_folder.hpp"
-#include "optimize/answer_cache.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>

@@ -12,7 +12,8 @@ struct HalfSpace {
     double start = 0, attainable = 0;  ///< objective at the start, and the least on the side that does not fail
 };
 
-/// A quadratic of 2 to 6 variables whose optimum lies at `beyond` times the way from the start to the border of failure.
+/// A quadratic of 2 to 6 variables whose optimum lies at `beyond` times the way from the start to the border of
+/// failure.
 HalfSpace half_space(int n, double beyond, unsigned seed) {
     std::srand(seed);
     const Eigen::MatrixXd A = Eigen::MatrixXd::Random(n, n);
@@ -63,10 +64,11 @@ TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations)
                 const MinimizeResult r = minimize(h.failing, o);
                 const double share = (h.start - r.best.objective) / (h.start - h.attainable);
                 if (std::getenv("STRAKE_TELL"))
-                    std::cout << "TELL " << method_facts(method).name << " " << n << " " << beyond << " " << seed << ": "
-                              << 1 - share << " after " << r.evaluations << " (" << clean.evaluations << "), "
+                    std::cout << "TELL " << method_facts(method).name << " " << n << " " << beyond << " " << seed
+                              << ": " << 1 - share << " after " << r.evaluations << " (" << clean.evaluations << "), "
                               << r.reason << "\n";
-                EXPECT_GE(share, least_share(beyond)) << r.evaluations << " (clean: " << clean.evaluations << "): " << r.reason;
+                EXPECT_GE(share, least_share(beyond))
+                    << r.evaluations << " (clean: " << clean.evaluations << "): " << r.reason;
                 if (r.failures > 0) {
                     EXPECT_NE(r.reason.find("fail"), std::string::npos) << r.reason;
                 }

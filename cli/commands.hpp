@@ -33,5 +33,6 @@ void add_sweep(CLI::App& app);
 void add_resume(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
+void add_apply(CLI::App& app);
 
 }  // namespace strake::cli

@@ -1,5 +1,9 @@
 #include "cases/problem_builder.hpp"
+#include "core/error.hpp"
+#include "core/mesh/surface_map.hpp"
 #include "objectives/external/external.hpp"
+#include "objectives/external/hand_over.hpp"
+#include "objectives/external/plugin.hpp"
 #include "objectives/measured_points.hpp"
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
@@ -9,30 +13,29 @@
 namespace strake {
 namespace {
 
-const char* name_of(SurfaceFormat format) {
-    switch (format) {
-        case SurfaceFormat::stl_binary:
-            return "stl";
-        case SurfaceFormat::stl_ascii:
-            return "stl-ascii";
-        case SurfaceFormat::obj:
-            return "obj";
-        case SurfaceFormat::ply_ascii:
-            return "ply-ascii";
-        case SurfaceFormat::ply_binary:
-            return "ply";
-        case SurfaceFormat::off:
-            return "off";
-        case SurfaceFormat::tri:
-            return "tri";
-    }
-    return "stl";
-}
-
 /// What a trial shape may leave undefined (a line that no longer crosses the body) is a step too far.
 Quantity shortening(Quantity quantity) {
     quantity.failing_shortens_step = true;
     return quantity;
+}
+
+std::function<QuantityResult(const QuantityRequest&)> with_value_after_failure(const Quantity& quantity, double value) {
+    return [ask = quantity.evaluate, count = quantity.names.size(), value](const QuantityRequest& request) {
+        QuantityResult result = ask(request);
+        if (!result.failure) return result;
+        result.remarks.push_back(
+            text(result.failure->kind, ": ", result.failure->message, "; ", value, " stands for it"));
+        result.failure.reset();
+        result.values.assign(count, value);
+        return result;
+    };
+}
+
+std::optional<std::vector<std::string>> names_of(const std::optional<std::vector<Reference>>& references) {
+    if (!references) return {};
+    std::vector<std::string> names;
+    for (const Reference& reference : *references) names.push_back(reference.name);
+    return names;
 }
 
 }  // namespace
@@ -75,7 +78,36 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const LineThicknessEnt
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const SectionAreaEntry& area) {
     return shortening(section_area(entry.name, start_.mesh, area.section, case_.symmetry));
 }
+std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const ExternalEntry& program) const {
+    try {
+        NumberedPoints rest = read_points(program.gradient_points);
+        SurfaceMap map(start_.mesh, rest.at,
+                       {program.points_reach.in(start_.diagonal) / start_.diagonal, case_.symmetry});
+        return std::make_shared<const ProgramPoints>(
+            ProgramPoints{std::move(rest), std::move(map), is_npy(program.gradient_points)});
+    } catch (const InputError& error) {
+        throw InvalidInput(error.what());
+    }
+}
+
+Quantity ProblemBuilder::make_plugin(const QuantityEntry& entry, const ExternalEntry& program) const {
+    PluginLibrary wanted;
+    wanted.name = entry.name;
+    wanted.library = program.plugin->library;
+    wanted.options = program.plugin->options;
+    wanted.gives = program.gives;
+    wanted.has_gradients = program.has_gradients;
+    wanted.depends_on = names_of(program.depends_on);
+    wanted.may_lack_derivatives = case_.optimize.finite_differences;
+    Quantity quantity = plugin(wanted);
+    if (program.on_failure == ExternalEntry::OnFailure::value)
+        quantity.evaluate = with_value_after_failure(quantity, program.value_after_failure);
+    quantity.failing_shortens_step = program.on_failure == ExternalEntry::OnFailure::shrink_step;
+    return quantity;
+}
+
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& program) {
+    if (program.plugin) return make_plugin(entry, program);
     ExternalCommand command;
     command.name = entry.name;
     command.command = program.command;
@@ -87,10 +119,10 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
     command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
     command.has_gradients = program.has_gradients;
-    if (program.depends_on) {
-        command.depends_on.emplace();
-        for (const Reference& variable : *program.depends_on) command.depends_on->push_back(variable.name);
-    }
+    command.gradient_command = program.gradient_command;
+    command.gradient_timeout_s = program.gradient_timeout_s;
+    if (!program.gradient_points.empty()) command.points = program_points(program);
+    command.depends_on = names_of(program.depends_on);
     command.may_lack_derivatives = case_.optimize.finite_differences;
     command.diagonal = start_.diagonal;
     command.units = case_.units;

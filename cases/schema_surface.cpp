@@ -11,7 +11,7 @@ std::vector<Key> surface_keys() {
         {.path = "surface", .doc = "The surface to be deformed.", .required = true},
         {.path = "surface.file",
          .type = Type::file,
-         .doc = "Triangulation: STL, OBJ, PLY, OFF or Cart3D .tri.",
+         .doc = "Triangulation: STL, OBJ, PLY, OFF, Cart3D .tri or VTP.",
          .required = true},
         {.path = "surface.units",
          .type = Type::word,

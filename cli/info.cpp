@@ -94,6 +94,8 @@ const char* name_of(SurfaceFormat format) {
             return "OFF";
         case SurfaceFormat::tri:
             return "Cart3D tri";
+        case SurfaceFormat::vtp:
+            return "VTP";
     }
     return "";
 }
@@ -275,7 +277,7 @@ void add_info(CLI::App& app) {
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("info", "what a surface file holds, and what is wrong with it");
-    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF or Cart3D .tri file")->required();
+    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF, Cart3D .tri or VTP file")->required();
     command->add_flag("--json", options->json, "one JSON object instead of words");
     command->callback([options] {
         const Report r = examine(options->surface);

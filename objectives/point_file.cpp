@@ -1,10 +1,6 @@
 #include "objectives/point_file.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/formats.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/npy.hpp"
 #include "core/mesh/text_scanner.hpp"
 
 #include <algorithm>
@@ -42,27 +38,6 @@ TableRow row_of(TextScanner& scanner, std::string_view first, const std::vector<
     return row;
 }
 
-enum class ListKind { none, text, npy };
-
-ListKind list_kind(const std::filesystem::path& file) {
-    const std::string extension = file.extension().string();
-    if (extension == ".npy") return ListKind::npy;
-    return extension == ".csv" || extension == ".txt" || extension == ".xyz" ? ListKind::text : ListKind::none;
-}
-
-Points read_array(const std::filesystem::path& file) {
-    const std::string name = printable(file.native());
-    try {
-        Points points = parse_npy(read_bytes(file));
-        for (Eigen::Index i = 0; i < points.rows(); ++i)
-            if (!points.row(i).allFinite())
-                throw InputError(text(name, ": row ", i, " = ", points.row(i), " is not finite"));
-        return points;
-    } catch (const NpyError& error) {
-        throw InputError(text(name, ": ", error.what()));
-    }
-}
-
 }  // namespace
 
 std::vector<TableRow> read_table(const std::filesystem::path& file, const std::vector<std::string>& columns,
@@ -82,32 +57,6 @@ std::vector<TableRow> read_table(const std::filesystem::path& file, const std::v
     }
     if (rows.empty()) scanner.fail(text("no rows; expected ", joined(columns, required)));
     return rows;
-}
-
-bool is_point_list(const std::filesystem::path& file) { return list_kind(file) != ListKind::none; }
-
-Points read_points(const std::filesystem::path& file) {
-    if (list_kind(file) == ListKind::npy) return read_array(file);
-    if (list_kind(file) == ListKind::none) return read_surface(file).mesh.vertices;
-    const std::vector<TableRow> rows = read_table(file, {"x", "y", "z"}, 3);
-    Points points(static_cast<Eigen::Index>(rows.size()), 3);
-    for (std::size_t i = 0; i < rows.size(); ++i)
-        points.row(static_cast<Eigen::Index>(i)) << rows[i].values[0], rows[i].values[1], rows[i].values[2];
-    return points;
-}
-
-void write_points(const std::filesystem::path& file, const Points& points) {
-    const ListKind kind = list_kind(file);
-    if (kind == ListKind::none)
-        throw InvalidInput(text(printable(file.native()), ": points are written as .npy, .csv, .txt or .xyz"));
-    if (kind == ListKind::npy) return write_atomically(file, npy_bytes(points));
-    std::string out = "x,y,z\n";
-    for (Eigen::Index i = 0; i < points.rows(); ++i)
-        for (int c = 0; c < 3; ++c) {
-            formats::append(out, points(i, c));
-            out += c < 2 ? ',' : '\n';
-        }
-    write_atomically(file, out);
 }
 
 }  // namespace strake

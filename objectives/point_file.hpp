@@ -1,6 +1,4 @@
 #pragma once
-#include "core/mesh/mesh.hpp"
-
 #include <Eigen/Core>
 #include <filesystem>
 #include <string>
@@ -20,14 +18,5 @@ struct TableRow {
 /// number that is not finite.
 std::vector<TableRow> read_table(const std::filesystem::path& file, const std::vector<std::string>& columns,
                                  int required);
-
-/// n x 3 coordinates from a list (.csv, .txt, .xyz: rows x,y,z as `read_table`; .npy: `parse_npy`), or the vertices of
-/// a surface file in any format that is read. @throws InputError as the readers; a coordinate that is not finite (row).
-Points read_points(const std::filesystem::path& file);
-bool is_point_list(const std::filesystem::path& file);  ///< by its extension: a list, no surface
-
-/// As .npy (double precision), or text with the header x,y,z and numbers that read back to the same bits.
-/// @throws InvalidInput for another extension, OutputError.
-void write_points(const std::filesystem::path& file, const Points& points);
 
 }  // namespace strake

@@ -71,6 +71,9 @@ struct Quantity {
     /// What identifies the program that is run, with its arguments. Not empty: an evaluation is dear, a journal keeps
     /// what it gave.
     std::string program = {};
+    /// Where gradients cost a program of their own: `evaluate` of a request that wants none gives the values, and this
+    /// the sensitivities (without values) of the same request, later, if anybody asks. Empty: `evaluate` gives both.
+    std::function<QuantityResult(const QuantityRequest&)> differentiate = {};
 };
 
 }  // namespace strake

@@ -84,15 +84,17 @@ void ShapeEvaluator::accept() {
 }
 
 /// A level begins with the shape that the level before ended with: nobody pays for its values twice.
-bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const {
+bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     const Measured& m = accepted_measured_;
     if (m.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own())) return false;
     if ((m.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal) return false;
     result.values = m.values;
     result.dJ_dv = m.dJ_dv;
     result.dJ_down = m.dJ_down;
+    result.has_gradients_to_come = m.has_gradients_to_come;
     result.status = EvaluationStatus::ok;
     result.is_taken_over = true;
+    last_measured_ = m;
     return true;
 }
 
@@ -152,118 +154,18 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
     return shape.vertices;
 }
 
-/// What a program gave is kept before anything else happens: a run that dies pays for nothing twice.
-QuantityResult ShapeEvaluator::call(const Quantity& quantity, const QuantityRequest& request,
-                                    const std::string& surface) const {
-    if (!journal_ || quantity.program.empty()) return quantity.evaluate(request);
-    const std::string& name = quantity.names[0];
-    if (auto known = journal_->find_call(request.evaluation, name)) {
-        if (known->surface != surface)
-            throw ReplayMismatch(text("evaluation ", request.evaluation, ": the surface that ", name,
-                                      " was given is not the recorded one, bit by bit: another machine, another "
-                                      "version of Strake or of its libraries, or another surface file"));
-        return std::move(known->result);
-    }
-    const auto begin = std::chrono::steady_clock::now();
-    JournalCall made{request.evaluation, name, content_hash(quantity.program), surface, {}, 0};
-    made.result = quantity.evaluate(request);
-    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    // A failure that ends the run is no answer: the next start asks again.
-    if (!made.result.failure || quantity.failing_shortens_step) journal_->add(made);
-    return std::move(made.result);
-}
-
-void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
-    const TriMesh surface = with_vertices(rest_->surface, result.vertices);
-    if (journal_) result.surface = content_hash(surface);
-    std::vector<Points> dJ_dv;
-    std::vector<Eigen::VectorXd> dJ_down;
-    for (const Quantity& quantity : problem_.quantities) {
-        // A program is asked for gradients only if one of its values needs them.
-        const int first = static_cast<int>(result.values.size()),
-                  next = first + static_cast<int>(quantity.names.size());
-        const bool gradients =
-            std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
-        QuantityResult measured;
-        try {
-            measured = call(quantity,
-                            {surface, gradients, number, space_.level, physical_values(space_, x),
-                             own_values(space_, x), stop_wanted_},
-                            result.surface);
-        } catch (const OutputError&) {
-            throw;
-        } catch (const ReplayMismatch&) {
-            throw;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {
-            measured.failure = Failure{"exception", e.what()};
-        }
-        result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
-        if (!measured.failure && measured.values.size() != quantity.names.size())
-            measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
-                                                           quantity.names.size(), " (", quantity.names[0], ", ...)")};
-        for (const double value : measured.values)
-            if (!measured.failure && !std::isfinite(value))
-                measured.failure = Failure{"not_finite", text(quantity.names[0], ": the value ", value)};
-        if (measured.failure) {
-            result.status = EvaluationStatus::quantity_failed;
-            result.may_go_on = quantity.failing_shortens_step;
-            result.reason = text(quantity.names[0], ": ", measured.failure->kind, ": ", measured.failure->message);
-            result.values.clear();
-            return;
-        }
-        result.values.insert(result.values.end(), measured.values.begin(), measured.values.end());
-        measured.dJ_dv.resize(measured.values.size());
-        dJ_dv.insert(dJ_dv.end(), measured.dJ_dv.begin(), measured.dJ_dv.end());
-        measured.dJ_down.resize(measured.values.size());
-        dJ_down.insert(dJ_down.end(), measured.dJ_down.begin(), measured.dJ_down.end());
-    }
-    for (const int i : differentiated_) {
-        if (dJ_dv[i].rows() != surface.num_vertices() || !dJ_dv[i].allFinite()) {
-            result.status = EvaluationStatus::quantity_failed;
-            result.may_go_on = false;
-            result.reason = text(names_[i], ": no finite vertex sensitivities (", dJ_dv[i].rows(), " rows for ",
-                                 surface.num_vertices(), " vertices); a gradient-free method (cobyla) can do without");
-            return;
-        }
-        if (!own_sensitivities_usable(i, dJ_down[i], result)) return;
-        result.dJ_dv.push_back(std::move(dJ_dv[i]));
-        result.dJ_down.push_back(std::move(dJ_down[i]));
-    }
-    result.status = EvaluationStatus::ok;
-}
-
-/// None given: the value depends on the shape alone. Not known ones are left to differences where these are allowed.
-bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const {
-    const int count = space_.num_own();
-    if (dJ_down.size() == 0) dJ_down = Eigen::VectorXd::Zero(count);
-    std::string what;
-    if (dJ_down.size() != count) what = text(dJ_down.size(), " derivatives for ", count, " variables of the case");
-    for (int j = 0; j < count && what.empty(); ++j)
-        if (std::isinf(dJ_down[j]) || (std::isnan(dJ_down[j]) && !problem_.optimize.finite_differences))
-            what = text("no finite derivative by ", rest_->own[j].name);
-    if (what.empty()) return true;
-    result.status = EvaluationStatus::quantity_failed;
-    result.may_go_on = false;
-    result.reason = text(names_[i], ": ", what, "; optimize.finite_differences or a gradient-free method (cobyla) ",
-                         "can do without");
-    return false;
-}
-
 ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     ShapeEvaluation result;
     const bool begins = std::exchange(enters_, false);
     if (!deform(x, result)) return result;
     if (!(takes_over_ && begins && take_over(x, result))) measure(number, x, result);
-    if (result.status == EvaluationStatus::ok)
-        last_measured_ = {result.vertices, x.tail(space_.num_own()), result.values, result.dJ_dv, result.dJ_down};
     return result;
 }
 
 void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.status != EvaluationStatus::ok || !last_)
         throw InvalidInput("differentiate: the last evaluation gave no shape");
+    if (evaluation.has_gradients_to_come && !ask_for_gradients(evaluation)) return;
     evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
     const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());

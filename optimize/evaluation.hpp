@@ -23,6 +23,7 @@ struct ShapeEvaluation {
     Points vertices;                       ///< n x 3; empty unless a valid surface was reached
     std::vector<double> values;            ///< in the order of `ShapeEvaluator::names()`; empty unless ok
     std::vector<Points> dJ_dv;             ///< of the differentiated values, in their order; empty without gradients
+    bool has_gradients_to_come = false;    ///< dJ_dv is still empty: `differentiate` asks for it
     std::vector<Eigen::VectorXd> dJ_down;  ///< the same by the own variables; NaN: not given (with finite_differences)
     Eigen::MatrixXd gradients;  ///< differentiated values x variables, once `differentiate` was called; NaN as above
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
@@ -47,7 +48,8 @@ public:
     /// @param number of the evaluation within the run, for external programs. Failing is a result.
     /// @throws UnheldPart, InvalidInput and SolverError as PrimoShell::solve does.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
-    /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
+    /// Fills `evaluation.gradients` (one adjoint call), after asking quantities that differentiate separately. Where
+    /// one of these fails the evaluation is quantity_failed. @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
     /// The next level starts from the equilibrium of the last evaluation.
     void accept();
@@ -82,7 +84,15 @@ private:
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
-    QuantityResult call(const Quantity& quantity, const QuantityRequest& request, const std::string& surface) const;
+    using Function = std::function<QuantityResult(const QuantityRequest&)>;
+    /// @param what is called, for the journal: the name of the quantity's first value, or that with more words.
+    QuantityResult call(const Quantity& quantity, const Function& function, const std::string& what,
+                        const QuantityRequest& request, const std::string& surface) const;
+    QuantityResult safely(const Quantity& quantity, const Function& function, const std::string& what,
+                          const QuantityRequest& request, ShapeEvaluation& result) const;
+    bool wants_gradients_of(int first, const Quantity& quantity) const;
+    bool take_gradients(ShapeEvaluation& result);
+    bool ask_for_gradients(ShapeEvaluation& result);
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
@@ -101,8 +111,14 @@ private:
         std::vector<double> values;
         std::vector<Points> dJ_dv;
         std::vector<Eigen::VectorXd> dJ_down;
+        bool has_gradients_to_come = false;
+        int at = 0;  ///< number of the evaluation
+        std::string surface;
+        /// Of all values, as far as they came with these: where others are to come.
+        std::vector<Points> known_dJ_dv;
+        std::vector<Eigen::VectorXd> known_dJ_down;
     };
-    bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const;
+    bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result);
     Measured last_measured_, accepted_measured_;
     bool takes_over_ = false;
     Journal* journal_ = nullptr;

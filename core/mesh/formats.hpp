@@ -33,6 +33,7 @@ SurfaceFile read_obj(std::string_view bytes, const std::string& name);
 SurfaceFile read_ply(std::string_view bytes, const std::string& name);
 SurfaceFile read_off(std::string_view bytes, const std::string& name);
 SurfaceFile read_tri(std::string_view bytes, const std::string& name);
+SurfaceFile read_vtp(std::string_view bytes, const std::string& name);
 
 /// Writers: the whole file as bytes. Numbers do not go through streams, which follow the program's locale.
 std::string stl_binary(const TriMesh& mesh, const std::string& name);  ///< @throws OutputError beyond single precision
@@ -41,6 +42,7 @@ std::string obj(const TriMesh& mesh);
 std::string ply(const TriMesh& mesh, bool binary);
 std::string off(const TriMesh& mesh);
 std::string tri(const TriMesh& mesh);
+std::string vtp(const TriMesh& mesh);  ///< parts as numbers in the cell field "part"
 
 void append(std::string& out, double value);  ///< the shortest text that reads back to the same bits
 void append(std::string& out, int value);

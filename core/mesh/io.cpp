@@ -98,6 +98,7 @@ constexpr FormatName format_names[] = {
     {"ply-ascii", ".ply", SurfaceFormat::ply_ascii},
     {"off", ".off", SurfaceFormat::off},
     {"tri", ".tri", SurfaceFormat::tri},
+    {"vtp", ".vtp", SurfaceFormat::vtp},
 };
 
 std::string lower_extension(const std::filesystem::path& file) {
@@ -114,11 +115,12 @@ SurfaceFile read_by_name(const std::filesystem::path& file, std::string_view byt
     if (extension == ".ply") return formats::read_ply(bytes, name);
     if (extension == ".off") return formats::read_off(bytes, name);
     if (extension == ".tri") return formats::read_tri(bytes, name);
+    if (extension == ".vtp") return formats::read_vtp(bytes, name);
     if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return formats::read_ply(bytes, name);
     if (bytes.starts_with("OFF")) return formats::read_off(bytes, name);
     if (bytes.starts_with("solid")) return formats::read_stl(bytes, name);
     throw InputError(text(name, ": not a known surface format: extension '", printable(extension),
-                          "'; known are .stl .obj .ply .off .tri"));
+                          "'; known are .stl .obj .ply .off .tri .vtp"));
 }
 
 /// Nothing that a reader would refuse is written.
@@ -152,28 +154,31 @@ SurfaceFile read_surface(const std::filesystem::path& file) {
     }
 }
 
-void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format) {
+std::string surface_bytes(const TriMesh& mesh, SurfaceFormat format, const std::string& name) {
     check_writable(mesh);
-    const auto bytes = [&]() -> std::string {
-        switch (format) {
-            case SurfaceFormat::stl_binary:
-                return formats::stl_binary(mesh, printable(file.native()));
-            case SurfaceFormat::stl_ascii:
-                return formats::stl_ascii(mesh);
-            case SurfaceFormat::obj:
-                return formats::obj(mesh);
-            case SurfaceFormat::ply_ascii:
-                return formats::ply(mesh, false);
-            case SurfaceFormat::ply_binary:
-                return formats::ply(mesh, true);
-            case SurfaceFormat::off:
-                return formats::off(mesh);
-            case SurfaceFormat::tri:
-                return formats::tri(mesh);
-        }
-        throw InvalidInput(text("write_surface: format number ", static_cast<int>(format), " does not exist"));
-    };
-    write_atomically(file, bytes());
+    switch (format) {
+        case SurfaceFormat::stl_binary:
+            return formats::stl_binary(mesh, name);
+        case SurfaceFormat::stl_ascii:
+            return formats::stl_ascii(mesh);
+        case SurfaceFormat::obj:
+            return formats::obj(mesh);
+        case SurfaceFormat::ply_ascii:
+            return formats::ply(mesh, false);
+        case SurfaceFormat::ply_binary:
+            return formats::ply(mesh, true);
+        case SurfaceFormat::off:
+            return formats::off(mesh);
+        case SurfaceFormat::tri:
+            return formats::tri(mesh);
+        case SurfaceFormat::vtp:
+            return formats::vtp(mesh);
+    }
+    throw InvalidInput(text("write_surface: format number ", static_cast<int>(format), " does not exist"));
+}
+
+void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format) {
+    write_atomically(file, surface_bytes(mesh, format, printable(file.native())));
 }
 
 SurfaceFormat format_of(const std::filesystem::path& file) {
@@ -181,14 +186,20 @@ SurfaceFormat format_of(const std::filesystem::path& file) {
     for (const auto& f : format_names)
         if (extension == f.extension) return f.format;
     throw InvalidInput(text(printable(file.native()), ": no surface format has the extension '", printable(extension),
-                            "'; known are .stl .obj .ply .off .tri"));
+                            "'; known are .stl .obj .ply .off .tri .vtp"));
 }
 
 SurfaceFormat format_named(const std::string& name) {
     for (const auto& f : format_names)
         if (name == f.name) return f.format;
-    throw InvalidInput(
-        text("surface format '", printable(name), "' is unknown; known are stl stl-ascii obj ply ply-ascii off tri"));
+    throw InvalidInput(text("surface format '", printable(name),
+                            "' is unknown; known are stl stl-ascii obj ply ply-ascii off tri vtp"));
+}
+
+std::string name_of(SurfaceFormat format) {
+    for (const auto& f : format_names)
+        if (format == f.format) return f.name;
+    throw InvalidInput(text("name_of: format number ", static_cast<int>(format), " does not exist"));
 }
 
 std::string extension_of(SurfaceFormat format) {

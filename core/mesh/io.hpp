@@ -8,7 +8,7 @@
 /// only STL, which has no shared vertices, is welded (bit-equal coordinates, in the order of first appearance).
 namespace strake {
 
-enum class SurfaceFormat { stl_binary, stl_ascii, obj, ply_ascii, ply_binary, off, tri };
+enum class SurfaceFormat { stl_binary, stl_ascii, obj, ply_ascii, ply_binary, off, tri, vtp };
 
 /// What a reader saw besides the surface itself.
 struct SurfaceFile {
@@ -17,20 +17,24 @@ struct SurfaceFile {
     int file_vertices = 0;                             ///< before welding
 };
 
-/// Reads STL (ASCII, binary), OBJ, PLY (ASCII, both binaries), OFF or Cart3D .tri, by extension and content.
+/// Reads STL (ASCII, binary), OBJ, PLY (ASCII, both binaries), OFF, Cart3D .tri or VTP, by extension and content.
 /// Polygons are cut into fans from their first corner.
 /// @throws InputError `FILE:LINE: …` or `FILE: byte N …`, for whatever is not a finite, indexed surface.
 SurfaceFile read_surface(const std::filesystem::path& file);
+
+/// What `write_surface` would write. @throws OutputError beyond single precision where the format has no more.
+std::string surface_bytes(const TriMesh& mesh, SurfaceFormat format, const std::string& name_for_messages);
 
 /// Writes atomically (temporary file beside it, fsync, rename), 17 digits or binary doubles where the format has them.
 /// @throws OutputError with path and the system's reason.
 void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format);
 
-/// The format that a name's extension asks for (.stl binary, .ply binary, .obj, .off, .tri). @throws InvalidInput
+/// The format that a name's extension asks for (.stl binary, .ply binary, .obj, .off, .tri, .vtp). @throws InvalidInput
 /// listing the known ones.
 SurfaceFormat format_of(const std::filesystem::path& file);
-/// "stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri". @throws InvalidInput.
+/// "stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri", "vtp". @throws InvalidInput.
 SurfaceFormat format_named(const std::string& name);
+std::string name_of(SurfaceFormat format);       ///< the inverse
 std::string extension_of(SurfaceFormat format);  ///< with the dot
 
 /// Writes bytes so that readers see the old file or the whole new one. @throws OutputError.

@@ -82,7 +82,8 @@ std::uint64_t length_at(const std::string& bytes, std::size_t number, const Codi
                                     : number_at<std::uint64_t>(at, coding.is_swapped);
 }
 
-/// [number of blocks][bytes of a block][bytes of the last, 0: as the others][compressed bytes of each], then the blocks.
+/// [number of blocks][bytes of a block][bytes of the last, 0: as the others][compressed bytes of each], then the
+/// blocks.
 std::string inflated(Bytes bytes, const Coding& coding) {
     const std::string head = bytes.peek(3 * coding.header_bytes);
     const std::uint64_t blocks = length_at(head, 0, coding), full = length_at(head, 1, coding),

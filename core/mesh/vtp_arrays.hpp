@@ -18,9 +18,9 @@ struct Array {
     std::string section, name;  ///< the element around it: "PointData", "Points", "Polys", …
     std::string type;           ///< "Float64", "Int32", …
     std::size_t components = 1;
-    std::string_view inside;   ///< behind its tag (inline), or the appended data from its offset on
-    bool is_text = false;      ///< numbers as words
-    bool is_base64 = false;    ///< else raw bytes
+    std::string_view inside;  ///< behind its tag (inline), or the appended data from its offset on
+    bool is_text = false;     ///< numbers as words
+    bool is_base64 = false;   ///< else raw bytes
 };
 
 bool is_numeric(const std::string& type);

@@ -175,8 +175,21 @@ VtpFile parse_vtp(std::string_view bytes, const std::string& name) {
         std::copy(numbers.begin(), numbers.end(), field.values.data());
     }
     add_cells(document, in, builder);
-    file.surface = builder.finish(name, SurfaceFormat::vtp);
+    if (!builder.corners.empty()) {
+        file.surface = builder.finish(name, SurfaceFormat::vtp);
+        return file;
+    }
+    file.surface.format = SurfaceFormat::vtp;
+    file.surface.file_vertices = builder.num_vertices();
+    file.surface.mesh.vertices = Eigen::Map<const Points>(builder.coordinates.data(), builder.num_vertices(), 3);
     return file;
+}
+
+SurfaceFile formats::read_vtp(std::string_view bytes, const std::string& name) {
+    SurfaceFile surface = parse_vtp(bytes, name).surface;
+    if (surface.mesh.num_triangles() == 0)
+        throw InputError(text(name, ": holds no triangles (", surface.file_vertices, " vertices)"));
+    return surface;
 }
 
 }  // namespace strake

@@ -10,12 +10,13 @@ namespace strake {
 
 struct VtpField {
     std::string name;
-    /// One row a point or cell, one column a component; not necessarily finite.
+    /// One row a point, one column a component; not necessarily finite.
     Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor> values;
 };
 
 struct VtpFile {
-    SurfaceFile surface;  ///< points, and polygons and strips cut into triangles; lines and single points are left out
+    /// Points, and polygons and strips cut into triangles (maybe none); lines and single points are left out.
+    SurfaceFile surface;
     std::vector<VtpField> point_fields;  ///< numeric ones
 };
 

@@ -12,8 +12,8 @@ std::string unescaped(std::string_view words) {
     std::string out;
     while (!words.empty()) {
         bool found = false;
-        for (const auto& [entity, c] : {std::pair{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'},
-                                        {"&apos;", '\''}})
+        for (const auto& [entity, c] :
+             {std::pair{"&amp;", '&'}, {"&lt;", '<'}, {"&gt;", '>'}, {"&quot;", '"'}, {"&apos;", '\''}})
             if (!found && words.starts_with(entity)) {
                 out += c;
                 words.remove_prefix(std::string_view(entity).size());

@@ -20,8 +20,8 @@ public:
     /// `name` of the file for messages; `text` outlives the scanner.
     XmlScanner(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
 
-    Tag next();                                        ///< skips text, comments and declarations. @throws InputError
-    std::string_view text_here();                      ///< up to the next tag
+    Tag next();                    ///< skips text, comments and declarations. @throws InputError
+    std::string_view text_here();  ///< up to the next tag
     std::string_view rest() const { return text_.substr(position_); }  ///< behind the last tag
     /// @throws InputError `NAME: byte N: what`.
     [[noreturn]] void fail(const std::string& what) const;

@@ -30,7 +30,9 @@ strains:
 parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
-  aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step}
+  aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
+         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, points_reach: 50%}
+  lib: {plugin: {library: flap.txt, options: a b}, gives: [x, y], on_failure: shrink_step}
 objective: {minimize: aero.drag}
 constraints:
   volume: {min: 1.0, relative: true}

@@ -63,6 +63,34 @@ TEST_F(ApplyProgram, AFinerSurfaceAndListsOfPointsMoveAlike) {
     EXPECT_EQ(moved.vertices.topRows(best.rows()), best) << "vertices that the two share";
 }
 
+TEST_F(ApplyProgram, AnotherEvaluationComesFromTheSeries) {
+    ASSERT_EQ(run_strake({"apply", run, path("s.obj"), "-o", path("first.npy"), "--evaluation", "1"}).status, 0);
+    const Points start = read_surface(path("s.obj")).mesh.vertices;
+    EXPECT_LT((parse_npy(bytes_of(path("first.npy"))) - start).cwiseAbs().maxCoeff(), 1e-9);
+    const ProgramRun none = run_strake({"apply", run, path("s.obj"), "-o", path("n.npy"), "--evaluation", "99"});
+    EXPECT_EQ(none.status, 2);
+    EXPECT_NE(none.err.find("evaluation 99 was not kept"), std::string::npos) << none.err;
+}
+
+TEST_F(ApplyProgram, SensitivitiesGoTheOtherWay) {
+    const TriMesh fine = refined(ellipsoid({1, 0.6, 0.4}, 2));
+    write_surface(*folder / "fine.ply", fine, SurfaceFormat::ply_binary);
+    Points g(fine.num_vertices(), 3);
+    for (int v = 0; v < fine.num_vertices(); ++v) g.row(v) << 1, 0.5 * v, -v;
+    folder->write("g.npy", npy_bytes(g));
+    const ProgramRun back =
+        run_strake({"apply", run, path("fine.ply"), "--sensitivities", path("g.npy"), "-o", path("back.npy")});
+    ASSERT_EQ(back.status, 0) << back.err;
+    const Points at_vertices = parse_npy(bytes_of(path("back.npy")));
+    EXPECT_EQ(at_vertices.rows(), read_surface(run + "/best.obj").mesh.num_vertices());
+    EXPECT_LT((at_vertices.colwise().sum() - g.colwise().sum()).norm(), 1e-9 * g.norm()) << "translations are kept";
+    folder->write("g.npy", npy_bytes(g.topRows(5)));
+    const ProgramRun few =
+        run_strake({"apply", run, path("fine.ply"), "--sensitivities", path("g.npy"), "-o", path("b.csv")});
+    EXPECT_EQ(few.status, 3);
+    EXPECT_NE(few.err.find("5 rows, OTHER has"), std::string::npos) << few.err;
+}
+
 TEST_F(ApplyProgram, SaysWhatCannotBe) {
     const auto refused = [&](const std::vector<std::string>& arguments, int status, const std::string& words) {
         const ProgramRun applied = run_strake(arguments);

@@ -1,0 +1,167 @@
+#include "core/error.hpp"
+#include "optimize/evaluation.hpp"
+#include "optimize/journal.hpp"
+#include "optimize/own_variables.hpp"
+
+#include <chrono>
+
+/// How a ShapeEvaluator asks the quantities: values first, gradients with them or later.
+namespace strake {
+
+/// What a program gave is kept before anything else happens: a run that dies pays for nothing twice.
+QuantityResult ShapeEvaluator::call(const Quantity& quantity, const Function& function, const std::string& name,
+                                    const QuantityRequest& request, const std::string& surface) const {
+    if (!journal_ || quantity.program.empty()) return function(request);
+    if (auto known = journal_->find_call(request.evaluation, name)) {
+        if (known->surface != surface)
+            throw ReplayMismatch(text("evaluation ", request.evaluation, ": the surface that ", name,
+                                      " was given is not the recorded one, bit by bit: another machine, another "
+                                      "version of Strake or of its libraries, or another surface file"));
+        return std::move(known->result);
+    }
+    const auto begin = std::chrono::steady_clock::now();
+    JournalCall made{request.evaluation, name, content_hash(quantity.program), surface, {}, 0};
+    made.result = function(request);
+    made.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    // A failure that ends the run is no answer: the next start asks again.
+    if (!made.result.failure || quantity.failing_shortens_step) journal_->add(made);
+    return std::move(made.result);
+}
+
+/// What a quantity throws is a failure, too; remarks go to `result`, and so does a failure.
+QuantityResult ShapeEvaluator::safely(const Quantity& quantity, const Function& function, const std::string& what,
+                                      const QuantityRequest& request, ShapeEvaluation& result) const {
+    QuantityResult measured;
+    try {
+        measured = call(quantity, function, what, request, result.surface);
+    } catch (const OutputError&) {
+        throw;
+    } catch (const ReplayMismatch&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        measured.failure = Failure{"exception", e.what()};
+    }
+    result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
+    const std::size_t values = quantity.names.size();
+    const bool wants_values = what == quantity.names[0];
+    if (!measured.failure && wants_values && measured.values.size() != values)
+        measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ", values, " (",
+                                                       quantity.names[0], ", ...)")};
+    for (const double value : measured.values)
+        if (!measured.failure && !std::isfinite(value))
+            measured.failure = Failure{"not_finite", text(quantity.names[0], ": the value ", value)};
+    measured.dJ_dv.resize(values);
+    measured.dJ_down.resize(values);
+    if (measured.failure) {
+        result.status = EvaluationStatus::quantity_failed;
+        result.may_go_on = quantity.failing_shortens_step;
+        result.reason = text(quantity.names[0], ": ", measured.failure->kind, ": ", measured.failure->message);
+    }
+    return measured;
+}
+
+/// A program is asked for gradients only if one of its values needs them.
+bool ShapeEvaluator::wants_gradients_of(int first, const Quantity& quantity) const {
+    const int next = first + static_cast<int>(quantity.names.size());
+    return std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
+}
+
+void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    const TriMesh surface = with_vertices(rest_->surface, result.vertices);
+    if (journal_) result.surface = content_hash(surface);
+    Measured& m = last_measured_;
+    m = {};
+    m.vertices = result.vertices;
+    m.own = x.tail(space_.num_own());
+    m.at = number;
+    m.surface = result.surface;
+    for (const Quantity& quantity : problem_.quantities) {
+        const bool gradients = wants_gradients_of(static_cast<int>(m.values.size()), quantity);
+        const bool later = gradients && quantity.differentiate;
+        m.has_gradients_to_come |= later;
+        QuantityResult measured = safely(quantity, quantity.evaluate, quantity.names[0],
+                                         {surface, gradients && !later, number, space_.level,
+                                          physical_values(space_, x), own_values(space_, x), stop_wanted_},
+                                         result);
+        if (measured.failure) return;
+        m.values.insert(m.values.end(), measured.values.begin(), measured.values.end());
+        m.known_dJ_dv.insert(m.known_dJ_dv.end(), measured.dJ_dv.begin(), measured.dJ_dv.end());
+        m.known_dJ_down.insert(m.known_dJ_down.end(), measured.dJ_down.begin(), measured.dJ_down.end());
+    }
+    result.values = m.values;
+    if (!m.has_gradients_to_come && !take_gradients(result)) return;
+    result.has_gradients_to_come = m.has_gradients_to_come;
+    result.status = EvaluationStatus::ok;
+}
+
+/// Those of the differentiated values, checked, from what the quantities gave.
+bool ShapeEvaluator::take_gradients(ShapeEvaluation& result) {
+    Measured& m = last_measured_;
+    const int n = rest_->surface.num_vertices();
+    for (const int i : differentiated_) {
+        if (m.known_dJ_dv[i].rows() != n || !m.known_dJ_dv[i].allFinite()) {
+            result.status = EvaluationStatus::quantity_failed;
+            result.may_go_on = false;
+            result.reason = text(names_[i], ": no finite vertex sensitivities (", m.known_dJ_dv[i].rows(), " rows for ",
+                                 n, " vertices); a gradient-free method (cobyla) can do without");
+            return false;
+        }
+        if (!own_sensitivities_usable(i, m.known_dJ_down[i], result)) return false;
+        m.dJ_dv.push_back(std::move(m.known_dJ_dv[i]));
+        m.dJ_down.push_back(std::move(m.known_dJ_down[i]));
+    }
+    m.known_dJ_dv.clear();
+    m.known_dJ_down.clear();
+    m.has_gradients_to_come = false;
+    result.dJ_dv = m.dJ_dv;
+    result.dJ_down = m.dJ_down;
+    result.has_gradients_to_come = false;
+    return true;
+}
+
+/// Of the shape whose values the last evaluation gave, maybe that of an earlier one.
+bool ShapeEvaluator::ask_for_gradients(ShapeEvaluation& result) {
+    Measured& m = last_measured_;
+    const TriMesh surface = with_vertices(rest_->surface, m.vertices);
+    const std::string own_surface = std::exchange(result.surface, m.surface);
+    int first = 0;
+    for (const Quantity& quantity : problem_.quantities) {
+        if (quantity.differentiate && wants_gradients_of(first, quantity)) {
+            QuantityResult g = safely(quantity, quantity.differentiate, quantity.names[0] + " (gradient)",
+                                      {surface, true, m.at, space_.level, physical_values(space_, last_x_),
+                                       own_values(space_, last_x_), stop_wanted_},
+                                      result);
+            if (g.failure) break;
+            for (std::size_t i = 0; i < quantity.names.size(); ++i) {
+                m.known_dJ_dv[first + i] = std::move(g.dJ_dv[i]);
+                m.known_dJ_down[first + i] = std::move(g.dJ_down[i]);
+            }
+        }
+        first += static_cast<int>(quantity.names.size());
+    }
+    result.surface = own_surface;
+    if (result.status != EvaluationStatus::ok || !take_gradients(result)) return false;
+    if (accepted_measured_.at == m.at) accepted_measured_ = m;
+    return true;
+}
+
+/// None given: the value depends on the shape alone. Not known ones are left to differences where these are allowed.
+bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const {
+    const int count = space_.num_own();
+    if (dJ_down.size() == 0) dJ_down = Eigen::VectorXd::Zero(count);
+    std::string what;
+    if (dJ_down.size() != count) what = text(dJ_down.size(), " derivatives for ", count, " variables of the case");
+    for (int j = 0; j < count && what.empty(); ++j)
+        if (std::isinf(dJ_down[j]) || (std::isnan(dJ_down[j]) && !problem_.optimize.finite_differences))
+            what = text("no finite derivative by ", rest_->own[j].name);
+    if (what.empty()) return true;
+    result.status = EvaluationStatus::quantity_failed;
+    result.may_go_on = false;
+    result.reason = text(names_[i], ": ", what, "; optimize.finite_differences or a gradient-free method (cobyla) ",
+                         "can do without");
+    return false;
+}
+
+}  // namespace strake

@@ -134,7 +134,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
 }
 
 void check(const CheckArguments& args) {
-    const Case the_case = load_case(args.case_file, args.evaluate ? Purpose::run : Purpose::any);
+    const Case the_case = load_case(args.case_file);
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
     const BuiltProblem built = build_problem(the_case);
     std::vector<std::string> warnings = built.warnings;

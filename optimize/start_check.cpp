@@ -3,9 +3,9 @@
 #include "core/error.hpp"
 #include "optimize/constraints.hpp"
 #include "optimize/evaluation.hpp"
-#include "optimize/gradient_check.hpp"
 #include "optimize/methods.hpp"
 
+#include <algorithm>
 #include <chrono>
 
 namespace strake {
@@ -60,8 +60,12 @@ Quantity watched(const Quantity& quantity, StartAnswer::Quantity& told) {
 /// Values whose gradients a run would ask for.
 std::vector<std::string> differentiated(const Problem& problem) {
     if (!method_facts(problem.optimize.method).needs_gradients) return {};
-    std::vector<std::string> names;
-    for (const std::string& name : checked_values(problem))
+    std::vector<std::string> wanted{problem.objective}, names;
+    for (const Constraint& c : problem.constraints) wanted.push_back(c.quantity);
+    wanted.insert(wanted.end(), problem.fit.begin(), problem.fit.end());
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    for (const std::string& name : wanted)
         for (const Quantity& quantity : problem.quantities)
             if (quantity.has_sensitivities &&
                 std::find(quantity.names.begin(), quantity.names.end(), name) != quantity.names.end())

@@ -85,13 +85,13 @@ TEST_F(Programs, CheckEvaluateTellsAFailureAndKeepsItsFolder) {
 }
 
 TEST_F(Programs, CheckWithoutEvaluationSeesThatTheProgramsCanRun) {
-    folder.write("plain.txt", "#!/bin/sh\n");
+    fs::permissions(folder.write("plain.txt", "#!/bin/sh\n"), fs::perms(0644));
     const ProgramRun mode = run_strake({"check", yaml("{command: [./plain.txt]}")});
     EXPECT_EQ(mode.status, 2);
-    EXPECT_NE(mode.err.find("may not be executed; chmod +x it"), std::string::npos) << mode.err;
+    EXPECT_NE(mode.err.find("may not be executed (mode 644); chmod +x it"), std::string::npos) << mode.err;
     const ProgramRun path = run_strake({"check", yaml("{command: [\"true\"], gradient_command: [no-such-program]}")});
     EXPECT_EQ(path.status, 2);
-    EXPECT_NE(path.err.find("'no-such-program' is not on PATH"), std::string::npos) << path.err;
+    EXPECT_NE(path.err.find("'no-such-program' is not on PATH (searched: /"), std::string::npos) << path.err;
     const ProgramRun library = run_strake({"check", yaml("{plugin: {library: plain.txt}}")});
     EXPECT_EQ(library.status, 2);
     EXPECT_NE(library.err.find("plain.txt cannot be loaded"), std::string::npos) << library.err;

@@ -102,7 +102,7 @@ std::vector<Key> run_keys() {
          .type = Type::fraction,
          .doc = "With `split: sensitivity`: the run ends instead of refining when the expected decrease of all finer "
                 "variables is below this share of what the run has gained.",
-         .fallback = "0.1%",
+         .fallback = "1%",
          .limits = {0, 1, false, true}},
         {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},
         {.path = "optimize.tolerances.objective",

@@ -13,6 +13,13 @@ namespace {
 constexpr int max_iterations = 9;
 constexpr double same_shape = 1e-10;     ///< diagonals, as is promised of a level's start
 constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
+constexpr double probe_step = 1e-4;      ///< diagonals: far above round-off, far below an edge
+constexpr double probe_tolerance = 1e-6;
+
+bool only_loads(const DesignSpace& space) {
+    return std::ranges::all_of(space.variables,
+                               [](const Variable& v) { return is_load(v.kind) || v.kind == VariableKind::own; });
+}
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;
@@ -178,11 +185,24 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
 }
 
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-    for (const Variable& variable : space_.variables)
-        if (!is_load(variable.kind) && variable.kind != VariableKind::own) return {};
+    if (!only_loads(space_)) return {};
     ShapeEvaluation unused;
     if (!(last_ && last_x_ == x) && !deform(x, unused)) return {};
     return present_product(space_, *shell_, d);
+}
+
+std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, const DesignSpace& finer,
+                                                      const Eigen::VectorXd& step, const Eigen::VectorXd& weight) {
+    ShapeEvaluation shape;
+    if (!only_loads(finer) || !only_loads(space_) || finer.num_own() > 0 || !deform(x, shape)) return {};
+    const Points moved = shell_->response({load_forces(finer, step)}, probe_tolerance)[0];
+    const double size = std::sqrt(moved.rowwise().squaredNorm().maxCoeff());
+    if (!(size > 0)) return {};
+    const double h = probe_step * rest_->diagonal / size;
+    const auto here = slopes_along(shape.vertices, moved), there = slopes_along(shape.vertices + h * moved, moved);
+    if (!here || !there) return {};
+    const double curvature = weight.dot(*there - *here) / h;
+    return std::isfinite(curvature) ? std::optional(curvature) : std::nullopt;
 }
 
 }  // namespace strake

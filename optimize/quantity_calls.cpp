@@ -7,6 +7,27 @@
 
 /// How a ShapeEvaluator asks the quantities: values first, gradients with them or later.
 namespace strake {
+namespace {
+
+/// What `measure` gives; an exception that a quantity may throw is its failure.
+template <class Measure>
+QuantityResult or_failure(const Measure& measure) {
+    try {
+        return measure();
+    } catch (const OutputError&) {
+        throw;
+    } catch (const ReplayMismatch&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        QuantityResult failed;
+        failed.failure = Failure{"exception", e.what()};
+        return failed;
+    }
+}
+
+}  // namespace
 
 /// What a program gave is kept before anything else happens: a run that dies pays for nothing twice.
 QuantityResult ShapeEvaluator::call(const Quantity& quantity, const Function& function, const std::string& name,
@@ -31,18 +52,7 @@ QuantityResult ShapeEvaluator::call(const Quantity& quantity, const Function& fu
 /// What a quantity throws is a failure, too; remarks go to `result`, and so does a failure.
 QuantityResult ShapeEvaluator::safely(const Quantity& quantity, const Function& function, const std::string& what,
                                       const QuantityRequest& request, ShapeEvaluation& result) const {
-    QuantityResult measured;
-    try {
-        measured = call(quantity, function, what, request, result.surface);
-    } catch (const OutputError&) {
-        throw;
-    } catch (const ReplayMismatch&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception& e) {
-        measured.failure = Failure{"exception", e.what()};
-    }
+    QuantityResult measured = or_failure([&] { return call(quantity, function, what, request, result.surface); });
     result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
     const std::size_t values = quantity.names.size();
     const bool wants_values = what == quantity.names[0];
@@ -162,6 +172,29 @@ bool ShapeEvaluator::own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, S
     result.reason = text(names_[i], ": ", what, "; optimize.finite_differences or a gradient-free method (cobyla) ",
                          "can do without");
     return false;
+}
+
+std::optional<Eigen::VectorXd> ShapeEvaluator::slopes_along(const Points& vertices, const Points& direction) const {
+    Eigen::VectorXd slopes(static_cast<Eigen::Index>(differentiated_.size()));
+    const TriMesh surface = with_vertices(rest_->surface, vertices);
+    int first = 0;
+    for (const Quantity& quantity : problem_.quantities) {
+        const int next = first + static_cast<int>(quantity.names.size());
+        std::optional<QuantityResult> known;
+        for (std::size_t i = 0; i < differentiated_.size(); ++i) {
+            if (differentiated_[i] < first || differentiated_[i] >= next) continue;
+            if (!quantity.program.empty()) return {};
+            if (!known)
+                known = or_failure([&] {
+                    return quantity.evaluate({surface, true, 0, space_.level, {}, {}, stop_wanted_});
+                });
+            if (known->failure) return {};
+            slopes[static_cast<Eigen::Index>(i)] =
+                known->dJ_dv.at(differentiated_[i] - first).cwiseProduct(direction).sum();
+        }
+        first = next;
+    }
+    return slopes;
 }
 
 }  // namespace strake

@@ -4,11 +4,13 @@
 #include "optimize/twist.hpp"
 
 #include <map>
+#include <memory>
 
 /// From the checked case to the problem, topic by topic. Between the builder's files; not for others.
 namespace strake {
 
 struct ShellSetup;
+struct ProgramPoints;
 struct StoredDesign;
 
 class ProblemBuilder {

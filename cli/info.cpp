@@ -78,7 +78,7 @@ Report examine(const std::string& file) {
     return r;
 }
 
-const char* name_of(SurfaceFormat format) {
+const char* format_words(SurfaceFormat format) {
     switch (format) {
         case SurfaceFormat::stl_binary:
             return "STL, binary";
@@ -138,7 +138,7 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["orientable"] = f.orientable;
     j["isolated_vertices"] = f.isolated_vertices.size();
     j["duplicate_vertices"] = f.duplicate_vertices.size();
-    j["format"] = name_of(r.surface.format);
+    j["format"] = format_words(r.surface.format);
     j["file_vertices"] = r.surface.file_vertices;
     j["edge_length"] = {{"min", r.quality.edge_min}, {"mean", r.quality.edge_mean}, {"max", r.quality.edge_max}};
     j["angle_deg"] = {{"min", r.quality.angle_min_deg}, {"max", r.quality.angle_max_deg}};
@@ -240,7 +240,7 @@ std::string vector_text(const Eigen::Vector3d& v) { return text(v.x(), " ", v.y(
 
 void print_words(const std::string& file, const Report& r) {
     const TriMesh& mesh = r.surface.mesh;
-    std::string out = text(printable(file), " (", name_of(r.surface.format), ")\n");
+    std::string out = text(printable(file), " (", format_words(r.surface.format), ")\n");
     const auto line = [&](const char* name, const std::string& value) {
         out += name + std::string(14 - std::string(name).size(), ' ') + value + "\n";
     };

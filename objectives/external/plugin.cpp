@@ -110,16 +110,18 @@ struct Answer {
     std::vector<double> values, gradients, by_variable;
 };
 
+std::string shown(double x) { return std::isnan(x) ? "NaN" : text(x); }  // of either sign
+
 /// What the library has left NaN, in words; "" where all is there.
 std::string not_finite(const Answer& a, const PluginLibrary& plugin, const std::vector<std::string>& values,
                        const QuantityRequest& request) {
     const std::size_t n = 3 * static_cast<std::size_t>(request.surface.num_vertices());
     for (std::size_t i = 0; i < values.size(); ++i) {
-        if (!std::isfinite(a.values[i])) return text("the value ", values[i], " = ", a.values[i]);
+        if (!std::isfinite(a.values[i])) return text("the value ", values[i], " = ", shown(a.values[i]));
         if (a.gradients.empty()) continue;
         for (std::size_t k = 0; k < n; ++k)
             if (!std::isfinite(a.gradients[i * n + k]))
-                return text("d ", values[i], " / d vertex ", k / 3, " = ", a.gradients[i * n + k]);
+                return text("d ", values[i], " / d vertex ", k / 3, " = ", shown(a.gradients[i * n + k]));
         for (std::size_t j = 0; j < request.own.size(); ++j) {
             const double derivative = a.by_variable[i * request.own.size() + j];
             const auto& names = plugin.depends_on;
@@ -127,7 +129,7 @@ std::string not_finite(const Answer& a, const PluginLibrary& plugin, const std::
                 !names || std::find(names->begin(), names->end(), request.own[j].first) != names->end();
             const bool may_lack = plugin.may_lack_derivatives && std::isnan(derivative);
             if (matters && !may_lack && !std::isfinite(derivative))
-                return text("d ", values[i], " / d ", request.own[j].first, " = ", derivative);
+                return text("d ", values[i], " / d ", request.own[j].first, " = ", shown(derivative));
         }
     }
     return "";

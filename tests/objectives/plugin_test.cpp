@@ -43,7 +43,8 @@ TEST(Plugin, TheExampleGivesTheAreaAndItsGradient) {
     wanted.library = EXAMPLE_PLUGIN;
     const Quantity quantity = plugin(wanted);
     EXPECT_EQ(quantity.names, std::vector<std::string>{"wetted"});
-    const QuantityResult result = quantity.evaluate({mesh, true, 1, 1, {}}), known = area().evaluate({mesh, true});
+    const QuantityResult result = quantity.evaluate({mesh, true, 1, 1, {}}),
+                         known = area().evaluate({mesh, true, 1, 1, {}});
     ASSERT_FALSE(result.failure) << result.failure->message;
     EXPECT_NEAR(result.values.at(0), known.values.at(0), 1e-13);
     EXPECT_LT((result.dJ_dv.at(0) - known.dJ_dv.at(0)).cwiseAbs().maxCoeff(), 1e-14);
@@ -63,22 +64,22 @@ TEST(Plugin, SeveralValuesAndVariables) {
     EXPECT_EQ(result.dJ_dv.at(1)(0, 0), 1);
     EXPECT_EQ(result.dJ_down.at(0), Eigen::Vector2d(0.25, 0));
     wanted.depends_on.reset();
-    EXPECT_EQ(failure_of(wanted), "not_finite: p: the plug-in gave d a / d speed = nan");
+    EXPECT_EQ(failure_of(wanted), "not_finite: p: the plug-in gave d a / d speed = NaN");
     wanted.may_lack_derivatives = true;
     EXPECT_TRUE(std::isnan(ask(wanted).dJ_down.at(0)[1]));
 }
 
 TEST(Plugin, WhatItDoesWrongIsAFailure) {
     EXPECT_TRUE(says(failure_of(bad("fail")), "plugin: p: ")) << failure_of(bad("fail"));
-    EXPECT_TRUE(says(failure_of(bad("fail")), "evaluation 3: diverged at 3\\x1b[31m")) << failure_of(bad("fail"));
+    EXPECT_TRUE(says(failure_of(bad("fail")), "evaluation 3: diverged at 3\\x1B[31m")) << failure_of(bad("fail"));
     EXPECT_TRUE(says(failure_of(bad("silent")), "gives no reason"));
     PluginLibrary forgetful = bad("forget");
     forgetful.gives = {"a", "b"};
     forgetful.depends_on.emplace();
-    EXPECT_EQ(failure_of(forgetful), "not_finite: p: the plug-in gave the value b = nan");
+    EXPECT_EQ(failure_of(forgetful), "not_finite: p: the plug-in gave the value b = NaN");
     PluginLibrary gradient = bad("no gradient");
     gradient.depends_on.emplace();
-    EXPECT_EQ(failure_of(gradient), "not_finite: p: the plug-in gave d value / d vertex 1 = nan");
+    EXPECT_EQ(failure_of(gradient), "not_finite: p: the plug-in gave d value / d vertex 1 = NaN");
 }
 
 TEST(Plugin, WhatCannotBeLoadedIsRefusedBeforeTheRun) {

@@ -26,7 +26,7 @@ protected:
                        quantity +
                        "}\nobjective: {maximize: bulk}\nconstraints: {area: {max: 1, relative: true}}\n"
                        "parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal], "
-                       "max_displacement: 15%}\n" +
+                       "max_displacement: 40%}\n" +
                        more)
             .string();
     }
@@ -109,14 +109,23 @@ TEST_F(Programs, GradientsAreAskedForWhereTheSearchStaysAndChangeNothing) {
 }
 
 TEST_F(Programs, ARunWithGradientCommandsGoesOn) {
-    const auto budget = [](int n) { return "optimize: {budget: {evaluations: " + std::to_string(n) + "}}\n"; };
-    ASSERT_EQ(run_strake({"run", yaml(separate(), budget(12)), "--out", path("whole"), "-q"}).status, 0);
-    ASSERT_EQ(run_strake({"run", yaml(separate(), budget(5)), "--out", path("part"), "-q"}).status, 0);
-    const ProgramRun resumed = run_strake({"resume", path("part"), "--evaluations", "12", "-q"});
+    const std::string budget = "optimize: {budget: {evaluations: 10}}\n";
+    ASSERT_EQ(run_strake({"run", yaml(separate(), budget), "--out", path("whole"), "-q"}).status, 0);
+    fs::permissions(folder.write("adjoint.sh",
+                                 "#!/bin/sh\necho >> \"$3/calls\"\n"
+                                 "[ $(wc -l < \"$3/calls\") = 3 ] && exit 4\n"
+                                 "exec " EXAMPLE_DIR "/volume.py \"$1\" \"$2\"\n"),
+                    fs::perms(0755));
+    const std::string failing = "{command: [" EXAMPLE_DIR
+                                "/volume.py, \"{request}\", \"{result}\"], gradient_command: [./adjoint.sh, "
+                                "\"{request}\", \"{result}\", \"{case_dir}\"]}";
+    ASSERT_EQ(run_strake({"run", yaml(failing, budget), "--out", path("part"), "-q"}).status, 5);
+    const ProgramRun resumed = run_strake({"resume", path("part"), "-q"});
     ASSERT_EQ(resumed.status, 0) << resumed.err;
     EXPECT_EQ(bytes_of(path("whole/history.csv")), bytes_of(path("part/history.csv")));
-    EXPECT_EQ(count("part", "gradient.json"), count("whole", "gradient.json"));
-    EXPECT_EQ(count("part", "gradient-2.json"), 0) << "no gradient is paid for twice";
+    EXPECT_EQ(count("part", "result.json"), count("whole", "result.json")) << "no value is paid for twice";
+    EXPECT_EQ(count("part", "gradient.json") + count("part", "gradient-2.json"), count("whole", "gradient.json"));
+    EXPECT_EQ(count("part", "gradient-2.json"), 1) << "the one that failed";
 }
 
 TEST_F(Programs, AGradientThatFailsEndsTheRunAsAnEvaluation) {

@@ -103,7 +103,7 @@ void print_words(const StartAnswer& answer, const std::vector<SeenFile>& files) 
                    row.is_equality ? "="
                    : row.scale < 0 ? ">="
                                    : "<=",
-                   row.limit, row.scaled, std::abs(row.scale),
+                   row.limit, row.scaled + 0.0, std::abs(row.scale),
                    (row.is_equality ? std::abs(row.scaled) : row.scaled) <= 1e-6 ? "met" : "violated");
     for (const SeenFile& file : files) fmt::print("file        {} ({} bytes)\n", file.name, file.bytes);
     for (const std::string& remark : answer.remarks) fmt::print("note        {}\n", remark);

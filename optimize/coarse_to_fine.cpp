@@ -10,6 +10,7 @@ namespace strake {
 namespace {
 
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
+constexpr double variables_at_price = 10;    ///< new ones that have to promise `promise_below` of what was gained
 constexpr double most_credit = 100;          ///< for promises that turned out too small
 
 class Optimization {
@@ -109,10 +110,15 @@ private:
         const double gained = std::abs(state_.result.objective_start - now);
         const double floor =
             std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
-                     state_.problem.optimize.promise_below * gained);
+                     state_.problem.optimize.promise_below * gained * price(plan));
         refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.promised <= floor;
         if (!refining_is_idle_) front = plan.front;
         return !refining_is_idle_;
+    }
+
+    /// Many variables have to promise more than few: each takes its share of the search.
+    static double price(const RefinementPlan& plan) {
+        return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);
     }
 
     /// The metric is stiffer on details than objectives are, so promises are too small. How much, the curvature along

@@ -81,7 +81,7 @@ std::string request_json(const ExternalCommand& command, const QuantityRequest& 
     file["wanted"] = wanted;
     file["surface"] = call.surface.filename().string();
     if (command.points) {
-        file["points"] = command.format == "su2" ? call.surface.filename().string() : points_name(*command.points);
+        file["points"] = command.format == "su2-positions" ? call.surface.filename().string() : points_name(*command.points);
         file["num_points"] = command.points->map.num_points();
     }
     file["result"] = call.result.filename().string();
@@ -163,7 +163,7 @@ std::vector<std::string> value_keys(const ExternalCommand& command) {
 void hand_over(const ExternalCommand& command, const QuantityRequest& request, const Call& call, bool want_gradients) {
     const ProgramPoints* points = command.points.get();
     write_atomically(call.surface, handed_over_bytes(request.surface, command.format, points));
-    if (points && command.format != "su2")
+    if (points && command.format != "su2-positions")
         write_points(call.folder / points_name(*points),
                      {points->map.moved(request.surface.vertices), points->rest.ids});
     write_request(command, request, call, want_gradients);

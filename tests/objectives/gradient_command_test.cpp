@@ -127,7 +127,7 @@ TEST_F(ProgramPointsTest, MoveAndTheirGradientsComeBack) {
 
 TEST_F(ProgramPointsTest, Su2ListsThemUnderTheirOwnNumbers) {
     const ExternalCommand command = with_points(true);
-    const std::string rows = handed_over_bytes(mesh, "su2", command.points.get());
+    const std::string rows = handed_over_bytes(mesh, "su2-positions", command.points.get());
     EXPECT_EQ(std::count(rows.begin(), rows.end(), '\n'), 30);
     EXPECT_EQ(rows.find("1000 "), 0u);
     double id = 0;
@@ -135,14 +135,14 @@ TEST_F(ProgramPointsTest, Su2ListsThemUnderTheirOwnNumbers) {
     std::istringstream(rows) >> id >> x[0] >> x[1] >> x[2];
     EXPECT_EQ(x, mesh.vertices.row(7).transpose()) << "read back to the last bit";
     EXPECT_NE(rows.find("\n997 "), std::string::npos);
-    const std::string vertices = handed_over_bytes(mesh, "su2", nullptr);
+    const std::string vertices = handed_over_bytes(mesh, "su2-positions", nullptr);
     EXPECT_EQ(vertices.find("0 "), 0u);
     EXPECT_EQ(std::count(vertices.begin(), vertices.end(), '\n'), mesh.num_vertices());
 }
 
 TEST_F(ExternalTest, EveryFormatIsHandedOver) {
     int evaluation = 0;
-    for (const char* format : {"stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri", "vtp", "su2"}) {
+    for (const char* format : {"stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri", "vtp", "su2-positions"}) {
         ExternalCommand command = fake("ok");
         command.command = {"sh", "-c", "cp \"$0\" handed && echo '{\"value\": 1}' > result.json", "{surface}"};
         command.format = format;

@@ -1,8 +1,14 @@
 #include "cases/problem_builder.hpp"
+#include "core/error.hpp"
+#include "core/mesh/file.hpp"
+#include "core/mesh/surface_map.hpp"
 #include "objectives/external/external.hpp"
+#include "objectives/external/hand_over.hpp"
+#include "objectives/external/plugin.hpp"
 #include "objectives/measured_points.hpp"
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
+#include "optimize/journal.hpp"
 
 #include <algorithm>
 
@@ -13,6 +19,26 @@ namespace {
 Quantity shortening(Quantity quantity) {
     quantity.failing_shortens_step = true;
     return quantity;
+}
+
+std::function<QuantityResult(const QuantityRequest&)> with_value_after_failure(const Quantity& quantity, double value) {
+    return [ask = quantity.evaluate, count = quantity.names.size(), value](const QuantityRequest& request) {
+        QuantityResult result = ask(request);
+        if (!result.failure) return result;
+        result.remarks.push_back(
+            text(result.failure->kind, ": ", result.failure->message, "; ", value, " stands for it"));
+        result.failure.reset();
+        result.values.assign(count, value);
+        result.stands_for_failure = true;
+        return result;
+    };
+}
+
+std::optional<std::vector<std::string>> names_of(const std::optional<std::vector<Reference>>& references) {
+    if (!references) return {};
+    std::vector<std::string> names;
+    for (const Reference& reference : *references) names.push_back(reference.name);
+    return names;
 }
 
 }  // namespace
@@ -55,7 +81,42 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const LineThicknessEnt
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const SectionAreaEntry& area) {
     return shortening(section_area(entry.name, start_.mesh, area.section, case_.symmetry));
 }
+std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const ExternalEntry& program) const {
+    try {
+        NumberedPoints rest = read_points(program.gradient_points);
+        const double reach = program.points_reach.in(start_.diagonal) / start_.diagonal;
+        std::vector<double> numbers{reach};
+        if (const auto& plane = case_.symmetry)
+            numbers.insert(numbers.end(), {plane->normal.x(), plane->normal.y(), plane->normal.z(), plane->offset});
+        const std::string_view bits(reinterpret_cast<const char*>(numbers.data()), sizeof(double) * numbers.size());
+        std::string origin = text(content_hash(start_.mesh), " ", content_hash(read_bytes(program.gradient_points)),
+                                  " ", content_hash(bits));
+        SurfaceMap map(start_.mesh, rest.at, {reach, case_.symmetry});
+        return std::make_shared<const ProgramPoints>(
+            ProgramPoints{std::move(rest), std::move(map), is_npy(program.gradient_points), std::move(origin)});
+    } catch (const InputError& error) {
+        throw InvalidInput(error.what());
+    }
+}
+
+Quantity ProblemBuilder::make_plugin(const QuantityEntry& entry, const ExternalEntry& program) const {
+    PluginLibrary wanted;
+    wanted.name = entry.name;
+    wanted.library = program.plugin->library;
+    wanted.options = program.plugin->options;
+    wanted.gives = program.gives;
+    wanted.has_gradients = program.has_gradients;
+    wanted.depends_on = names_of(program.depends_on);
+    wanted.may_lack_derivatives = case_.optimize.finite_differences;
+    Quantity quantity = plugin(wanted);
+    if (program.on_failure == ExternalEntry::OnFailure::value)
+        quantity.evaluate = with_value_after_failure(quantity, program.value_after_failure);
+    quantity.failing_shortens_step = program.on_failure == ExternalEntry::OnFailure::shrink_step;
+    return quantity;
+}
+
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& program) {
+    if (program.plugin) return make_plugin(entry, program);
     ExternalCommand command;
     command.name = entry.name;
     command.command = program.command;
@@ -67,10 +128,10 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
     command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
     command.has_gradients = program.has_gradients;
-    if (program.depends_on) {
-        command.depends_on.emplace();
-        for (const Reference& variable : *program.depends_on) command.depends_on->push_back(variable.name);
-    }
+    command.gradient_command = program.gradient_command;
+    command.gradient_timeout_s = program.gradient_timeout_s;
+    if (!program.gradient_points.empty()) command.points = program_points(program);
+    command.depends_on = names_of(program.depends_on);
     command.may_lack_derivatives = case_.optimize.finite_differences;
     command.diagonal = start_.diagonal;
     command.units = case_.units;

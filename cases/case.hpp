@@ -153,6 +153,16 @@ struct ExternalEntry {
     double timeout_s = 3600;
     std::string format;  ///< empty: the format of the surface file
     bool has_gradients = true;
+    std::vector<std::string> gradient_command;
+    std::optional<double> gradient_timeout_s;
+    std::filesystem::path gradient_points;  ///< empty: none
+    Place gradient_points_place;
+    Length points_reach{1, true};
+    struct Plugin {
+        std::filesystem::path library;
+        std::string options;
+    };
+    std::optional<Plugin> plugin;                      ///< in place of a command
     std::optional<std::vector<Reference>> depends_on;  ///< own variables; without it all
     int retries = 0;
     enum class OnFailure { abort, value, shrink_step } on_failure = OnFailure::abort;

@@ -122,6 +122,7 @@ std::string program_error(const QuantityEntry& quantity, const ExternalEntry& en
     ExternalCommand command;
     command.name = quantity.name;
     command.command = entry.command;
+    command.gradient_command = entry.gradient_command;
     command.gives = entry.gives;
     command.timeout_s = entry.timeout_s;
     command.format = entry.format.empty() ? "stl" : entry.format;

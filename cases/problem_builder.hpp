@@ -4,11 +4,13 @@
 #include "optimize/twist.hpp"
 
 #include <map>
+#include <memory>
 
 /// From the checked case to the problem, topic by topic. Between the builder's files; not for others.
 namespace strake {
 
 struct ShellSetup;
+struct ProgramPoints;
 struct StoredDesign;
 
 class ProblemBuilder {
@@ -80,6 +82,8 @@ private:
     Quantity make(const QuantityEntry& entry, const LineThicknessEntry& along);
     Quantity make(const QuantityEntry& entry, const SectionAreaEntry& area);
     Quantity make(const QuantityEntry& entry, const ExternalEntry& program);
+    Quantity make_plugin(const QuantityEntry& entry, const ExternalEntry& program) const;
+    std::shared_ptr<const ProgramPoints> program_points(const ExternalEntry& program) const;
 };
 
 }  // namespace strake

@@ -66,30 +66,51 @@ void CaseReader::read_where_it_runs(const Value& map, ExternalEntry& external) c
     for (const std::string& file : texts(map.find("cache_files"))) external.cache_files.push_back(dir_ / file);
 }
 
+void CaseReader::read_gradient_keys(const Value& map, const std::string& name, ExternalEntry& external) {
+    external.gradient_command = texts(map.find("gradient_command"));
+    if (const Value* v = map.find("gradient_timeout")) external.gradient_timeout_s = v->number;
+    if (const Value* v = map.find("gradient_points")) {
+        external.gradient_points = dir_ / v->text;
+        external.gradient_points_place = v->place;
+    }
+    if (const Value* v = map.find("points_reach")) external.points_reach = length_of(*v);
+    const Value* command = map.find("gradient_command");
+    if (command && !external.has_gradients)
+        errors_.add(command->place, text("quantities.", printable(name),
+                                         ".gradient_command goes only with a program that has gradients"));
+}
+
+ExternalEntry CaseReader::read_external(const Value& map, const std::string& name) {
+    ExternalEntry external;
+    external.command = texts(map.find("command"));
+    external.gives = texts(map.find("gives"));
+    if (const Value* v = map.find("timeout")) external.timeout_s = v->number;
+    if (const Value* v = map.find("format")) external.format = v->text;
+    if (const Value* v = map.find("gradients")) external.has_gradients = v->number != 0;
+    if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
+    if (const Value* v = map.find("on_failure")) read_on_failure(*v, name, external);
+    if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
+    read_gradient_keys(map, name, external);
+    read_where_it_runs(map, external);
+    if (const Value* plugin = map.find("plugin")) {
+        const Value *library = plugin->find("library"), *options = plugin->find("options");
+        external.plugin = {library ? dir_ / library->text : "", options ? options->text : ""};
+    }
+    return external;
+}
+
 void CaseReader::read_quantity(const Entry& entry) {
     const Value& map = entry.value;
     QuantityEntry quantity{entry.key, entry.key_place, VolumeEntry{}};
-    const Value *type = map.find("type"), *command = map.find("command");
-    const bool has_type = std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "type"; });
-    const bool has_command =
-        std::any_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "command"; });
-    if (map.form == Value::Form::map && has_type == has_command)
+    const Value* type = map.find("type");
+    const auto says = [&](const char* key) {
+        return std::any_of(map.entries.begin(), map.entries.end(), [&](auto& e) { return e.key == key; });
+    };
+    if (map.form == Value::Form::map && says("type") + says("command") + says("plugin") != 1)
         errors_.add(entry.key_place,
-                    text("quantities.", printable(entry.key), " must have exactly one of type, command"));
+                    text("quantities.", printable(entry.key), " must have exactly one of type, command, plugin"));
     if (type) read_built_in(type->text, map, quantity);
-    if (command) {
-        ExternalEntry external;
-        external.command = texts(command);
-        external.gives = texts(map.find("gives"));
-        if (const Value* v = map.find("timeout")) external.timeout_s = v->number;
-        if (const Value* v = map.find("format")) external.format = v->text;
-        if (const Value* v = map.find("gradients")) external.has_gradients = v->number != 0;
-        if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
-        if (const Value* v = map.find("on_failure")) read_on_failure(*v, quantity.name, external);
-        if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
-        read_where_it_runs(map, external);
-        quantity.what = std::move(external);
-    }
+    if (map.find("command") || map.find("plugin")) quantity.what = read_external(map, quantity.name);
     case_.quantities.push_back(std::move(quantity));
 }
 

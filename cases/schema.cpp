@@ -7,7 +7,12 @@ namespace strake {
 Condition parse_condition(const std::string& when) {
     const std::size_t equal = when.find('=');
     Condition condition{when.substr(0, equal), Condition::Kind::present, {}};
-    if (equal == std::string::npos) return condition;
+    if (equal == std::string::npos) {
+        std::istringstream keys(when);
+        for (std::string key; std::getline(keys, key, '|');) condition.words.push_back(key);
+        condition.key = condition.words.front();
+        return condition;
+    }
     const std::string wanted = when.substr(equal + 1);
     condition.kind = wanted == "[]" ? Condition::Kind::is_list : Condition::Kind::is_word;
     if (condition.key.ends_with("[]")) {

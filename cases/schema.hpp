@@ -46,8 +46,8 @@ struct Key {
     std::vector<std::string> aliases = {};  ///< other spellings, one a word in their order, or none at all
     Type element = Type::map;               ///< of lists of scalars
     int count = 0;                          ///< of lists: exact length; 0: any, at least one
-    /// Only beside such a key: "plane", "type=target_shape", "split=sensitivity|gradient", "levels=[]" (a list),
-    /// "variables[]=load" (a list that holds the word).
+    /// Only beside such a key: "plane", "command|plugin" (either), "type=target_shape", "split=sensitivity|gradient",
+    /// "levels=[]" (a list), "variables[]=load" (a list that holds the word).
     std::string when = "";
     bool loose_word = false;    ///< upper case, NLopt prefixes and '-' make no difference
     bool may_be_empty = false;  ///< lists and maps of names
@@ -57,7 +57,7 @@ struct Key {
 struct Condition {
     std::string key;
     enum class Kind { present, is_list, is_word, holds_word } kind = Kind::present;
-    std::vector<std::string> words;  ///< of is_word and holds_word: any of these
+    std::vector<std::string> words;  ///< of present, is_word and holds_word: any of these
 };
 Condition parse_condition(const std::string& when);
 

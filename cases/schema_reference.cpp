@@ -79,7 +79,11 @@ std::string default_of(const Key& key) {
 std::string condition_of(const Key& key) {
     if (key.when.empty()) return "";
     const Condition condition = parse_condition(key.when);
-    if (condition.kind == Condition::Kind::present) return text(" Only with ", code(condition.key), ".");
+    if (condition.kind == Condition::Kind::present) {
+        std::string keys;
+        for (const std::string& key : condition.words) keys += (keys.empty() ? "" : " or ") + code(key);
+        return text(" Only with ", keys, ".");
+    }
     if (condition.kind == Condition::Kind::is_list) return text(" Only with a list of ", code(condition.key), ".");
     const bool in_list = condition.kind == Condition::Kind::holds_word;
     std::string forms;

@@ -11,7 +11,7 @@ std::vector<Key> surface_keys() {
         {.path = "surface", .doc = "The surface to be deformed.", .required = true},
         {.path = "surface.file",
          .type = Type::file,
-         .doc = "Triangulation: STL, OBJ, PLY, OFF, Cart3D .tri, legacy VTK, SU2, Gmsh .msh "
+         .doc = "Triangulation: STL, OBJ, PLY, OFF, Cart3D .tri, legacy VTK, VTP, SU2, Gmsh .msh "
                 "or NASTRAN (.nas, .bdf, .dat), each also packed (.gz).",
          .required = true},
         {.path = "surface.units",

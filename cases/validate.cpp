@@ -169,9 +169,11 @@ private:
     static bool holds(const std::string& when, const Value& map, bool if_refused) {
         if (when.empty()) return true;
         const Condition condition = parse_condition(when);
+        if (condition.kind == Condition::Kind::present)
+            return std::any_of(condition.words.begin(), condition.words.end(),
+                               [&](const std::string& key) { return raw_child(map, key) != nullptr; });
         const Value* sibling = raw_child(map, condition.key);
         if (!sibling) return false;
-        if (condition.kind == Condition::Kind::present) return true;
         if (!sibling->accepted) return if_refused;
         const auto has_word = [&](const Value& value) {
             return std::find(condition.words.begin(), condition.words.end(), value.text) != condition.words.end();
@@ -185,7 +187,7 @@ private:
 
     static std::string condition_words(const std::string& when) {
         const Condition condition = parse_condition(when);
-        if (condition.kind == Condition::Kind::present) return text("'", condition.key, "'");
+        if (condition.kind == Condition::Kind::present) return "'" + joined(condition.words, "' or '") + "'";
         if (condition.kind == Condition::Kind::is_list) return text("a list of '", condition.key, "'");
         const bool in_list = condition.kind == Condition::Kind::holds_word;
         return text("'", condition.key, ": ", in_list ? "[" : "", joined(condition.words, " or "), in_list ? "]" : "",

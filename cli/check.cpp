@@ -1,5 +1,6 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/check_start.hpp"
 #include "cli/commands.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/primo/held.hpp"
@@ -17,8 +18,8 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
-    std::string case_file;
-    bool json = false, print_resolved = false;
+    std::string case_file, out;
+    bool json = false, print_resolved = false, evaluate = false;
 };
 
 bool has(const Problem& problem, VariableKind kind) {
@@ -156,6 +157,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
 
 void check(const CheckArguments& args) {
     const Case the_case = load_case(args.case_file);
+    if (args.evaluate) return check_start_of(the_case, args.out, args.json);
     const BuiltProblem built = build_problem(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
@@ -191,7 +193,11 @@ void add_check(CLI::App& app) {
     CLI::App* command = app.add_subcommand("check", "all that is wrong with a case, without running it");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command->add_flag("--json", args->json, "one JSON object instead of words");
-    command->add_flag("--print-resolved", args->print_resolved, "the case with every default filled in");
+    CLI::Option* evaluate = command->add_flag("--evaluate", args->evaluate,
+                                              "one evaluation at the start design, and what was understood of it");
+    command->add_option("--out", args->out, "keep the folders of that evaluation here")->needs(evaluate);
+    command->add_flag("--print-resolved", args->print_resolved, "the case with every default filled in")
+        ->excludes(evaluate);
     command->callback([args] {
         try {
             check(*args);

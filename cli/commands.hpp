@@ -35,5 +35,6 @@ void add_resume(CLI::App& app);
 void add_step(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
+void add_apply(CLI::App& app);
 
 }  // namespace strake::cli

@@ -2,11 +2,10 @@
 
 #include "cases/build_problem.hpp"
 #include "cli/commands.hpp"
+#include "cli/work_folder.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,26 +16,6 @@ struct GradientCheckArguments {
     std::string case_file, out, at = "random";
     GradientCheckOptions options;
     bool json = false, quiet = false;
-};
-
-/// Where programs of the case are run: the folder that was asked for, else one that goes away in the end.
-class WorkFolder {
-public:
-    explicit WorkFolder(const std::string& wanted) : path_(wanted), is_temporary_(wanted.empty()) {
-        if (is_temporary_)
-            path_ = std::filesystem::temp_directory_path() / fmt::format("strake-gradient-check-{}", ::getpid());
-    }
-    ~WorkFolder() {
-        std::error_code ignored;
-        if (is_temporary_) std::filesystem::remove_all(path_, ignored);
-    }
-    WorkFolder(const WorkFolder&) = delete;
-    WorkFolder& operator=(const WorkFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-    bool is_temporary_;
 };
 
 nlohmann::ordered_json json_of(const TaylorTest& test) {
@@ -86,7 +65,7 @@ void print_table(const TaylorTest& test) {
 
 void check_case(const GradientCheckArguments& args) {
     Case the_case = load_case(args.case_file);
-    const WorkFolder folder(args.out);
+    const WorkFolder folder(args.out, "gradient-check");
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_problem(the_case);
     GradientCheckOptions options = args.options;

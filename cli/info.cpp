@@ -96,6 +96,8 @@ const char* title_of(SurfaceFormat format) {
             return "Cart3D tri";
         case SurfaceFormat::vtk:
             return "VTK, legacy";
+        case SurfaceFormat::vtp:
+            return "VTP";
         case SurfaceFormat::su2:
             return "SU2 mesh";
         case SurfaceFormat::gmsh:
@@ -285,7 +287,7 @@ void add_info(CLI::App& app) {
     CLI::App* command = app.add_subcommand("info", "what a surface file holds, and what is wrong with it");
     command
         ->add_option("SURFACE", options->surface,
-                     "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, SU2, Gmsh or NASTRAN file, also packed (.gz)")
+                     "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, VTP, SU2, Gmsh or NASTRAN file, also packed (.gz)")
         ->required();
     command->add_flag("--json", options->json, "one JSON object instead of words");
     command->callback([options] {

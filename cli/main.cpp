@@ -37,6 +37,7 @@ int main(int argc, char** argv) {
     cli::add_step(app);
     cli::add_status(app);
     cli::add_history(app);
+    cli::add_apply(app);
     try {
         app.parse(argc, argv);
         return cli::done;

@@ -231,7 +231,7 @@ void patches(const Options& options) {
 void add_patches(CLI::App& app) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("patches", "the nested patches that a surface falls into");
-    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF or Cart3D .tri file")->required();
+    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF, Cart3D .tri or VTP file")->required();
     command
         ->add_option("--angle", options->angles,
                      "threshold of a level in degrees, falling, once a level; or auto: levels that fit the surface")

@@ -31,7 +31,8 @@ struct Interrupted {
 struct AwaitedCall {
     std::string quantity;
     int evaluation = 0;
-    std::string folder;                ///< with the surface and the request
+    std::string folder;                ///< with the surface
+    std::string request;               ///< file in it
     std::vector<std::string> command;  ///< as it would be run, there
 };
 /// Thrown, as Interrupted, where these have no answer yet.
@@ -90,6 +91,9 @@ struct Quantity {
     /// What identifies the program that is run, with its arguments. Not empty: an evaluation is dear, a journal keeps
     /// what it gave.
     std::string program = {};
+    /// Where gradients cost a program of their own: `evaluate` of a request that wants none gives the values, and this
+    /// the sensitivities (without values) of the same request, later, if anybody asks. Empty: `evaluate` gives both.
+    std::function<QuantityResult(const QuantityRequest&)> differentiate = {};
     int parallel = 1;  ///< of a program: so many evaluations of it may run at the same time, each in its own thread
     std::filesystem::path cache = {};  ///< folder of answers that several runs share; empty: none
     std::string cache_key = {};        ///< what an answer depends on beside surface and variables

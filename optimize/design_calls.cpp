@@ -4,17 +4,19 @@
 
 namespace strake {
 
-DesignCalls::DesignCalls(const std::vector<Quantity>& quantities, Facts facts, Maker make)
-    : quantities_(quantities), facts_(std::move(facts)), make_(std::move(make)), calls_(quantities.size()) {}
+DesignCalls::DesignCalls(const std::vector<Quantity>& quantities, std::shared_ptr<const Facts> facts,
+                         std::vector<char> gradients, Maker make)
+    : quantities_(quantities),
+      facts_(std::move(facts)),
+      gradients_(std::move(gradients)),
+      make_(std::move(make)),
+      calls_(quantities.size()) {}
 
 DesignCalls::~DesignCalls() { stop(true); }
 
 QuantityRequest DesignCalls::request(std::size_t q) const {
-    return {facts_.surface,     facts_.gradients[q] != 0,
-            facts_.number,      facts_.level,
-            facts_.variables,   facts_.own,
-            facts_.stop_wanted, {},
-            facts_.hash};
+    const Facts& f = *facts_;
+    return {f.surface, gradients_[q] != 0, f.number, f.level, f.variables, f.own, f.stop_wanted, {}, f.hash};
 }
 
 void DesignCalls::run(std::size_t q, Call& call) {

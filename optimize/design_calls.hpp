@@ -15,13 +15,14 @@ public:
         std::string hash;  ///< of the surface; empty: not known
         int number = 0, level = 0;
         std::vector<std::pair<std::string, double>> variables, own;
-        std::vector<char> gradients;  ///< per quantity: its sensitivities are wanted
         std::function<bool()> stop_wanted;
     };
     using Maker = std::function<QuantityResult(const Quantity&, const QuantityRequest&)>;
 
-    /// Nothing is called yet. @param make a call; of a program in a thread of its own.
-    DesignCalls(const std::vector<Quantity>& quantities, Facts facts, Maker make);
+    /// Nothing is called yet. @param gradients per quantity: its sensitivities are wanted.
+    /// @param make a call; of a program in a thread of its own.
+    DesignCalls(const std::vector<Quantity>& quantities, std::shared_ptr<const Facts> facts,
+                std::vector<char> gradients, Maker make);
     ~DesignCalls();  ///< stops and gives up what runs
     DesignCalls(const DesignCalls&) = delete;
     DesignCalls& operator=(const DesignCalls&) = delete;
@@ -42,7 +43,7 @@ public:
 
     /// The answer of a quantity; where it was not called, it is now, in this thread. @throws what the call has thrown.
     QuantityResult take(std::size_t quantity);
-    const Facts& facts() const { return facts_; }
+    const std::shared_ptr<const Facts>& facts() const { return facts_; }
 
 private:
     struct Stop {
@@ -62,7 +63,8 @@ private:
     void end(std::size_t first, bool given_up);
 
     const std::vector<Quantity>& quantities_;
-    Facts facts_;
+    std::shared_ptr<const Facts> facts_;
+    std::vector<char> gradients_;
     Maker make_;
     std::shared_ptr<Stop> stop_ = std::make_shared<Stop>();
     std::vector<Call> calls_;

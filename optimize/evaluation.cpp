@@ -2,7 +2,6 @@
 
 #include "core/error.hpp"
 #include "optimize/own_variables.hpp"
-#include "optimize/quantity_call.hpp"
 
 namespace strake {
 namespace {
@@ -55,6 +54,7 @@ ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const Res
       guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry}),
       names_(value_names(problem)) {
     for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));
+    set_gradient_calls();
     for (const Quantity& quantity : problem.quantities)
         if (!quantity.program.empty()) parallel_ = std::max(parallel_, quantity.parallel);
 }
@@ -93,11 +93,14 @@ void ShapeEvaluator::accept() {
 /// A level begins with the shape that the level before ended with: nobody pays for its values twice.
 bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const {
     const Measured& m = accepted_measured_;
-    if (m.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own())) return false;
-    if ((m.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal) return false;
+    if (!m.facts || m.facts->surface.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own()))
+        return false;
+    if ((m.facts->surface.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal)
+        return false;
     result.values = m.values;
     result.dJ_dv = m.dJ_dv;
     result.dJ_down = m.dJ_down;
+    result.has_gradients_to_come = m.has_gradients_to_come;
     result.status = EvaluationStatus::ok;
     result.is_taken_over = true;
     return true;
@@ -165,9 +168,8 @@ ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     ShapeEvaluation& result = design.result;
     last_ = std::move(design.poses);
     last_x_ = x;
-    if (design.calls) measure(*design.calls, result);
-    if (result.status == EvaluationStatus::ok)
-        last_measured_ = {result.vertices, x.tail(space_.num_own()), result.values, result.dJ_dv, result.dJ_down};
+    if (result.is_taken_over) last_measured_ = accepted_measured_;
+    if (design.calls) measure(design);
     // Such a failure ends the run: nobody asks for what was begun beside it.
     if (result.status == EvaluationStatus::quantity_failed && !result.may_go_on) give_up();
     return std::move(result);
@@ -176,6 +178,7 @@ ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
 void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.status != EvaluationStatus::ok || !last_)
         throw InvalidInput("differentiate: the last evaluation gave no shape");
+    if (evaluation.has_gradients_to_come && !ask_for_gradients(evaluation)) return;
     if (ShapeEvaluation again; shell_x_.size() != last_x_.size() || shell_x_ != last_x_)
         if (!deform(last_x_, again)) throw SolverError("a shape that was reached is not reached again");
     evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
@@ -194,29 +197,6 @@ Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const E
     ShapeEvaluation unused;
     if (!(last_ && last_x_ == x && shell_x_ == x) && !deform(x, unused)) return {};
     return present_product(space_, *shell_, d);
-}
-
-std::optional<Eigen::VectorXd> ShapeEvaluator::slopes_along(const Points& vertices, const Points& direction) const {
-    Eigen::VectorXd slopes(static_cast<Eigen::Index>(differentiated_.size()));
-    const TriMesh surface = with_vertices(rest_->surface, vertices);
-    int first = 0;
-    for (const Quantity& quantity : problem_.quantities) {
-        const int next = first + static_cast<int>(quantity.names.size());
-        std::optional<QuantityResult> known;
-        for (std::size_t i = 0; i < differentiated_.size(); ++i) {
-            if (differentiated_[i] < first || differentiated_[i] >= next) continue;
-            if (!quantity.program.empty()) return {};
-            if (!known)
-                known = or_failure([&] {
-                    return quantity.evaluate({surface, true, 0, space_.level, {}, {}, stop_wanted_});
-                });
-            if (known->failure) return {};
-            slopes[static_cast<Eigen::Index>(i)] =
-                known->dJ_dv.at(differentiated_[i] - first).cwiseProduct(direction).sum();
-        }
-        first = next;
-    }
-    return slopes;
 }
 
 std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, const DesignSpace& finer,

@@ -26,6 +26,7 @@ struct ShapeEvaluation {
     Points vertices;                       ///< n x 3; empty unless a valid surface was reached
     std::vector<double> values;            ///< in the order of `ShapeEvaluator::names()`; empty unless ok
     std::vector<Points> dJ_dv;             ///< of the differentiated values, in their order; empty without gradients
+    bool has_gradients_to_come = false;    ///< dJ_dv is still empty: `differentiate` asks for it
     std::vector<Eigen::VectorXd> dJ_down;  ///< the same by the own variables; NaN: not given (with finite_differences)
     Eigen::MatrixXd gradients;  ///< differentiated values x variables, once `differentiate` was called; NaN as above
     std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values, from the same call
@@ -54,7 +55,8 @@ public:
     /// the shapes are made one after another in this order and the programs called as slots are free. If others are
     /// asked for, what was begun is given up.
     void expect(const std::vector<Eigen::VectorXd>& designs, int first);
-    /// Fills `evaluation.gradients` (one adjoint call). @pre `evaluation` is the last result and ok.
+    /// Fills `evaluation.gradients` (one adjoint call), after asking quantities that differentiate separately. Where
+    /// one of these fails the evaluation is quantity_failed. @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
     /// The next level starts from the equilibrium of the last evaluation.
     void accept();
@@ -107,15 +109,25 @@ private:
     };
     Design begin(const Eigen::VectorXd& x, int number);
     Design next(const Eigen::VectorXd& x, int number);  ///< where it is expected, its programs have run already
+    Design take_first();                                ///< of `ahead_`, once its programs have answered
     bool begin_expected();
     void advance();
     void give_up();
+    void forget_expected(int number);
     [[noreturn]] void interrupt();
-    std::unique_ptr<DesignCalls> calls_of(const Eigen::VectorXd& x, int number, ShapeEvaluation& result) const;
-    void measure(DesignCalls& calls, ShapeEvaluation& result) const;
-    void take_own_sensitivities(std::vector<Points>& dJ_dv, std::vector<Eigen::VectorXd>& dJ_down,
-                                ShapeEvaluation& result) const;
+    // quantity_calls.cpp
     QuantityResult call(const Quantity& quantity, const QuantityRequest& request) const;
+    std::shared_ptr<const DesignCalls::Facts> facts_of(const Eigen::VectorXd& x, int number,
+                                                       const Points& vertices) const;
+    std::unique_ptr<DesignCalls> calls_of(const std::vector<Quantity>& quantities,
+                                          std::shared_ptr<const DesignCalls::Facts> facts) const;
+    bool wants_gradients_of(std::size_t quantity) const;
+    bool are_gradients_apart(std::size_t quantity) const;
+    void set_gradient_calls();
+    QuantityResult taken(DesignCalls& calls, std::size_t quantity, bool wants_values, ShapeEvaluation& result) const;
+    void measure(Design& design);
+    bool ask_for_gradients(ShapeEvaluation& result);
+    bool take_gradients(ShapeEvaluation& result);
     /// Per differentiated value its derivative along `direction` at these vertices.
     std::optional<Eigen::VectorXd> slopes_along(const Points& vertices, const Points& direction) const;
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
@@ -125,6 +137,8 @@ private:
     ValidityGuard guard_;
     std::vector<std::string> names_;
     std::vector<int> differentiated_;  ///< indices into names_
+    /// As the problem's quantities: what those are asked that differentiate separately; the others nothing.
+    std::vector<Quantity> gradient_calls_;
     DesignSpace space_;
     std::unique_ptr<PrimoShell> shell_;
     std::vector<int> shell_pin_;
@@ -132,11 +146,15 @@ private:
     Eigen::VectorXd shell_x_;  ///< of the equilibrium that the shell is at
     std::optional<Poses> accepted_, last_;
     struct Measured {
-        Points vertices;
-        Eigen::VectorXd own;  ///< own variables, scaled
+        std::shared_ptr<const DesignCalls::Facts> facts;  ///< null: nothing is measured
+        Eigen::VectorXd own;                              ///< own variables, scaled
         std::vector<double> values;
-        std::vector<Points> dJ_dv;
+        std::vector<Points> dJ_dv;  ///< of the differentiated values
         std::vector<Eigen::VectorXd> dJ_down;
+        bool has_gradients_to_come = false;
+        /// Where they are to come: those of all values, as far as they came with these.
+        std::vector<Points> known_dJ_dv;
+        std::vector<Eigen::VectorXd> known_dJ_down;
     };
     bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const;
     Measured last_measured_, accepted_measured_;

@@ -104,6 +104,8 @@ GradientCheck check_gradients(const Problem& problem, const GradientCheckOptions
             throw SolverError(text("gradient check: there is no value to begin with: ", base.reason));
     }
     evaluator.differentiate(base);
+    if (base.status != EvaluationStatus::ok)
+        throw SolverError(text("gradient check: there is no gradient: ", base.reason));
     evaluator.accept();
     fit_own(space, x, options.h.front(), base.gradients, d, check.notes);
     check.size = std::sqrt(x.dot(space.metric * x));

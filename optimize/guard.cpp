@@ -170,6 +170,14 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
             ++failures;
             fail_gradient(x, text("gradient at evaluation ", evaluations, ": ", e.what()));
         }
+    if (!s.failure.empty()) {
+        ++failures;
+        if (!s.is_fatal) fail_gradient(x, s.failure);
+        failure = s.failure;
+        failed_x = x;
+        last_x_.resize(0);
+        stop(Cause::fatal);
+    }
     if (program.differences) {
         last_x_.resize(0);  // the program's last evaluation is no longer the one at x
         const auto evaluate = [&](const Eigen::VectorXd& at) {

@@ -138,7 +138,16 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
 }
 
 void LevelProgram::differentiate(Sample& sample) {
-    if (!current_.dJ_dv.empty()) state_.evaluator.differentiate(current_);
+    const std::size_t told = current_.remarks.size();
+    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.evaluator.differentiate(current_);
+    for (std::size_t i = told; i < current_.remarks.size(); ++i)
+        state_.note(text("gradient of evaluation ", state_.result.evaluations, ": ", current_.remarks[i]));
+    if (current_.status != EvaluationStatus::ok) {
+        sample.failure = current_.reason;
+        sample.is_fatal = !current_.may_go_on;
+        quantity_failed_ |= sample.is_fatal;
+        return;
+    }
     sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
     if (objective_gradient_ >= 0)
         sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);

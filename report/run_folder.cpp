@@ -238,6 +238,7 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
         j["awaited"].push_back({{"evaluation", call.evaluation},
                                 {"quantity", call.quantity},
                                 {"folder", call.folder},
+                                {"request", call.request},
                                 {"command", call.command}});
     j["levels"] = nlohmann::ordered_json::array();
     for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));

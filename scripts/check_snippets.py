@@ -29,7 +29,7 @@ def blocks(page):
 
 def fresh_copy(folder, bin_folder):
     """The repository as a reader sees it, without builds; example surfaces at a size that keeps this cheap."""
-    for name in ("cases", "scripts"):
+    for name in ("cases", "scripts", "include"):
         shutil.copytree(ROOT / name, folder / name, ignore=shutil.ignore_patterns("generated", "*.cpp", "*.hpp"))
     for name in ("run.sh", "test.sh", "README.md"):
         shutil.copy2(ROOT / name, folder / name)

@@ -39,6 +39,7 @@ SurfaceFile read_su2(std::string_view bytes, const std::string& name);
 SurfaceFile read_gmsh(std::string_view bytes, const std::string& name);
 SurfaceFile read_nastran(std::string_view bytes, const std::string& name);
 SurfaceFile read_vtk(std::string_view bytes, const std::string& name);
+SurfaceFile read_vtp(std::string_view bytes, const std::string& name);
 /// What gzip has packed; more than a thousand times the packed size is refused. @throws InputError.
 std::string unpacked(std::string_view bytes, const std::string& name);
 
@@ -53,6 +54,7 @@ std::string su2(const TriMesh& mesh);
 std::string gmsh(const TriMesh& mesh);     ///< version 4.1
 std::string nastran(const TriMesh& mesh);  ///< GRID* (16 columns) and CTRIA3
 std::string vtk(const TriMesh& mesh);      ///< legacy polygons, binary
+std::string vtp(const TriMesh& mesh);      ///< parts as numbers in the cell field "part"
 /// Groups as positive numbers: their names where all are such numbers, else counted from 1.
 std::vector<std::string> component_numbers(const TriMesh& mesh);
 /// Triangles of each group in their order; one part where there are no groups.

@@ -154,6 +154,7 @@ constexpr Format known_formats[] = {
     {"off", ".off", SurfaceFormat::off, formats::read_off, plainly<formats::off>, "OFF"},
     {"tri", ".tri", SurfaceFormat::tri, formats::read_tri, plainly<formats::tri>},
     {"vtk", ".vtk", SurfaceFormat::vtk, formats::read_vtk, plainly<formats::vtk>, "# vtk DataFile"},
+    {"vtp", ".vtp", SurfaceFormat::vtp, formats::read_vtp, plainly<formats::vtp>},
     {"su2", ".su2", SurfaceFormat::su2, formats::read_su2, plainly<formats::su2>},
     {"msh", ".msh", SurfaceFormat::gmsh, formats::read_gmsh, plainly<formats::gmsh>, "$MeshFormat"},
     {"nastran", ".nas", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
@@ -234,9 +235,13 @@ SurfaceFile read_surface(const std::filesystem::path& file) {
 }
 
 void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format) {
+    write_atomically(file, surface_bytes(mesh, format, printable(file.native())));
+}
+
+std::string surface_bytes(const TriMesh& mesh, SurfaceFormat format, const std::string& name) {
     check_writable(mesh);
     for (const Format& f : known_formats)
-        if (f.format == format) return write_atomically(file, f.write(mesh, printable(file.native())));
+        if (f.format == format) return f.write(mesh, name);
     throw InvalidInput(text("write_surface: format number ", static_cast<int>(format), " does not exist"));
 }
 

@@ -79,8 +79,8 @@ void add_fields(Document& out, const char* tag, const std::vector<Field>& fields
 
 }  // namespace
 
-void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std::vector<Field>& point_fields,
-               const std::vector<Field>& cell_fields) {
+std::string vtp_bytes(const TriMesh& mesh, const std::vector<Field>& point_fields,
+                      const std::vector<Field>& cell_fields) {
     if (!mesh.vertices.allFinite()) throw InvalidInput("write_vtp: a vertex is not finite");
     Document out;
     out.xml = text(
@@ -97,7 +97,17 @@ void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std
     for (std::size_t t = 0; t < offsets.size(); ++t) offsets[t] = 3 * static_cast<int>(t + 1);
     out.labels("offsets", offsets.data(), offsets.size());
     out.xml += "</Polys>\n</Piece>\n</PolyData>\n<AppendedData encoding=\"raw\">\n_";
-    write_atomically(file, out.xml + out.data + "\n</AppendedData>\n</VTKFile>\n");
+    return out.xml + out.data + "\n</AppendedData>\n</VTKFile>\n";
+}
+
+std::string formats::vtp(const TriMesh& mesh) {
+    if (mesh.group.empty()) return vtp_bytes(mesh);
+    return vtp_bytes(mesh, {}, {{"part", mesh.group}});
+}
+
+void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std::vector<Field>& point_fields,
+               const std::vector<Field>& cell_fields) {
+    write_atomically(file, vtp_bytes(mesh, point_fields, cell_fields));
 }
 
 void write_pvd(const std::filesystem::path& file, const std::vector<std::pair<double, std::string>>& steps) {

@@ -15,7 +15,11 @@ struct Field {
     std::variant<Eigen::VectorXd, Points, std::vector<int>> values;
 };
 
-/// @throws InvalidInput on a wrong count, OutputError.
+/// The whole file. @throws InvalidInput on a wrong count or a number that is not finite.
+std::string vtp_bytes(const TriMesh& mesh, const std::vector<Field>& point_fields = {},
+                      const std::vector<Field>& cell_fields = {});
+
+/// Writes that atomically. @throws OutputError, too.
 void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std::vector<Field>& point_fields = {},
                const std::vector<Field>& cell_fields = {});
 

@@ -1,5 +1,6 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
+#include "core/mesh/symmetry_plane.hpp"
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -19,11 +20,6 @@
 ///
 /// Units: energy length^2, force length, traction 1/length, spring per area 1/length^2.
 namespace strake {
-
-struct SymmetryPlane {
-    Eigen::Vector3d normal;  ///< unit
-    double offset = 0;       ///< the plane is normal . x = offset
-};
 
 /// x -> about + exp(rotation) (x - about) + translation.
 struct RigidMotion {

@@ -2,21 +2,17 @@
 
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
-#include "objectives/external/attempt.hpp"
-#include "objectives/external/by_hand.hpp"
+#include "objectives/external/hand_over.hpp"
 #include "objectives/external/handed_over.hpp"
-#include "objectives/external/job.hpp"
 #include "objectives/external/process.hpp"
 #include "objectives/external/refused.hpp"
+#include "objectives/external/run_attempts.hpp"
 #include "objectives/finite.hpp"
 
 #include <algorithm>
-#include <chrono>
 #include <cmath>
 #include <memory>
 #include <set>
-#include <thread>
 
 namespace strake {
 namespace {
@@ -33,8 +29,8 @@ std::vector<std::string> words_in_braces(const std::string& argument) {
 }
 
 /// Braces mean something to other programs too, so only what looks like a misspelt word of ours is refused.
-void check_replaced_words(const ExternalCommand& command) {
-    for (const std::string& argument : command.command)
+void check_replaced_words(const ExternalCommand& command, const std::vector<std::string>& words) {
+    for (const std::string& argument : words)
         for (const std::string& word : words_in_braces(argument))
             for (const std::string known : replaced_words)
                 if (std::find(replaced_words.begin(), replaced_words.end(), word) == replaced_words.end() &&
@@ -50,8 +46,14 @@ void validate(const ExternalCommand& command) {
         (command.name == "." || command.name == ".." || command.name.find('/') != std::string::npos))
         refuse("the name cannot be that of a folder");
     if (command.command.empty() || command.command.front().empty()) refuse("command is empty, must name a program");
-    for (const std::string& argument : command.command)
-        if (argument.find('\0') != std::string::npos) refuse("an argument of the command holds a NUL byte");
+    if (!command.gradient_command.empty() && command.gradient_command.front().empty())
+        refuse("gradient_command must name a program");
+    for (const auto* words : {&command.command, &command.gradient_command})
+        for (const std::string& argument : *words)
+            if (argument.find('\0') != std::string::npos) refuse("an argument of the command holds a NUL byte");
+    if (command.gradient_timeout_s &&
+        (!(*command.gradient_timeout_s > 0) || !std::isfinite(*command.gradient_timeout_s)))
+        refuse("gradient_timeout = ", *command.gradient_timeout_s, " s must be > 0");
     if (!(command.timeout_s > 0) || !std::isfinite(command.timeout_s))
         refuse("timeout = ", command.timeout_s, " s must be > 0");
     if (!(command.grace_s >= 0) || !std::isfinite(command.grace_s))
@@ -68,77 +70,37 @@ void validate(const ExternalCommand& command) {
     std::set<std::string> seen;
     for (const std::string& name : command.gives)
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
-    format_named(command.format);
+    check_hand_over_format(command.format);
     if (command.parallel < 1) refuse("parallel = ", command.parallel, " must be >= 1");
     if (!(command.queue_s > 0)) refuse("queue = ", command.queue_s, " s must be > 0");
-    check_replaced_words(command);
-}
-
-/// A process of our own.
-QuantityResult attempt(const ExternalCommand& command, const QuantityRequest& request, int number) {
-    const bool want_gradients = request.want_sensitivities && command.has_gradients;
-    const Call call = fresh_call(command, request.evaluation, number);
-    hand_over(command, request, call, want_gradients);
-    ProcessCommand process;
-    process.arguments = arguments_of(command, call);
-    process.folder = call.folder;
-    process.timeout_s = command.timeout_s;
-    process.grace_s = command.grace_s;
-    process.stop_wanted = request.stop_wanted;
-    const ProcessEnd end = run_process(process);
-    if (end.failure && end.failure->kind == "interrupted") throw Interrupted{};
-    try {
-        if (end.failure) throw Refused{*end.failure};
-        return read_results(command, request, call, want_gradients);
-    } catch (const Refused& refused) {
-        return failed(command, request, call, refused.failure, end.last_lines);
-    }
-}
-
-void pause_before(const ExternalCommand& command, const QuantityRequest& request, int attempt) {
-    const double seconds = std::min(10.0, std::ldexp(command.pause_s, std::min(attempt - 2, 20)));
-    const auto until = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
-    do {
-        if (request.stop_wanted && request.stop_wanted()) throw Interrupted{};
-        std::this_thread::sleep_for(std::chrono::duration<double>(std::min(seconds, 0.02)));
-    } while (std::chrono::steady_clock::now() < until);
-}
-
-/// The first line of a failure's message; the others name its folder and its log.
-std::string headline(const Failure& failure) {
-    return text(failure.kind, ": ", failure.message.substr(0, failure.message.find('\n')));
+    check_replaced_words(command, command.command);
+    check_replaced_words(command, command.gradient_command);
 }
 
 QuantityResult evaluate(const ExternalCommand& command, SlurmQueue* queue, const QuantityRequest& request) {
     if (auto failure = vertices_finite(command.name, request.surface)) return {{}, {}, failure};
-    std::vector<std::string> remarks;
-    QuantityResult result;
-    const int attempts = 1 + command.retries;
-    for (int k = 1; k <= attempts; ++k) {
-        if (k > 1 && !command.by_hand) pause_before(command, request, k);
-        result = command.by_hand ? attempt_by_hand(command, request, k)
-                 : queue         ? attempt_as_job(command, *queue, request, k)
-                                 : attempt(command, request, k);
-        if (!result.failure || result.failure->kind == "spawn") break;
-        if (k < attempts)
-            remarks.push_back(text(headline(*result.failure), "; attempt ", k + 1, " of ", attempts, " follows"));
-    }
-    if (result.failure && command.retries > 0 && result.failure->kind != "spawn")
-        result.failure->message += text("\n  ", attempts, " attempts failed");
+    const bool gradients = request.want_sensitivities && command.has_gradients;
+    const bool apart = gradients && !command.gradient_command.empty();
+    QuantityResult result =
+        run_attempts({command, request, gradients && !apart ? Wanted::values_and_gradients : Wanted::values}, queue);
     if (result.failure && command.value_after_failure) {
-        remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
-        result = {};
+        result.remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
+        result.failure.reset();
         result.values.assign(value_keys(command).size(), *command.value_after_failure);
         result.stands_for_failure = true;
     }
-    result.remarks = std::move(remarks);
-    return result;
+    if (result.failure || !apart) return result;
+    QuantityResult found = gradients_of(command, queue, request);
+    found.values = found.failure ? std::vector<double>() : result.values;
+    found.remarks.insert(found.remarks.begin(), result.remarks.begin(), result.remarks.end());
+    return found;
 }
 
 /// Its arguments as they are written in the case.
 std::string identity(const ExternalCommand& command) {
     std::string words = command.format;
     for (const std::string& argument : command.command) words.append(1, '\0').append(argument);
+    for (const std::string& argument : command.gradient_command) words.append("\0gradient ", 10).append(argument);
     return words;
 }
 
@@ -148,11 +110,15 @@ std::string cache_key(const ExternalCommand& command) {
     for (const std::string& name : command.gives) key += '\0' + name;
     if (command.depends_on)
         for (const std::string& name : *command.depends_on) key += '\0' + ("by " + name);
+    if (command.points) key += '\0' + command.points->origin;
     std::vector<std::filesystem::path> files = command.files;
-    const std::string program = arguments_of(command, Call{}).front();
-    std::error_code ignored;
-    if (program.find('/') != std::string::npos && std::filesystem::is_regular_file(program, ignored))
-        files.push_back(program);
+    for (const Wanted wanted : {Wanted::values, Wanted::gradients}) {
+        if (wanted == Wanted::gradients && command.gradient_command.empty()) continue;
+        const std::string program = arguments_of(command, Call{wanted}).front();
+        std::error_code ignored;
+        if (program.find('/') != std::string::npos && std::filesystem::is_regular_file(program, ignored))
+            files.push_back(program);
+    }
     for (const std::filesystem::path& file : files) {
         const std::string bytes = read_bytes(file);
         key += text('\0', bytes.size(), '\0') + bytes;
@@ -165,16 +131,21 @@ std::string cache_key(const ExternalCommand& command) {
 std::optional<Failure> check_program(const ExternalCommand& command) {
     validate(command);
     if (command.by_hand) return {};
-    const std::string written = command.command.front(), found = arguments_of(command, Call{}).front();
-    if (written.find('{') != std::string::npos && written.find("{case_dir}") == std::string::npos &&
-        !words_in_braces(written).empty())
-        return {};  // a program in the evaluation's folder: there is none yet
-    try {
-        find_program(found);
-        if (command.slurm)
-            for (const char* client : {"sbatch", "squeue", "scancel"}) find_program(client);
-    } catch (const Refused& refused) {
-        return Failure{refused.failure.kind, text(command.name, ": ", refused.failure.message)};
+    for (const Wanted wanted : {Wanted::values, Wanted::gradients}) {
+        const bool is_gradient = wanted == Wanted::gradients;
+        const auto& words = is_gradient ? command.gradient_command : command.command;
+        if (words.empty()) continue;
+        const std::string& written = words.front();
+        if (!words_in_braces(written).empty() && written.find("{case_dir}") == std::string::npos)
+            continue;  // a program in the evaluation's folder: there is none yet
+        try {
+            find_program(arguments_of(command, Call{wanted}).front());
+            if (command.slurm)
+                for (const char* client : {"sbatch", "squeue", "scancel"}) find_program(client);
+        } catch (const Refused& refused) {
+            return Failure{refused.failure.kind,
+                           text(command.name, is_gradient ? " (gradient_command)" : "", ": ", refused.failure.message)};
+        }
     }
     return {};
 }
@@ -191,6 +162,10 @@ Quantity external(const ExternalCommand& command) {
     quantity.evaluate = [command, queue](const QuantityRequest& request) {
         return evaluate(command, queue.get(), request);
     };
+    if (command.has_gradients && !command.gradient_command.empty())
+        quantity.differentiate = [command, queue](const QuantityRequest& request) {
+            return gradients_of(command, queue.get(), request);
+        };
     quantity.parallel = command.parallel;
     quantity.has_sensitivities = command.has_gradients;
     quantity.program = identity(command);

@@ -2,9 +2,12 @@
 #include "objectives/quantity.hpp"
 
 #include <filesystem>
+#include <memory>
 
 /// Other people's programs (DESIGN section 7, External evaluation; for users docs/external.md).
 namespace strake {
+
+struct ProgramPoints;
 
 struct ExternalCommand {
     std::string name;  ///< of the quantity; values are called name.value, or name where `gives` is empty
@@ -12,9 +15,15 @@ struct ExternalCommand {
                                        ///< {result} {folder} {case_dir}
     std::vector<std::string> gives;    ///< names of the values; empty: one value
     double timeout_s = 3600;           ///< per evaluation, > 0; then TERM, grace, KILL to the process group
-    double grace_s = 5;                ///< >= 0
-    std::string format;                ///< of the surface handed over: stl, stl-ascii, obj, ply, ply-ascii, off, tri
-    std::filesystem::path case_dir;    ///< program paths containing '/' are relative to it
+    /// Run after `command`, in the same folder, when gradients are wanted; `command` then gives values only. {request}
+    /// is gradient_request.json, {result} gradient.json: as result.json, without values. Empty: `command` gives both.
+    std::vector<std::string> gradient_command = {};
+    std::optional<double> gradient_timeout_s = {};  ///< > 0; without it timeout_s
+    /// The program's own points: handed over where they move to, and what its gradients belong to. Null: the vertices.
+    std::shared_ptr<const ProgramPoints> points = {};
+    double grace_s = 5;  ///< >= 0
+    std::string format;  ///< of the surface handed over: as `format_named`, or su2-positions (`handed_over_bytes`)
+    std::filesystem::path case_dir;         ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
     bool own_folder = false;                ///< in 000001/<name>: where several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities

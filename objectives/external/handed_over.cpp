@@ -55,7 +55,13 @@ std::string read_all(int fd, const std::string& name, std::size_t size) {
 
 }  // namespace
 
-std::string read_handed_over(const std::filesystem::path& folder, const std::string& name, std::size_t limit) {
+void require_text(const std::string& bytes, const std::string& name) {
+    if (bytes.find('\0') != std::string::npos || bytes.rfind("\xFF\xFE", 0) == 0 || bytes.rfind("\xFE\xFF", 0) == 0)
+        refuse("unreadable", text("'", printable(name), "' is not text (binary, or UTF-16?); write UTF-8"));
+}
+
+std::string read_handed_over(const std::filesystem::path& folder, const std::string& name, std::size_t limit,
+                             bool may_be_binary) {
     require_inside(folder, name);
     const std::string shown = printable(name);
     // O_NONBLOCK: opening a FIFO must not wait for its writer.
@@ -77,8 +83,7 @@ std::string read_handed_over(const std::filesystem::path& folder, const std::str
     if (size > limit) refuse("unreadable", text("'", shown, "' has ", size, " bytes, the limit is ", limit));
     std::string bytes = read_all(fd, shown, static_cast<std::size_t>(size));
     if (bytes.rfind("\xEF\xBB\xBF", 0) == 0) bytes.erase(0, 3);
-    if (bytes.find('\0') != std::string::npos || bytes.rfind("\xFF\xFE", 0) == 0 || bytes.rfind("\xFE\xFF", 0) == 0)
-        refuse("unreadable", text("'", shown, "' is not text (binary, or UTF-16?); write UTF-8"));
+    if (!may_be_binary) require_text(bytes, name);
     return bytes;
 }
 

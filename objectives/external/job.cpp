@@ -33,45 +33,43 @@ bool is_hopeless(const std::string& reason) {
 
 class Job {
 public:
-    Job(const ExternalCommand& command, SlurmQueue& queue, const QuantityRequest& request)
-        : command_(command), queue_(queue), request_(request) {}
+    Job(const Task& task, SlurmQueue& queue)
+        : task_(task), command_(task.command), queue_(queue), request_(task.request) {}
 
     QuantityResult run(int number) {
         try {
             if (!(number == 1 && command_.may_follow_others && adopt())) {
-                call_ = fresh_call(command_, request_.evaluation, number);
+                call_ = fresh_place(task_, number);
                 prepare();
                 submit();
             }
             follow();
             const int status = exit_status();
             if (status != 0) throw Refused{failure_of(status)};
-            return read_results(command_, request_, call_, wants_gradients());
+            return read_results(task_, call_);
         } catch (const Refused& refused) {
             std::error_code ignored;
-            fs::rename(call_.folder / "job.sh", call_.folder / "job.sh.ended", ignored);  // not to be followed again
-            return failed(command_, request_, call_, refused.failure, last_lines_in(call_.folder));
+            fs::rename(call_.file("job.sh"), call_.file("job.sh.ended"), ignored);  // not to be followed again
+            return failed(task_, call_, refused.failure, last_lines_in(call_));
         }
     }
 
 private:
-    bool wants_gradients() const { return request_.want_sensitivities && command_.has_gradients; }
-
     static std::string name_of(const Call& call) {
         struct stat info {};
         ::stat(call.folder.c_str(), &info);
-        return text("strake-", info.st_ino, "-", call.folder.filename().string());
+        return text("strake-", info.st_ino, "-", call.prefix, call.folder.filename().string());
     }
 
     void prepare() {
-        hand_over(command_, request_, call_, wants_gradients());
-        sign(request_, call_);
+        hand_over(task_, call_);
+        sign(task_, call_);
+        const std::string exit = call_.prefix + "exit";
         const std::string script =
-            "#!/bin/sh\ncd " + shell_words(call_.folder.string()) +
-            " || exit 1\necho \"$SLURM_JOB_ID\" > job.started\n" + shell_words(arguments_of(command_, call_)) +
-            " > stdout.log 2> stderr.log < /dev/null\nstatus=$?\necho $status > exit.new && mv exit.new exit\n"
-            "exit $status\n";
-        write_atomically(call_.folder / "job.sh", script);  // the last: now it is complete
+            text("#!/bin/sh\ncd ", shell_word(call_.folder.string()), " || exit 1\necho \"$SLURM_JOB_ID\" > ",
+                 call_.prefix, "job.started\n", shell_line(command_, call_), "\nstatus=$?\necho $status > ", exit,
+                 ".new && mv ", exit, ".new ", exit, "\nexit $status\n");
+        write_atomically(call_.file("job.sh"), script);  // the last: now it is complete
     }
 
     void submit() {
@@ -84,29 +82,27 @@ private:
                                            "--parsable",
                                            "--job-name=" + name_of(call_),
                                            "--chdir=" + call_.folder.string(),
-                                           "--output=" + plain(call_.folder / "job.out"),
+                                           "--output=" + plain(call_.file("job.out")),
                                            "--no-requeue"};
         arguments.insert(arguments.end(), command_.slurm->begin(), command_.slurm->end());
-        arguments.push_back((call_.folder / "job.sh").string());
+        arguments.push_back(call_.file("job.sh").string());
         const ClientOutput output = slurm_client(arguments, call_.folder);
         id_ = output.words.substr(0, output.words.find_first_of(";\n"));  // with several clusters: id;cluster
         if (!output.is_done) throw Refused{{"submit", output.words}};
         if (id_.empty() || id_.find_first_not_of("0123456789") != std::string::npos)
             throw Refused{{"submit", text("sbatch gave no number of a job, but '", printable(output.words, 200), "'")}};
-        write_atomically(call_.folder / "job", id_ + "\n");
+        write_atomically(call_.file("job"), id_ + "\n");
         submitted_ = Clock::now();
     }
 
-    /// The job that an earlier start submitted for this request, if there is one that has not failed.
+    /// The job that an earlier start submitted for this task, if there is one that has not failed.
     bool adopt() {
-        const fs::path first = first_folder(command_, request_.evaluation);
         std::error_code ignored;
         int last = 0;
-        while (fs::is_directory(attempt_folder(first, last + 1), ignored)) ++last;
+        while (is_taken(task_, place(task_, last + 1))) ++last;
         for (; last > 0; --last) {
-            call_ = call_in(command_, attempt_folder(first, last));
-            if (!fs::exists(call_.folder / "job.sh", ignored)) continue;
-            if (!is_of(command_, request_, call_, wants_gradients())) continue;
+            call_ = place(task_, last);
+            if (!fs::exists(call_.file("job.sh"), ignored) || !is_of(task_, call_)) continue;
             submitted_ = Clock::now();
             if (!find_number()) submit();
             return true;
@@ -119,8 +115,8 @@ private:
     bool find_number() {
         for (const char* name : {"job", "job.started"}) {
             std::error_code ignored;
-            if (!fs::is_regular_file(call_.folder / name, ignored)) continue;
-            const std::string words = read_bytes(call_.folder / name);
+            if (!fs::is_regular_file(call_.file(name), ignored)) continue;
+            const std::string words = read_bytes(call_.file(name));
             id_ = words.substr(0, words.find('\n'));
             if (!id_.empty()) return true;
         }
@@ -131,7 +127,7 @@ private:
             for (const auto& [id, job] : view.jobs)
                 if (job.name == name_of(call_)) {
                     id_ = id;
-                    write_atomically(call_.folder / "job", id_ + "\n");
+                    write_atomically(call_.file("job"), id_ + "\n");
                     return true;
                 }
         }
@@ -157,17 +153,17 @@ private:
     void cancel() {
         slurm_client({"scancel", id_}, call_.folder);
         std::error_code ignored;
-        fs::rename(call_.folder / "job.sh", call_.folder / "job.sh.ended", ignored);
+        fs::rename(call_.file("job.sh"), call_.file("job.sh.ended"), ignored);
     }
 
     bool has_ended() const {
         std::error_code ignored;
-        return fs::exists(call_.folder / "exit", ignored);
+        return fs::exists(call_.file("exit"), ignored);
     }
 
     double waited() const {  // in all starts together
         struct stat info {};
-        if (::stat((call_.folder / "job.sh").c_str(), &info) != 0) return 0;
+        if (::stat(call_.file("job.sh").c_str(), &info) != 0) return 0;
         return std::max(0.0, static_cast<double>(::time(nullptr) - info.st_mtime));
     }
 
@@ -209,10 +205,10 @@ private:
             }
             return is_hopeless(job.reason);
         }
-        if (job.seconds > command_.timeout_s) {
+        if (job.seconds > timeout_of(command_, call_)) {
             cancel();
-            throw Refused{{"timeout", text("job ", id_, " has run longer than the timeout of ", command_.timeout_s,
-                                           " s; it was cancelled")}};
+            throw Refused{{"timeout", text("job ", id_, " has run longer than the timeout of ",
+                                           timeout_of(command_, call_), " s; it was cancelled")}};
         }
         return false;
     }
@@ -240,7 +236,7 @@ private:
     }
 
     int exit_status() const {
-        const std::string words = read_bytes(call_.folder / "exit");
+        const std::string words = read_bytes(call_.file("exit"));
         return std::atoi(words.c_str());
     }
 
@@ -251,6 +247,7 @@ private:
         return {"exit", text("exit status ", status)};
     }
 
+    const Task& task_;
     const ExternalCommand& command_;
     SlurmQueue& queue_;
     const QuantityRequest& request_;
@@ -261,9 +258,6 @@ private:
 
 }  // namespace
 
-QuantityResult attempt_as_job(const ExternalCommand& command, SlurmQueue& queue, const QuantityRequest& request,
-                              int number) {
-    return Job(command, queue, request).run(number);
-}
+QuantityResult attempt_as_job(const Task& task, SlurmQueue& queue, int number) { return Job(task, queue).run(number); }
 
 }  // namespace strake

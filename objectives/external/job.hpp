@@ -1,5 +1,5 @@
 #pragma once
-#include "objectives/external/external.hpp"
+#include "objectives/external/attempt.hpp"
 
 #include <chrono>
 #include <map>
@@ -29,13 +29,12 @@ private:
     View last_;
 };
 
-/// Attempt `number` at the evaluation as a job: `job.sh` in its folder is submitted with sbatch; its number is kept in
-/// the file `job`, its exit status comes in `exit`. The first attempt of a later start follows the job that an earlier
-/// one submitted for the same request. The job is cancelled at the timeout, when it can never start, and when the
-/// request is given up; else it goes on when the run is interrupted. Failures: submit, never_starts, vanished, timeout
-/// and those of any program.
+/// Attempt `number` at the task as a job: `job.sh` in its folder is submitted with sbatch; its number is kept in the
+/// file `job`, its exit status comes in `exit` (with the call's prefix before these names). The first attempt of a
+/// later start follows the job that an earlier one submitted for the same task. The job is cancelled at the timeout,
+/// when it can never start, and when the request is given up; else it goes on when the run is interrupted. Failures:
+/// submit, never_starts, vanished, timeout and those of any program.
 /// @throws Interrupted (naming the job where it goes on); OutputError.
-QuantityResult attempt_as_job(const ExternalCommand& command, SlurmQueue& queue, const QuantityRequest& request,
-                              int number);
+QuantityResult attempt_as_job(const Task& task, SlurmQueue& queue, int number);
 
 }  // namespace strake

@@ -231,8 +231,8 @@ std::optional<Failure> how_it_ended(int status) {
 }  // namespace
 
 ProcessEnd run_process(const ProcessCommand& command) {
-    CappedLog out_log(command.folder / "stdout.log", command.log_bytes);
-    CappedLog err_log(command.folder / "stderr.log", command.log_bytes);
+    CappedLog out_log(command.folder / (command.log_prefix + "stdout.log"), command.log_bytes);
+    CappedLog err_log(command.folder / (command.log_prefix + "stderr.log"), command.log_bytes);
     ProcessEnd end;
     try {
         Pipe out, err;

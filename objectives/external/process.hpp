@@ -12,6 +12,7 @@ struct ProcessCommand {
     double timeout_s = 3600;             ///< > 0; then TERM to the process group, grace_s, KILL
     double grace_s = 5;
     std::function<bool()> stop_wanted;  ///< asked while it runs; true: as after the timeout, kind `interrupted`
+    std::string log_prefix = "";        ///< before "stdout.log" and "stderr.log"
     std::size_t log_bytes = std::size_t{10} << 20;  ///< of each log, from the start; the last 64 KiB are always kept
 };
 

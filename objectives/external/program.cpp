@@ -21,6 +21,15 @@ int executable_error(const std::filesystem::path& path) {
     return ::access(path.c_str(), X_OK) == 0 ? 0 : EACCES;
 }
 
+/// " (mode 644)", or "" where there is no file.
+std::string mode_of(const std::filesystem::path& path) {
+    struct stat info {};
+    if (::stat(path.c_str(), &info) != 0) return "";
+    std::ostringstream words;
+    words << " (mode " << std::oct << (info.st_mode & 07777) << ")";
+    return words.str();
+}
+
 [[noreturn]] void refuse(const std::string& message) { throw Refused{{"spawn", message}}; }
 
 }  // namespace
@@ -31,7 +40,8 @@ std::string spawn_reason(const std::filesystem::path& program, int error) {
         case EISDIR:
             return text(name, " is a directory, not a program");
         case EACCES:
-            return text(name, " may not be executed; chmod +x it, or name its interpreter first: [python3, ...]");
+            return text(name, " may not be executed", mode_of(program),
+                        "; chmod +x it, or name its interpreter first: [python3, ...]");
         case ENOEXEC:
             return text(name, " is no program of this machine; does its first line say #!/bin/sh or the like?");
         case E2BIG:
@@ -62,8 +72,9 @@ std::filesystem::path find_program(const std::string& program) {
         }
         rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
     }
-    refuse(text("program '", printable(program), "' is not on PATH; write ./", printable(program),
-                " for one beside the case file"));
+    refuse(text("program '", printable(program), "' is not on PATH (searched: ",
+                printable(variable != nullptr ? variable : "/usr/local/bin:/usr/bin:/bin"), "); write ./",
+                printable(program), " for one beside the case file"));
 }
 
 }  // namespace strake

@@ -16,15 +16,15 @@ namespace {
 using nlohmann::json;
 
 [[noreturn]] void refuse(const char* kind, const std::string& message) {
-    throw Refused{{kind, "result.json: " + message}};
+    throw Refused{{kind, ": " + message}};  // behind the name of the file
 }
 
-/// "result.json:3:14: …" for the byte at `offset`.
+/// ":3:14: …" for the byte at `offset`.
 [[noreturn]] void refuse_at(const char* kind, const std::string& bytes, std::size_t offset, const std::string& what) {
     const std::string before = bytes.substr(0, offset);
     const auto line = 1 + std::count(before.begin(), before.end(), '\n');
     const auto column = before.size() - (before.find_last_of('\n') + 1) + 1;  // npos + 1 is 0
-    throw Refused{{kind, text("result.json:", line, ":", column, ": ", what)}};
+    throw Refused{{kind, text(":", line, ":", column, ": ", what)}};
 }
 
 /// Python and others write NaN and Infinity, which JSON does not have: say that, not "invalid literal".
@@ -77,10 +77,15 @@ double number(const json& node, const std::string& where) {
     return value;
 }
 
-std::string file_name(const json& node, const std::string& where) {
-    if (!node.is_string())
-        refuse("wrong_type", text(where, " is ", node.type_name(), ", must be the name of a CSV file"));
-    return node.get<std::string>();
+/// "drag.csv", or {"file": "out.vtp", "field": "dDrag"}.
+std::pair<std::string, std::string> file_and_field(const json& node, const std::string& where) {
+    if (node.is_string()) return {node.get<std::string>(), ""};
+    const bool is_pair = node.is_object() && node.contains("file") && node["file"].is_string() &&
+                         (!node.contains("field") || node["field"].is_string());
+    if (!is_pair)
+        refuse("wrong_type", text(where, " is ", node.type_name(),
+                                  ", must be the name of a file, or {\"file\": name, \"field\": name}"));
+    return {node["file"].get<std::string>(), node.value("field", std::string())};
 }
 
 std::string names_in(const json& object) {
@@ -165,17 +170,15 @@ std::vector<std::vector<double>> all_derivatives(const json& result, const std::
     return found;
 }
 
-}  // namespace
-
-ProgramResult parse_result(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients,
-                           const std::vector<std::string>& variables, bool may_lack) {
+ProgramResult parse_named(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients,
+                          const std::vector<std::string>& variables, bool may_lack, bool want_values) {
     const json result = parse(bytes);
     if (!result.is_object()) refuse("wrong_type", text("is ", result.type_name(), ", must be an object"));
     const auto shown = [&](const char* plural, const char* singular, std::size_t k) {
         return gives.empty() ? text("'", singular, "'") : text("'", plural, ".", gives[k], "'");
     };
     ProgramResult found;
-    for (const json& entry : entries(result, "values", "value", gives))
+    for (const json& entry : want_values ? entries(result, "values", "value", gives) : std::vector<json>())
         found.values.push_back(number(entry, shown("values", "value", found.values.size())));
     found.by_variable =
         all_derivatives(result, gives, want_gradients ? variables : std::vector<std::string>(), may_lack);
@@ -183,9 +186,24 @@ ProgramResult parse_result(const std::string& bytes, const std::vector<std::stri
         found.by_variable.clear();
         return found;
     }
-    for (const json& entry : entries(result, "gradients", "gradient", gives))
-        found.gradient_files.push_back(file_name(entry, shown("gradients", "gradient", found.gradient_files.size())));
+    for (const json& entry : entries(result, "gradients", "gradient", gives)) {
+        const auto [file, field] = file_and_field(entry, shown("gradients", "gradient", found.gradient_files.size()));
+        found.gradient_files.push_back(file);
+        found.gradient_fields.push_back(field);
+    }
     return found;
+}
+
+}  // namespace
+
+ProgramResult parse_result(const std::string& bytes, const std::vector<std::string>& gives, bool want_gradients,
+                           const std::vector<std::string>& variables, bool may_lack, const std::string& name,
+                           bool want_values) {
+    try {
+        return parse_named(bytes, gives, want_gradients, variables, may_lack, want_values);
+    } catch (const Refused& refused) {
+        throw Refused{{refused.failure.kind, name + refused.failure.message}};
+    }
 }
 
 }  // namespace strake

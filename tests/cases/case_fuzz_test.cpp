@@ -31,7 +31,9 @@ parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {c
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
-    parallel: 4, cache: answers, cache_files: [wing.obj]}
+         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, points_reach: 50%,
+         parallel: 4, cache: answers, cache_files: [wing.obj]}
+  lib: {plugin: {library: flap.txt, options: a b}, gives: [x, y], on_failure: shrink_step}
 objective: {minimize: aero.drag}
 constraints:
   volume: {min: 1.0, relative: true}

@@ -94,6 +94,25 @@ TEST_F(Parallel, AFailureThatEndsTheRunEndsTheOthersAndItsNeighboursAreKept) {
     EXPECT_EQ(calls().count(2), 1u) << "2 had ended and was not paid again";
 }
 
+TEST_F(Parallel, GradientCommandsAndACacheChangeNothing) {
+    undisturbed();
+    const std::string file = external_case(gradients_apart + ", parallel: 2, cache: answers");
+    for (const char* out : {"first", "second"}) {
+        const ProgramRun run = run_strake({"run", file, "--out", path(out)});
+        EXPECT_EQ(run.status, 0) << run.err;
+        expect_same("whole", out);
+        EXPECT_EQ(run.err.find("bulk (gradient) is taken from the cache") != std::string::npos, out[0] == 's');
+    }
+    for (const char* each : {"calls", "gradient-calls"})
+        for (const int number : calls(each)) EXPECT_EQ(calls(each).count(number), 1u) << each << number;
+    EXPECT_LT(calls("gradient-calls").size(), calls().size());
+    EXPECT_FALSE(fs::exists(folder / "second/evaluations/000001"));
+    for (const auto& entry : fs::directory_iterator(folder / "answers")) fs::remove(entry.path());
+    const ProgramRun check = run_strake({"check", file, "--evaluate"});
+    EXPECT_EQ(check.status, 0) << check.err;
+    EXPECT_TRUE(fs::is_empty(folder / "answers")) << "a check asks the program and keeps nothing";
+}
+
 TEST_F(Parallel, FailedPointsOfAGradientAreReplacedByTheOtherSideInTheSameOrder) {
     for (const char* what : {"fail-3", "fail-8"}) mark(what);
     const std::string policy = ", on_failure: shrink_step";

@@ -57,15 +57,18 @@ private:
     pid_t child_ = -1;
 };
 
-/// Writes the number of the evaluation to `calls`, then the volume of the surface times `{factor}`.
+/// Writes the number of the evaluation to `calls`, then the volume of the surface, its gradient or both. As a
+/// gradient_command it writes to `gradient-calls`, and looks for files gradient-sleep-1 and the like.
 inline const char* const program = R"(import json, os, sys, time
 here = os.path.dirname(os.path.abspath(__file__))
 request = json.load(open(sys.argv[1]))
 number = request["evaluation"]
-with open(here + "/calls", "a") as calls:
+result = sys.argv[2] if len(sys.argv) > 2 else "result.json"
+kind = "gradient-" if os.path.basename(result).startswith("gradient") else ""
+with open(here + "/" + kind + "calls", "a") as calls:
     calls.write("%d\n" % number)
 def asked(what):
-    return os.path.exists("%s/%s-%d" % (here, what, number))
+    return os.path.exists("%s/%s%s-%d" % (here, kind, what, number))
 if asked("sleep"):
     if asked("deaf"):
         import signal
@@ -99,7 +102,10 @@ if not request["wanted"]["gradients"]:
     sys.exit(0)
 with open("g.csv", "w") as f:
     f.writelines("%d,%r,%r,%r\n" % (k, *row) for k, row in enumerate(g))
-json.dump({"value": total, "gradient": "g.csv"}, open("result.json", "w"))
+answer = {"gradient": "g.csv"} if kind else {"value": total, "gradient": "g.csv"}
+with open(result + ".new", "w") as f:
+    json.dump(answer, f)
+os.rename(result + ".new", result)
 )";
 
 inline const std::string body =
@@ -108,6 +114,8 @@ inline const std::string body =
 inline const std::string by_program =
     "quantities: {bulk: {command: [python3, \"-S\", \"-E\", \"{case_dir}/bulk.py\", \"{request}\"] @}}\n"
     "objective: {maximize: bulk}\nconstraints: {area: {max: 1.02, relative: true}}\n";
+inline const std::string gradients_apart =
+    ", gradient_command: [python3, \"-S\", \"-E\", \"{case_dir}/bulk.py\", \"{request}\", \"{result}\"]";
 inline const std::string built_in = "objective: {maximize: volume}\nconstraints: {area: {max: 1.02, relative: true}}\n";
 inline const std::string budget = "optimize: {budget: {evaluations: 10}}\n";
 
@@ -138,9 +146,9 @@ protected:
         fs::remove(folder / "calls");
     }
     void mark(const std::string& what) const { folder.write(what, ""); }
-    std::multiset<int> calls() const {
+    std::multiset<int> calls(const std::string& file = "calls") const {
         std::multiset<int> all;
-        std::istringstream lines(bytes_of(folder / "calls"));
+        std::istringstream lines(bytes_of(folder / file));
         for (int number; lines >> number;) all.insert(number);
         return all;
     }

@@ -135,6 +135,23 @@ TEST_F(Queue, AbortCancelsTheOtherJobs) {
     EXPECT_GE(lines("cancelled"), 1u);
 }
 
+TEST_F(Queue, GradientCommandsAreJobsThatAreFollowedToo) {
+    undisturbed();
+    mark("gradient-sleep-1");
+    const std::string file = external_case(gradients_apart + ", scheduler: {slurm: []}");
+    const Started killed(folder, {"run", file, "--out", path("a"), "-q"});
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    killed.send(SIGKILL);
+    killed.wait();
+    EXPECT_EQ(lines("submitted"), 2u);
+    EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
+    expect_same("whole", "a");
+    EXPECT_EQ(lines("submitted"), calls().size() + calls("gradient-calls").size());
+    EXPECT_EQ(calls("gradient-calls").count(1), 1u) << "the same job";
+    for (const char* name : {"gradient-job", "gradient-exit", "gradient-stdout.log", "gradient-job.sh", "job.sh"})
+        EXPECT_TRUE(fs::exists(folder / "a/evaluations/000001" / name)) << name;
+}
+
 /// Twenty evaluations as jobs of a real Slurm, one cancelled by hand, and a restart in the middle.
 TEST(RealSlurm, EachEvaluationIsPaidOnce) {
     if (!std::getenv("STRAKE_SLURM")) GTEST_SKIP() << "run by ./test.sh --slurm (needs slurm-wlm and munge)";

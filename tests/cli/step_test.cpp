@@ -110,6 +110,46 @@ TEST_F(Step, AFailureIsReportedRetriedAndEndsTheRun) {
     EXPECT_EQ(recorded("stepped").size(), 1u);
 }
 
+TEST_F(Step, GradientCommandsAreHandedOutInTheFoldersOfTheirValues) {
+    undisturbed();
+    const std::string file = external_case(gradients_apart);
+    const std::string first = lines(step(file).out).at(0);
+    EXPECT_EQ(answer(first), 0);
+    const Json told = Json::parse(step(file, true).out);
+    ASSERT_EQ(told["awaited"].size(), 1u);
+    EXPECT_EQ(told["awaited"][0]["folder"], first) << "the gradient of the same evaluation";
+    EXPECT_EQ(told["awaited"][0]["request"], first + "/gradient_request.json");
+    EXPECT_EQ(told["awaited"][0]["command"].back(), first + "/gradient.json");
+    EXPECT_TRUE(fs::exists(fs::path(first) / "gradient-awaited"));
+    int status = -1;
+    drive(file, status);
+    EXPECT_EQ(status, 10);
+    expect_same("whole", "stepped");
+    for (const char* each : {"calls", "gradient-calls"})
+        for (const int number : calls(each)) EXPECT_EQ(calls(each).count(number), 1u) << each << number;
+    EXPECT_LT(calls("gradient-calls").size(), calls().size());
+}
+
+TEST_F(Step, AGradientCommandThatFailsIsReportedAndRetried) {
+    const std::string file = external_case(gradients_apart + ", retries: 1");
+    mark("gradient-fail-1");
+    const std::string first = lines(step(file).out).at(0);
+    EXPECT_EQ(answer(first), 0);
+    for (int attempt = 0; attempt < 2; ++attempt) {
+        EXPECT_EQ(lines(step(file).out).at(0), first);
+        EXPECT_EQ(answer(first), 1);
+    }
+    const ProgramRun failed = step(file);
+    EXPECT_EQ(failed.status, 5);
+    EXPECT_NE(failed.err.find("gradient: the file 'gradient-2-failed' is there"), std::string::npos) << failed.err;
+    fs::remove(folder / "gradient-fail-1");
+    fs::remove(fs::path(first) / "gradient-2-failed");
+    EXPECT_EQ(answer(first), 0);
+    EXPECT_EQ(step(file).status, 0);
+    EXPECT_EQ(calls().count(1), 1u);
+    EXPECT_EQ(recorded("stepped"), std::set<int>{1}) << "the second is awaited";
+}
+
 TEST_F(Step, AnotherCaseOrFolderIsRefused) {
     ASSERT_EQ(step(values_case()).status, 0);
     const ProgramRun other = step(external_case(", gradients: false, retries: 3", differences));

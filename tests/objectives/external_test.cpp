@@ -139,7 +139,7 @@ TEST_F(External, EveryWrongResultIsAFailureOfItsKind) {
         {"gradient_missing", "no_result", "'gradient.csv' was not written"},
         {"gradient_outside", "unreadable", "stay in it"},
         {"gradient_absolute", "unreadable", "stay in it"},
-        {"gradient_number", "wrong_type", "must be the name of a CSV file"},
+        {"gradient_number", "wrong_type", "must be the name of a file"},
     };
     int evaluation = 0;
     for (const Case& c : cases) {

@@ -71,6 +71,35 @@ def by_variables(derivatives):
     return play
 
 
+def values_only():
+    assert request["wanted"]["gradients"] == []
+    write_text(json.dumps({"value": sum(x + y + z for x, y, z in vertices())}))
+
+
+def gradients():
+    """What a gradient command writes."""
+    assert request["wanted"]["gradients"] == ["value"]
+    write_gradient(gradient_rows(), "separate.csv")
+    write_text(json.dumps({"gradient": "separate.csv"}))
+
+
+def flaky_gradients():
+    if not os.path.exists("tried"):
+        open("tried", "w").close()
+        sys.exit(4)
+    gradients()
+
+
+def at_points():
+    """The sum of the coordinates of the points that move with the surface."""
+    with open(request["points"]) as lines:
+        rows = [line.strip().split(",") for line in lines][1:]
+    numbered = [row if len(row) == 4 else [str(k)] + row for k, row in enumerate(rows)]
+    write_gradient(["PointID,x,y,z,Sensitivity_x,Sensitivity_y,Sensitivity_z"] +
+                   [",".join(row + ["1", "1", "1"]) for row in reversed(numbered)])
+    write_text(json.dumps({"value": sum(float(x) for row in numbered for x in row[1:]), "gradient": "gradient.csv"}))
+
+
 def environment():
     """What the program was started with, for the test to look at."""
     seen = {"cwd": os.getcwd(), "stdin": os.readlink("/proc/self/fd/0"), "descriptors": sorted(

@@ -53,7 +53,7 @@ TEST_F(Process, EverySpawnFailureIsNamed) {
     std::filesystem::rename(folder / "script", folder / "plain");
     const Case cases[] = {{"./missing", "does not exist"},
                           {"./directory", "is a directory"},
-                          {"./plain", "may not be executed; chmod +x"},
+                          {"./plain", "may not be executed (mode 644); chmod +x"},
                           {"./shebang", "interpreter"},
                           {"./nothing", "no program of this machine"},
                           {"no-such-program-anywhere", "not on PATH"}};

@@ -1,0 +1,26 @@
+#pragma once
+#include "core/mesh/mesh.hpp"
+
+/// How a small displacement turns the surface at each vertex.
+namespace strake {
+
+/// Rotation vectors (n x 3, radians) of a displacement (n x 3, length), linear in it, and the transpose of that map.
+/// On a triangle with unit normal n and corners k with opposite edges e_k, the displacement's gradient is
+/// sum_k u_k (n x e_k)^T / 2A, and the rotation vector that fits it
+///   w = (I - n n^T / 2) sum_k (n x e_k) x u_k / 2A,
+/// exact for u = w x r + t; at a vertex it is the mean over its triangles by area. Vertices without area do not turn.
+class LocalRotation {
+public:
+    explicit LocalRotation(const TriMesh& mesh);
+    Points apply(const Points& displacement) const;
+    /// d(g . apply(u)) / du for g (n x 3).
+    Points transpose(const Points& g) const;
+
+private:
+    Triangles triangles_;
+    Points normals_;        ///< m x 3, unit; zero where the area is
+    Points arms_;           ///< 3m x 3: (n x e_k) / 2 of corner k of triangle t in row 3t + k
+    Eigen::VectorXd area_;  ///< n: summed over the triangles of a vertex
+};
+
+}  // namespace strake

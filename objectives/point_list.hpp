@@ -1,0 +1,30 @@
+#pragma once
+#include "core/mesh/mesh.hpp"
+
+#include <cstdint>
+#include <filesystem>
+
+/// Lists of points: a solver's boundary or volume mesh without its cells.
+namespace strake {
+
+struct NumberedPoints {
+    Points at;                           ///< n x 3
+    std::vector<std::int64_t> ids = {};  ///< the program's own numbers; empty: none are given
+};
+
+/// Points from
+/// - .csv, .txt, .xyz: rows x,y,z; or a header that names x, y, z and maybe PointID, in any columns (SU2's surface
+/// files);
+/// - .npy: shape (n, 3);
+/// - a surface file in any format that is read: its vertices.
+/// @throws InputError `FILE:LINE: what`: cannot be read, no rows, a coordinate that is not finite, a number twice.
+NumberedPoints read_points(const std::filesystem::path& file);
+bool is_point_list(const std::filesystem::path& file);  ///< by its extension: a list, no surface
+bool is_npy(const std::filesystem::path& file);         ///< by its extension
+
+/// As .npy (double precision) or text whose numbers read back to the same bits, with the header x,y,z, or
+/// PointID,x,y,z.
+/// @throws InvalidInput for another extension, OutputError.
+void write_points(const std::filesystem::path& file, const NumberedPoints& points);
+
+}  // namespace strake

@@ -1,0 +1,116 @@
+#include "optimize/start_check.hpp"
+
+#include "core/error.hpp"
+#include "optimize/constraints.hpp"
+#include "optimize/evaluation.hpp"
+#include "optimize/methods.hpp"
+
+#include <algorithm>
+#include <chrono>
+
+namespace strake {
+namespace {
+
+double seconds_since(std::chrono::steady_clock::time_point begin) {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+}
+
+void take_gradients(const QuantityResult& result, const QuantityRequest& request, StartAnswer::Quantity& told) {
+    for (std::size_t i = 0; i < told.values.size(); ++i) {
+        StartAnswer::Value& value = told.values[i];
+        value.has_gradient = i < result.dJ_dv.size() && result.dJ_dv[i].rows() > 0;
+        if (!value.has_gradient) continue;
+        value.gradient_norm = result.dJ_dv[i].norm();
+        value.largest_gradient = result.dJ_dv[i].rowwise().norm().maxCoeff(&value.largest_vertex);
+        for (std::size_t j = 0; i < result.dJ_down.size() && j < request.own.size(); ++j)
+            if (result.dJ_down[i].size() > static_cast<int>(j))
+                value.by_variable.emplace_back(request.own[j].first, result.dJ_down[i][static_cast<int>(j)]);
+    }
+}
+
+/// The same quantity, which tells what it is asked and answers.
+Quantity watched(const Quantity& quantity, StartAnswer::Quantity& told) {
+    Quantity copy = quantity;
+    copy.cache.clear();  // it is the program that is tried
+    told.is_program = !quantity.program.empty();
+    for (const std::string& name : quantity.names) told.values.emplace_back().name = name;
+    copy.evaluate = [&told, ask = quantity.evaluate](const QuantityRequest& request) {
+        const auto begin = std::chrono::steady_clock::now();
+        told.was_asked_for_gradients = request.want_sensitivities;
+        QuantityResult result = ask(request);
+        told.seconds = seconds_since(begin);
+        told.failure = result.failure;
+        for (std::size_t i = 0; i < std::min(told.values.size(), result.values.size()); ++i)
+            told.values[i].value = result.values[i];
+        take_gradients(result, request, told);
+        return result;
+    };
+    if (quantity.differentiate)
+        copy.differentiate = [&told, ask = quantity.differentiate](const QuantityRequest& request) {
+            const auto begin = std::chrono::steady_clock::now();
+            told.was_asked_for_gradients = true;
+            QuantityResult result = ask(request);
+            told.gradient_seconds = seconds_since(begin);
+            if (result.failure) told.failure = result.failure;
+            take_gradients(result, request, told);
+            return result;
+        };
+    return copy;
+}
+
+/// Values whose gradients a run would ask for.
+std::vector<std::string> differentiated(const Problem& problem) {
+    if (!method_facts(problem.optimize.method).needs_gradients) return {};
+    std::vector<std::string> wanted{problem.objective}, names;
+    for (const Constraint& c : problem.constraints) wanted.push_back(c.quantity);
+    wanted.insert(wanted.end(), problem.fit.begin(), problem.fit.end());
+    std::sort(wanted.begin(), wanted.end());
+    wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+    for (const std::string& name : wanted)
+        for (const Quantity& quantity : problem.quantities)
+            if (quantity.has_sensitivities &&
+                std::find(quantity.names.begin(), quantity.names.end(), name) != quantity.names.end())
+                names.push_back(name);
+    return names;
+}
+
+std::vector<StartAnswer::Row> rows_of(const Problem& problem, const ShapeEvaluator& evaluator,
+                                      const std::vector<double>& values) {
+    std::vector<int> index, none;
+    for (const Constraint& c : problem.constraints) index.push_back(evaluator.index_of(c.quantity)), none.push_back(-1);
+    const ConstraintRows made = constraint_rows(problem.constraints, index, none, values);
+    std::vector<StartAnswer::Row> rows;
+    for (std::size_t i = 0; i < made.rows.size(); ++i) {
+        const ConstraintRow& row = made.rows[i];
+        const double value = values[static_cast<std::size_t>(row.value)];
+        rows.push_back({evaluator.names()[static_cast<std::size_t>(row.value)], value, row.limit, row.sign * row.scale,
+                        row.of(value), static_cast<int>(i) >= made.num_inequalities});
+    }
+    return rows;
+}
+
+}  // namespace
+
+StartAnswer check_start(const Problem& problem) {
+    StartAnswer answer;
+    answer.quantities.resize(problem.quantities.size());
+    Problem copy = problem;
+    for (std::size_t i = 0; i < copy.quantities.size(); ++i)
+        copy.quantities[i] = watched(problem.quantities[i], answer.quantities[i]);
+    const auto rest = rest_facts(copy);
+    ShapeEvaluator evaluator(copy, rest, differentiated(problem));
+    const DesignSpace space = design_space(rest, 1);
+    if (space.size() == 0) throw InvalidInput("no variable of level 1 moves anything; is all of it fixed?");
+    evaluator.enter(space);
+    ShapeEvaluation at = evaluator.evaluate(Eigen::VectorXd::Zero(space.size()), 1);
+    if (at.status == EvaluationStatus::ok && at.has_gradients_to_come) evaluator.differentiate(at);
+    answer.status = to_string(at.status);
+    answer.reason = at.reason;
+    answer.level = space.level;
+    answer.variables = space.size();
+    answer.remarks = at.remarks;
+    if (at.status == EvaluationStatus::ok) answer.constraints = rows_of(problem, evaluator, at.values);
+    return answer;
+}
+
+}  // namespace strake

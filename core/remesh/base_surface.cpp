@@ -100,7 +100,8 @@ void find_normals(BaseSurface& base) {
         const double twice_area = n.norm();
         base.area += 0.5 * twice_area;
         base.mean_edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-        known[t] = twice_area > 1e-9 * longest2;
+        // Thinner than 1e-5 of the diagonal: its normal is noise, and would make a crease of each of its long sides.
+        known[t] = twice_area > std::max(1e-9 * longest2, 1e-5 * base.diagonal * std::sqrt(longest2));
         base.normal[t] = twice_area > 0 ? Vector3d(n / twice_area) : Vector3d::Zero();
         if (!known[t]) flat.push_back(t);
     }
@@ -255,6 +256,38 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
     }
 }
 
+/// Means of the normals around each point, weighted by angle, not across features.
+void find_corner_normals(BaseSurface& base) {
+    const int halves = static_cast<int>(base.twin.size());
+    base.corner_normal.assign(halves, Vector3d::Zero());
+    std::vector<char> done(halves, 0);
+    for (int start = 0; start < halves; ++start) {
+        if (done[start]) continue;
+        int first = start;
+        while (!base.barrier[first]) {
+            first = base.next(base.twin[first]);
+            if (first == start) break;
+        }
+        Vector3d sum = Vector3d::Zero();
+        const Vector3d x = base.points[base.from(start)];
+        const auto walk = [&](auto&& visit) {
+            for (int h = first;;) {
+                visit(h);
+                if (base.barrier[base.prev(h)]) return;
+                h = base.twin[base.prev(h)];
+                if (h == first) return;
+            }
+        };
+        walk([&](int h) {
+            const Vector3d u = base.points[base.from(base.next(h))] - x, w = base.points[base.from(base.prev(h))] - x;
+            sum += std::atan2(u.cross(w).norm(), u.dot(w)) * base.normal[h / 3];
+            done[h] = 1;
+        });
+        const double length = sum.norm();
+        walk([&](int h) { base.corner_normal[h] = length > 1e-3 ? Vector3d(sum / length) : base.normal[h / 3]; });
+    }
+}
+
 void number_patches(BaseSurface& base) {
     base.patch.assign(base.tri.size(), -1);
     std::vector<int> stack;
@@ -304,8 +337,26 @@ BaseSurface base_surface(const TriMesh& given, double angle) {
     walk.half_of_ = half_of;
     walk.run();
     number_patches(base);
+    find_corner_normals(base);
     base.tree = TriangleTree(base.points, base.tri, 4 * base.mean_edge);
     return base;
+}
+
+std::array<double, 3> weights_at(const BaseSurface& base, int t, const Vector3d& x) {
+    const Vector3d &a = base.points[base.tri[t][0]], &b = base.points[base.tri[t][1]], &c = base.points[base.tri[t][2]];
+    const Vector3d n = (b - a).cross(c - a);
+    const double whole = n.squaredNorm();
+    if (!(whole > 0)) return {1, 0, 0};
+    const double wb = std::clamp((c - a).cross(a - x).dot(n) / whole, 0.0, 1.0),
+                 wc = std::clamp((a - x).cross(b - a).dot(n) / whole, 0.0, 1.0 - wb);
+    return {1 - wb - wc, wb, wc};
+}
+
+Vector3d normal_at(const BaseSurface& base, int t, const Vector3d& x) {
+    const auto [wa, wb, wc] = weights_at(base, t, x);
+    const Vector3d n = wa * base.corner_normal[3 * t] + wb * base.corner_normal[3 * t + 1] + wc * base.corner_normal[3 * t + 2];
+    const double length = n.norm();
+    return length > 1e-3 ? Vector3d(n / length) : base.normal[t];
 }
 
 namespace {

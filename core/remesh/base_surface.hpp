@@ -22,6 +22,7 @@ struct BaseSurface {
     std::vector<int> group;                ///< per triangle; empty: none
     std::vector<int> first_half;           ///< per point: a half-edge out of it, the first of its fan
     std::vector<Eigen::Vector3d> normal;   ///< per triangle, unit; needles take that of the triangle beside them
+    std::vector<Eigen::Vector3d> corner_normal;  ///< per half-edge: at the point it starts from, mean over the fan between features
     std::vector<char> barrier;             ///< per half-edge: a feature; patches end here
     std::vector<int> patch;                ///< per triangle: component without crossing features
     std::vector<VertexRole> role;          ///< per point
@@ -44,6 +45,11 @@ struct Foot {
     int triangle;
     double distance2;
 };
+/// Weights of the corners of triangle t at its point x; they sum to 1.
+std::array<double, 3> weights_at(const BaseSurface& base, int t, const Eigen::Vector3d& x);
+/// Unit normal at point x of triangle t, varying smoothly between features.
+Eigen::Vector3d normal_at(const BaseSurface& base, int t, const Eigen::Vector3d& x);
+
 /// Closest point of the patch of triangle `hint`: downhill from triangle to triangle, by the tree where that leads
 /// further away than `reach` or takes long.
 Foot project(const BaseSurface& base, const Eigen::Vector3d& x, int hint, double reach);

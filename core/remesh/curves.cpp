@@ -92,7 +92,7 @@ bool Curves::chord_fits(int curve, double s0, double s1, double slack) const {
         if (turning > std::numbers::pi / 3) break;
     }
     if (farthest <= slack) return true;
-    return turning <= std::numbers::pi / 3 && farthest <= 1.05 * (s1 - s0) * turning / 8;
+    return turning <= std::numbers::pi / 3 && farthest <= 5 * slack && farthest <= 1.05 * (s1 - s0) * turning / 8;
 }
 
 }  // namespace strake

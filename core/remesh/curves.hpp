@@ -31,8 +31,8 @@ public:
     int triangle_at(int curve, double s) const;  ///< of the input, at the segment
     /// Arc length of the input's vertex nearest to s.
     double nearest_vertex(int curve, double s) const;
-    /// How far the input leaves the chord from s0 to s1 (s0 < s1), beyond what an arc of its own radius would: at most
-    /// max(slack, 1.05 l^2 / 8R) with at most 60 degrees of turning is not worth a word.
+    /// Whether the input stays within `slack` of the chord from s0 to s1 (s0 < s1), or within what an arc of its radius
+    /// would: 1.05 l^2 / 8R, if that is below five times the slack and the turning below 60 degrees.
     bool chord_fits(int curve, double s0, double s1, double slack) const;
 
 private:

@@ -56,7 +56,6 @@ private:
                   kc = mesh_.valence[c] - wanted_[c], kd = mesh_.valence[d] - wanted_[d];
         const int gain = squared(ka) + squared(kb) + squared(kc) + squared(kd) - squared(ka - 1) - squared(kb - 1) -
                          squared(kc + 1) - squared(kd + 1);
-        if (gain < -4) return false;
         const Facing s0 = facing(mesh_, a, b, c), s1 = facing(mesh_, b, a, d);
         const double before = std::min(s0.quality, s1.quality);
         if (gain <= 0 && before > 0.6) return false;
@@ -64,8 +63,12 @@ private:
         const Facing n0 = facing(mesh_, a, d, c), n1 = facing(mesh_, d, b, c);
         const double after = std::min(n0.quality, n1.quality);
         if (gain > 0 ? after < std::min(before, 0.5) : after < 1.05 * before) return false;
+        if (gain < -4 && before > 0.3) return false;
         if (after < 1e-4) return false;
-        if (std::min(n0.dot, n1.dot) < allowed_dot(guard_, std::min(s0.dot, s1.dot))) return false;
+        double dot = 2;
+        for (const Facing* n : {&n0, &n1})
+            if (has_turned(guard_, s0, *n) && has_turned(guard_, s1, *n)) dot = std::min(dot, n->dot);
+        if (dot < allowed_dot(guard_, std::min(s0.dot, s1.dot))) return false;
         if (std::max(n0.dot, n1.dot) > 1 || std::max(s0.dot, s1.dot) > 1) {
             const Vector3d& steady = s0.quality >= s1.quality ? s0.normal : s1.normal;
             if (std::min(n0.normal.dot(steady), n1.normal.dot(steady)) < guard_.cos_natural) return false;

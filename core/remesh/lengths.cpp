@@ -74,17 +74,18 @@ private:
                 if (vanishes(out / 3, h)) return true;
                 const int p = mesh_.to(out), q = mesh_.apex(out);
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
-                after.add(made);
-                if (made.dot <= 1) return true;
-                const Facing old = facing(mesh_, v, p, q);  // no free corner: the triangle itself tells
-                if (old.quality > 1e-3 && made.normal.dot(old.normal) < guard_.cos_natural) fits = false;
+                const Facing old = facing(mesh_, v, p, q);
+                after.quality = std::min(after.quality, made.quality);
+                if (made.height < guard_.thin) return true;
+                if (has_turned(guard_, old, made)) after.dot = std::min(after.dot, made.dot);
+                if (made.dot > 1 && old.quality > 1e-3 && made.normal.dot(old.normal) < guard_.cos_natural) fits = false;
                 return true;
             });
         };
         look_at(a);
         if (moves) look_at(b);
         const Vector3d normal_before = mesh_.normal[b];
-        if (moves) mesh_.normal[b] = mesh_.base->normal[foot.triangle];
+        if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot.triangle, foot.point);
         try_at(a);
         if (moves) try_at(b);
         fits = fits && after.quality >= std::min(0.3, before.quality) && after.quality > 1e-4 &&

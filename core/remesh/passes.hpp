@@ -13,6 +13,7 @@ struct Guard {
     double chord_slack;   ///< how far the input's curves may leave their chords
     double cos_natural;   ///< normals may always stand off the input's by this
     double cos_turn, sin_turn;  ///< and by this more where they already do
+    double thin;  ///< the normals of triangles lower than this say nothing
     int threads;
 };
 
@@ -20,6 +21,7 @@ struct Guard {
 struct Facing {
     double dot;      ///< smallest cosine between its normal and the input's at its free corners; 2: no free corner
     double quality;  ///< shape_quality
+    double height;   ///< smallest
     Eigen::Vector3d normal;
 };
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::Vector3d& pa, const Eigen::Vector3d& pb,
@@ -27,7 +29,9 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
     Facing f;
     f.normal = (pb - pa).cross(pc - pa);
     const double twice_area = f.normal.norm();
-    f.quality = shape_quality(pa, pb, pc, twice_area);
+    const double ab = (pb - pa).squaredNorm(), bc = (pc - pb).squaredNorm(), ca = (pa - pc).squaredNorm();
+    f.quality = ab + bc + ca > 0 ? 3.4641016151377544 * twice_area / (ab + bc + ca) : 0;
+    f.height = twice_area > 0 ? twice_area / std::sqrt(std::max({ab, bc, ca})) : 0;
     if (twice_area > 0) f.normal /= twice_area;
     f.dot = 2;
     for (const int v : {a, b, c})
@@ -42,6 +46,11 @@ inline double allowed_dot(const Guard& guard, double before) {
     if (before >= guard.cos_natural) return guard.cos_natural;
     const double sine = std::sqrt(std::max(0.0, 1 - before * before));
     return std::max(-1.0, std::min(guard.cos_natural, before * guard.cos_turn - sine * guard.sin_turn));
+}
+
+/// Whether `made` faces another way than `old`, as far as that is known.
+inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made) {
+    return old.quality < 0.02 || made.normal.dot(old.normal) < guard.cos_turn;
 }
 
 int split_long(WorkingMesh& mesh, double factor);

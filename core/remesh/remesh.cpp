@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/remesh/passes.hpp"
+#include "core/remesh/sizing.hpp"
 
 #include <chrono>
 #include <numbers>
@@ -10,14 +11,12 @@
 namespace strake {
 namespace {
 
+double E(const char*n,double d){const char*x=getenv(n);return x?atof(x):d;}
 constexpr double radians = std::numbers::pi / 180;
 
 void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
-
-/// Vertices outside of every triangle carry a wanted length, too: nothing divides by zero.
-void set_sizes(WorkingMesh& mesh, double edge_length) { std::fill(mesh.size.begin(), mesh.size.end(), edge_length); }
 
 }  // namespace
 
@@ -45,10 +44,13 @@ RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const Re
         throw InvalidInput(text("remesh: an edge length of ", result.edge_length, " makes about ", wanted,
                                 " triangles, more than ", options.max_triangles, "; choose a longer one"));
     WorkingMesh mesh = working_mesh(base);
-    set_sizes(mesh, result.edge_length);
-    const double natural = 15 * radians, turn = options.turn_deg * radians;
+    const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * result.edge_length;
+    const Sizing sizing = sizing_of(base, result.edge_length, std::min(shortest, result.edge_length),
+                                    options.gradation, options.chord_error);
+    update_sizes(mesh, sizing);
+    const double natural = E("NAT",25) * radians, turn = E("TURN",options.turn_deg) * radians;
     const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-    const Guard guard{0.9e-4 * base.diagonal, std::cos(natural), std::cos(turn), std::sin(turn), std::max(1, threads)};
+    const Guard guard{0.9e-4 * base.diagonal, std::cos(natural), std::cos(turn), std::sin(turn), E("THIN",0)*base.diagonal, std::max(1, threads)};
     for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh, guard, factor, 4.0 / 3);
     for (int i = 1; i <= options.iterations; ++i) {
         RemeshRecord record{};
@@ -57,7 +59,8 @@ RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const Re
         record.collapses = collapse_short(mesh, guard, 0.8, 4.0 / 3);
         mesh.compact();
         record.flips = flip_edges(mesh, guard);
-        record.largest_move = smooth(mesh, guard);
+        for(int k=0;k<E("SM",2);++k) record.largest_move = smooth(mesh, guard);
+        if ((i < options.iterations - 1 && i >= E("N0",3) && note_thin_places(mesh, sizing, i >= E("N1",5)) > 0) || !sizing.on_base.empty()) update_sizes(mesh, sizing);
         record.triangles = mesh.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         result.records.push_back(record);
@@ -66,6 +69,7 @@ RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const Re
             break;
         }
     }
+    if(getenv("DBG")){int n=0; for(int t=0;t<mesh.num_triangles()&&n<8;++t){ if(!mesh.is_alive(t))continue; Facing f=facing(mesh,mesh.corner[3*t],mesh.corner[3*t+1],mesh.corner[3*t+2]); if(f.quality>.06)continue; ++n; fprintf(stderr,"t %d q %g dot %g:",t,f.quality,f.dot); for(int h=3*t;h<3*t+3;++h){int v=mesh.corner[h],ft=mesh.feature[h],g=mesh.twin[h]; double nd=-9; if(g>=0){int u=g/3; Facing e=facing(mesh,mesh.corner[3*u],mesh.corner[3*u+1],mesh.corner[3*u+2]); nd=e.normal.dot(f.normal);} fprintf(stderr," [v%d r%d val %d sz %.3g lim %.3g len %.3g f%d c%d s%.4g-%.4g nd %.3f]",v,(int)mesh.role[v],mesh.valence[v],mesh.size[v],mesh.limit[v],std::sqrt(mesh.length2(h)),ft,ft<0?-1:mesh.features[ft].curve,ft<0?0:mesh.features[ft].s[0],ft<0?0:mesh.features[ft].s[1],nd);} fprintf(stderr,"\n");}}
     for (const FeatureEdge& edge : mesh.features) {
         if (edge.kind == FeatureKind::crease) ++result.crease_edges;
         if (edge.kind == FeatureKind::boundary) ++result.boundary_edges;

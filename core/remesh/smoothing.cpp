@@ -38,7 +38,7 @@ void move_free(const WorkingMesh& mesh, int v, Moves& moves) {
     const Foot foot = project(*mesh.base, mesh.pos[v] + shift, mesh.foot[v], 0.5 * mesh.size[v]);
     moves.pos[v] = foot.point;
     moves.foot[v] = foot.triangle;
-    moves.normal[v] = mesh.base->normal[foot.triangle];
+    moves.normal[v] = normal_at(*mesh.base, foot.triangle, foot.point);
 }
 
 /// The two features at a ridge: the one that ends there and the one that begins there.
@@ -77,7 +77,7 @@ void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves
     moves.s[v] = shift;
     moves.pos[v] = curves.at(e.curve, e.s[1] + shift);
     moves.foot[v] = curves.triangle_at(e.curve, e.s[1] + shift);
-    moves.normal[v] = mesh.base->normal[moves.foot[v]];
+    
 }
 
 /// Triangles that the moves would spoil; their vertices stay.
@@ -89,6 +89,7 @@ bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard,
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
     if (now.quality < std::min(0.3, old.quality)) return true;
     if (now.dot > 1) return old.quality > 1e-3 && now.normal.dot(old.normal) < guard.cos_natural;
+    if (!has_turned(guard, old, now)) return false;
     old.dot = 2;
     for (const int v : {a, b, c})
         if (mesh.role[v] == VertexRole::free) old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strake {
 
@@ -25,11 +26,12 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.valence.assign(n, 0);
     mesh.origin.assign(n, -1);
     mesh.size.assign(n, 0.0);
+    mesh.limit.assign(n, std::numeric_limits<double>::infinity());
     mesh.mark.assign(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
         if (mesh.half[v] < 0) continue;
         mesh.foot[v] = mesh.half[v] / 3;
-        mesh.normal[v] = base.normal[mesh.foot[v]];
+        mesh.normal[v] = base.corner_normal[mesh.half[v]];
         if (mesh.role[v] == VertexRole::fixed) mesh.origin[v] = base.origin[v];
         mesh.neighbours(static_cast<int>(v), [&](int) { ++mesh.valence[v]; });
     }
@@ -48,7 +50,7 @@ int WorkingMesh::new_triangle(int a, int b, int c, int like) {
 void WorkingMesh::place_on_curve(int v, int curve, double s) {
     pos[v] = base->curves.at(curve, s);
     foot[v] = base->curves.triangle_at(curve, s);
-    normal[v] = base->normal[foot[v]];
+    normal[v] = normal_at(*base, foot[v], pos[v]);
 }
 
 int WorkingMesh::split_feature(int f, int a, int m) {
@@ -69,8 +71,10 @@ int WorkingMesh::split(int h) {
     const int near = role[a] == VertexRole::free || role[b] != VertexRole::free ? a : b;
     pos.push_back(0.5 * (pos[a] + pos[b]));
     foot.push_back(foot[near]);
-    normal.push_back(normal[near]);
+    normal.push_back((normal[a] + normal[b]).normalized());
+    if (role[near] != VertexRole::free || !(normal.back().squaredNorm() > 0.5)) normal.back() = base->normal[foot[near]];
     size.push_back(wanted(a, b));
+    limit.push_back(std::max(limit[a], limit[b]));
     role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);
     origin.push_back(-1);
     mark.push_back(0);
@@ -221,7 +225,7 @@ void WorkingMesh::compact() {
     for (int v = 0; v < num_vertices(); ++v) {
         if (half[v] < 0) continue;
         pos[n] = pos[v], normal[n] = normal[v], foot[n] = foot[v], half[n] = half[v], valence[n] = valence[v];
-        origin[n] = origin[v], size[n] = size[v], role[n] = role[v];
+        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v];
         number[v] = n++;
     }
     for (std::size_t f = 0; f < features.size(); ++f) {
@@ -246,7 +250,7 @@ void WorkingMesh::compact() {
     }
     for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
     pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
-    origin.resize(n), size.resize(n), role.resize(n), mark.assign(n, 0);
+    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), mark.assign(n, 0);
     corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
     if (!group.empty()) group.resize(m);
     stamp = 0;

@@ -24,6 +24,7 @@ struct WorkingMesh {
     std::vector<int> valence;             ///< edges
     std::vector<int> origin;              ///< vertex of the input, of those that stay; else -1
     std::vector<double> size;             ///< wanted edge length
+    std::vector<double> limit;            ///< what thin places ask for; infinite elsewhere
     std::vector<VertexRole> role;
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1

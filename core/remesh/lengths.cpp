@@ -10,8 +10,20 @@ bool is_longest(const WorkingMesh& mesh, int h, double length2) {
     return mesh.length2(mesh.next(h)) <= length2 && mesh.length2(mesh.prev(h)) <= length2;
 }
 
+/// Edges of features are cut at a point of the curve; no triangle beside them may turn over by that.
 bool may_split(const WorkingMesh& mesh, int h) {
-    return mesh.feature[h] < 0 || mesh.features[mesh.feature[h]].kind != FeatureKind::kept;
+    if (mesh.feature[h] < 0) return true;
+    const FeatureEdge& edge = mesh.features[mesh.feature[h]];
+    if (edge.kind == FeatureKind::kept) return false;
+    const Vector3d m = mesh.base->curves.at(edge.curve, mesh.split_place(mesh.feature[h]));
+    for (const int side : {h, mesh.twin[h]}) {
+        if (side < 0) continue;
+        const Vector3d &a = mesh.pos[mesh.from(side)], &b = mesh.pos[mesh.to(side)], &c = mesh.pos[mesh.apex(side)];
+        const Vector3d n = (b - a).cross(c - a);
+        const double least = 0.1 * n.squaredNorm();
+        if (!((m - a).cross(c - a).dot(n) > least && (b - m).cross(c - m).dot(n) > least)) return false;
+    }
+    return true;
 }
 
 /// The worst of the triangles that an operation replaces, or makes.
@@ -76,9 +88,8 @@ private:
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
                 const Facing old = facing(mesh_, v, p, q);
                 after.quality = std::min(after.quality, made.quality);
-                if (made.height < guard_.thin) return true;
                 if (has_turned(guard_, old, made)) after.dot = std::min(after.dot, made.dot);
-                if (made.dot > 1 && old.quality > 1e-3 && made.normal.dot(old.normal) < guard_.cos_natural) fits = false;
+                if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural) fits = false;
                 return true;
             });
         };
@@ -86,6 +97,7 @@ private:
         if (moves) look_at(b);
         const Vector3d normal_before = mesh_.normal[b];
         if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot.triangle, foot.point);
+        if (moves && std::min(mesh_.normal[b].dot(normal_before), mesh_.normal[b].dot(mesh_.normal[a])) < 0.5) fits = false;
         try_at(a);
         if (moves) try_at(b);
         fits = fits && after.quality >= std::min(0.3, before.quality) && after.quality > 1e-4 &&
@@ -123,7 +135,7 @@ int split_long(WorkingMesh& mesh, double factor) {
 int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest) {
     Collapse collapse(mesh, guard, longest);
     int total = 0;
-    for (int sweep = 0; sweep < 10; ++sweep) {
+    for (int sweep = 0; sweep < 4; ++sweep) {
         int count = 0;
         for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h) {
             if (mesh.corner[h] < 0 || (mesh.twin[h] >= 0 && mesh.twin[h] < h)) continue;

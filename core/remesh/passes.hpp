@@ -13,7 +13,6 @@ struct Guard {
     double chord_slack;   ///< how far the input's curves may leave their chords
     double cos_natural;   ///< normals may always stand off the input's by this
     double cos_turn, sin_turn;  ///< and by this more where they already do
-    double thin;  ///< the normals of triangles lower than this say nothing
     int threads;
 };
 
@@ -21,7 +20,6 @@ struct Guard {
 struct Facing {
     double dot;      ///< smallest cosine between its normal and the input's at its free corners; 2: no free corner
     double quality;  ///< shape_quality
-    double height;   ///< smallest
     Eigen::Vector3d normal;
 };
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::Vector3d& pa, const Eigen::Vector3d& pb,
@@ -31,7 +29,6 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
     const double twice_area = f.normal.norm();
     const double ab = (pb - pa).squaredNorm(), bc = (pc - pb).squaredNorm(), ca = (pa - pc).squaredNorm();
     f.quality = ab + bc + ca > 0 ? 3.4641016151377544 * twice_area / (ab + bc + ca) : 0;
-    f.height = twice_area > 0 ? twice_area / std::sqrt(std::max({ab, bc, ca})) : 0;
     if (twice_area > 0) f.normal /= twice_area;
     f.dot = 2;
     for (const int v : {a, b, c})
@@ -41,13 +38,13 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
     return facing(mesh, a, b, c, mesh.pos[a], mesh.pos[b], mesh.pos[c]);
 }
-/// The smallest cosine allowed where it was `before`.
+/// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread.
 inline double allowed_dot(const Guard& guard, double before) {
     if (before >= guard.cos_natural) return guard.cos_natural;
     const double sine = std::sqrt(std::max(0.0, 1 - before * before));
-    return std::max(-1.0, std::min(guard.cos_natural, before * guard.cos_turn - sine * guard.sin_turn));
+    return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, 0.05, guard.cos_natural);
 }
-
+constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
 /// Whether `made` faces another way than `old`, as far as that is known.
 inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made) {
     return old.quality < 0.02 || made.normal.dot(old.normal) < guard.cos_turn;

@@ -1,6 +1,7 @@
 #include "core/remesh/remesh.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/topology.hpp"
 #include "core/remesh/passes.hpp"
 #include "core/remesh/sizing.hpp"
 
@@ -11,12 +12,145 @@
 namespace strake {
 namespace {
 
-double E(const char*n,double d){const char*x=getenv(n);return x?atof(x):d;}
 constexpr double radians = std::numbers::pi / 180;
+constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
+
+/// Triangles of the input that pass through others, and those beside them.
+std::vector<char> crossing_before(const TriMesh& input, const BaseSurface& base) {
+    std::vector<char> crosses(base.tri.size(), 0), result;
+    const Intersections pairs = intersections(input);
+    for (const auto* list : {&pairs.apart, &pairs.adjacent})
+        for (const auto& pair : *list)
+            for (const int t : pair) crosses[t] = 1;
+    result = crosses;
+    for (std::size_t h = 0; h < base.twin.size(); ++h)
+        if (crosses[h / 3] && base.twin[h] >= 0) result[base.twin[h] / 3] = 1;
+    return result;
+}
+
+/// One call of remesh().
+class Remesher {
+public:
+    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress)
+        : given_(given), options_(options), progress_(progress), base_(base_surface(given, options.angle_deg * radians)) {
+        result_.edge_length = options.edge_length > 0 ? options.edge_length : base_.mean_edge;
+        const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
+        if (!(triangles <= options.max_triangles))
+            throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
+                                    " triangles, more than ", options.max_triangles, "; choose a longer one"));
+        // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
+        const double longest = 0.985 * result_.edge_length;
+        const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
+        sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
+        const double turn = options.turn_deg * radians;
+        const int threads = options.threads > 0 ? options.threads
+                                                : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        firm_ = {0.9e-4 * base_.diagonal, std::cos(22 * radians), std::cos(turn), std::sin(turn), threads};
+        loose_ = firm_;
+        loose_.cos_natural = std::cos(42 * radians);
+        mesh_ = working_mesh(base_);
+        update_sizes(mesh_, sizing_);
+    }
+
+    RemeshResult run() {
+        for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
+        for (int i = 1; i <= options_.iterations && !result_.cancelled; ++i) {
+            iterate();
+            note_limits(i);
+        }
+        if (!result_.cancelled) disentangle();
+        count();
+        result_.mesh = as_mesh(mesh_, given_.group_names);
+        return std::move(result_);
+    }
+
+private:
+    void iterate() {
+        RemeshRecord record{};
+        record.iteration = static_cast<int>(result_.records.size()) + 1;
+        record.splits = split_long(mesh_, too_long);
+        record.collapses = collapse_short(mesh_, firm_, too_short, too_long);
+        mesh_.compact();
+        record.flips = flip_edges(mesh_, loose_);
+        smooth(mesh_, loose_);
+        record.largest_move = smooth(mesh_, loose_);
+        record.triangles = mesh_.num_triangles();
+        record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        result_.records.push_back(record);
+        if (progress_ && !progress_(record)) result_.cancelled = true;
+    }
+
+    /// Where the shape asks for shorter edges than wanted; not before the first ones have found their places, and
+    /// not so late that nothing can follow.
+    void note_limits(int i) {
+        int count = 0;
+        if (i >= 3 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 5);
+        if (i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
+            const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
+            count += note_far_edges(mesh_, sizing_, far, firm_.threads);
+        }
+        if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
+    }
+
+    /// Shortens edges where the surface passes through itself and the input does not.
+    void disentangle() {
+        std::vector<char> before;
+        for (int round = 0; round < 5 && !result_.cancelled; ++round) {
+            mesh_.compact();
+            const Intersections pairs = intersections(as_mesh(mesh_, {}));
+            result_.new_intersections = 0;
+            if (pairs.apart.empty() && pairs.adjacent.empty()) return;
+            if (before.empty()) before = crossing_before(given_, base_);
+            for (const auto* list : {&pairs.apart, &pairs.adjacent})
+                for (const auto& pair : *list) result_.new_intersections += !is_old(pair, before);
+            if (result_.new_intersections == 0 || round == 4) return;
+            for (const auto* list : {&pairs.apart, &pairs.adjacent})
+                for (const auto& pair : *list)
+                    if (!is_old(pair, before)) shorten(pair);
+            update_sizes(mesh_, sizing_);
+            for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
+        }
+    }
+    bool is_old(const std::array<int, 2>& pair, const std::vector<char>& before) const {
+        for (const int t : pair)
+            for (int h = 3 * t; h < 3 * t + 3; ++h)
+                if (before[mesh_.foot[mesh_.corner[h]]]) return true;
+        return false;
+    }
+    void shorten(const std::array<int, 2>& pair) {
+        for (const int t : pair)
+            for (int h = 3 * t; h < 3 * t + 3; ++h) {
+                const int v = mesh_.corner[h];
+                const double limit = std::max(0.3 * sizing_.shortest, 0.5 * mesh_.size[v]);
+                mesh_.limit[v] = std::min(mesh_.limit[v], limit);
+            }
+    }
+
+    void count() {
+        for (const FeatureEdge& edge : mesh_.features) {
+            if (edge.curve < 0) continue;
+            if (edge.kind == FeatureKind::crease) ++result_.crease_edges;
+            if (edge.kind == FeatureKind::boundary) ++result_.boundary_edges;
+            if (edge.kind == FeatureKind::border) ++result_.border_edges;
+            if (edge.kind == FeatureKind::kept) ++result_.kept_edges;
+        }
+        for (const VertexRole role : mesh_.role) result_.corners += role == VertexRole::fixed;
+    }
+
+    const TriMesh& given_;
+    const RemeshOptions& options_;
+    const RemeshProgress& progress_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const BaseSurface base_;
+    Sizing sizing_;
+    Guard firm_, loose_;  ///< of collapses; of flips and smoothing
+    WorkingMesh mesh_;
+    RemeshResult result_;
+};
 
 }  // namespace
 
@@ -35,50 +169,7 @@ void validate(const RemeshOptions& o) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
-    const auto start = std::chrono::steady_clock::now();
-    const BaseSurface base = base_surface(given, options.angle_deg * radians);
-    RemeshResult result;
-    result.edge_length = options.edge_length > 0 ? options.edge_length : base.mean_edge;
-    const double wanted = base.area / (0.4330127 * result.edge_length * result.edge_length);
-    if (!(wanted <= options.max_triangles))
-        throw InvalidInput(text("remesh: an edge length of ", result.edge_length, " makes about ", wanted,
-                                " triangles, more than ", options.max_triangles, "; choose a longer one"));
-    WorkingMesh mesh = working_mesh(base);
-    const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * result.edge_length;
-    const Sizing sizing = sizing_of(base, result.edge_length, std::min(shortest, result.edge_length),
-                                    options.gradation, options.chord_error);
-    update_sizes(mesh, sizing);
-    const double natural = E("NAT",25) * radians, turn = E("TURN",options.turn_deg) * radians;
-    const int threads = options.threads > 0 ? options.threads : static_cast<int>(std::thread::hardware_concurrency());
-    const Guard guard{0.9e-4 * base.diagonal, std::cos(natural), std::cos(turn), std::sin(turn), E("THIN",0)*base.diagonal, std::max(1, threads)};
-    for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh, guard, factor, 4.0 / 3);
-    for (int i = 1; i <= options.iterations; ++i) {
-        RemeshRecord record{};
-        record.iteration = i;
-        record.splits = split_long(mesh, 4.0 / 3);
-        record.collapses = collapse_short(mesh, guard, 0.8, 4.0 / 3);
-        mesh.compact();
-        record.flips = flip_edges(mesh, guard);
-        for(int k=0;k<E("SM",2);++k) record.largest_move = smooth(mesh, guard);
-        if ((i < options.iterations - 1 && i >= E("N0",3) && note_thin_places(mesh, sizing, i >= E("N1",5)) > 0) || !sizing.on_base.empty()) update_sizes(mesh, sizing);
-        record.triangles = mesh.num_triangles();
-        record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        result.records.push_back(record);
-        if (progress && !progress(record)) {
-            result.cancelled = true;
-            break;
-        }
-    }
-    if(getenv("DBG")){int n=0; for(int t=0;t<mesh.num_triangles()&&n<8;++t){ if(!mesh.is_alive(t))continue; Facing f=facing(mesh,mesh.corner[3*t],mesh.corner[3*t+1],mesh.corner[3*t+2]); if(f.quality>.06)continue; ++n; fprintf(stderr,"t %d q %g dot %g:",t,f.quality,f.dot); for(int h=3*t;h<3*t+3;++h){int v=mesh.corner[h],ft=mesh.feature[h],g=mesh.twin[h]; double nd=-9; if(g>=0){int u=g/3; Facing e=facing(mesh,mesh.corner[3*u],mesh.corner[3*u+1],mesh.corner[3*u+2]); nd=e.normal.dot(f.normal);} fprintf(stderr," [v%d r%d val %d sz %.3g lim %.3g len %.3g f%d c%d s%.4g-%.4g nd %.3f]",v,(int)mesh.role[v],mesh.valence[v],mesh.size[v],mesh.limit[v],std::sqrt(mesh.length2(h)),ft,ft<0?-1:mesh.features[ft].curve,ft<0?0:mesh.features[ft].s[0],ft<0?0:mesh.features[ft].s[1],nd);} fprintf(stderr,"\n");}}
-    for (const FeatureEdge& edge : mesh.features) {
-        if (edge.kind == FeatureKind::crease) ++result.crease_edges;
-        if (edge.kind == FeatureKind::boundary) ++result.boundary_edges;
-        if (edge.kind == FeatureKind::border) ++result.border_edges;
-        if (edge.kind == FeatureKind::kept) ++result.kept_edges;
-    }
-    for (const VertexRole role : mesh.role) result.corners += role == VertexRole::fixed;
-    result.mesh = as_mesh(mesh, given.group_names);
-    return result;
+    return Remesher(given, options, progress).run();
 }
 
 }  // namespace strake

@@ -6,6 +6,8 @@
 #include <limits>
 #include <queue>
 
+#include "core/remesh/passes.hpp"
+
 namespace strake {
 namespace {
 
@@ -79,23 +81,19 @@ double size_on_base(const BaseSurface& base, const std::vector<double>& size, in
     return wa * size[base.tri[t][0]] + wb * size[base.tri[t][1]] + wc * size[base.tri[t][2]];
 }
 
-/// Sweeps to and fro over the vertices until every length respects its neighbours'.
-void grade(WorkingMesh& mesh, double gradation) {
-    const int n = mesh.num_vertices();
-    for (int sweep = 0; sweep < 30; ++sweep) {
-        bool changed = false;
-        for (int i = 0; i < n; ++i) {
-            const int v = sweep % 2 == 0 ? i : n - 1 - i;
-            if (mesh.half[v] < 0) continue;
-            mesh.neighbours(v, [&](int u) {
-                const double s = mesh.size[u] + gradation * (mesh.pos[u] - mesh.pos[v]).norm();
-                if (s < mesh.size[v] * (1 - 1e-9)) {
-                    mesh.size[v] = s;
-                    changed = true;
-                }
-            });
-        }
-        if (!changed) return;
+/// Hands shorter lengths on from vertex to vertex, beginning at those listed.
+void grade(WorkingMesh& mesh, double gradation, std::vector<int> queue) {
+    std::vector<char> waits(mesh.num_vertices(), 0);
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        const int v = queue[i];
+        waits[v] = 0;
+        mesh.neighbours(v, [&](int u) {
+            const double s = mesh.size[v] + gradation * (mesh.pos[u] - mesh.pos[v]).norm();
+            if (!(s < mesh.size[u] * (1 - 1e-9))) return;
+            mesh.size[u] = s;
+            if (!waits[u]) queue.push_back(u);
+            waits[u] = 1;
+        });
     }
 }
 
@@ -137,9 +135,8 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
         int held = 0;
         for (const int i : v) held += mesh.role[i] != VertexRole::free;
         if (held < 2 && !everywhere) continue;
+        if (mesh.quality(t) > 0.5 || is_acute_tip(mesh, t)) continue;
         const double twice_area = mesh.area_vector2(t).norm();
-        if (shape_quality(mesh.pos[v[0]], mesh.pos[v[1]], mesh.pos[v[2]], twice_area) > 0.5) continue;
-        if (is_acute_tip(mesh, t)) continue;
         const double longest = std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
         const double limit = std::max(sizing.shortest, 2.0 * twice_area / longest);
         for (const int i : v)
@@ -151,16 +148,42 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
     return count;
 }
 
+int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int threads) {
+    const int halves = static_cast<int>(mesh.corner.size());
+    std::vector<char> is_far(halves, 0);
+    in_parts(halves, threads, [&](int begin, int end) {
+        for (int h = begin; h < end; ++h) {
+            if (mesh.corner[h] < 0 || mesh.feature[h] >= 0 || mesh.twin[h] < h) continue;
+            const int a = mesh.from(h), b = mesh.to(h);
+            if (mesh.role[a] != VertexRole::free && mesh.role[b] != VertexRole::free) continue;
+            const Vector3d middle = 0.5 * (mesh.pos[a] + mesh.pos[b]);
+            const int hint = mesh.foot[mesh.role[a] == VertexRole::free ? a : b];
+            is_far[h] = project(*mesh.base, middle, hint, far).distance2 > far * far;
+        }
+    });
+    int count = 0;
+    for (int h = 0; h < halves; ++h) {
+        if (!is_far[h]) continue;
+        for (const int v : {mesh.from(h), mesh.to(h), mesh.apex(h), mesh.apex(mesh.twin[h])}) {
+            const double limit = std::max(sizing.shortest, 0.7 * mesh.size[v]);
+            if (!(limit < mesh.limit[v])) continue;
+            mesh.limit[v] = limit;
+            ++count;
+        }
+    }
+    return count;
+}
+
 void update_sizes(WorkingMesh& mesh, const Sizing& sizing) {
-    bool is_uniform = sizing.on_base.empty();
+    std::vector<int> limited;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         const double here = sizing.on_base.empty() || mesh.half[v] < 0
                                 ? sizing.longest
                                 : size_on_base(*mesh.base, sizing.on_base, mesh.foot[v], mesh.pos[v]);
         mesh.size[v] = std::min(here, mesh.limit[v]);
-        is_uniform = is_uniform && mesh.limit[v] >= here;
+        if (mesh.limit[v] < here && mesh.half[v] >= 0) limited.push_back(v);
     }
-    if (!is_uniform) grade(mesh, sizing.gradation);
+    grade(mesh, sizing.gradation, std::move(limited));
 }
 
 }  // namespace strake

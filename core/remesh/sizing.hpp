@@ -17,6 +17,9 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
 /// mesh.limit. @param everywhere also where no two features meet. @return how many vertices did.
 int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere);
 
+/// The same for edges whose middles are farther from the input than `far`.
+int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int threads);
+
 /// Sets mesh.size from the input's sizes and mesh.limit, graded.
 void update_sizes(WorkingMesh& mesh, const Sizing& sizing);
 

@@ -1,7 +1,5 @@
 #include "core/remesh/passes.hpp"
 
-#include <thread>
-
 /// Smoothing along the surface and back onto it. Every vertex looks at where the others were before the pass, so that
 /// the order, and the number of threads, do not matter.
 namespace strake {
@@ -36,9 +34,11 @@ void move_free(const WorkingMesh& mesh, int v, Moves& moves) {
     Vector3d shift = centre(mesh, v) - mesh.pos[v];
     shift -= shift.dot(mesh.normal[v]) * mesh.normal[v];
     const Foot foot = project(*mesh.base, mesh.pos[v] + shift, mesh.foot[v], 0.5 * mesh.size[v]);
+    const Vector3d normal = normal_at(*mesh.base, foot.triangle, foot.point);
+    if (normal.dot(mesh.normal[v]) < 0.5) return;  // round an edge, or on the other side of a thin part
     moves.pos[v] = foot.point;
     moves.foot[v] = foot.triangle;
-    moves.normal[v] = normal_at(*mesh.base, foot.triangle, foot.point);
+    moves.normal[v] = normal;
 }
 
 /// The two features at a ridge: the one that ends there and the one that begins there.
@@ -88,12 +88,12 @@ bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard,
     if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
     if (now.quality < std::min(0.3, old.quality)) return true;
-    if (now.dot > 1) return old.quality > 1e-3 && now.normal.dot(old.normal) < guard.cos_natural;
+    if (now.dot > 1) return old.quality > no_area && now.normal.dot(old.normal) < guard.cos_natural;
     if (!has_turned(guard, old, now)) return false;
     old.dot = 2;
     for (const int v : {a, b, c})
         if (mesh.role[v] == VertexRole::free) old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
-    return now.dot < std::min(guard.cos_natural, old.dot);
+    return now.dot < std::min(guard.cos_natural, old.dot) || (now.dot < 0 && now.quality > old.quality);
 }
 
 void shift_features(WorkingMesh& mesh, const std::vector<double>& s) {
@@ -102,24 +102,57 @@ void shift_features(WorkingMesh& mesh, const std::vector<double>& s) {
             for (int end = 0; end < 2; ++end) edge.s[end] += s[edge.v[end]];
 }
 
-}  // namespace
-
-void in_parts(int n, int threads, const std::function<void(int, int)>& f) {
-    const int parts = std::clamp(std::min(threads, n / 2000), 1, 64);
-    std::vector<std::thread> others;
-    for (int i = 1; i < parts; ++i)
-        others.emplace_back(f, static_cast<int>(static_cast<long>(n) * i / parts),
-                            static_cast<int>(static_cast<long>(n) * (i + 1) / parts));
-    f(0, n / parts);
-    for (std::thread& other : others) other.join();
+/// Takes back the moves of the triangles that they spoil, and of those that this spoils in turn.
+void take_back(WorkingMesh& mesh, Moves& before, const Guard& guard) {
+    const int m = mesh.num_triangles();
+    std::vector<char> spoilt(m);
+    in_parts(m, guard.threads, [&](int begin, int end) {
+        for (int t = begin; t < end; ++t) spoilt[t] = mesh.is_alive(t) && is_spoilt(mesh, before, guard, t);
+    });
+    std::vector<int> queue;
+    for (int t = 0; t < m; ++t)
+        if (spoilt[t]) queue.push_back(t);
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        const int t = queue[i];
+        for (int k = 0; k < 3; ++k) {
+            const int v = mesh.corner[3 * t + k];
+            if (mesh.pos[v] == before.pos[v]) continue;
+            mesh.pos[v] = before.pos[v];
+            mesh.normal[v] = before.normal[v];
+            mesh.foot[v] = before.foot[v];
+            before.s[v] = 0;
+            mesh.around(v, [&](int h) {
+                if (is_spoilt(mesh, before, guard, h / 3)) queue.push_back(h / 3);
+                return true;
+            });
+        }
+    }
 }
 
+/// Vertices near which nothing moves any more are calm. @return the largest move in wanted lengths.
+double settle(WorkingMesh& mesh, const Moves& before) {
+    constexpr double noticeable = 0.01;
+    double largest = 0;
+    std::vector<int> moved;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        if (mesh.calm[v]) continue;
+        const double move = (mesh.pos[v] - before.pos[v]).norm() / mesh.size[v];
+        largest = std::max(largest, move);
+        mesh.calm[v] = 1;
+        if (move > noticeable && mesh.half[v] >= 0) moved.push_back(v);
+    }
+    for (const int v : moved) mesh.wake_around(v);
+    return largest;
+}
+
+}  // namespace
+
 double smooth(WorkingMesh& mesh, const Guard& guard) {
-    const int n = mesh.num_vertices(), m = mesh.num_triangles();
+    const int n = mesh.num_vertices();
     Moves moves{mesh.pos, mesh.normal, mesh.foot, std::vector<double>(n, 0.0)};
     in_parts(n, guard.threads, [&](int begin, int end) {
         for (int v = begin; v < end; ++v) {
-            if (mesh.half[v] < 0) continue;
+            if (mesh.half[v] < 0 || mesh.calm[v]) continue;
             if (mesh.role[v] == VertexRole::free)
                 move_free(mesh, v, moves);
             else if (mesh.role[v] == VertexRole::ridge)
@@ -129,28 +162,9 @@ double smooth(WorkingMesh& mesh, const Guard& guard) {
     mesh.pos.swap(moves.pos);
     mesh.normal.swap(moves.normal);
     mesh.foot.swap(moves.foot);
-    std::vector<char> spoilt(m);
-    for (bool again = true; again;) {
-        in_parts(m, guard.threads, [&](int begin, int end) {
-            for (int t = begin; t < end; ++t) spoilt[t] = mesh.is_alive(t) && is_spoilt(mesh, moves, guard, t);
-        });
-        again = false;
-        for (int t = 0; t < m; ++t) {
-            if (!spoilt[t]) continue;
-            again = true;
-            for (int h = 3 * t; h < 3 * t + 3; ++h) {
-                const int v = mesh.corner[h];
-                mesh.pos[v] = moves.pos[v];
-                mesh.normal[v] = moves.normal[v];
-                mesh.foot[v] = moves.foot[v];
-                moves.s[v] = 0;
-            }
-        }
-    }
+    take_back(mesh, moves, guard);
     shift_features(mesh, moves.s);
-    double largest = 0;
-    for (int v = 0; v < n; ++v) largest = std::max(largest, (mesh.pos[v] - moves.pos[v]).norm() / mesh.size[v]);
-    return largest;
+    return settle(mesh, moves);
 }
 
 }  // namespace strake

@@ -28,6 +28,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.size.assign(n, 0.0);
     mesh.limit.assign(n, std::numeric_limits<double>::infinity());
     mesh.mark.assign(n, 0);
+    mesh.calm.assign(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
         if (mesh.half[v] < 0) continue;
         mesh.foot[v] = mesh.half[v] / 3;
@@ -53,10 +54,15 @@ void WorkingMesh::place_on_curve(int v, int curve, double s) {
     normal[v] = normal_at(*base, foot[v], pos[v]);
 }
 
+double WorkingMesh::split_place(int f) const {
+    const FeatureEdge& edge = features[f];
+    const double middle = 0.5 * (edge.s[0] + edge.s[1]), vertex = base->curves.nearest_vertex(edge.curve, middle);
+    return std::abs(vertex - middle) < 0.25 * (edge.s[1] - edge.s[0]) ? vertex : middle;
+}
+
 int WorkingMesh::split_feature(int f, int a, int m) {
     const FeatureEdge edge = features[f];
-    const double middle = 0.5 * (edge.s[0] + edge.s[1]), vertex = base->curves.nearest_vertex(edge.curve, middle);
-    const double s = std::abs(vertex - middle) < 0.25 * (edge.s[1] - edge.s[0]) ? vertex : middle;
+    const double s = split_place(f);
     const int beyond = static_cast<int>(features.size());
     features.push_back(edge);
     const int end = edge.v[0] == a ? 1 : 0;  // of f, which stays at a
@@ -78,6 +84,8 @@ int WorkingMesh::split(int h) {
     role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);
     origin.push_back(-1);
     mark.push_back(0);
+    calm.push_back(0);
+    for (const int v : {a, b, c}) wake(v);
     valence.push_back(g >= 0 ? 4 : 3);
     half.push_back(-1);
     const int beyond = f >= 0 ? split_feature(f, a, m) : -1;
@@ -104,6 +112,7 @@ int WorkingMesh::split(int h) {
     feature[3 * t3] = beyond;
     join(3 * t2, 3 * t3);
     ++valence[d];
+    wake(d);
     return m;
 }
 
@@ -123,6 +132,7 @@ void WorkingMesh::flip(int h) {
     if (half[a] == ng) half[a] = h;
     if (half[b] == n) half[b] = g;
     --valence[a], --valence[b], ++valence[c], ++valence[d];
+    for (const int v : {a, b, c, d}) wake(v);
 }
 
 int WorkingMesh::other_feature(int v, int f) const {
@@ -217,6 +227,7 @@ void WorkingMesh::collapse(int h, int gone) {
     if (d >= 0) turn_to_boundary(d, out_of_d);
     turn_to_boundary(b, y >= 0 ? y : next(x));
     half[a] = -1;
+    wake_around(b);
 }
 
 void WorkingMesh::compact() {
@@ -225,7 +236,7 @@ void WorkingMesh::compact() {
     for (int v = 0; v < num_vertices(); ++v) {
         if (half[v] < 0) continue;
         pos[n] = pos[v], normal[n] = normal[v], foot[n] = foot[v], half[n] = half[v], valence[n] = valence[v];
-        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v];
+        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v], calm[n] = calm[v];
         number[v] = n++;
     }
     for (std::size_t f = 0; f < features.size(); ++f) {
@@ -250,7 +261,7 @@ void WorkingMesh::compact() {
     }
     for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
     pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
-    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), mark.assign(n, 0);
+    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), mark.assign(n, 0);
     corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
     if (!group.empty()) group.resize(m);
     stamp = 0;

@@ -8,10 +8,10 @@
 namespace strake {
 
 /// 2 sqrt(3) |n| / (sum of squared edges), n the area vector times two: 1 equilateral, 0 degenerate.
-inline double shape_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c,
-                            double twice_area) {
-    const double sum = (b - a).squaredNorm() + (c - b).squaredNorm() + (a - c).squaredNorm();
-    return sum > 0 ? 3.4641016151377544 * twice_area / sum : 0.0;
+inline double shape_quality(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    const Eigen::Vector3d u = b - a, w = c - a;
+    const double sum = u.squaredNorm() + w.squaredNorm() + (c - b).squaredNorm();
+    return sum > 0 ? 3.4641016151377544 * u.cross(w).norm() / sum : 0.0;
 }
 
 struct WorkingMesh {
@@ -26,6 +26,7 @@ struct WorkingMesh {
     std::vector<double> size;             ///< wanted edge length
     std::vector<double> limit;            ///< what thin places ask for; infinite elsewhere
     std::vector<VertexRole> role;
+    std::vector<char> calm;  ///< smoothing has nothing to do until something changes nearby
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1
     std::vector<int> group;                  ///< per triangle, empty: none
@@ -77,8 +78,16 @@ struct WorkingMesh {
         return found;
     }
 
+    double quality(int t) const { return shape_quality(pos[corner[3 * t]], pos[corner[3 * t + 1]], pos[corner[3 * t + 2]]); }
+    void wake(int v) { calm[v] = 0; }
+    void wake_around(int v) {
+        calm[v] = 0;
+        neighbours(v, [&](int u) { calm[u] = 0; });
+    }
+
     /// Cuts edge h at a new vertex, which gets what it needs from the edge: half way, on a curve as near as may be.
     int split(int h);
+    double split_place(int f) const;  ///< where on its curve feature f is cut
     /// Turns edge h (interior, no feature) to join the apexes.
     void flip(int h);
     /// Removes the end `gone` of edge h, whose triangles go to the other end. @pre can_collapse(h, gone).

@@ -94,7 +94,8 @@ void find_normals(BaseSurface& base) {
     std::vector<int> flat;
     std::vector<char> known(m, 1);
     for (int t = 0; t < m; ++t) {
-        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]], c = base.points[base.tri[t][2]];
+        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]],
+                       c = base.points[base.tri[t][2]];
         const Vector3d n = (b - a).cross(c - a);
         const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
         const double twice_area = n.norm();
@@ -164,8 +165,7 @@ public:
         for (const bool closed : {false, true})
             for (int f = 0; f < static_cast<int>(base_.features.size()); ++f)
                 for (int end = 0; end < 2; ++end)
-                    if (!used[f] && (closed || base_.role[base_.features[f].v[end]] == VertexRole::fixed))
-                        walk(f, end);
+                    if (!used[f] && (closed || base_.role[base_.features[f].v[end]] == VertexRole::fixed)) walk(f, end);
     }
 
 private:
@@ -354,7 +354,8 @@ std::array<double, 3> weights_at(const BaseSurface& base, int t, const Vector3d&
 
 Vector3d normal_at(const BaseSurface& base, int t, const Vector3d& x) {
     const auto [wa, wb, wc] = weights_at(base, t, x);
-    const Vector3d n = wa * base.corner_normal[3 * t] + wb * base.corner_normal[3 * t + 1] + wc * base.corner_normal[3 * t + 2];
+    const Vector3d n =
+        wa * base.corner_normal[3 * t] + wb * base.corner_normal[3 * t + 1] + wc * base.corner_normal[3 * t + 2];
     const double length = n.norm();
     return length > 1e-3 ? Vector3d(n / length) : base.normal[t];
 }
@@ -419,7 +420,7 @@ Foot project(const BaseSurface& base, const Vector3d& x, int hint, double reach)
         }
     }
     if (arrived && at.distance2 <= reach * reach) return {at.at.point, at.triangle, at.distance2};
-    const int t = base.tree.closest(base.points, base.tri, base.patch, base.patch[hint], x);
+    const int t = base.tree.closest(base.points, base.tri, base.patch, base.patch[hint], x, at.distance2);
     if (t >= 0) {
         const Vector3d p = closest_of(base, t, x).point;
         const double d2 = (p - x).squaredNorm();

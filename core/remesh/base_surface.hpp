@@ -16,18 +16,19 @@ enum class VertexRole : char { free, ridge, fixed };
 struct BaseSurface {
     // A manifold with boundary: vertices at which several fans meet have one copy a fan.
     std::vector<Eigen::Vector3d> points;
-    std::vector<int> origin;               ///< per point: vertex of the input
-    std::vector<std::array<int, 3>> tri;   ///< corners
-    std::vector<int> twin;                 ///< per half-edge 3t+k (corner k to k+1): the other one; -1: none
-    std::vector<int> group;                ///< per triangle; empty: none
-    std::vector<int> first_half;           ///< per point: a half-edge out of it, the first of its fan
-    std::vector<Eigen::Vector3d> normal;   ///< per triangle, unit; needles take that of the triangle beside them
-    std::vector<Eigen::Vector3d> corner_normal;  ///< per half-edge: at the point it starts from, mean over the fan between features
-    std::vector<char> barrier;             ///< per half-edge: a feature; patches end here
-    std::vector<int> patch;                ///< per triangle: component without crossing features
-    std::vector<VertexRole> role;          ///< per point
-    std::vector<FeatureEdge> features;     ///< edges of the input that are features, on their curves
-    std::vector<int> feature_of;           ///< per half-edge: index into features, or -1
+    std::vector<int> origin;              ///< per point: vertex of the input
+    std::vector<std::array<int, 3>> tri;  ///< corners
+    std::vector<int> twin;                ///< per half-edge 3t+k (corner k to k+1): the other one; -1: none
+    std::vector<int> group;               ///< per triangle; empty: none
+    std::vector<int> first_half;          ///< per point: a half-edge out of it, the first of its fan
+    std::vector<Eigen::Vector3d> normal;  ///< per triangle, unit; needles take that of the triangle beside them
+    std::vector<Eigen::Vector3d>
+        corner_normal;             ///< per half-edge: at the point it starts from, mean over the fan between features
+    std::vector<char> barrier;     ///< per half-edge: a feature; patches end here
+    std::vector<int> patch;        ///< per triangle: component without crossing features
+    std::vector<VertexRole> role;  ///< per point
+    std::vector<FeatureEdge> features;  ///< edges of the input that are features, on their curves
+    std::vector<int> feature_of;        ///< per half-edge: index into features, or -1
     Curves curves;
     TriangleTree tree;
     double diagonal = 0, area = 0, mean_edge = 0;

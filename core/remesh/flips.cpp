@@ -33,7 +33,6 @@ int wanted_valence(const WorkingMesh& mesh, int v) {
     }
 }
 
-
 int squared(int x) { return x * x; }
 
 constexpr double poor = 0.45;  ///< below, quality counts for more than valence

@@ -89,7 +89,8 @@ private:
                 const Facing old = facing(mesh_, v, p, q);
                 after.quality = std::min(after.quality, made.quality);
                 if (has_turned(guard_, old, made)) after.dot = std::min(after.dot, made.dot);
-                if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural) fits = false;
+                if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural)
+                    fits = false;
                 return true;
             });
         };
@@ -97,7 +98,8 @@ private:
         if (moves) look_at(b);
         const Vector3d normal_before = mesh_.normal[b];
         if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot.triangle, foot.point);
-        if (moves && std::min(mesh_.normal[b].dot(normal_before), mesh_.normal[b].dot(mesh_.normal[a])) < 0.5) fits = false;
+        if (moves && std::min(mesh_.normal[b].dot(normal_before), mesh_.normal[b].dot(mesh_.normal[a])) < 0.5)
+            fits = false;
         try_at(a);
         if (moves) try_at(b);
         fits = fits && after.quality >= std::min(0.3, before.quality) && after.quality > 1e-4 &&

@@ -10,8 +10,8 @@ namespace strake {
 
 /// What no operation may break.
 struct Guard {
-    double chord_slack;   ///< how far the input's curves may leave their chords
-    double cos_natural;   ///< normals may always stand off the input's by this
+    double chord_slack;         ///< how far the input's curves may leave their chords
+    double cos_natural;         ///< normals may always stand off the input's by this
     double cos_turn, sin_turn;  ///< and by this more where they already do
     int threads;
 };
@@ -45,9 +45,9 @@ inline double allowed_dot(const Guard& guard, double before) {
     return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, 0.05, guard.cos_natural);
 }
 constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
-/// Whether `made` faces another way than `old`, as far as that is known.
+/// Whether `made` faces another way than `old`, or that way was wrong, or not known.
 inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made) {
-    return old.quality < 0.02 || made.normal.dot(old.normal) < guard.cos_turn;
+    return old.quality < 0.02 || old.dot < 0.05 || made.normal.dot(old.normal) < guard.cos_turn;
 }
 
 int split_long(WorkingMesh& mesh, double factor);

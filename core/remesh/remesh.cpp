@@ -20,8 +20,14 @@ void check(bool good, const char* field, double value, const char* limit) {
 }
 
 /// Triangles of the input that pass through others, and those beside them.
-std::vector<char> crossing_before(const TriMesh& input, const BaseSurface& base) {
+std::vector<char> crossing_before(const BaseSurface& base) {
     std::vector<char> crosses(base.tri.size(), 0), result;
+    TriMesh input;
+    input.vertices.resize(base.points.size(), 3);
+    input.triangles.resize(base.tri.size(), 3);
+    for (std::size_t v = 0; v < base.points.size(); ++v) input.vertices.row(v) = base.points[v];
+    for (std::size_t t = 0; t < base.tri.size(); ++t)
+        for (int k = 0; k < 3; ++k) input.triangles(t, k) = base.tri[t][k];
     const Intersections pairs = intersections(input);
     for (const auto* list : {&pairs.apart, &pairs.adjacent})
         for (const auto& pair : *list)
@@ -36,7 +42,10 @@ std::vector<char> crossing_before(const TriMesh& input, const BaseSurface& base)
 class Remesher {
 public:
     Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress)
-        : given_(given), options_(options), progress_(progress), base_(base_surface(given, options.angle_deg * radians)) {
+        : given_(given),
+          options_(options),
+          progress_(progress),
+          base_(base_surface(given, options.angle_deg * radians)) {
         result_.edge_length = options.edge_length > 0 ? options.edge_length : base_.mean_edge;
         const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
         if (!(triangles <= options.max_triangles))
@@ -47,8 +56,8 @@ public:
         const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
         sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
         const double turn = options.turn_deg * radians;
-        const int threads = options.threads > 0 ? options.threads
-                                                : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        const int threads =
+            options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
         firm_ = {0.9e-4 * base_.diagonal, std::cos(22 * radians), std::cos(turn), std::sin(turn), threads};
         loose_ = firm_;
         loose_.cos_natural = std::cos(42 * radians);
@@ -96,29 +105,37 @@ private:
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
     }
 
-    /// Shortens edges where the surface passes through itself and the input does not.
+    /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
     void disentangle() {
-        std::vector<char> before;
-        for (int round = 0; round < 5 && !result_.cancelled; ++round) {
+        WorkingMesh best;
+        for (int round = 0; !result_.cancelled; ++round) {
             mesh_.compact();
-            const Intersections pairs = intersections(as_mesh(mesh_, {}));
-            result_.new_intersections = 0;
-            if (pairs.apart.empty() && pairs.adjacent.empty()) return;
-            if (before.empty()) before = crossing_before(given_, base_);
-            for (const auto* list : {&pairs.apart, &pairs.adjacent})
-                for (const auto& pair : *list) result_.new_intersections += !is_old(pair, before);
-            if (result_.new_intersections == 0 || round == 4) return;
-            for (const auto* list : {&pairs.apart, &pairs.adjacent})
-                for (const auto& pair : *list)
-                    if (!is_old(pair, before)) shorten(pair);
+            const std::vector<std::array<int, 2>> pairs = fresh_intersections();
+            const int count = static_cast<int>(pairs.size());
+            if (round > 0 && 4 * count > 3 * result_.new_intersections) {  // no better: unite what touches first
+                if (count > result_.new_intersections) mesh_ = std::move(best);
+                return;
+            }
+            result_.new_intersections = count;
+            if (count == 0 || round == 4) return;
+            best = mesh_;
+            for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
         }
     }
-    bool is_old(const std::array<int, 2>& pair, const std::vector<char>& before) const {
+    std::vector<std::array<int, 2>> fresh_intersections() {
+        Intersections found = intersections(as_mesh(mesh_, {}));
+        std::vector<std::array<int, 2>> pairs = std::move(found.apart);
+        pairs.insert(pairs.end(), found.adjacent.begin(), found.adjacent.end());
+        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_);
+        std::erase_if(pairs, [&](const std::array<int, 2>& pair) { return is_old(pair); });
+        return pairs;
+    }
+    bool is_old(const std::array<int, 2>& pair) const {
         for (const int t : pair)
             for (int h = 3 * t; h < 3 * t + 3; ++h)
-                if (before[mesh_.foot[mesh_.corner[h]]]) return true;
+                if (crossing_[mesh_.foot[mesh_.corner[h]]]) return true;
         return false;
     }
     void shorten(const std::array<int, 2>& pair) {
@@ -149,6 +166,7 @@ private:
     Sizing sizing_;
     Guard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
+    std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
     RemeshResult result_;
 };
 

@@ -37,8 +37,8 @@ struct RemeshRecord {
 
 struct RemeshResult {
     TriMesh mesh;
-    double edge_length = 0;  ///< the wanted one, in the surface's unit
-    bool cancelled = false;  ///< the mesh is valid all the same
+    double edge_length = 0;                                      ///< the wanted one, in the surface's unit
+    bool cancelled = false;                                      ///< the mesh is valid all the same
     int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
     int corners = 0, kept_edges = 0;                             ///< vertices and edges that stay as they are
     int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; 0 but for rare cases

@@ -21,9 +21,11 @@ struct Bending {
 };
 
 Bending bending_at_points(const BaseSurface& base) {
-    Bending sum{std::vector<Matrix3d>(base.points.size(), Matrix3d::Zero()), std::vector<double>(base.points.size(), 0)};
+    Bending sum{std::vector<Matrix3d>(base.points.size(), Matrix3d::Zero()),
+                std::vector<double>(base.points.size(), 0)};
     for (int t = 0; t < static_cast<int>(base.tri.size()); ++t) {
-        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]], c = base.points[base.tri[t][2]];
+        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]],
+                       c = base.points[base.tri[t][2]];
         const double third = (b - a).cross(c - a).norm() / 6;
         for (const int v : base.tri[t]) sum.area[v] += third;
     }
@@ -117,9 +119,9 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
     sizing.on_base.assign(base.points.size(), longest);
     for (std::size_t v = 0; v < base.points.size(); ++v) {
         if (!(bending.area[v] > 0)) continue;
-        const Vector3d l = Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v],
-                                                                   Eigen::EigenvaluesOnly)
-                               .eigenvalues();
+        const Vector3d l =
+            Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
+                .eigenvalues();
         const double curvature = l.cwiseAbs().maxCoeff();
         if (curvature > 0) sizing.on_base[v] = std::clamp(std::sqrt(8 * chord_error / curvature), shortest, longest);
     }
@@ -137,7 +139,8 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
         if (held < 2 && !everywhere) continue;
         if (mesh.quality(t) > 0.5 || is_acute_tip(mesh, t)) continue;
         const double twice_area = mesh.area_vector2(t).norm();
-        const double longest = std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
+        const double longest =
+            std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
         const double limit = std::max(sizing.shortest, 2.0 * twice_area / longest);
         for (const int i : v)
             if (limit < mesh.limit[i] && limit < mesh.size[i]) {

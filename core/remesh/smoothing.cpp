@@ -77,7 +77,6 @@ void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves
     moves.s[v] = shift;
     moves.pos[v] = curves.at(e.curve, e.s[1] + shift);
     moves.foot[v] = curves.triangle_at(e.curve, e.s[1] + shift);
-    
 }
 
 /// Triangles that the moves would spoil; their vertices stay.
@@ -87,12 +86,12 @@ bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard,
     if (now.dot <= 1 && now.dot >= guard.cos_natural && now.quality > 0.3) return false;
     if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
-    if (now.quality < std::min(0.3, old.quality)) return true;
-    if (now.dot > 1) return old.quality > no_area && now.normal.dot(old.normal) < guard.cos_natural;
-    if (!has_turned(guard, old, now)) return false;
     old.dot = 2;
     for (const int v : {a, b, c})
         if (mesh.role[v] == VertexRole::free) old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
+    if (now.quality < std::min(0.3, old.quality)) return true;
+    if (now.dot > 1) return old.quality > no_area && now.normal.dot(old.normal) < guard.cos_natural;
+    if (!has_turned(guard, old, now)) return false;
     return now.dot < std::min(guard.cos_natural, old.dot) || (now.dot < 0 && now.quality > old.quality);
 }
 

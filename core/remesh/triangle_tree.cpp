@@ -1,7 +1,6 @@
 #include "core/remesh/triangle_tree.hpp"
 
 #include <algorithm>
-#include <limits>
 
 namespace strake {
 namespace {
@@ -88,9 +87,9 @@ void TriangleTree::build(int begin, int end) {
 }
 
 int TriangleTree::closest(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
-                          const std::vector<int>& patch, int wanted, const Vector3d& x) const {
+                          const std::vector<int>& patch, int wanted, const Vector3d& x, double below2) const {
     int best = -1;
-    double best2 = std::numeric_limits<double>::infinity();
+    double best2 = below2;
     std::array<std::pair<int, double>, 128> stack;  // depth is below 64: halves of at most 2^31 pieces
     int top = 0;
     if (!nodes_.empty()) stack[top++] = {0, 0.0};

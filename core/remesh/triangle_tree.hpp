@@ -19,9 +19,10 @@ class TriangleTree {
 public:
     TriangleTree() = default;
     TriangleTree(const std::vector<Eigen::Vector3d>& points, const std::vector<std::array<int, 3>>& tri, double piece);
-    /// The triangle of patch `wanted` closest to x; tie: the one with the smallest number; -1: none.
+    /// The triangle of patch `wanted` closest to x, nearer than the square root of `below2`; tie: the one with the
+    /// smallest number; -1: none. Small patches far away would have the whole tree searched without that bound.
     int closest(const std::vector<Eigen::Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
-                const std::vector<int>& patch, int wanted, const Eigen::Vector3d& x) const;
+                const std::vector<int>& patch, int wanted, const Eigen::Vector3d& x, double below2) const;
 
 private:
     struct Piece {

@@ -78,7 +78,8 @@ int WorkingMesh::split(int h) {
     pos.push_back(0.5 * (pos[a] + pos[b]));
     foot.push_back(foot[near]);
     normal.push_back((normal[a] + normal[b]).normalized());
-    if (role[near] != VertexRole::free || !(normal.back().squaredNorm() > 0.5)) normal.back() = base->normal[foot[near]];
+    if (role[near] != VertexRole::free || !(normal.back().squaredNorm() > 0.5))
+        normal.back() = base->normal[foot[near]];
     size.push_back(wanted(a, b));
     limit.push_back(std::max(limit[a], limit[b]));
     role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);

@@ -78,7 +78,9 @@ struct WorkingMesh {
         return found;
     }
 
-    double quality(int t) const { return shape_quality(pos[corner[3 * t]], pos[corner[3 * t + 1]], pos[corner[3 * t + 2]]); }
+    double quality(int t) const {
+        return shape_quality(pos[corner[3 * t]], pos[corner[3 * t + 1]], pos[corner[3 * t + 2]]);
+    }
     void wake(int v) { calm[v] = 0; }
     void wake_around(int v) {
         calm[v] = 0;

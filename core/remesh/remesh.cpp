@@ -97,7 +97,7 @@ private:
     /// not so late that nothing can follow.
     void note_limits(int i) {
         int count = 0;
-        if (i >= 3 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 5);
+        if (i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
         if (i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
             const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);

@@ -110,6 +110,15 @@ bool is_acute_tip(const WorkingMesh& mesh, int t) {
     return false;
 }
 
+/// An edge of t joins two features without being one: no vertex between them is free to give way.
+bool spans_a_strip(const WorkingMesh& mesh, int t) {
+    for (int h = 3 * t; h < 3 * t + 3; ++h)
+        if (mesh.feature[h] < 0 && mesh.role[mesh.from(h)] != VertexRole::free &&
+            mesh.role[mesh.to(h)] != VertexRole::free)
+            return true;
+    return false;
+}
+
 }  // namespace
 
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
@@ -134,10 +143,9 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         if (!mesh.is_alive(t)) continue;
         const std::array<int, 3> v{mesh.corner[3 * t], mesh.corner[3 * t + 1], mesh.corner[3 * t + 2]};
-        int held = 0;
-        for (const int i : v) held += mesh.role[i] != VertexRole::free;
-        if (held < 2 && !everywhere) continue;
-        if (mesh.quality(t) > 0.5 || is_acute_tip(mesh, t)) continue;
+        const bool spans = spans_a_strip(mesh, t);
+        if (!spans && !everywhere) continue;
+        if (mesh.quality(t) > (spans ? 0.5 : 0.35) || is_acute_tip(mesh, t)) continue;
         const double twice_area = mesh.area_vector2(t).norm();
         const double longest =
             std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));

@@ -18,6 +18,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.twin = base.twin;
     mesh.feature = base.feature_of;
     mesh.group = base.group;
+    mesh.patch = base.patch;
     mesh.features = base.features;
     mesh.corner.resize(3 * m);
     for (std::size_t h = 0; h < 3 * m; ++h) mesh.corner[h] = base.tri[h / 3][h % 3];
@@ -45,6 +46,7 @@ int WorkingMesh::new_triangle(int a, int b, int c, int like) {
     twin.insert(twin.end(), {-1, -1, -1});
     feature.insert(feature.end(), {-1, -1, -1});
     if (!group.empty()) group.push_back(group[like]);
+    patch.push_back(patch[like]);
     return t;
 }
 
@@ -72,14 +74,25 @@ int WorkingMesh::split_feature(int f, int a, int m) {
     return beyond;
 }
 
+void WorkingMesh::find_foot(int m, int h) {
+    const int a = from(h), b = to(h);
+    const bool a_tells = role[a] == VertexRole::free, b_tells = role[b] == VertexRole::free;
+    if (a_tells || b_tells) {  // the others' normals are those of one side of their feature
+        foot[m] = foot[a_tells ? a : b];
+        const Vector3d sum = (a_tells ? normal[a] : Vector3d::Zero()) + (b_tells ? normal[b] : Vector3d::Zero());
+        normal[m] = sum.squaredNorm() > 0.5 ? Vector3d(sum.normalized()) : base->normal[foot[m]];
+        return;
+    }
+    foot[m] = base->tree.closest(base->points, base->tri, base->patch, patch[h / 3], pos[m],
+                                 std::numeric_limits<double>::infinity());
+    normal[m] = normal_at(*base, foot[m], pos[m]);
+}
+
 int WorkingMesh::split(int h) {
     const int a = from(h), b = to(h), c = apex(h), g = twin[h], f = feature[h], m = num_vertices();
-    const int near = role[a] == VertexRole::free || role[b] != VertexRole::free ? a : b;
     pos.push_back(0.5 * (pos[a] + pos[b]));
-    foot.push_back(foot[near]);
-    normal.push_back((normal[a] + normal[b]).normalized());
-    if (role[near] != VertexRole::free || !(normal.back().squaredNorm() > 0.5))
-        normal.back() = base->normal[foot[near]];
+    foot.push_back(-1);
+    normal.push_back(Vector3d::Zero());
     size.push_back(wanted(a, b));
     limit.push_back(std::max(limit[a], limit[b]));
     role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);
@@ -89,6 +102,7 @@ int WorkingMesh::split(int h) {
     for (const int v : {a, b, c}) wake(v);
     valence.push_back(g >= 0 ? 4 : 3);
     half.push_back(-1);
+    if (f < 0) find_foot(m, h);
     const int beyond = f >= 0 ? split_feature(f, a, m) : -1;
 
     const int n = next(h), t2 = new_triangle(m, b, c, h / 3);  // h: a to m, n: m to c
@@ -259,12 +273,14 @@ void WorkingMesh::compact() {
             feature[3 * to + i] = feature[h] < 0 ? -1 : feature_number[feature[h]];
         }
         if (!group.empty()) group[to] = group[t];
+        patch[to] = patch[t];
     }
     for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
     pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
     origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), mark.assign(n, 0);
     corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
     if (!group.empty()) group.resize(m);
+    patch.resize(m);
     stamp = 0;
 }
 

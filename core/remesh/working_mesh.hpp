@@ -30,6 +30,7 @@ struct WorkingMesh {
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1
     std::vector<int> group;                  ///< per triangle, empty: none
+    std::vector<int> patch;  ///< per triangle: that of the input which it covers
     std::vector<FeatureEdge> features;
     std::vector<int> mark;  ///< scratch per vertex
     int stamp = 0;
@@ -103,6 +104,8 @@ struct WorkingMesh {
     int other_feature(int v, int f) const;
     /// Puts v where it stands on its curve.
     void place_on_curve(int v, int curve, double s);
+    /// Foot and normal of vertex m, new in the middle of edge h.
+    void find_foot(int m, int h);
 
     /// Renumbers vertices, triangles and features without gaps, in order.
     void compact();

@@ -30,7 +30,7 @@ struct WorkingMesh {
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1
     std::vector<int> group;                  ///< per triangle, empty: none
-    std::vector<int> patch;  ///< per triangle: that of the input which it covers
+    std::vector<int> patch;                  ///< per triangle: that of the input which it covers
     std::vector<FeatureEdge> features;
     std::vector<int> mark;  ///< scratch per vertex
     int stamp = 0;

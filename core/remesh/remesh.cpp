@@ -81,8 +81,11 @@ private:
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        record.splits = split_long(mesh_, too_long);
-        record.collapses = collapse_short(mesh_, firm_, too_short, too_long);
+        // Evenly stretched meshes keep within the limits and would stay as they are.
+        const double tight = record.iteration <= 5 && mean_quality_inside() < 0.975 ? 0.5 : 1;
+        const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
+        record.splits = split_long(mesh_, longest);
+        record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact();
         record.flips = flip_edges(mesh_, loose_);
         smooth(mesh_, loose_);
@@ -91,6 +94,22 @@ private:
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);
         if (progress_ && !progress_(record)) result_.cancelled = true;
+    }
+
+    /// Of the triangles away from features.
+    double mean_quality_inside() const {
+        double sum = 0;
+        int count = 0;
+        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+            if (!mesh_.is_alive(t)) continue;
+            bool is_inside = true;
+            for (int h = 3 * t; h < 3 * t + 3; ++h)
+                is_inside = is_inside && mesh_.role[mesh_.corner[h]] == VertexRole::free;
+            if (!is_inside) continue;
+            sum += mesh_.quality(t);
+            ++count;
+        }
+        return count > 0 ? sum / count : 1;
     }
 
     /// Where the shape asks for shorter edges than wanted; not before the first ones have found their places, and

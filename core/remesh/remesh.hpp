@@ -44,7 +44,8 @@ struct RemeshResult {
     int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; 0 but for rare cases
     std::vector<RemeshRecord> records;
 };
-using RemeshProgress = std::function<bool(const RemeshRecord&)>;  ///< return false to cancel; asked after each pass
+using RemeshProgress =
+    std::function<bool(const RemeshRecord&)>;  ///< return false to cancel; asked after each iteration
 
 /// Triangles with a repeated corner and vertices without a triangle are left out.
 /// @throws InvalidInput on a bad option, without triangles of positive area, on an index out of range or a coordinate

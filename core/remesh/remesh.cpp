@@ -82,7 +82,7 @@ private:
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
         // Evenly stretched meshes keep within the limits and would stay as they are.
-        const double tight = record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.974 ? 0.5 : 1;
+        const double tight = record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);

@@ -30,6 +30,9 @@ picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$wor
     --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
 picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_2" "$work/body.vtp:level_3" \
     --view=-1,-1,1 --titles "level 1|level 2|level 3" --size 640,480
+"$bin/make_surface" naca0012 --triangles 1500 -o "$work/needles.obj"
+"$bin/strake" remesh "$work/needles.obj" -o "$work/even.obj" --edge-length 0.08 --quiet
+picture remesh.png "$work/needles.obj" "$work/even.obj" --edges --view=-1,-0.7,0.6 --titles "before|strake remesh" --size 560,360
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
         --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420

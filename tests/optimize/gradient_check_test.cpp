@@ -71,6 +71,22 @@ TEST(TaylorTest, SeesSmallErrorsBehindStrongCurvature) {
     EXPECT_FALSE(tested([](double h) { return 5.0 + h; }, 0).passed);
 }
 
+TEST(TaylorTest, AcceptsAnApproximateGradientWithinTheGivenShareOnly) {
+    const auto judged = [](double slope, double accept, double noise) {
+        std::vector<double> values;
+        int sign = 1;
+        for (const double h : ladder) values.push_back(1 + h + h * h + noise * (sign = -sign));
+        return taylor_test("J", 1, slope, std::abs(slope), ladder, values, accept);
+    };
+    EXPECT_FALSE(judged(1.05, 0, 0).passed);
+    EXPECT_TRUE(judged(1.05, 0.1, 0).passed) << judged(1.05, 0.1, 0).verdict;
+    EXPECT_NE(judged(1.05, 0.1, 0).verdict.find("0.1 is accepted"), std::string::npos);
+    EXPECT_FALSE(judged(1.15, 0.1, 0).passed);
+    EXPECT_FALSE(judged(-1, 0.1, 0).passed);
+    EXPECT_FALSE(judged(1.05, 0.1, 1e-2).passed) << "differences that noise hides confirm nothing";
+    EXPECT_THROW(judged(1, 1, 0), InvalidInput);
+}
+
 TEST(TaylorTest, NoiseIsNotConfirmed) {
     const Eigen::VectorXd noise = random_vector(8, 3);
     for (const double amplitude : {1e-3, 1e-1}) {

@@ -92,18 +92,20 @@ def clone(base, folder):
                 os.symlink(source, os.path.join(folder, part, name))
 
 
-def displacement_field(at_body, still, sliding):
-    """0/pointDisplacement: given at the body, zero at the patches `still`, along the planes at `sliding`."""
-    zero = "type fixedValue; value uniform (0 0 0);"
-    patches = [f"{name} {{ {zero} }}" for name in still] + [f"{name} {{ type symmetry; }}" for name in sliding]
+def displacement_field(at_body, outside):
+    """0/pointDisplacement: given at the body; at the patches of `outside` zero ("fixed"), or along their planes (the type
+    of the patch: "symmetry", "symmetryPlane")."""
+    patches = [f"{name} {{ type fixedValue; value uniform (0 0 0); }}" if kind == "fixed" else f"{name} {{ type {kind}; }}"
+               for name, kind in outside.items()]
     values = foam.vector_list(at_body)
     return (foam.header("pointVectorField", "pointDisplacement") +
             "dimensions [0 1 0 0 0 0 0];\ninternalField uniform (0 0 0);\nboundaryField\n{\n" + "\n".join(patches) +
             f"\nbody {{ type fixedValue; value nonuniform List<vector> {values}; }}\n}}\n")
 
 
-def move(base, folder, vertices, still, sliding):
-    """The base's case in `folder` with its mesh moved to a surface of the same vertices."""
+def move(base, folder, vertices, outside, half=False):
+    """The base's case in `folder` with its mesh moved to a surface of the same vertices; returns the SurfaceMap.
+    half: the mesh ends on y = 0, and what lies there stays there."""
     stored, carried = read_map(base)
     if len(vertices) != carried.num_vertices:
         foam.fail(f"the surface has {len(vertices)} vertices, the one that the mesh was made about "
@@ -111,32 +113,34 @@ def move(base, folder, vertices, still, sliding):
     shutil.rmtree(folder, ignore_errors=True)
     clone(base, folder)
     shift = carried.apply(vertices - stored["vertices"])
+    if half:
+        shift[np.abs(stored["points"][:, 1]) < 1e-9, 1] = 0
     if not shift.any():
         return carried
     field = os.path.join(folder, "0/pointDisplacement")
     with open(field, "w", encoding="ascii") as file:
-        file.write(displacement_field(shift, still, sliding))
+        file.write(displacement_field(shift, outside))
     steps(folder, 1)
-    told = foam.run(folder, "moveDynamicMesh", "-noFunctionObjects")
+    foam.run(folder, "moveDynamicMesh", "-noFunctionObjects")
     points = os.path.join(folder, "constant/polyMesh/points")
     os.remove(points)
     os.replace(os.path.join(folder, "1/polyMesh/points"), points)
     shutil.rmtree(os.path.join(folder, "1"))
     os.remove(field)
-    if "Mesh OK" not in told and "Failed" in told:
-        foam.fail(f"the moved mesh is not good; see {folder}/log.moveDynamicMesh")
+    if "Mesh OK" not in foam.run(folder, "checkMesh", "-constant"):
+        foam.fail(f"the mesh does not follow this shape; see {folder}/log.checkMesh")
     return carried
 
 
-def coefficient(folder, name="Cd"):
-    """The last value of a force coefficient, of the program that wrote one last."""
+def coefficients(folder, name="Cd"):
+    """A force coefficient at every step of the program that wrote one last."""
     files = glob.glob(os.path.join(folder, "postProcessing/forces/*/coefficient*.dat"))
     if not files:
         foam.fail(f"{folder}: no force coefficients")
     newest = max(files, key=os.path.getmtime)
     with open(newest, encoding="utf-8") as file:
         names = [line for line in file if line.startswith("#")][-1].lstrip("#").split()
-    return float(foam.read_columns(newest)[-1, names.index(name)])
+    return foam.read_columns(newest)[:, names.index(name)]
 
 
 def clean(folder):

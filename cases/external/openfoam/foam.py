@@ -1,8 +1,10 @@
 """What the OpenFOAM examples share: runs OpenFOAM's programs, reads and writes its files (ASCII, as version 1912 of
 Debian 12 writes them).
 """
+import ctypes
 import os
 import re
+import signal
 import subprocess
 import sys
 
@@ -18,6 +20,11 @@ def fail(message):
     sys.exit(1)
 
 
+def end_with_parent():
+    """Linux: the program is killed when the script dies, so that a killed run leaves no solver behind."""
+    ctypes.CDLL(None).prctl(1, signal.SIGKILL)  # PR_SET_PDEATHSIG
+
+
 def run(folder, *command):
     """Runs a program in `folder` with its output in log.<program>; returns the output."""
     log = os.path.join(folder, "log." + command[0])
@@ -25,7 +32,7 @@ def run(folder, *command):
     try:
         with open(log, "wb") as file:
             status = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=file,
-                                    stderr=subprocess.STDOUT, check=False).returncode
+                                    stderr=subprocess.STDOUT, check=False, preexec_fn=end_with_parent).returncode
     except FileNotFoundError:
         fail(f"{command[0]}: not found; install OpenFOAM: scripts/setup.sh openfoam")
     with open(log, encoding="utf-8", errors="replace") as file:

@@ -19,8 +19,8 @@ import flow
 import foam
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
-CELLS = {"cellsAlong": 24, "cellsAcross": 18}  # of the wind tunnel, before refinement
-OUTSIDE = ["inlet", "outlet"]                  # hold still when the mesh moves; points of the sides slide
+CELLS = {"cellsAlong": 20, "cellsAcross": 15}  # of the wind tunnel, before refinement
+OUTSIDE = {"inlet": "fixed", "outlet": "fixed", "sides": "symmetry"}  # what they do when the mesh moves
 ITERATIONS = 1500
 
 
@@ -30,7 +30,7 @@ def solve(folder):
     told = foam.run(folder, "simpleFoam")
     if "SIMPLE solution converged" not in told:
         foam.fail(f"the flow has not converged in {ITERATIONS} iterations")
-    return flow.coefficient(folder)
+    return float(flow.coefficients(folder)[-1])
 
 
 def adjoint(folder):
@@ -46,8 +46,8 @@ def adjoint(folder):
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
         request = json.load(file)
-    carried = flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, ["sides"])
-    result = {"values": {"value": solve("case")}}
+    carried = flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE)
+    result = {"value": solve("case")}
     if request["wanted"]["gradients"]:
         sensitivity = adjoint("case")
         mesh = "case/constant/polyMesh"
@@ -56,7 +56,7 @@ def evaluate(request_file, result_file):
         with open("gradient.csv", "w", encoding="ascii") as file:
             for k, (x, y, z) in enumerate(carried.transpose(by_points).tolist()):
                 file.write(f"{k},{x!r},{y!r},{z!r}\n")
-        result["gradients"] = {"value": "gradient.csv"}
+        result["gradient"] = "gradient.csv"
     with open(result_file, "w", encoding="ascii") as file:
         json.dump(result, file)
     flow.clean("case")

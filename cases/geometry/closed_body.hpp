@@ -21,7 +21,7 @@ TriMesh sphere(int triangles, double radius = 1);
 /// |x/a|^n + |y/b|^n + |z/c|^n = 1 about the origin: an ellipsoid at n = 2, a brick with round edges for larger n.
 struct SuperellipsoidShape {
     Eigen::Vector3d half_axes{0.5, 0.4, 0.35};
-    double exponent = 4;  ///< n, in [1, 10]
+    double exponent = 2.5;  ///< n, in [1, 10]
 };
 TriMesh superellipsoid(int triangles, const SuperellipsoidShape& shape = {});
 

@@ -103,9 +103,9 @@ def displacement_field(at_body, outside):
             f"\nbody {{ type fixedValue; value nonuniform List<vector> {values}; }}\n}}\n")
 
 
-def move(base, folder, vertices, outside, half=False):
+def move(base, folder, vertices, outside, half=None):
     """The base's case in `folder` with its mesh moved to a surface of the same vertices; returns the SurfaceMap.
-    half: the mesh ends on y = 0, and what lies there stays there."""
+    half: the number of a coordinate; the mesh ends where it is 0, and what lies there stays there."""
     stored, carried = read_map(base)
     if len(vertices) != carried.num_vertices:
         foam.fail(f"the surface has {len(vertices)} vertices, the one that the mesh was made about "
@@ -113,8 +113,8 @@ def move(base, folder, vertices, outside, half=False):
     shutil.rmtree(folder, ignore_errors=True)
     clone(base, folder)
     shift = carried.apply(vertices - stored["vertices"])
-    if half:
-        shift[np.abs(stored["points"][:, 1]) < 1e-9, 1] = 0
+    if half is not None:
+        shift[np.abs(stored["points"][:, half]) < 1e-9, half] = 0
     if not shift.any():
         return carried
     field = os.path.join(folder, "0/pointDisplacement")

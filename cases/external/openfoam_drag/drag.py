@@ -19,7 +19,7 @@ import flow
 import foam
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
-CELLS = {"cellsAlong": 20, "cellsAcross": 15}  # of the wind tunnel, before refinement
+CELLS = {"cellsAlong": 24, "cellsAcross": 18}  # of the wind tunnel, before refinement
 OUTSIDE = {"inlet": "fixed", "outlet": "fixed", "sides": "symmetry"}  # what they do when the mesh moves
 ITERATIONS = 1500
 

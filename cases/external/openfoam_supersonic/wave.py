@@ -18,7 +18,7 @@ import flow
 import foam
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
-CELLS = {"cellsAlong": 36, "cellsAcross": 12, "cellsHigh": 24}  # of the wind tunnel, before refinement
+CELLS = {"cellsAlong": 36, "cellsAcross": 24, "cellsHigh": 12}  # of the wind tunnel, before refinement
 OUTSIDE = {"inlet": "fixed", "outlet": "fixed", "symmetry": "symmetryPlane"}
 FIELDS = ["U", "p", "T"]
 MEAN = 100       # steps: the limiter leaves a ripple of 1e-4, which the mean takes out
@@ -39,8 +39,8 @@ def solve(folder, steps):
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
         request = json.load(file)
-    flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=True)
-    result = {"value": solve("case", 500)}
+    flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=2)
+    result = {"value": solve("case", 300)}
     with open(result_file, "w", encoding="ascii") as file:
         json.dump(result, file)
     flow.clean("case")

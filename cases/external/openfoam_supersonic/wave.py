@@ -60,7 +60,7 @@ def rebuild(factor, files):
     sizes = {name: round(float(factor) * value) for name, value in CELLS.items()}
     for file in files:
         cells = flow.build(TEMPLATE, "rebuilt", foam.read_obj(file), sizes)
-        print(f"{file}: {cells} cells, drag {solve('rebuilt', round(1000 * float(factor))):.6f}", flush=True)
+        print(f"{file}: {cells} cells, drag {solve('rebuilt', round(500 * float(factor))):.6f}", flush=True)
         flow.clean("rebuilt")
 
 

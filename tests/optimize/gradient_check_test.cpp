@@ -83,6 +83,14 @@ TEST(TaylorTest, AcceptsAnApproximateGradientWithinTheGivenShareOnly) {
     EXPECT_NE(judged(1.05, 0.1, 0).verdict.find("0.1 is accepted"), std::string::npos);
     EXPECT_FALSE(judged(1.15, 0.1, 0).passed);
     EXPECT_FALSE(judged(-1, 0.1, 0).passed);
+    const auto across = [](double slope, double size) {  // a direction across the gradient: the true slope is 0.01
+        std::vector<double> values;
+        for (const double h : ladder) values.push_back(1 + 0.01 * h + h * h);
+        return taylor_test("J", 1, slope, size, ladder, values, 0.1);
+    };
+    EXPECT_TRUE(across(0.015, 1).passed);
+    EXPECT_FALSE(across(0.015, 0.01).passed);
+    EXPECT_FALSE(across(0.2, 1).passed);
     EXPECT_FALSE(judged(1.05, 0.1, 1e-2).passed) << "differences that noise hides confirm nothing";
     EXPECT_THROW(judged(1, 1, 0), InvalidInput);
 }

@@ -9,26 +9,6 @@
 namespace strake {
 namespace {
 
-const char* name_of(SurfaceFormat format) {
-    switch (format) {
-        case SurfaceFormat::stl_binary:
-            return "stl";
-        case SurfaceFormat::stl_ascii:
-            return "stl-ascii";
-        case SurfaceFormat::obj:
-            return "obj";
-        case SurfaceFormat::ply_ascii:
-            return "ply-ascii";
-        case SurfaceFormat::ply_binary:
-            return "ply";
-        case SurfaceFormat::off:
-            return "off";
-        case SurfaceFormat::tri:
-            return "tri";
-    }
-    return "stl";
-}
-
 /// What a trial shape may leave undefined (a line that no longer crosses the body) is a step too far.
 Quantity shortening(Quantity quantity) {
     quantity.failing_shortens_step = true;

@@ -108,7 +108,8 @@ std::vector<Key> run_keys() {
         {.path = "optimize.refine_when.promise_below",
          .type = Type::fraction,
          .doc = "With `split: sensitivity`: the run ends instead of refining when the expected decrease of all finer "
-                "variables is below this share of what the run has gained.",
+                "variables is below this share of what the run has gained (where more than ten new ones "
+                "are wanted: for every ten of them).",
          .fallback = "0.1%",
          .limits = {0, 1, false, true}},
         {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},

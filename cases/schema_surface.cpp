@@ -11,7 +11,8 @@ std::vector<Key> surface_keys() {
         {.path = "surface", .doc = "The surface to be deformed.", .required = true},
         {.path = "surface.file",
          .type = Type::file,
-         .doc = "Triangulation: STL, OBJ, PLY, OFF or Cart3D .tri.",
+         .doc = "Triangulation: STL, OBJ, PLY, OFF, Cart3D .tri, legacy VTK, SU2, Gmsh .msh "
+                "or NASTRAN (.nas, .bdf, .dat), each also packed (.gz).",
          .required = true},
         {.path = "surface.units",
          .type = Type::word,
@@ -61,7 +62,8 @@ std::vector<Key> surface_keys() {
          .when = "plane"},
         {.path = "regions.*.solid",
          .type = Type::text,
-         .doc = "Part named in the surface file: STL solid, OBJ group, Cart3D component."},
+         .doc = "Part named in the surface file: STL solid, OBJ group, Cart3D component, SU2 marker, Gmsh physical "
+                "group, NASTRAN property."},
         {.path = "regions.*.component",
          .type = Type::integer,
          .doc = "Connected piece of the surface, counted from 0 in the order of the smallest triangle.",

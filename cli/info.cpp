@@ -78,7 +78,7 @@ Report examine(const std::string& file) {
     return r;
 }
 
-const char* name_of(SurfaceFormat format) {
+const char* title_of(SurfaceFormat format) {
     switch (format) {
         case SurfaceFormat::stl_binary:
             return "STL, binary";
@@ -94,6 +94,14 @@ const char* name_of(SurfaceFormat format) {
             return "OFF";
         case SurfaceFormat::tri:
             return "Cart3D tri";
+        case SurfaceFormat::vtk:
+            return "VTK, legacy";
+        case SurfaceFormat::su2:
+            return "SU2 mesh";
+        case SurfaceFormat::gmsh:
+            return "Gmsh msh";
+        case SurfaceFormat::nastran:
+            return "NASTRAN bulk data";
     }
     return "";
 }
@@ -136,7 +144,7 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["orientable"] = f.orientable;
     j["isolated_vertices"] = f.isolated_vertices.size();
     j["duplicate_vertices"] = f.duplicate_vertices.size();
-    j["format"] = name_of(r.surface.format);
+    j["format"] = title_of(r.surface.format);
     j["file_vertices"] = r.surface.file_vertices;
     j["edge_length"] = {{"min", r.quality.edge_min}, {"mean", r.quality.edge_mean}, {"max", r.quality.edge_max}};
     j["angle_deg"] = {{"min", r.quality.angle_min_deg}, {"max", r.quality.angle_max_deg}};
@@ -238,7 +246,7 @@ std::string vector_text(const Eigen::Vector3d& v) { return text(v.x(), " ", v.y(
 
 void print_words(const std::string& file, const Report& r) {
     const TriMesh& mesh = r.surface.mesh;
-    std::string out = text(printable(file), " (", name_of(r.surface.format), ")\n");
+    std::string out = text(printable(file), " (", title_of(r.surface.format), ")\n");
     const auto line = [&](const char* name, const std::string& value) {
         out += name + std::string(14 - std::string(name).size(), ' ') + value + "\n";
     };
@@ -275,7 +283,10 @@ void add_info(CLI::App& app) {
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("info", "what a surface file holds, and what is wrong with it");
-    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF or Cart3D .tri file")->required();
+    command
+        ->add_option("SURFACE", options->surface,
+                     "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, SU2, Gmsh or NASTRAN file, also packed (.gz)")
+        ->required();
     command->add_flag("--json", options->json, "one JSON object instead of words");
     command->callback([options] {
         const Report r = examine(options->surface);

@@ -10,6 +10,8 @@ namespace strake {
 namespace {
 
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
+constexpr double variables_at_price = 10;    ///< new ones that have to promise `promise_below` of what was gained
+constexpr double most_credit = 100;          ///< for promises that turned out too small
 
 class Optimization {
 public:
@@ -80,6 +82,7 @@ private:
     /// The front of the next level where the run chooses it. False: refining promises nothing.
     bool choose_front(const Eigen::VectorXd& x, std::optional<Front>& front) {
         front.reset();
+        probed_ = 1;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
@@ -90,28 +93,49 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        const double times = credit();
+        if (plan.promises.empty()) {
+            state_.note(text("refinement: ", plan.words()));
+            return false;
+        }
+        const std::optional<double> probed = probe(x, plan);
+        const double times = probed.value_or(credit());
+        probed_ = probed.value_or(1);
         state_.note(text("refinement: ", plan.words(),
-                         times > 1 ? text("; the last one gave ", times, " times what was expected") : ""));
-        if (plan.promises.empty()) return false;
+                         times == 1 ? ""
+                         : probed   ? text("; the values promise ", times, " times that")
+                                    : text("; the last one gave ", times, " times what was expected")));
         expected_of_level_ = plan.chosen + still_expected_;
         // Measured by what has been gained, so that an objective may go to zero.
         const double now = state_.level_best_objective;
         const double gained = std::abs(state_.result.objective_start - now);
         const double floor =
             std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
-                     state_.problem.optimize.promise_below * gained);
+                     state_.problem.optimize.promise_below * gained * price(plan));
         refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.promised <= floor;
         if (!refining_is_idle_) front = plan.front;
         return !refining_is_idle_;
     }
 
-    /// The metric is stiffer on details than objectives are, so promises are too small; how much, the level tells that
-    /// the last refinement made.
+    /// Many variables have to promise more than few: each takes its share of the search.
+    static double price(const RefinementPlan& plan) {
+        return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);
+    }
+
+    /// The metric is stiffer on details than objectives are, so promises are too small. How much, the curvature along
+    /// the promised step tells: the best on that line against what the metric expects.
+    std::optional<double> probe(const Eigen::VectorXd& x, const RefinementPlan& plan) {
+        const auto curvature =
+            state_.evaluator.curvature_along(x, plan.children, plan.step, program_.lagrangian_weights());
+        if (!curvature) return {};
+        return *curvature > 0 ? std::clamp(2 * plan.of_step / *curvature, 1.0, most_credit) : most_credit;
+    }
+
+    /// Where that cannot be known, the level tells that the last refinement made.
     double credit() const {
         const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
-        return expected_of_level_ > 0 && std::isfinite(gained) ? std::clamp(gained / expected_of_level_, 1.0, 100.0)
-                                                               : 1;
+        return expected_of_level_ > 0 && std::isfinite(gained)
+                   ? std::clamp(gained / expected_of_level_, 1.0, most_credit)
+                   : 1;
     }
 
     MinimizeOptions options_of_level(bool first, bool last) {
@@ -153,7 +177,7 @@ private:
         if (known == LevelStartHessian::carried && hessian_.size() > 0 && inherits.cols() == hessian_.cols()) {
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
-            program.hessian = carried_hessian(hessian_, P, program.metric, curvature_);
+            program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
         }
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global
@@ -202,6 +226,7 @@ private:
     LevelProgram program_;
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
     double curvature_ = 1, first_step_ = 0.5;
+    double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false;

@@ -13,6 +13,13 @@ namespace {
 constexpr int max_iterations = 9;
 constexpr double same_shape = 1e-10;     ///< diagonals, as is promised of a level's start
 constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
+constexpr double probe_step = 1e-4;      ///< diagonals: far above round-off, far below an edge
+constexpr double probe_tolerance = 1e-6;
+
+bool only_loads(const DesignSpace& space) {
+    return std::ranges::all_of(space.variables,
+                               [](const Variable& v) { return is_load(v.kind) || v.kind == VariableKind::own; });
+}
 
 std::vector<std::string> value_names(const Problem& problem) {
     std::vector<std::string> names;
@@ -23,6 +30,24 @@ std::vector<std::string> value_names(const Problem& problem) {
             names.push_back(name);
         }
     return names;
+}
+
+/// What `measure` gives; an exception that a quantity may throw is its failure.
+template <class Measure>
+QuantityResult or_failure(const Measure& measure) {
+    try {
+        return measure();
+    } catch (const OutputError&) {
+        throw;
+    } catch (const ReplayMismatch&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception& e) {
+        QuantityResult failed;
+        failed.failure = Failure{"exception", e.what()};
+        return failed;
+    }
 }
 
 }  // namespace
@@ -184,21 +209,12 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
                   next = first + static_cast<int>(quantity.names.size());
         const bool gradients =
             std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
-        QuantityResult measured;
-        try {
-            measured = call(quantity,
-                            {surface, gradients, number, space_.level, physical_values(space_, x),
-                             own_values(space_, x), stop_wanted_},
-                            result.surface);
-        } catch (const OutputError&) {
-            throw;
-        } catch (const ReplayMismatch&) {
-            throw;
-        } catch (const std::bad_alloc&) {
-            throw;
-        } catch (const std::exception& e) {
-            measured.failure = Failure{"exception", e.what()};
-        }
+        QuantityResult measured = or_failure([&] {
+            return call(quantity,
+                        {surface, gradients, number, space_.level, physical_values(space_, x), own_values(space_, x),
+                         stop_wanted_},
+                        result.surface);
+        });
         result.remarks.insert(result.remarks.end(), measured.remarks.begin(), measured.remarks.end());
         if (!measured.failure && measured.values.size() != quantity.names.size())
             measured.failure = Failure{"wrong_count", text(measured.values.size(), " values, expected ",
@@ -276,11 +292,47 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
 }
 
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
-    for (const Variable& variable : space_.variables)
-        if (!is_load(variable.kind) && variable.kind != VariableKind::own) return {};
+    if (!only_loads(space_)) return {};
     ShapeEvaluation unused;
     if (!(last_ && last_x_ == x) && !deform(x, unused)) return {};
     return present_product(space_, *shell_, d);
+}
+
+std::optional<Eigen::VectorXd> ShapeEvaluator::slopes_along(const Points& vertices, const Points& direction) const {
+    Eigen::VectorXd slopes(static_cast<Eigen::Index>(differentiated_.size()));
+    const TriMesh surface = with_vertices(rest_->surface, vertices);
+    int first = 0;
+    for (const Quantity& quantity : problem_.quantities) {
+        const int next = first + static_cast<int>(quantity.names.size());
+        std::optional<QuantityResult> known;
+        for (std::size_t i = 0; i < differentiated_.size(); ++i) {
+            if (differentiated_[i] < first || differentiated_[i] >= next) continue;
+            if (!quantity.program.empty()) return {};
+            if (!known)
+                known = or_failure([&] {
+                    return quantity.evaluate({surface, true, 0, space_.level, {}, {}, stop_wanted_});
+                });
+            if (known->failure) return {};
+            slopes[static_cast<Eigen::Index>(i)] =
+                known->dJ_dv.at(differentiated_[i] - first).cwiseProduct(direction).sum();
+        }
+        first = next;
+    }
+    return slopes;
+}
+
+std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, const DesignSpace& finer,
+                                                      const Eigen::VectorXd& step, const Eigen::VectorXd& weight) {
+    ShapeEvaluation shape;
+    if (!only_loads(finer) || !only_loads(space_) || finer.num_own() > 0 || !deform(x, shape)) return {};
+    const Points moved = shell_->response({load_forces(finer, step)}, probe_tolerance)[0];
+    const double size = std::sqrt(moved.rowwise().squaredNorm().maxCoeff());
+    if (!(size > 0)) return {};
+    const double h = probe_step * rest_->diagonal / size;
+    const auto here = slopes_along(shape.vertices, moved), there = slopes_along(shape.vertices + h * moved, moved);
+    if (!here || !there) return {};
+    const double curvature = weight.dot(*there - *here) / h;
+    return std::isfinite(curvature) ? std::optional(curvature) : std::nullopt;
 }
 
 }  // namespace strake

@@ -70,6 +70,13 @@ public:
     /// which an evaluation has reached before, is not reached again.
     Eigen::VectorXd metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d);
 
+    /// Second derivative, along `step` of the loads of `finer` at x, of the sum of weight * value over the
+    /// differentiated values: from their vertex sensitivities a hair along the linear response. No program is called:
+    /// none where one of the values comes from a program, where other variables than loads would move, and where there
+    /// is no shape at x.
+    std::optional<double> curvature_along(const Eigen::VectorXd& x, const DesignSpace& finer,
+                                          const Eigen::VectorXd& step, const Eigen::VectorXd& weight);
+
     const std::vector<std::string>& names() const { return names_; }
     int index_of(const std::string& name) const;  ///< @throws InvalidInput with the known names
     PrimoShell& shell() { return *shell_; }       ///< at the equilibrium of the last evaluation, if that was ok
@@ -81,6 +88,8 @@ private:
     const Poses* nearest_known(const Eigen::VectorXd& x) const;
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// Per differentiated value its derivative along `direction` at these vertices.
+    std::optional<Eigen::VectorXd> slopes_along(const Points& vertices, const Points& direction) const;
     void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
     QuantityResult call(const Quantity& quantity, const QuantityRequest& request, const std::string& surface) const;
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;

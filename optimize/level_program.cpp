@@ -157,14 +157,16 @@ bool LevelProgram::gives_lagrangian() const {
     return !needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients;
 }
 
-ShellSensitivities LevelProgram::lagrangian() const {
+Eigen::VectorXd LevelProgram::lagrangian_weights() const {
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
     weight[objective_gradient_] = sign();
     const Eigen::VectorXd lambda = multipliers(program_, known_.sample);
     for (std::size_t i = 0; i < rows_.rows.size(); ++i)
         weight[rows_.rows[i].gradient] +=
             lambda[static_cast<Eigen::Index>(i)] * rows_.rows[i].sign / rows_.rows[i].scale;
-    return weighted_sum(known_.sensitivities, weight);
+    return weight;
 }
+
+ShellSensitivities LevelProgram::lagrangian() const { return weighted_sum(known_.sensitivities, lagrangian_weights()); }
 
 }  // namespace strake

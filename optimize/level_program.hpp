@@ -33,6 +33,7 @@ public:
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.
     ShellSensitivities lagrangian() const;
+    Eigen::VectorXd lagrangian_weights() const;  ///< of the differentiated values in it
     /// All that the Lagrangian holds has sensitivities, and the method asks for them.
     bool gives_lagrangian() const;
     bool has_lagrangian() const { return !known_.sensitivities.empty() && !needs_differences_; }

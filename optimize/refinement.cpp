@@ -145,6 +145,7 @@ public:
     }
 
     double all() const { return all_; }
+    VectorXd step() const { return -below_.metric.matrixU().solve(open_gradient(facts_, below_)) / facts_.curvature; }
     std::vector<SplitPromise> splits() const { return splits_; }
 
 private:
@@ -225,6 +226,9 @@ RefinementPlan plan_refinement(const DesignFacts& facts) {
     std::optional<Prospect> below = prospect(facts.space, facts.x);
     if (!below || below->splits.empty()) return plan;
     Choice choice(facts, *below, most);
+    plan.step = choice.step();
+    plan.of_step = promised_decrease(facts, *below);
+    plan.children = below->children.space;
     plan.front = split_front(tree, plan.front, choice(plan));
     plan.promises = choice.splits();
     InheritedSpace present{facts.space, facts.x, {}};

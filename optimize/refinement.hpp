@@ -24,6 +24,9 @@ struct RefinementPlan {
     int variables_before = 0, variables_after = 0;
     double promised = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
     int rounds = 1;                   ///< levels of the tree that were passed at once
+    DesignSpace children;             ///< all patches of the space split, whatever was chosen
+    Eigen::VectorXd step;             ///< of the children: what is expected of them
+    double of_step = 0;               ///< the decrease that is expected of it
     std::string words() const;        ///< the decision with its numbers, one line
 };
 

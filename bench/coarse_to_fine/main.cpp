@@ -56,7 +56,7 @@ struct Report {
     std::string runs =
         "problem,solver,method,triangles,variables,levels,evaluations,failures,start,final,cpu,inherited_change,"
         "status,reason\n";
-    std::string trace = "problem,solver,method,evaluation,cpu,best\n";
+    std::string trace = "problem,solver,method,evaluation,paid,cpu,best\n";
     std::string notes;
 
     void add(const EvidenceProblem& problem, const Solve& s) {
@@ -66,7 +66,8 @@ struct Report {
                 number(s.start) + "," + number(s.final) + "," + number(s.trace.empty() ? 0 : s.trace.back().cpu) + "," +
                 number(s.inherited_change) + "," + s.status + "," + quoted(s.reason) + "\n";
         for (const TracePoint& p : s.trace)
-            trace += key + std::to_string(p.evaluation) + "," + number(p.cpu) + "," + number(p.best) + "\n";
+            trace += key + std::to_string(p.evaluation) + "," + std::to_string(p.paid) + "," + number(p.cpu) + "," +
+                     number(p.best) + "\n";
         for (const std::string& note : s.notes) notes += key + " " + note + "\n";
     }
     void write(const std::filesystem::path& folder, const std::string& name) const {

@@ -4,6 +4,7 @@
 #include "core/mesh/adjacency.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/constraints.hpp"
+#include "optimize/refinement.hpp"
 #include "optimize/validity.hpp"
 
 #include <ctime>
@@ -22,11 +23,14 @@ double cpu_seconds() {
 /// Adds one evaluation to the trace.
 struct Tracer {
     Solve& solve;
+    int variables = 0;  ///< of the level
+    int choosing = 0;   ///< differences by which its patches were chosen
     double begin = cpu_seconds();
     /// @param objective as minimized; NaN: no value
     void add(double objective, bool feasible) {
         TracePoint point = solve.trace.empty() ? TracePoint{} : solve.trace.back();
         ++point.evaluation;
+        point.paid += 1 + (std::isfinite(objective) ? variables : 0) + std::exchange(choosing, 0);
         point.cpu = cpu_seconds() - begin;
         if (!std::isfinite(objective))
             ++solve.failures;
@@ -47,6 +51,14 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
     problem.optimize.max_evaluations = budget;
     Tracer tracer{result};
     RunEvents events;
+    std::optional<DesignSpace> above;
+    events.level = [&](const LevelStart& level) {
+        const bool chosen = above && solver == Solver::adaptive;
+        if (const auto all = chosen ? prospect(*above, VectorXd::Zero(above->size())) : std::nullopt)
+            tracer.choosing = all->children.space.size();
+        tracer.variables = level.space.size();
+        above = level.space;
+    };
     events.evaluation = [&](const EvaluationRecord& record) {
         if (record.is_taken_over) return;  // nothing was computed
         const double sign = problem.maximize ? -1 : 1;
@@ -174,7 +186,7 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
     } else {
         motion = bezier_box(evidence, variables_of_last_level(evidence.problem));
     }
-    result.variables = motion.size();
+    result.variables = tracer.variables = motion.size();
     result.levels = text(motion.size());
     result.notes.push_back(motion.name);
     Comparator comparator(evidence, motion, tracer);

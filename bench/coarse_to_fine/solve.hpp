@@ -17,6 +17,9 @@ std::string to_string(Method method);
 
 struct TracePoint {
     int evaluation = 0;
+    /// The same where a gradient is paid by differences: one more for each variable of the level, and one for each
+    /// variable that the parts of all patches would have, where the run chooses among them.
+    int paid = 0;
     double cpu = 0;  ///< seconds of the process since the solve began, set-up included
     /// Best feasible objective so far, as minimized (a maximized one with its sign changed); NaN before there is one.
     double best = std::numeric_limits<double>::quiet_NaN();

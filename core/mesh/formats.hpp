@@ -20,6 +20,8 @@ struct SurfaceBuilder {
     int group_number(const std::string& name);
     /// Cuts a polygon (at least 3 corners) into triangles of the given group; -1: none.
     void add_polygon(std::span<const int> polygon, int group_of_polygon = -1);
+    /// The same surface without the vertices that no triangle names; the others keep their order.
+    SurfaceBuilder with_used_vertices_only() const;
     /// Gives the data away. @throws InputError without triangles.
     SurfaceFile finish(const std::string& name, SurfaceFormat format);
 
@@ -33,6 +35,12 @@ SurfaceFile read_obj(std::string_view bytes, const std::string& name);
 SurfaceFile read_ply(std::string_view bytes, const std::string& name);
 SurfaceFile read_off(std::string_view bytes, const std::string& name);
 SurfaceFile read_tri(std::string_view bytes, const std::string& name);
+SurfaceFile read_su2(std::string_view bytes, const std::string& name);
+SurfaceFile read_gmsh(std::string_view bytes, const std::string& name);
+SurfaceFile read_nastran(std::string_view bytes, const std::string& name);
+SurfaceFile read_vtk(std::string_view bytes, const std::string& name);
+/// What gzip has packed; more than a thousand times the packed size is refused. @throws InputError.
+std::string unpacked(std::string_view bytes, const std::string& name);
 
 /// Writers: the whole file as bytes. Numbers do not go through streams, which follow the program's locale.
 std::string stl_binary(const TriMesh& mesh, const std::string& name);  ///< @throws OutputError beyond single precision
@@ -41,6 +49,14 @@ std::string obj(const TriMesh& mesh);
 std::string ply(const TriMesh& mesh, bool binary);
 std::string off(const TriMesh& mesh);
 std::string tri(const TriMesh& mesh);
+std::string su2(const TriMesh& mesh);
+std::string gmsh(const TriMesh& mesh);     ///< version 4.1
+std::string nastran(const TriMesh& mesh);  ///< GRID* (16 columns) and CTRIA3
+std::string vtk(const TriMesh& mesh);      ///< legacy polygons, binary
+/// Groups as positive numbers: their names where all are such numbers, else counted from 1.
+std::vector<std::string> component_numbers(const TriMesh& mesh);
+/// Triangles of each group in their order; one part where there are no groups.
+std::vector<std::vector<int>> triangles_by_group(const TriMesh& mesh);
 
 void append(std::string& out, double value);  ///< the shortest text that reads back to the same bits
 void append(std::string& out, int value);
@@ -50,5 +66,6 @@ void append_row(std::string& out, std::string_view lead, const double* row);
 void append_row(std::string& out, std::string_view lead, const int* row, int offset);
 /// A group's name as one line of text: control characters become blanks.
 std::string one_line(const std::string& name);
+std::string one_word(const std::string& name);  ///< the same without blanks
 
 }  // namespace strake::formats

@@ -4,10 +4,12 @@
 #include "core/mesh/file.hpp"
 #include "core/mesh/formats.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 #include <limits>
 #include <new>
+#include <utility>
 
 namespace strake {
 namespace formats {
@@ -23,6 +25,23 @@ void SurfaceBuilder::add_polygon(std::span<const int> polygon, int group_of_poly
         corners.insert(corners.end(), {polygon[0], polygon[k - 1], polygon[k]});
         if (group_of_polygon >= 0) group.push_back(group_of_polygon);
     }
+}
+
+SurfaceBuilder SurfaceBuilder::with_used_vertices_only() const {
+    SurfaceBuilder used;
+    std::vector<int> number(static_cast<std::size_t>(num_vertices()), -1);
+    for (const int v : corners) number[static_cast<std::size_t>(v)] = 0;
+    int count = 0;
+    for (std::size_t v = 0; v < number.size(); ++v) {
+        if (number[v] < 0) continue;
+        number[v] = count++;
+        used.coordinates.insert(used.coordinates.end(), coordinates.begin() + static_cast<std::ptrdiff_t>(3 * v),
+                                coordinates.begin() + static_cast<std::ptrdiff_t>(3 * v + 3));
+    }
+    for (const int v : corners) used.corners.push_back(number[static_cast<std::size_t>(v)]);
+    used.group = group;
+    used.group_names = group_names;
+    return used;
 }
 
 SurfaceFile SurfaceBuilder::finish(const std::string& name, SurfaceFormat format) {
@@ -81,24 +100,82 @@ std::string one_line(const std::string& name) {
     return line;
 }
 
+std::string one_word(const std::string& name) {
+    std::string word = one_line(name);
+    std::replace(word.begin(), word.end(), ' ', '_');
+    return word.empty() ? "_" : word;
+}
+
+std::vector<std::string> component_numbers(const TriMesh& mesh) {
+    std::vector<std::string> numbers = mesh.group_names;
+    const auto is_number = [](const std::string& s) {
+        return !s.empty() && s.size() <= 9 && s.find_first_not_of("0123456789") == s.npos && s[0] != '0';
+    };
+    if (std::all_of(numbers.begin(), numbers.end(), is_number)) return numbers;
+    for (std::size_t g = 0; g < numbers.size(); ++g) numbers[g] = std::to_string(g + 1);
+    return numbers;
+}
+
+std::vector<std::vector<int>> triangles_by_group(const TriMesh& mesh) {
+    std::vector<std::vector<int>> parts(std::max<std::size_t>(1, mesh.group.empty() ? 1 : mesh.group_names.size()));
+    for (int t = 0; t < mesh.num_triangles(); ++t) parts[mesh.group.empty() ? 0 : mesh.group[t]].push_back(t);
+    return parts;
+}
+
 }  // namespace formats
 namespace {
 
-struct FormatName {
+using Read = SurfaceFile (*)(std::string_view bytes, const std::string& name);
+using Write = std::string (*)(const TriMesh& mesh, const std::string& name);
+
+struct Format {
     const char* name;
     const char* extension;
     SurfaceFormat format;
+    Read read;
+    Write write;
+    const char* begins = nullptr;  ///< files of no known extension that begin so
 };
+template <std::string (*write)(const TriMesh&)>
+std::string plainly(const TriMesh& mesh, const std::string&) {
+    return write(mesh);
+}
+template <bool binary>
+std::string as_ply(const TriMesh& mesh, const std::string&) {
+    return formats::ply(mesh, binary);
+}
 /// The first entry of an extension is what the extension alone asks for.
-constexpr FormatName format_names[] = {
-    {"stl", ".stl", SurfaceFormat::stl_binary},
-    {"stl-ascii", ".stl", SurfaceFormat::stl_ascii},
-    {"obj", ".obj", SurfaceFormat::obj},
-    {"ply", ".ply", SurfaceFormat::ply_binary},
-    {"ply-ascii", ".ply", SurfaceFormat::ply_ascii},
-    {"off", ".off", SurfaceFormat::off},
-    {"tri", ".tri", SurfaceFormat::tri},
+constexpr Format known_formats[] = {
+    {"stl", ".stl", SurfaceFormat::stl_binary, formats::read_stl, formats::stl_binary, "solid"},
+    {"stl-ascii", ".stl", SurfaceFormat::stl_ascii, formats::read_stl, plainly<formats::stl_ascii>},
+    {"obj", ".obj", SurfaceFormat::obj, formats::read_obj, plainly<formats::obj>},
+    {"ply", ".ply", SurfaceFormat::ply_binary, formats::read_ply, as_ply<true>, "ply"},
+    {"ply-ascii", ".ply", SurfaceFormat::ply_ascii, formats::read_ply, as_ply<false>},
+    {"off", ".off", SurfaceFormat::off, formats::read_off, plainly<formats::off>, "OFF"},
+    {"tri", ".tri", SurfaceFormat::tri, formats::read_tri, plainly<formats::tri>},
+    {"vtk", ".vtk", SurfaceFormat::vtk, formats::read_vtk, plainly<formats::vtk>, "# vtk DataFile"},
+    {"su2", ".su2", SurfaceFormat::su2, formats::read_su2, plainly<formats::su2>},
+    {"msh", ".msh", SurfaceFormat::gmsh, formats::read_gmsh, plainly<formats::gmsh>, "$MeshFormat"},
+    {"nastran", ".nas", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
+    {"nastran", ".bdf", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
+    {"nastran", ".dat", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
 };
+
+std::string known_extensions() {
+    std::string list;
+    std::string_view last;
+    for (const Format& f : known_formats)
+        if (std::exchange(last, f.extension) != f.extension)
+            list += (list.empty() ? "" : " ") + std::string(f.extension);
+    return list;
+}
+std::string known_names() {
+    std::string list;
+    std::string_view last;
+    for (const Format& f : known_formats)
+        if (std::exchange(last, f.name) != f.name) list += (list.empty() ? "" : " ") + std::string(f.name);
+    return list;
+}
 
 std::string lower_extension(const std::filesystem::path& file) {
     std::string extension = file.extension().native();
@@ -107,18 +184,22 @@ std::string lower_extension(const std::filesystem::path& file) {
     return extension;
 }
 
+constexpr std::string_view gzip_magic = "\x1f\x8b";
+
 SurfaceFile read_by_name(const std::filesystem::path& file, std::string_view bytes, const std::string& name) {
     const std::string extension = lower_extension(file);
-    if (extension == ".stl") return formats::read_stl(bytes, name);
-    if (extension == ".obj") return formats::read_obj(bytes, name);
-    if (extension == ".ply") return formats::read_ply(bytes, name);
-    if (extension == ".off") return formats::read_off(bytes, name);
-    if (extension == ".tri") return formats::read_tri(bytes, name);
-    if (bytes.starts_with("ply\n") || bytes.starts_with("ply\r")) return formats::read_ply(bytes, name);
-    if (bytes.starts_with("OFF")) return formats::read_off(bytes, name);
-    if (bytes.starts_with("solid")) return formats::read_stl(bytes, name);
-    throw InputError(text(name, ": not a known surface format: extension '", printable(extension),
-                          "'; known are .stl .obj .ply .off .tri"));
+    if (extension == ".gz") {
+        const std::string unpacked = formats::unpacked(bytes, name);
+        if (unpacked.empty()) throw InputError(text(name, ": the packed file is empty"));
+        if (lower_extension(file.stem()) == ".gz") throw InputError(text(name, ": packed twice"));
+        return read_by_name(file.stem(), unpacked, name);
+    }
+    for (const Format& f : known_formats)
+        if (extension == f.extension) return f.read(bytes, name);
+    for (const Format& f : known_formats)
+        if (f.begins && bytes.starts_with(f.begins)) return f.read(bytes, name);
+    throw InputError(text(name, ": not a known surface format: extension '", printable(extension), "'; known are ",
+                          known_extensions(), bytes.starts_with(gzip_magic) ? ", each also packed as .gz" : ""));
 }
 
 /// Nothing that a reader would refuse is written.
@@ -154,45 +235,33 @@ SurfaceFile read_surface(const std::filesystem::path& file) {
 
 void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format) {
     check_writable(mesh);
-    const auto bytes = [&]() -> std::string {
-        switch (format) {
-            case SurfaceFormat::stl_binary:
-                return formats::stl_binary(mesh, printable(file.native()));
-            case SurfaceFormat::stl_ascii:
-                return formats::stl_ascii(mesh);
-            case SurfaceFormat::obj:
-                return formats::obj(mesh);
-            case SurfaceFormat::ply_ascii:
-                return formats::ply(mesh, false);
-            case SurfaceFormat::ply_binary:
-                return formats::ply(mesh, true);
-            case SurfaceFormat::off:
-                return formats::off(mesh);
-            case SurfaceFormat::tri:
-                return formats::tri(mesh);
-        }
-        throw InvalidInput(text("write_surface: format number ", static_cast<int>(format), " does not exist"));
-    };
-    write_atomically(file, bytes());
+    for (const Format& f : known_formats)
+        if (f.format == format) return write_atomically(file, f.write(mesh, printable(file.native())));
+    throw InvalidInput(text("write_surface: format number ", static_cast<int>(format), " does not exist"));
 }
 
 SurfaceFormat format_of(const std::filesystem::path& file) {
     const std::string extension = lower_extension(file);
-    for (const auto& f : format_names)
+    for (const Format& f : known_formats)
         if (extension == f.extension) return f.format;
     throw InvalidInput(text(printable(file.native()), ": no surface format has the extension '", printable(extension),
-                            "'; known are .stl .obj .ply .off .tri"));
+                            "'; known are ", known_extensions()));
 }
 
 SurfaceFormat format_named(const std::string& name) {
-    for (const auto& f : format_names)
+    for (const Format& f : known_formats)
         if (name == f.name) return f.format;
-    throw InvalidInput(
-        text("surface format '", printable(name), "' is unknown; known are stl stl-ascii obj ply ply-ascii off tri"));
+    throw InvalidInput(text("surface format '", printable(name), "' is unknown; known are ", known_names()));
+}
+
+std::string name_of(SurfaceFormat format) {
+    for (const Format& f : known_formats)
+        if (format == f.format) return f.name;
+    throw InvalidInput(text("name_of: format number ", static_cast<int>(format), " does not exist"));
 }
 
 std::string extension_of(SurfaceFormat format) {
-    for (const auto& f : format_names)
+    for (const Format& f : known_formats)
         if (format == f.format) return f.extension;
     throw InvalidInput(text("extension_of: format number ", static_cast<int>(format), " does not exist"));
 }

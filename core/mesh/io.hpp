@@ -5,10 +5,11 @@
 #include <vector>
 
 /// Surface files. Coordinates are kept in double precision, vertices and triangles in the order of the file;
-/// only STL, which has no shared vertices, is welded (bit-equal coordinates, in the order of first appearance).
+/// only SU2 sorts its triangles by group, and only STL, which has no shared vertices, is welded (bit-equal coordinates,
+/// in the order of first appearance).
 namespace strake {
 
-enum class SurfaceFormat { stl_binary, stl_ascii, obj, ply_ascii, ply_binary, off, tri };
+enum class SurfaceFormat { stl_binary, stl_ascii, obj, ply_ascii, ply_binary, off, tri, vtk, su2, gmsh, nastran };
 
 /// What a reader saw besides the surface itself.
 struct SurfaceFile {
@@ -17,7 +18,11 @@ struct SurfaceFile {
     int file_vertices = 0;                             ///< before welding
 };
 
-/// Reads STL (ASCII, binary), OBJ, PLY (ASCII, both binaries), OFF or Cart3D .tri, by extension and content.
+/// Reads STL (ASCII, binary), OBJ, PLY (ASCII, both binaries), OFF, Cart3D .tri (text, unformatted), legacy VTK
+/// polygons
+/// (.vtk, text and binary), the markers of an SU2 mesh (.su2), Gmsh (.msh, 2.x and 4.1, text and binary) or NASTRAN
+/// bulk data (.nas, .bdf, .dat), each also packed by gzip (.stl.gz), by extension and content. Of meshes that hold
+/// volumes, too, the vertices that no triangle names are left out.
 /// Polygons are cut into fans from their first corner.
 /// @throws InputError `FILE:LINE: …` or `FILE: byte N …`, for whatever is not a finite, indexed surface.
 SurfaceFile read_surface(const std::filesystem::path& file);
@@ -26,11 +31,12 @@ SurfaceFile read_surface(const std::filesystem::path& file);
 /// @throws OutputError with path and the system's reason.
 void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format);
 
-/// The format that a name's extension asks for (.stl binary, .ply binary, .obj, .off, .tri). @throws InvalidInput
+/// The format that a name's extension asks for (.stl and .ply: binary). @throws InvalidInput
 /// listing the known ones.
 SurfaceFormat format_of(const std::filesystem::path& file);
-/// "stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri". @throws InvalidInput.
+/// "stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri", "vtk", "su2", "msh", "nastran". @throws InvalidInput.
 SurfaceFormat format_named(const std::string& name);
+std::string name_of(SurfaceFormat format);       ///< as `format_named` knows it
 std::string extension_of(SurfaceFormat format);  ///< with the dot
 
 /// Writes bytes so that readers see the old file or the whole new one. @throws OutputError.

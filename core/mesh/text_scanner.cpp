@@ -35,7 +35,7 @@ TextScanner::TextScanner(std::string_view text, std::string name, Syntax syntax,
     : text_(text), name_(std::move(name)), syntax_(syntax), line_(first_line - 1) {}
 
 bool TextScanner::enter_line() {
-    position_ = next_begin_;
+    position_ = line_begin_ = next_begin_;
     if (position_ >= text_.size()) {
         position_ = line_end_ = next_begin_ = text_.size();
         joined_ = false;
@@ -134,8 +134,8 @@ std::int64_t TextScanner::integer(std::string_view word, std::string_view what) 
     return value;
 }
 
-void TextScanner::fail(const std::string& what) const {
-    throw InputError(text(name_, ":", std::max(line_, 1L), ": ", what));
+void TextScanner::fail_at(long line, const std::string& what) const {
+    throw InputError(text(name_, ":", std::max(line, 1L), ": ", what));
 }
 
 void TextScanner::unexpected(std::string_view word, std::string_view what) const {

@@ -21,6 +21,8 @@ public:
     std::string_view word();      ///< the next word of this line; empty at its end
     std::string_view any_word();  ///< the next word on this or a later line; empty at the end of the text
     std::string_view rest();      ///< what is left of this line, without the blanks around it
+    /// The present line with the blanks before it and all that was read of it; comments are not cut off.
+    std::string_view whole_line() const { return text_.substr(line_begin_, line_end_ - line_begin_); }
     std::size_t bytes_left() const { return text_.size() - position_; }
     long line() const { return line_; }
 
@@ -29,7 +31,8 @@ public:
     double number_or_nan(std::string_view word, std::string_view what) const;  ///< for values that nobody uses
     std::int64_t integer(std::string_view word, std::string_view what) const;
     /// @throws InputError `FILE:LINE: what`.
-    [[noreturn]] void fail(const std::string& what) const;
+    [[noreturn]] void fail(const std::string& what) const { fail_at(line_, what); }
+    [[noreturn]] void fail_at(long line, const std::string& what) const;
     /// Refuses a word that is missing or is not what was expected: `expected WHAT, got 'word'`.
     [[noreturn]] void unexpected(std::string_view word, std::string_view what) const;
     /// Refuses a count that the rest of the text has no room for, before anything is allocated.
@@ -40,7 +43,7 @@ private:
     std::string_view text_;
     std::string name_;
     Syntax syntax_;
-    std::size_t position_ = 0, line_end_ = 0, next_begin_ = 0;
+    std::size_t position_ = 0, line_begin_ = 0, line_end_ = 0, next_begin_ = 0;
     long line_;
     bool joined_ = false;  ///< the current line goes on in the next
 };

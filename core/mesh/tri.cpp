@@ -163,17 +163,6 @@ SurfaceFile read_records(std::string_view bytes, const std::string& name, bool s
     return builder.finish(name, SurfaceFormat::tri);
 }
 
-/// Groups as component numbers: their names where all are positive numbers, else counted from 1.
-std::vector<std::string> component_numbers(const TriMesh& mesh) {
-    std::vector<std::string> numbers = mesh.group_names;
-    const auto is_number = [](const std::string& s) {
-        return !s.empty() && s.size() <= 9 && s.find_first_not_of("0123456789") == s.npos && s[0] != '0';
-    };
-    if (std::all_of(numbers.begin(), numbers.end(), is_number)) return numbers;
-    for (std::size_t g = 0; g < numbers.size(); ++g) numbers[g] = std::to_string(g + 1);
-    return numbers;
-}
-
 }  // namespace
 
 SurfaceFile read_tri(std::string_view bytes, const std::string& name) {

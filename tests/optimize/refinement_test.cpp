@@ -102,6 +102,38 @@ TEST(Refinement, SplitsOnlyWhereTheBumpIs) {
     EXPECT_NE(result.reason.find("no progress is expected from further refinement"), std::string::npos);
 }
 
+TEST(Refinement, CurvatureAlongDetailsIsTheSecondDifferenceOfTheValues) {
+    Problem problem = bump_problem(0.05);
+    const auto rest = rest_facts(problem);
+    ShapeEvaluator evaluator(problem, rest, {"match", "volume"});
+    const DesignSpace coarse = design_space(rest, 1);
+    evaluator.enter(coarse);
+    const Eigen::VectorXd x = 0.1 * random_vector(coarse.size(), 1), weight = Eigen::Vector2d(2, -0.3);
+    ASSERT_EQ(evaluator.evaluate(x, 1).status, EvaluationStatus::ok);
+    const DesignSpace fine = refine(coarse, x).space;
+    const Eigen::VectorXd step = random_vector(fine.size(), 2);
+    const Points at = evaluator.shell().vertices(), moved = evaluator.shell().response({load_forces(fine, step)})[0];
+    const auto sum = [&](double h) {
+        const TriMesh surface = with_vertices(problem.surface, at + h * moved);
+        double value = 0;
+        for (const Quantity& q : problem.quantities)
+            for (std::size_t i = 0; i < q.names.size(); ++i)
+                value += (q.names[i] == "match"    ? 2
+                          : q.names[i] == "volume" ? -0.3
+                                                   : 0) *
+                         q.evaluate({surface, false, 0, 0, {}}).values[i];
+        return value;
+    };
+    const double h = 0.01;
+    const double expected = (sum(h) - 2 * sum(0) + sum(-h)) / (h * h);
+    const auto curvature = evaluator.curvature_along(x, fine, step, weight);
+    ASSERT_TRUE(curvature);
+    EXPECT_NEAR(*curvature, expected, 1e-3 * std::abs(expected));
+    // What a program gives would have to be paid.
+    problem.quantities[0].program = "solver";
+    EXPECT_FALSE(evaluator.curvature_along(x, fine, step, weight));
+}
+
 TEST(Refinement, EveryRuleStartsALevelFromTheInheritedShape) {
     for (const SplitRule rule : {SplitRule::tree, SplitRule::sensitivity, SplitRule::gradient}) {
         Problem problem = bump_problem(0.05);

@@ -1,6 +1,7 @@
 #include "core/mesh/io.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
 #include "core/mesh/formats.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/temp_folder.hpp"
@@ -10,11 +11,13 @@
 
 #include <gtest/gtest.h>
 #include <sys/stat.h>
+#include <zlib.h>
 
 #include <bit>
 #include <clocale>
 #include <cstring>
 #include <locale>
+#include <numeric>
 #include <sstream>
 
 namespace strake {
@@ -22,7 +25,8 @@ namespace {
 
 constexpr SurfaceFormat all_formats[] = {SurfaceFormat::stl_binary, SurfaceFormat::stl_ascii,  SurfaceFormat::obj,
                                          SurfaceFormat::ply_ascii,  SurfaceFormat::ply_binary, SurfaceFormat::off,
-                                         SurfaceFormat::tri};
+                                         SurfaceFormat::tri,        SurfaceFormat::vtk,        SurfaceFormat::su2,
+                                         SurfaceFormat::gmsh};
 
 /// A sphere whose coordinates need all digits; vertices in the order in which triangles meet them, as STL has them.
 TriMesh rough_sphere() {
@@ -76,15 +80,24 @@ TEST(SurfaceIo, RoundTripKeepsGroupsWhereTheFormatHasThem) {
     TriMesh mesh = box_surface();
     mesh.group = {2, 2, 0, 0, 1, 1, 0, 0, 2, 2, 1, 1};
     mesh.group_names = {"upper side", "2", "tail"};
-    for (const SurfaceFormat format : {SurfaceFormat::stl_ascii, SurfaceFormat::obj, SurfaceFormat::tri}) {
+    for (const SurfaceFormat format : {SurfaceFormat::stl_ascii, SurfaceFormat::obj, SurfaceFormat::tri,
+                                       SurfaceFormat::su2, SurfaceFormat::gmsh, SurfaceFormat::nastran}) {
         const auto file = folder / text("box", extension_of(format));
         write_surface(file, mesh, format);
         const TriMesh back = read_surface(file).mesh;
         ASSERT_EQ(back.group.size(), mesh.group.size());
-        for (std::size_t t = 0; t < mesh.group.size(); ++t) {
-            const std::string& name = back.group_names[back.group[t]];
-            EXPECT_EQ(name, format == SurfaceFormat::tri ? std::to_string(mesh.group[t] + 1)
-                                                         : mesh.group_names[mesh.group[t]]);
+        std::vector<std::size_t> order(mesh.group.size());
+        std::iota(order.begin(), order.end(), 0);
+        if (format == SurfaceFormat::su2)  // whose markers stand one after the other
+            std::ranges::stable_sort(order, {}, [&](std::size_t t) { return mesh.group[t]; });
+        for (std::size_t i = 0; i < order.size(); ++i) {
+            const std::size_t t = order[i];
+            EXPECT_EQ(back.triangles.row(static_cast<int>(i)), mesh.triangles.row(static_cast<int>(t)));
+            const std::string& name = back.group_names[back.group[i]];
+            const bool numbers = format == SurfaceFormat::tri || format == SurfaceFormat::nastran;
+            const std::string& given = mesh.group_names[mesh.group[t]];
+            const std::string word = format == SurfaceFormat::su2 && given == "upper side" ? "upper_side" : given;
+            EXPECT_EQ(name, numbers ? std::to_string(mesh.group[t] + 1) : word);
         }
     }
     mesh.group_names = {"11", "7", "1012"};  // component numbers survive
@@ -92,6 +105,176 @@ TEST(SurfaceIo, RoundTripKeepsGroupsWhereTheFormatHasThem) {
     const TriMesh back = read_surface(folder / "box.tri").mesh;
     for (std::size_t t = 0; t < mesh.group.size(); ++t)
         EXPECT_EQ(back.group_names[back.group[t]], mesh.group_names[mesh.group[t]]);
+}
+
+template <class T>
+std::string raw(const std::vector<T>& values) {
+    return {reinterpret_cast<const char*>(values.data()), sizeof(T) * values.size()};
+}
+
+TEST(SurfaceIo, GmshVariants) {
+    // A quadrilateral and a triangle of second order beside a point, a line and a tetrahedron; node 9 is in none.
+    const std::string nodes =
+        "$Nodes\n9\n1 0 0 0\n2 1 0 0\n3 1 1 0\n4 0 1 0\n5 2 0 0\n6 1.5 0 0\n7 1.5 .5 0\n8 1 .5 0\n"
+        "9 5 5 5\n$EndNodes\n";
+    const std::string two =
+        "$MeshFormat\n2.2 0 8\n$EndMeshFormat\n$PhysicalNames\n2\n1 4 \"edge\"\n2 4 \"upper side\"\n"
+        "$EndPhysicalNames\n" +
+        nodes +
+        "$Elements\n5\n1 15 2 1 1 1\n2 1 2 4 1 1 2\n3 3 2 4 11 1 2 3 4\n"
+        "4 9 3 0 12 7 2 5 3 6 7 8\n5 4 0 1 2 3 9\n$EndElements\n";
+    for (const std::string& s : {two, with_crlf(two), "$Comments\nx\n$EndComments\n" + two}) {
+        const SurfaceFile file = formats::read_gmsh(s, "f.msh");
+        EXPECT_EQ(file.mesh.num_vertices(), 8);
+        ASSERT_EQ(file.mesh.num_triangles(), 6);
+        EXPECT_EQ(file.mesh.triangles.row(1), Eigen::RowVector3i(0, 2, 3));
+        EXPECT_EQ(file.mesh.triangles.row(2), Eigen::RowVector3i(1, 5, 7));
+        EXPECT_EQ(file.mesh.group, (std::vector<int>{0, 0, 1, 1, 1, 1}));
+        EXPECT_EQ(file.mesh.group_names, (std::vector<std::string>{"upper side", "12"}));
+        EXPECT_DOUBLE_EQ(surface_area(file.mesh), 1.5);
+    }
+    // 4.1 with a sparse numbering, parametric nodes and a surface with a physical group.
+    const std::string four =
+        "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n$Entities\n1 1 2 0\n1 0 0 0 0\n3 0 0 0 1 0 0 0 2 1 -1\n"
+        "7 0 0 0 1 1 0 1 6 1 3\n8 0 0 0 1 1 0 0 0\n$EndEntities\n$Nodes\n2 4 10 40\n0 1 0 1\n10\n0 0 0\n"
+        "2 7 1 3\n20\n30\n40\n1 0 0 .1 .2\n1 1 0 .1 .2\n0 1 0 .1 .2\n$EndNodes\n$Elements\n3 3 1 3\n"
+        "1 3 1 1\n1 10 20\n2 7 2 1\n2 10 20 30\n2 8 2 1\n3 10 30 40\n$EndElements\n";
+    const TriMesh square = formats::read_gmsh(four, "f.msh").mesh;
+    EXPECT_EQ(square.num_vertices(), 4);
+    EXPECT_EQ(square.group_names, (std::vector<std::string>{"6", "8"}));
+    EXPECT_DOUBLE_EQ(surface_area(square), 1);
+}
+
+TEST(SurfaceIo, GmshBinaryVariants) {
+    using Ints = std::vector<std::int32_t>;
+    using Longs = std::vector<std::int64_t>;
+    using Reals = std::vector<double>;
+    std::string nodes, elements;
+    const double corners[] = {0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0};
+    for (int v = 0; v < 4; ++v) nodes += raw(Ints{v + 1}) + raw(Reals(corners + 3 * v, corners + 3 * v + 3));
+    elements = raw(Ints{2, 2, 2, 1, 5, 5, 1, 2, 3, 2, 6, 6, 1, 3, 4});
+    const std::string two = "$MeshFormat\n2.2 1 8\n" + raw(Ints{1}) + "\n$EndMeshFormat\n$Nodes\n4\n" + nodes +
+                            "\n$EndNodes\n$Elements\n2\n" + elements + "\n$EndElements\n";
+    const std::string four = "$MeshFormat\n4.1 1 8\n" + raw(Ints{1}) + "\n$EndMeshFormat\n$Nodes\n" +
+                             raw(Longs{1, 4, 1, 4}) + raw(Ints{2, 5, 0}) + raw(Longs{4, 1, 2, 3, 4}) +
+                             raw(Reals(corners, corners + 12)) + "\n$EndNodes\n$Elements\n" + raw(Longs{2, 2, 1, 2}) +
+                             raw(Ints{2, 5, 2}) + raw(Longs{1, 1, 1, 2, 3}) + raw(Ints{2, 6, 2}) +
+                             raw(Longs{1, 2, 1, 3, 4}) + "\n$EndElements\n";
+    for (const std::string& s : {two, four}) {
+        const TriMesh square = formats::read_gmsh(s, "f.msh").mesh;
+        EXPECT_EQ(square.num_vertices(), 4);
+        ASSERT_EQ(square.num_triangles(), 2);
+        EXPECT_EQ(square.group_names, (std::vector<std::string>{"5", "6"}));
+        EXPECT_DOUBLE_EQ(surface_area(square), 1);
+    }
+}
+
+TEST(SurfaceIo, Su2Variants) {
+    // A hexahedron's points are there for the volume; only those of the markers are kept.
+    const std::string file =
+        "% a mesh\nNDIME= 3\nNELEM= 1\n10 0 1 2 4 0\nNPOIN=5 5\n0 0 0 0\n1 0 0 1\n1 1 0 2 % last\n9 9 9 3\n0 1 0 4\n"
+        "NMARK = 2\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n9 0 1 2 4 0\nMARKER_TAG=far\nMARKER_ELEMS=1\n5 4 2 0\n"
+        "FFD_NBOX= 1\nFFD_TAG= BOX\n1 2 3\n";
+    for (const std::string& s : {file, with_crlf(file)}) {
+        const TriMesh mesh = formats::read_su2(s, "f.su2").mesh;
+        EXPECT_EQ(mesh.num_vertices(), 4);
+        ASSERT_EQ(mesh.num_triangles(), 3);
+        EXPECT_EQ(mesh.triangles.row(1), Eigen::RowVector3i(0, 2, 3));
+        EXPECT_EQ(mesh.group, (std::vector<int>{0, 0, 1}));
+        EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"wall", "far"}));
+    }
+}
+
+TEST(SurfaceIo, NastranVariants) {
+    // Fixed, long and free fields, exponents without E, continuations, points behind the elements.
+    const std::string file =
+        "SOL 101\nCEND\nTITLE = GRID\nBEGIN BULK\n$ a comment\nCQUAD4         1       7      10      20      30      "
+        "40\n"
+        "GRID          10             0.0      0.      0.\nGRID*                 20                         1.+0       "
+        "       0.D0\n"
+        "*                      "
+        "0\nGRID,30,,1.,1.,\ngrid,40,0,0.,10.-1,0.\nGRID,50,,2.,0.,7.5E-0\nCTRIA3,2,,10,20,30\nMAT1,1,2.1+11,,.3\n"
+        "ENDDATA\nrubbish";
+    for (const std::string& s : {file, with_crlf(file)}) {
+        const TriMesh mesh = formats::read_nastran(s, "f.nas").mesh;
+        EXPECT_EQ(mesh.num_vertices(), 4);
+        ASSERT_EQ(mesh.num_triangles(), 3);
+        EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"7", "2"}));
+        EXPECT_EQ(mesh.triangles.row(1), Eigen::RowVector3i(0, 2, 3));
+        EXPECT_EQ(mesh.vertices.row(3), Eigen::RowVector3d(0, 1, 0));
+        EXPECT_EQ(mesh.vertices.row(1), Eigen::RowVector3d(1, 0, 0));
+    }
+    // 16 columns hold 10 digits or more.
+    const TempFolder folder;
+    TriMesh mesh = rough_sphere();
+    mesh.vertices(0, 0) = -1.0 / 3 * 1e-7;
+    mesh.vertices(1, 1) = -2.0 / 3 * 1e100;
+    write_surface(folder / "s.bdf", mesh, SurfaceFormat::nastran);
+    const TriMesh back = read_surface(folder / "s.bdf").mesh;
+    EXPECT_EQ(back.triangles, mesh.triangles);
+    for (int i = 0; i < mesh.vertices.size(); ++i)
+        EXPECT_NEAR(back.vertices.data()[i], mesh.vertices.data()[i], 1e-9 * std::abs(mesh.vertices.data()[i]));
+}
+
+TEST(SurfaceIo, VtkVariants) {
+    const std::string points = "POINTS 5 float\n0 0 0 1 0 0 1 1 0\n0 1 0 9 9 9\n";
+    const std::string head = "# vtk DataFile Version 3.0\ntitle\nASCII\nDATASET ";
+    const std::string old = head + "POLYDATA\n" + points +
+                            "METADATA\nINFORMATION 0\n\nVERTICES 1 2\n1 0\n"
+                            "POLYGONS 1 5\n4 0 1 2 3\nCELL_DATA 1\nSCALARS a int 1\nLOOKUP_TABLE default\n1\n";
+    const std::string fresh = head + "POLYDATA\n" + points +
+                              "POLYGONS 3 6\nOFFSETS vtktypeint64\n0 3 6\nCONNECTIVITY "
+                              "vtktypeint64\n0 1 2\n0 2 3\n";
+    const std::string strip = head + "POLYDATA\n" + points + "TRIANGLE_STRIPS 1 5\n4 0 1 3 2\n";
+    const std::string grid = head + "UNSTRUCTURED_GRID\n" + points +
+                             "CELLS 3 13\n3 0 1 2\n3 0 2 3\n4 0 1 2 4\n"
+                             "CELL_TYPES 3\n5\n5\n10\n";
+    for (const std::string& s : {old, fresh, strip, grid, with_crlf(old), with_crlf(fresh)}) {
+        const TriMesh mesh = formats::read_vtk(s, "f.vtk").mesh;
+        ASSERT_EQ(mesh.num_triangles(), 2) << s;
+        EXPECT_DOUBLE_EQ(surface_area(mesh), 1) << s;
+        EXPECT_TRUE(adjacency(mesh).num_edges() == 5) << s;
+        EXPECT_EQ(triangle_normals(mesh), (Points(2, 3) << 0, 0, 1, 0, 0, 1).finished()) << s;
+    }
+}
+
+TEST(SurfaceIo, PackedFilesAreUnpackedAndBombsRefused) {
+    // gzip of "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"
+    const auto packed = [](const std::string& bytes) {
+        std::string out(compressBound(bytes.size()) + 64, '\0');
+        z_stream stream{};
+        EXPECT_EQ(deflateInit2(&stream, 9, Z_DEFLATED, 15 + 16, 8, Z_DEFAULT_STRATEGY), Z_OK);
+        stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(bytes.data()));
+        stream.avail_in = static_cast<uInt>(bytes.size());
+        stream.next_out = reinterpret_cast<Bytef*>(out.data());
+        stream.avail_out = static_cast<uInt>(out.size());
+        EXPECT_EQ(deflate(&stream, Z_FINISH), Z_STREAM_END);
+        out.resize(stream.total_out);
+        deflateEnd(&stream);
+        return out;
+    };
+    const TempFolder folder;
+    const std::string triangle = "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", whole = packed(triangle);
+    const auto file = folder / "t.obj.gz";
+    write_atomically(file, whole);
+    EXPECT_EQ(read_surface(file).mesh.num_triangles(), 1);
+    write_atomically(file, packed(triangle.substr(0, 10)) + packed(triangle.substr(10)));  // two members
+    EXPECT_EQ(read_surface(file).mesh.num_triangles(), 1);
+    const auto refusal = [&](const std::string& bytes) -> std::string {
+        write_atomically(file, bytes);
+        try {
+            read_surface(file);
+        } catch (const InputError& e) {
+            return e.what();
+        }
+        return "";
+    };
+    for (std::size_t n = 1; n < whole.size(); ++n) EXPECT_NE(refusal(whole.substr(0, n)), "") << n;
+    std::string damaged = whole;
+    damaged[whole.size() - 6] ^= 1;  // the checksum
+    EXPECT_NE(refusal(damaged).find("gzip"), std::string::npos);
+    EXPECT_NE(refusal(packed(std::string(std::size_t{1} << 24, ' '))).find("1000 times"), std::string::npos);
+    EXPECT_NE(refusal("v 0 0 0").find("gzip"), std::string::npos);
 }
 
 TEST(SurfaceIo, ObjVariants) {

@@ -46,11 +46,11 @@ fi
 external=cases/external
 solver() {  # PICTURE START RUN TITLES and the arguments of render.py
     local name=$1 start=$2 run=$3 titles=$4
-    [ -f "$run/best.obj" ] && picture "$name" "$start" "$run/best.obj" --titles "$titles" --size 520,380 "${@:5}"
+    [ -f "$run/best.obj" ] && picture "$name" "$start" "$run/best.obj" --titles "$titles" --size 440,340 "${@:5}"
     return 0
 }
 solver openfoam_drag.png $external/openfoam_drag/generated/body.obj runs/openfoam_drag \
-    "before|after: less drag, same volume" --view=-1,-1,0.5 --edges
+    "before|after: less drag, same volume" --view=-1,-1,0.5
 solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj runs/openfoam_supersonic \
     "before|after: less wave drag, same volume" --view side --edges
 solver openfoam_wing.png $external/openfoam_wing/generated/wing.obj runs/openfoam_wing \

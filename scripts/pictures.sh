@@ -45,6 +45,19 @@ if [ -n "$body" ]; then
     picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \
         --view=-1,-1,0.8 --titles "before|after: more volume within the area allowed" --size 800,560
 fi
+# The runs of docs/external/openfoam.md, into runs/openfoam_*.
+external=cases/external
+solver() {  # PICTURE START RUN TITLES and the arguments of render.py
+    local name=$1 start=$2 run=$3 titles=$4
+    [ -f "$run/best.obj" ] && picture "$name" "$start" "$run/best.obj" --titles "$titles" --size 440,340 "${@:5}"
+    return 0
+}
+solver openfoam_drag.png $external/openfoam_drag/generated/body.obj runs/openfoam_drag \
+    "before|after: less drag, same volume" --view=-1,-1,0.5
+solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj runs/openfoam_supersonic \
+    "before|after: less wave drag, same volume" --view side --edges
+solver openfoam_wing.png $external/openfoam_wing/generated/wing.obj runs/openfoam_wing \
+    "before|after: less drag, same lift" --view=-1,-0.7,0.45
 if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp.vtp" ]; then
     bump=$evidence/local_bump-slsqp.vtp twist=$evidence/global_twist-slsqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \

@@ -81,7 +81,8 @@ std::string request_json(const ExternalCommand& command, const QuantityRequest& 
     file["wanted"] = wanted;
     file["surface"] = call.surface.filename().string();
     if (command.points) {
-        file["points"] = command.format == "su2-positions" ? call.surface.filename().string() : points_name(*command.points);
+        file["points"] =
+            command.format == "su2-positions" ? call.surface.filename().string() : points_name(*command.points);
         file["num_points"] = command.points->map.num_points();
     }
     file["result"] = call.result.filename().string();

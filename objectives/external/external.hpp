@@ -21,9 +21,9 @@ struct ExternalCommand {
     std::optional<double> gradient_timeout_s = {};  ///< > 0; without it timeout_s
     /// The program's own points: handed over where they move to, and what its gradients belong to. Null: the vertices.
     std::shared_ptr<const ProgramPoints> points = {};
-    double grace_s = 5;              ///< >= 0
-    std::string format;              ///< of the surface handed over: as `format_named`, or su2-positions (`handed_over_bytes`)
-    std::filesystem::path case_dir;  ///< program paths containing '/' are relative to it
+    double grace_s = 5;  ///< >= 0
+    std::string format;  ///< of the surface handed over: as `format_named`, or su2-positions (`handed_over_bytes`)
+    std::filesystem::path case_dir;         ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< fresh folders 000001, 000002, … are made here
     bool own_folder = false;                ///< in 000001/<name>: where several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities

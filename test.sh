@@ -51,7 +51,7 @@ release_build() { configure release && cmake --build --preset release; }
 # The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader.
 sanitized() {
     local -a tests
-    mapfile -t tests < <(find tests/core/mesh/io*_test.cpp tests/cases/*_test.cpp -printf '%f\n' | sed 's/\.cpp$//')
+    mapfile -t tests < <(find tests/core/mesh/{io*,npy,vtp_reader}_test.cpp tests/cases/*_test.cpp -printf '%f\n' | sed 's/\.cpp$//')
     configure debug && cmake --build --preset debug --target "${tests[@]}" || return 1
     local pattern
     pattern=$(IFS='|'; echo "${tests[*]}")

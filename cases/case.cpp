@@ -99,9 +99,9 @@ private:
     bool skipped(const std::string& path, const Value& value) const {
         if (case_.fit.empty())
             return value.from_default && (path == "optimize.loss" || path == "optimize.associations");
-        return value.from_default &&
-               (path == "optimize.method" || path == "optimize.tolerances.constraint" ||
-                path == "optimize.finite_differences" || path == "optimize.starts" || path == "optimize.seed");
+        return value.from_default && (path == "optimize.method" || path == "optimize.tolerances.constraint" ||
+                                      path == "optimize.finite_differences" || path == "optimize.difference_step" ||
+                                      path == "optimize.starts" || path == "optimize.seed");
     }
 
     static std::string key(const std::string& name) {

@@ -237,7 +237,7 @@ void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
     const Entry* method = entry_of(optimize, "method");
     if (method && !method->value.from_default)
         errors.add(method->key_place, "optimize.method is not used by fit, which is always a least-squares fit");
-    for (const char* key : {"finite_differences", "starts", "seed"})
+    for (const char* key : {"finite_differences", "difference_step", "starts", "seed"})
         if (const Entry* entry = entry_of(optimize, key); entry && !entry->value.from_default)
             errors.add(entry->key_place, text("optimize.", key, " is not used by fit"));
     const Value* tolerances = optimize->find("tolerances");

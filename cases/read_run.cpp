@@ -8,6 +8,7 @@ void CaseReader::read_optimize(const Value& map) {
     if (const Value* v = map.find("method"))
         if (const MethodFacts* method = method_named(v->text)) o.method = method->method;
     if (const Value* v = map.find("finite_differences")) o.finite_differences = v->number != 0;
+    if (const Value* v = map.find("difference_step")) o.difference_step = v->number;
     if (const Value* v = map.find("starts")) o.starts = static_cast<int>(v->number);
     if (const Value* v = map.find("seed")) o.seed = static_cast<unsigned>(v->number);
     if (const Value* v = map.find("start_from")) {

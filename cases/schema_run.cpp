@@ -46,6 +46,13 @@ std::vector<Key> run_keys() {
          .doc = "Gradients of programs that give none by differences of one more evaluation a variable; of programs "
                 "that give them per vertex only, those by variables. Not for fit.",
          .fallback = "false"},
+        {.path = "optimize.difference_step",
+         .type = Type::number,
+         .doc =
+             "Length of the steps of finite_differences, as a share of what one variable may do (max_displacement, or "
+             "half of the range of one of `variables`): well above the noise of the program. Not for fit.",
+         .fallback = "1e-4",
+         .limits = {1e-9, 1, false, false}},
         {.path = "optimize.starts",
          .type = Type::integer,
          .doc = "Starts of the first level: the given shape, and random ones within the bounds. Not for fit.",

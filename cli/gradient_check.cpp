@@ -98,6 +98,10 @@ void add_gradient_check(CLI::App& app) {
     command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");
     command->add_option("--level", args->options.level, "level of the patches (default: the finest)")
         ->check(CLI::Range(1, 1000));
+    command
+        ->add_option("--accept", args->options.accept,
+                     "also pass where slopes differ by no more than this share of the one to be expected (default 0)")
+        ->check(CLI::Range(0.0, 0.5));
     command->add_option("--out", args->out, "keep the folders of external evaluations here");
     command->add_flag("--json", args->json, "results as JSON on standard output");
     command->add_flag("-q,--quiet", args->quiet, "no progress");

@@ -122,8 +122,8 @@ GradientCheck check_gradients(const Problem& problem, const GradientCheckOptions
     for (std::size_t i = 0; i < names.size(); ++i) {
         const Eigen::VectorXd g = base.gradients.row(static_cast<Eigen::Index>(i));
         const double size = std::sqrt(std::max(0.0, g.dot(metric.solve(g)))) / std::sqrt(space.size());
-        check.tests.push_back(
-            taylor_test(names[i], base.values[evaluator.index_of(names[i])], g.dot(d), size, options.h, values[i]));
+        check.tests.push_back(taylor_test(names[i], base.values[evaluator.index_of(names[i])], g.dot(d), size,
+                                          options.h, values[i], options.accept));
     }
     return check;
 }

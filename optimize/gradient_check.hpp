@@ -35,15 +35,19 @@ struct TaylorTest {
 /// less than 1e-6 of the slope. A value that is constant to round-off, with a gradient that says so, passes.
 /// @param size the slope that is to be expected (a norm of the gradient), >= 0: errors below 1e-6 of it do not count.
 /// @param h falling, > 0, as many as `values`; NaN where there is none.
+/// @param accept in [0, 1): also passes where the slopes differ by no more than this share of `size` or of the larger
+/// one, and the differences themselves are certain to half of it: for gradients that are approximate by nature, as
+/// those of continuous adjoints. 0: no.
 /// @throws InvalidInput on other numbers.
 TaylorTest taylor_test(const std::string& name, double value, double slope, double size, const std::vector<double>& h,
-                       const std::vector<double>& values);
+                       const std::vector<double>& values, double accept = 0);
 
 struct GradientCheckOptions {
     int level = -1;         ///< of the tree, >= 1; -1: the finest
     bool at_start = false;  ///< at x = 0; otherwise at a random point
     unsigned seed = 1;      ///< of point and direction
     double away = 0.3;      ///< size of the random point in the metric of the space (about 1: `max_displacement`), > 0
+    double accept = 0;      ///< `taylor_test`'s
     std::vector<double> h{1e-1, 1e-2, 1e-3, 1e-4, 1e-5, 1e-6};  ///< at least three, falling, > 0; d has size 1
 };
 

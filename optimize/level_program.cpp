@@ -83,6 +83,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     const bool may_miss = options.finite_differences && space.num_own() > 0;  // a program gives only some by own ones
     if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {
         Differences differences;
+        differences.step = options.difference_step;
         differences.missing = may_miss;
         differences.objective = objective_gradient_ < 0;
         // One row per limit: inequalities first, then equalities, as the rows are.

@@ -112,6 +112,7 @@ struct OptimizeOptions {
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
+    double difference_step = 1e-4;    ///< of these, as a share of the size-1 step of the metric, in (0, 1]
     int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1
     unsigned seed = 1;                ///< of all that is random
     LevelStartHessian level_start = LevelStartHessian::carried;

@@ -73,7 +73,7 @@ def main():
         pristine = pathlib.Path(temporary) / "pristine"
         pristine.mkdir()
         fresh_copy(pristine, bin_folder)
-        for page in [ROOT / "README.md", *sorted((ROOT / "docs").glob("*.md"))]:
+        for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
             folder = pathlib.Path(temporary) / page.stem
             shutil.copytree(pristine, folder)
             for line, kind, code in blocks(page):

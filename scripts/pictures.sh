@@ -30,6 +30,9 @@ picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$wor
     --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
 picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_2" "$work/body.vtp:level_3" \
     --view=-1,-1,1 --titles "level 1|level 2|level 3" --size 640,480
+"$bin/make_surface" naca0012 --triangles 1500 -o "$work/needles.obj"
+"$bin/strake" remesh "$work/needles.obj" -o "$work/even.obj" --edge-length 0.08 --quiet
+picture remesh.png "$work/needles.obj" "$work/even.obj" --edges --view=-1,-0.7,0.6 --titles "before|strake remesh" --size 560,360
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
         --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420
@@ -42,6 +45,19 @@ if [ -n "$body" ]; then
     picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \
         --view=-1,-1,0.8 --titles "before|after: more volume within the area allowed" --size 800,560
 fi
+# The runs of docs/external/openfoam.md, into runs/openfoam_*.
+external=cases/external
+solver() {  # PICTURE START RUN TITLES and the arguments of render.py
+    local name=$1 start=$2 run=$3 titles=$4
+    [ -f "$run/best.obj" ] && picture "$name" "$start" "$run/best.obj" --titles "$titles" --size 440,340 "${@:5}"
+    return 0
+}
+solver openfoam_drag.png $external/openfoam_drag/generated/body.obj runs/openfoam_drag \
+    "before|after: less drag, same volume" --view=-1,-1,0.5
+solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj runs/openfoam_supersonic \
+    "before|after: less wave drag, same volume" --view side --edges
+solver openfoam_wing.png $external/openfoam_wing/generated/wing.obj runs/openfoam_wing \
+    "before|after: less drag, same lift" --view=-1,-0.7,0.45
 if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp.vtp" ]; then
     bump=$evidence/local_bump-slsqp.vtp twist=$evidence/global_twist-slsqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \

@@ -1,19 +1,19 @@
 #!/bin/bash
-# Installs the packages of scripts/packages.txt that are missing: setup.sh [run|test|slurm|pictures]...
+# Installs the packages of scripts/packages.txt that are missing: setup.sh [run|test|pictures|slurm|openfoam]...
 # Asks the package database only, so that it costs nothing when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 kinds=${*:-run}
 
 wanted=$(awk -v kinds=" $kinds " '!/^#/ && NF == 2 && index(kinds, " " $2 " ") {print $1}' scripts/packages.txt)
-[ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, slurm, pictures" >&2; exit 2; }
+[ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, pictures, slurm, openfoam" >&2; exit 2; }
 if ! command -v dpkg-query >/dev/null; then
     echo "setup.sh: this is no Debian; going on with what is installed (needed: $(echo $wanted))" >&2
     exit 0
 fi
 # shellcheck disable=SC2086
 installed=$(dpkg-query -W -f='${Package} ${db:Status-Status}\n' $wanted 2>/dev/null | awk '$2 == "installed" {print $1}') || true
-missing=$(comm -23 <(sort <<<"$wanted") <(sort -u <<<"$installed"))
+missing=$(comm -23 <(sort -u <<<"$wanted") <(sort -u <<<"$installed"))
 [ -n "$missing" ] || exit 0
 
 as_root=()

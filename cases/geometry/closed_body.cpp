@@ -1,6 +1,7 @@
 #include "cases/geometry/closed_body.hpp"
 
 #include "cases/geometry/rows.hpp"
+#include "core/error.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -80,6 +81,17 @@ TriMesh sphere(int triangles, double radius) {
         const double a = pi * along, b = pi * around;
         return Eigen::Vector3d(radius *
                                Eigen::Vector3d(-std::cos(a), std::sin(a) * std::sin(b), std::sin(a) * std::cos(b)));
+    });
+}
+
+TriMesh superellipsoid(int triangles, const SuperellipsoidShape& shape) {
+    if (!(shape.exponent >= 1 && shape.exponent <= 10))
+        throw InvalidInput(text("superellipsoid: exponent ", shape.exponent, " must be in [1, 10]"));
+    return closed_body(triangles, [shape](double along, double around) {
+        const double a = pi * along, b = pi * around;
+        const Eigen::Array3d d(-std::cos(a), std::sin(a) * std::sin(b), std::sin(a) * std::cos(b));
+        const double size = std::pow(d.abs().pow(shape.exponent).sum(), 1 / shape.exponent);
+        return Eigen::Vector3d(shape.half_axes.array() * d / size);
     });
 }
 

@@ -3,7 +3,7 @@
 
 #include <functional>
 
-/// Smooth closed bodies given by a formula for their skin: sphere, tube, fuselage with nacelles.
+/// Smooth closed bodies given by a formula for their skin: sphere, superellipsoid, tube, fuselage with nacelles.
 namespace strake::example {
 
 /// Point of the right half of a skin: `along` in [0, 1] from nose to tail, `around` in [0, 1] from the top line over
@@ -17,6 +17,13 @@ TriMesh closed_body(int triangles, const BodySkin& skin);
 
 /// Sphere about the origin.
 TriMesh sphere(int triangles, double radius = 1);
+
+/// |x/a|^n + |y/b|^n + |z/c|^n = 1 about the origin: an ellipsoid at n = 2, a brick with round edges for larger n.
+struct SuperellipsoidShape {
+    Eigen::Vector3d half_axes{0.5, 0.4, 0.35};
+    double exponent = 2.5;  ///< n, in [1, 10]
+};
+TriMesh superellipsoid(int triangles, const SuperellipsoidShape& shape = {});
 
 /// Capsule of elliptic section along x, from x = 0 to `length`; the ends are half ellipsoids.
 struct TubeShape {

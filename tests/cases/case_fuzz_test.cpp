@@ -84,6 +84,7 @@ constraints:
 optimize:
   method: NLOPT_LD_MMA
   finite_differences: true
+  difference_step: 0.05
   starts: 3
   seed: 7
   start_from: runs/before

@@ -1,4 +1,5 @@
 #include "core/mesh/geometry.hpp"
+#include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
@@ -160,6 +161,20 @@ TEST(Wing, VolumeIsThatOfItsFormula) {
     const double trapezoid = area * 1.1963 * (root * root + root * tip + tip * tip) / 3;
     const double cap = 0.5 * std::numbers::pi * tip * tip * tip * square;
     EXPECT_NEAR(half_model_volume(example::wing(200'000)) / (trapezoid + cap), 1.0, 3e-4);
+}
+
+TEST(Superellipsoid, LiesOnItsFormulaAndAnEllipsoidHasItsVolume) {
+    const TriMesh ellipsoid = example::superellipsoid(20'000, {{0.5, 0.1, 0.2}, 2});
+    EXPECT_NEAR(enclosed_volume(ellipsoid) / (4 * std::numbers::pi / 3 * 0.5 * 0.1 * 0.2), 1, 2e-3);
+    const TriMesh body = example::superellipsoid(4'000);
+    const Adjacency adjacent = adjacency(body);
+    EXPECT_EQ(edge_counts(adjacent).bad + edge_counts(adjacent).boundary, 0);
+    EXPECT_EQ(euler(body, adjacent), 2);
+    for (int v = 0; v < body.num_vertices(); ++v) {
+        const Eigen::Array3d x = body.vertices.row(v).transpose().array() / Eigen::Array3d(0.5, 0.4, 0.35);
+        EXPECT_NEAR(x.abs().pow(2.5).sum(), 1, 1e-9);
+    }
+    EXPECT_THROW(example::superellipsoid(4'000, {{1, 1, 1}, 0.5}), InvalidInput);
 }
 
 class BodyOfSize : public testing::TestWithParam<int> {};

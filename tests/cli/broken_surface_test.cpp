@@ -51,8 +51,8 @@ std::vector<Broken> broken_files() {
         {"empty.off", "", ": the file is empty"},
         {"nothing.obj", "# only a comment\n", ": holds no triangles (0 vertices)"},
         {"model.step", "ISO-10303-21;\n",
-         ": not a known surface format: extension '.step'; known are .stl .obj .ply .off .tri .vtk .su2 .msh .nas .bdf "
-         ".dat"},
+         ": not a known surface format: extension '.step'; known are .stl .obj .ply .off .tri .vtk .vtp .su2 .msh .nas "
+         ".bdf .dat"},
     };
 }
 

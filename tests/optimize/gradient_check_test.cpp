@@ -71,6 +71,30 @@ TEST(TaylorTest, SeesSmallErrorsBehindStrongCurvature) {
     EXPECT_FALSE(tested([](double h) { return 5.0 + h; }, 0).passed);
 }
 
+TEST(TaylorTest, AcceptsAnApproximateGradientWithinTheGivenShareOnly) {
+    const auto judged = [](double slope, double accept, double noise) {
+        std::vector<double> values;
+        int sign = 1;
+        for (const double h : ladder) values.push_back(1 + h + h * h + noise * (sign = -sign));
+        return taylor_test("J", 1, slope, std::abs(slope), ladder, values, accept);
+    };
+    EXPECT_FALSE(judged(1.05, 0, 0).passed);
+    EXPECT_TRUE(judged(1.05, 0.1, 0).passed) << judged(1.05, 0.1, 0).verdict;
+    EXPECT_NE(judged(1.05, 0.1, 0).verdict.find("0.1 is accepted"), std::string::npos);
+    EXPECT_FALSE(judged(1.15, 0.1, 0).passed);
+    EXPECT_FALSE(judged(-1, 0.1, 0).passed);
+    const auto across = [](double slope, double size) {  // a direction across the gradient: the true slope is 0.01
+        std::vector<double> values;
+        for (const double h : ladder) values.push_back(1 + 0.01 * h + h * h);
+        return taylor_test("J", 1, slope, size, ladder, values, 0.1);
+    };
+    EXPECT_TRUE(across(0.015, 1).passed);
+    EXPECT_FALSE(across(0.015, 0.01).passed);
+    EXPECT_FALSE(across(0.2, 1).passed);
+    EXPECT_FALSE(judged(1.05, 0.1, 1e-2).passed) << "differences that noise hides confirm nothing";
+    EXPECT_THROW(judged(1, 1, 0), InvalidInput);
+}
+
 TEST(TaylorTest, NoiseIsNotConfirmed) {
     const Eigen::VectorXd noise = random_vector(8, 3);
     for (const double amplitude : {1e-3, 1e-1}) {

@@ -1,0 +1,155 @@
+#include "core/remesh/passes.hpp"
+
+/// Splits and collapses.
+namespace strake {
+namespace {
+
+using Eigen::Vector3d;
+
+bool is_longest(const WorkingMesh& mesh, int h, double length2) {
+    return mesh.length2(mesh.next(h)) <= length2 && mesh.length2(mesh.prev(h)) <= length2;
+}
+
+/// Edges of features are cut at a point of the curve; no triangle beside them may turn over by that.
+bool may_split(const WorkingMesh& mesh, int h) {
+    if (mesh.feature[h] < 0) return true;
+    const FeatureEdge& edge = mesh.features[mesh.feature[h]];
+    if (edge.kind == FeatureKind::kept) return false;
+    const Vector3d m = mesh.base->curves.at(edge.curve, mesh.split_place(mesh.feature[h]));
+    for (const int side : {h, mesh.twin[h]}) {
+        if (side < 0) continue;
+        const Vector3d &a = mesh.pos[mesh.from(side)], &b = mesh.pos[mesh.to(side)], &c = mesh.pos[mesh.apex(side)];
+        const Vector3d n = (b - a).cross(c - a);
+        const double least = 0.1 * n.squaredNorm();
+        if (!((m - a).cross(c - a).dot(n) > least && (b - m).cross(c - m).dot(n) > least)) return false;
+    }
+    return true;
+}
+
+/// The worst of the triangles that an operation replaces, or makes.
+struct Worst {
+    double dot = 2, quality = 2;
+    void add(const Facing& f) {
+        dot = std::min(dot, f.dot);
+        quality = std::min(quality, f.quality);
+    }
+};
+
+class Collapse {
+public:
+    Collapse(WorkingMesh& mesh, const Guard& guard, double longest) : mesh_(mesh), guard_(guard), longest_(longest) {}
+
+    /// Removes the end a of edge h if nothing speaks against it.
+    bool attempt(int h, int a) {
+        const int b = mesh_.from(h) + mesh_.to(h) - a, f = mesh_.feature[h];
+        if (mesh_.role[a] == VertexRole::fixed || (mesh_.role[a] == VertexRole::ridge && f < 0)) return false;
+        if (f >= 0 && mesh_.features[f].kind == FeatureKind::kept) return false;
+        if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
+        if (!mesh_.can_collapse(h, a)) return false;
+        if (f >= 0 && !mesh_.collapse_fits_curve(h, a, guard_.chord_slack)) return false;
+        const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
+        Foot foot{mesh_.pos[b], mesh_.foot[b], 0};
+        if (moves) foot = project(*mesh_.base, 0.5 * (mesh_.pos[a] + mesh_.pos[b]), mesh_.foot[b], mesh_.size[b]);
+        if (!shorter(a, b, foot.point) || (moves && !shorter(b, b, foot.point))) return false;
+        if (!faces(a, b, h, foot, moves)) return false;
+        mesh_.collapse(h, a);
+        mesh_.pos[b] = foot.point;
+        mesh_.foot[b] = foot.triangle;
+        return true;
+    }
+
+private:
+    bool vanishes(int t, int h) const { return t == h / 3 || (mesh_.twin[h] >= 0 && t == mesh_.twin[h] / 3); }
+
+    /// No edge of v gets too long when v goes to x, where it is b; or none longer than it was.
+    bool shorter(int v, int b, const Vector3d& x) const {
+        bool fits = true;
+        mesh_.neighbours(v, [&](int n) {
+            const double limit = longest_ * mesh_.wanted(n, b), length2 = (mesh_.pos[n] - x).squaredNorm();
+            if (length2 > limit * limit && length2 > (mesh_.pos[n] - mesh_.pos[v]).squaredNorm()) fits = false;
+        });
+        return fits;
+    }
+
+    /// The triangles left face the way that the input does, and are no worse than those before.
+    bool faces(int a, int b, int h, const Foot& foot, bool moves) {
+        Worst before, after;
+        const auto look_at = [&](int v) {
+            mesh_.around(v, [&](int out) {
+                if (v == a || !vanishes(out / 3, h)) before.add(facing(mesh_, v, mesh_.to(out), mesh_.apex(out)));
+                return true;
+            });
+        };
+        bool fits = true;
+        const auto try_at = [&](int v) {
+            mesh_.around(v, [&](int out) {
+                if (vanishes(out / 3, h)) return true;
+                const int p = mesh_.to(out), q = mesh_.apex(out);
+                const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
+                const Facing old = facing(mesh_, v, p, q);
+                after.quality = std::min(after.quality, made.quality);
+                if (has_turned(guard_, old, made)) after.dot = std::min(after.dot, made.dot);
+                if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural)
+                    fits = false;
+                return true;
+            });
+        };
+        look_at(a);
+        if (moves) look_at(b);
+        const Vector3d normal_before = mesh_.normal[b];
+        if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot.triangle, foot.point);
+        if (moves && std::min(mesh_.normal[b].dot(normal_before), mesh_.normal[b].dot(mesh_.normal[a])) < 0.5)
+            fits = false;
+        try_at(a);
+        if (moves) try_at(b);
+        fits = fits && after.quality >= std::min(0.3, before.quality) && after.quality > 1e-4 &&
+               after.dot >= allowed_dot(guard_, before.dot);
+        if (!fits) mesh_.normal[b] = normal_before;
+        return fits;
+    }
+
+    WorkingMesh& mesh_;
+    const Guard& guard_;
+    double longest_;
+};
+
+}  // namespace
+
+int split_long(WorkingMesh& mesh, double factor) {
+    int total = 0;
+    for (int sweep = 0; sweep < 40; ++sweep) {
+        int count = 0;
+        for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h) {
+            const int g = mesh.twin[h];
+            if (mesh.corner[h] < 0 || (g >= 0 && g < h)) continue;
+            const double length2 = mesh.length2(h), limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
+            if (!(length2 > limit * limit) || !may_split(mesh, h)) continue;
+            if (!is_longest(mesh, h, length2) || (g >= 0 && !is_longest(mesh, g, length2))) continue;
+            mesh.split(h);
+            ++count;
+        }
+        total += count;
+        if (count == 0) break;
+    }
+    return total;
+}
+
+int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest) {
+    Collapse collapse(mesh, guard, longest);
+    int total = 0;
+    for (int sweep = 0; sweep < 4; ++sweep) {
+        int count = 0;
+        for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h) {
+            if (mesh.corner[h] < 0 || (mesh.twin[h] >= 0 && mesh.twin[h] < h)) continue;
+            const double limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
+            if (!(mesh.length2(h) < limit * limit)) continue;
+            const int a = mesh.from(h), b = mesh.to(h);
+            if (collapse.attempt(h, a) || collapse.attempt(h, b)) ++count;
+        }
+        total += count;
+        if (count == 0) break;
+    }
+    return total;
+}
+
+}  // namespace strake

@@ -1,0 +1,62 @@
+#pragma once
+#include "core/remesh/working_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+/// The four operations of Algorithm 2, each as one pass over the surface. Internal to core/remesh.
+namespace strake {
+
+/// What no operation may break.
+struct Guard {
+    double chord_slack;         ///< how far the input's curves may leave their chords
+    double cos_natural;         ///< normals may always stand off the input's by this
+    double cos_turn, sin_turn;  ///< and by this more where they already do
+    int threads;
+};
+
+/// One triangle against the input.
+struct Facing {
+    double dot;      ///< smallest cosine between its normal and the input's at its free corners; 2: no free corner
+    double quality;  ///< shape_quality
+    Eigen::Vector3d normal;
+};
+inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::Vector3d& pa, const Eigen::Vector3d& pb,
+                     const Eigen::Vector3d& pc) {
+    Facing f;
+    f.normal = (pb - pa).cross(pc - pa);
+    const double twice_area = f.normal.norm();
+    const double ab = (pb - pa).squaredNorm(), bc = (pc - pb).squaredNorm(), ca = (pa - pc).squaredNorm();
+    f.quality = ab + bc + ca > 0 ? 3.4641016151377544 * twice_area / (ab + bc + ca) : 0;
+    if (twice_area > 0) f.normal /= twice_area;
+    f.dot = 2;
+    for (const int v : {a, b, c})
+        if (mesh.role[v] == VertexRole::free) f.dot = std::min(f.dot, f.normal.dot(mesh.normal[v]));
+    return f;
+}
+inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
+    return facing(mesh, a, b, c, mesh.pos[a], mesh.pos[b], mesh.pos[c]);
+}
+/// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread.
+inline double allowed_dot(const Guard& guard, double before) {
+    if (before >= guard.cos_natural) return guard.cos_natural;
+    const double sine = std::sqrt(std::max(0.0, 1 - before * before));
+    return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, 0.05, guard.cos_natural);
+}
+constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
+/// Whether `made` faces another way than `old`, or that way was wrong, or not known.
+inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made) {
+    return old.quality < 0.02 || old.dot < 0.05 || made.normal.dot(old.normal) < guard.cos_turn;
+}
+
+int split_long(WorkingMesh& mesh, double factor);
+int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest);
+int flip_edges(WorkingMesh& mesh, const Guard& guard);
+/// Moves vertices along the surface to the centres of their neighbourhoods. @return the largest move in wanted lengths.
+double smooth(WorkingMesh& mesh, const Guard& guard);
+
+/// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
+void in_parts(int n, int threads, const std::function<void(int, int)>& f);
+
+}  // namespace strake

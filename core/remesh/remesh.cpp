@@ -1,0 +1,218 @@
+#include "core/remesh/remesh.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/topology.hpp"
+#include "core/remesh/passes.hpp"
+#include "core/remesh/sizing.hpp"
+
+#include <chrono>
+#include <numbers>
+#include <thread>
+
+namespace strake {
+namespace {
+
+constexpr double radians = std::numbers::pi / 180;
+constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
+
+void check(bool good, const char* field, double value, const char* limit) {
+    if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
+}
+
+/// Triangles of the input that pass through others, and those beside them.
+std::vector<char> crossing_before(const BaseSurface& base) {
+    std::vector<char> crosses(base.tri.size(), 0), result;
+    TriMesh input;
+    input.vertices.resize(base.points.size(), 3);
+    input.triangles.resize(base.tri.size(), 3);
+    for (std::size_t v = 0; v < base.points.size(); ++v) input.vertices.row(v) = base.points[v];
+    for (std::size_t t = 0; t < base.tri.size(); ++t)
+        for (int k = 0; k < 3; ++k) input.triangles(t, k) = base.tri[t][k];
+    const Intersections pairs = intersections(input);
+    for (const auto* list : {&pairs.apart, &pairs.adjacent})
+        for (const auto& pair : *list)
+            for (const int t : pair) crosses[t] = 1;
+    result = crosses;
+    for (std::size_t h = 0; h < base.twin.size(); ++h)
+        if (crosses[h / 3] && base.twin[h] >= 0) result[base.twin[h] / 3] = 1;
+    return result;
+}
+
+/// One call of remesh().
+class Remesher {
+public:
+    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress)
+        : given_(given),
+          options_(options),
+          progress_(progress),
+          base_(base_surface(given, options.angle_deg * radians)) {
+        result_.edge_length = options.edge_length > 0 ? options.edge_length : base_.mean_edge;
+        const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
+        if (!(triangles <= options.max_triangles))
+            throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
+                                    " triangles, more than ", options.max_triangles, "; choose a longer one"));
+        // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
+        const double longest = 0.985 * result_.edge_length;
+        const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
+        sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
+        const double turn = options.turn_deg * radians;
+        const int threads =
+            options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        firm_ = {0.9e-4 * base_.diagonal, std::cos(22 * radians), std::cos(turn), std::sin(turn), threads};
+        loose_ = firm_;
+        loose_.cos_natural = std::cos(42 * radians);
+        mesh_ = working_mesh(base_);
+        update_sizes(mesh_, sizing_);
+    }
+
+    RemeshResult run() {
+        for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
+        for (int i = 1; i <= options_.iterations && !result_.cancelled; ++i) {
+            iterate();
+            note_limits(i);
+        }
+        if (!result_.cancelled) disentangle();
+        count();
+        result_.mesh = as_mesh(mesh_, given_.group_names);
+        return std::move(result_);
+    }
+
+private:
+    void iterate() {
+        RemeshRecord record{};
+        record.iteration = static_cast<int>(result_.records.size()) + 1;
+        // Evenly stretched meshes keep within the limits and would stay as they are.
+        const double tight = record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
+        const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
+        record.splits = split_long(mesh_, longest);
+        record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
+        mesh_.compact();
+        record.flips = flip_edges(mesh_, loose_);
+        smooth(mesh_, loose_);
+        record.largest_move = smooth(mesh_, loose_);
+        record.triangles = mesh_.num_triangles();
+        record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+        result_.records.push_back(record);
+        if (progress_ && !progress_(record)) result_.cancelled = true;
+    }
+
+    /// Hardly an edge is too long or too short.
+    bool is_quiet() const {
+        if (result_.records.empty()) return false;
+        const RemeshRecord& last = result_.records.back();
+        return last.splits + last.collapses < 0.05 * last.triangles;
+    }
+    /// Of the triangles away from features.
+    double mean_quality_inside() const {
+        double sum = 0;
+        int count = 0;
+        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+            if (!mesh_.is_alive(t)) continue;
+            bool is_inside = true;
+            for (int h = 3 * t; h < 3 * t + 3; ++h)
+                is_inside = is_inside && mesh_.role[mesh_.corner[h]] == VertexRole::free;
+            if (!is_inside) continue;
+            sum += mesh_.quality(t);
+            ++count;
+        }
+        return count > 0 ? sum / count : 1;
+    }
+
+    /// Where the shape asks for shorter edges than wanted; not before the first ones have found their places, and
+    /// not so late that nothing can follow.
+    void note_limits(int i) {
+        int count = 0;
+        if (i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
+        if (i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
+            const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
+            count += note_far_edges(mesh_, sizing_, far, firm_.threads);
+        }
+        if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
+    }
+
+    /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
+    void disentangle() {
+        WorkingMesh best;
+        for (int round = 0; !result_.cancelled; ++round) {
+            mesh_.compact();
+            const std::vector<std::array<int, 2>> pairs = fresh_intersections();
+            const int count = static_cast<int>(pairs.size());
+            if (round > 0 && 4 * count > 3 * result_.new_intersections) {  // no better: unite what touches first
+                if (count > result_.new_intersections) mesh_ = std::move(best);
+                return;
+            }
+            result_.new_intersections = count;
+            if (count == 0 || round == 4) return;
+            best = mesh_;
+            for (const auto& pair : pairs) shorten(pair);
+            update_sizes(mesh_, sizing_);
+            for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
+        }
+    }
+    std::vector<std::array<int, 2>> fresh_intersections() {
+        Intersections found = intersections(as_mesh(mesh_, {}));
+        std::vector<std::array<int, 2>> pairs = std::move(found.apart);
+        pairs.insert(pairs.end(), found.adjacent.begin(), found.adjacent.end());
+        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_);
+        std::erase_if(pairs, [&](const std::array<int, 2>& pair) { return is_old(pair); });
+        return pairs;
+    }
+    bool is_old(const std::array<int, 2>& pair) const {
+        for (const int t : pair)
+            for (int h = 3 * t; h < 3 * t + 3; ++h)
+                if (crossing_[mesh_.foot[mesh_.corner[h]]]) return true;
+        return false;
+    }
+    void shorten(const std::array<int, 2>& pair) {
+        for (const int t : pair)
+            for (int h = 3 * t; h < 3 * t + 3; ++h) {
+                const int v = mesh_.corner[h];
+                const double limit = std::max(0.3 * sizing_.shortest, 0.5 * mesh_.size[v]);
+                mesh_.limit[v] = std::min(mesh_.limit[v], limit);
+            }
+    }
+
+    void count() {
+        for (const FeatureEdge& edge : mesh_.features) {
+            if (edge.curve < 0) continue;
+            if (edge.kind == FeatureKind::crease) ++result_.crease_edges;
+            if (edge.kind == FeatureKind::boundary) ++result_.boundary_edges;
+            if (edge.kind == FeatureKind::border) ++result_.border_edges;
+            if (edge.kind == FeatureKind::kept) ++result_.kept_edges;
+        }
+        for (const VertexRole role : mesh_.role) result_.corners += role == VertexRole::fixed;
+    }
+
+    const TriMesh& given_;
+    const RemeshOptions& options_;
+    const RemeshProgress& progress_;
+    const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
+    const BaseSurface base_;
+    Sizing sizing_;
+    Guard firm_, loose_;  ///< of collapses; of flips and smoothing
+    WorkingMesh mesh_;
+    std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
+    RemeshResult result_;
+};
+
+}  // namespace
+
+void validate(const RemeshOptions& o) {
+    check(o.edge_length >= 0 && std::isfinite(o.edge_length), "edge_length", o.edge_length, "> 0, or 0 for automatic");
+    check(o.angle_deg > 0 && o.angle_deg <= 90, "angle_deg", o.angle_deg, "in (0, 90]");
+    check(o.iterations >= 1 && o.iterations <= 1000, "iterations", o.iterations, "in [1, 1000]");
+    check(o.chord_error >= 0 && std::isfinite(o.chord_error), "chord_error", o.chord_error, "> 0, or 0 for uniform");
+    check(o.shortest_edge >= 0 && std::isfinite(o.shortest_edge), "shortest_edge", o.shortest_edge,
+          "> 0, or 0 for automatic");
+    check(o.gradation > 0 && o.gradation <= 1, "gradation", o.gradation, "in (0, 1]");
+    check(o.turn_deg > 0 && o.turn_deg <= 90, "turn_deg", o.turn_deg, "in (0, 90]");
+    check(o.max_triangles >= 4, "max_triangles", o.max_triangles, ">= 4");
+    check(o.threads >= 0, "threads", o.threads, ">= 0");
+}
+
+RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
+    validate(options);
+    return Remesher(given, options, progress).run();
+}
+
+}  // namespace strake

@@ -1,0 +1,56 @@
+#pragma once
+#include "core/mesh/mesh.hpp"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+/// Feature-preserving remeshing (Berkenstock & Aftosmis 2008, section V, Algorithm 2): a surface of the same shape made
+/// of nearly equilateral triangles. Split, collapse, flip, smooth along the surface, project back; the quadric metric
+/// tensor and the dihedral angles of the input say what is smooth, ridge or corner.
+///
+/// What stays: corners to the bit; creases, open boundaries and borders between groups as chains of edges whose
+/// vertices lie on the input's chains; every other vertex on the input surface; topology; groups. Edges of other
+/// than two triangles, or of two that disagree, stay as they are, with their vertices.
+namespace strake {
+
+struct RemeshOptions {
+    double edge_length = 0;  ///< wanted; 0: the mean edge length of the input
+    double angle_deg = 40;   ///< tau: an edge of at least this dihedral is a crease; in (0, 90]
+    int iterations = 10;     ///< >= 1; fewer are done when nothing is left to do
+    /// > 0: edges shrink where the surface bends so that an edge is at most this far from it (l^2 / 8R); 0: uniform.
+    double chord_error = 0;
+    double shortest_edge = 0;  ///< of sizes that shrink (bends, narrow strips); 0: a tenth of edge_length
+    double gradation = 0.3;    ///< wanted lengths change by at most this times the distance; in (0, 1]
+    double turn_deg = 2;       ///< no operation turns a normal further away from the input's than this, beyond what
+                               ///< edges of the wanted length turn anyway; in (0, 90]
+    int max_triangles = 20'000'000;  ///< more are refused before anything is done
+    int threads = 0;                 ///< 0: as many as there are; the result does not depend on it
+};
+void validate(const RemeshOptions& options);  ///< throws InvalidInput: field, value, limit
+
+struct RemeshRecord {
+    int iteration, splits, collapses, flips, triangles;
+    double largest_move;  ///< of a vertex by smoothing, in edge lengths
+    double seconds;       ///< since the start
+};
+
+struct RemeshResult {
+    TriMesh mesh;
+    double edge_length = 0;                                      ///< the wanted one, in the surface's unit
+    bool cancelled = false;                                      ///< the mesh is valid all the same
+    int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
+    int corners = 0, kept_edges = 0;                             ///< vertices and edges that stay as they are
+    int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; 0 but for rare cases
+    std::vector<RemeshRecord> records;
+};
+using RemeshProgress =
+    std::function<bool(const RemeshRecord&)>;  ///< return false to cancel; asked after each iteration
+
+/// Triangles with a repeated corner and vertices without a triangle are left out.
+/// @throws InvalidInput on a bad option, without triangles of positive area, on an index out of range or a coordinate
+/// that is not finite, or where more than `max_triangles` would be needed.
+/// Cost: about 0.1 s of CPU per iteration and 100 000 triangles.
+RemeshResult remesh(const TriMesh& mesh, const RemeshOptions& options = {}, const RemeshProgress& progress = {});
+
+}  // namespace strake

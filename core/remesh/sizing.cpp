@@ -1,0 +1,200 @@
+#include "core/remesh/sizing.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <queue>
+
+#include "core/remesh/passes.hpp"
+
+namespace strake {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+
+/// Sums of the curvature tensor of Cohen-Steiner & Morvan (2003), sum beta |e| e e^T over edges, and of areas.
+struct Bending {
+    std::vector<Matrix3d> tensor;
+    std::vector<double> area;
+};
+
+Bending bending_at_points(const BaseSurface& base) {
+    Bending sum{std::vector<Matrix3d>(base.points.size(), Matrix3d::Zero()),
+                std::vector<double>(base.points.size(), 0)};
+    for (int t = 0; t < static_cast<int>(base.tri.size()); ++t) {
+        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]],
+                       c = base.points[base.tri[t][2]];
+        const double third = (b - a).cross(c - a).norm() / 6;
+        for (const int v : base.tri[t]) sum.area[v] += third;
+    }
+    for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
+        if (base.barrier[h] || base.twin[h] < h) continue;
+        const int u = base.from(h), v = base.from(base.next(h));
+        const Vector3d e = base.points[v] - base.points[u], n = base.normal[h / 3], m = base.normal[base.twin[h] / 3];
+        const double length = e.norm();
+        if (!(length > 0)) continue;
+        const double angle = std::atan2(n.cross(m).dot(e) / length, n.dot(m));
+        const Matrix3d part = 0.5 * angle / length * e * e.transpose();
+        sum.tensor[u] += part;
+        sum.tensor[v] += part;
+    }
+    return sum;
+}
+
+/// Each point and its neighbours together: single edges say little.
+Bending spread(const BaseSurface& base, const Bending& bending) {
+    Bending sum = bending;
+    for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
+        if (base.twin[h] > h || base.barrier[h]) continue;
+        const int u = base.from(h), v = base.from(base.next(h));
+        sum.tensor[u] += bending.tensor[v], sum.area[u] += bending.area[v];
+        sum.tensor[v] += bending.tensor[u], sum.area[v] += bending.area[u];
+    }
+    return sum;
+}
+
+/// No length is longer than a neighbour's by more than the gradation times the distance: Dijkstra from the shortest.
+void grade_on_base(const BaseSurface& base, double gradation, std::vector<double>& size) {
+    using Entry = std::pair<double, int>;
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
+    for (int v = 0; v < static_cast<int>(size.size()); ++v) queue.push({size[v], v});
+    const auto offer = [&](int from, int to) {
+        const double s = size[from] + gradation * (base.points[to] - base.points[from]).norm();
+        if (s < size[to]) queue.push({size[to] = s, to});
+    };
+    while (!queue.empty()) {
+        const auto [s, v] = queue.top();
+        queue.pop();
+        if (s > size[v] || base.first_half[v] < 0) continue;
+        const int first = base.first_half[v];
+        for (int h = first; h >= 0;) {
+            offer(v, base.from(base.next(h)));
+            offer(v, base.from(base.prev(h)));
+            h = base.twin[base.prev(h)];
+            if (h == first) break;
+        }
+    }
+}
+
+double size_on_base(const BaseSurface& base, const std::vector<double>& size, int t, const Vector3d& x) {
+    const auto [wa, wb, wc] = weights_at(base, t, x);
+    return wa * size[base.tri[t][0]] + wb * size[base.tri[t][1]] + wc * size[base.tri[t][2]];
+}
+
+/// Hands shorter lengths on from vertex to vertex, beginning at those listed.
+void grade(WorkingMesh& mesh, double gradation, std::vector<int> queue) {
+    std::vector<char> waits(mesh.num_vertices(), 0);
+    for (std::size_t i = 0; i < queue.size(); ++i) {
+        const int v = queue[i];
+        waits[v] = 0;
+        mesh.neighbours(v, [&](int u) {
+            const double s = mesh.size[v] + gradation * (mesh.pos[u] - mesh.pos[v]).norm();
+            if (!(s < mesh.size[u] * (1 - 1e-9))) return;
+            mesh.size[u] = s;
+            if (!waits[u]) queue.push_back(u);
+            waits[u] = 1;
+        });
+    }
+}
+
+/// The tip of a wedge between two features is as thin as the wedge, however short its edges.
+bool is_acute_tip(const WorkingMesh& mesh, int t) {
+    for (int h = 3 * t; h < 3 * t + 3; ++h) {
+        const int v = mesh.from(h);
+        if (mesh.role[v] != VertexRole::fixed || mesh.feature[h] < 0 || mesh.feature[mesh.prev(h)] < 0) continue;
+        const Vector3d u = mesh.pos[mesh.to(h)] - mesh.pos[v], w = mesh.pos[mesh.apex(h)] - mesh.pos[v];
+        if (std::atan2(u.cross(w).norm(), u.dot(w)) < 0.6) return true;
+    }
+    return false;
+}
+
+/// An edge of t joins two features without being one: no vertex between them is free to give way.
+bool spans_a_strip(const WorkingMesh& mesh, int t) {
+    for (int h = 3 * t; h < 3 * t + 3; ++h)
+        if (mesh.feature[h] < 0 && mesh.role[mesh.from(h)] != VertexRole::free &&
+            mesh.role[mesh.to(h)] != VertexRole::free)
+            return true;
+    return false;
+}
+
+}  // namespace
+
+Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
+    Sizing sizing{longest, shortest, gradation, {}};
+    if (!(chord_error > 0)) return sizing;
+    const Bending bending = spread(base, spread(base, bending_at_points(base)));
+    sizing.on_base.assign(base.points.size(), longest);
+    for (std::size_t v = 0; v < base.points.size(); ++v) {
+        if (!(bending.area[v] > 0)) continue;
+        const Vector3d l =
+            Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
+                .eigenvalues();
+        const double curvature = l.cwiseAbs().maxCoeff();
+        if (curvature > 0) sizing.on_base[v] = std::clamp(std::sqrt(8 * chord_error / curvature), shortest, longest);
+    }
+    grade_on_base(base, gradation, sizing.on_base);
+    return sizing;
+}
+
+int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
+    int count = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        if (!mesh.is_alive(t)) continue;
+        const std::array<int, 3> v{mesh.corner[3 * t], mesh.corner[3 * t + 1], mesh.corner[3 * t + 2]};
+        const bool spans = spans_a_strip(mesh, t);
+        if (!spans && !everywhere) continue;
+        if (mesh.quality(t) > (spans ? 0.5 : 0.35) || is_acute_tip(mesh, t)) continue;
+        const double twice_area = mesh.area_vector2(t).norm();
+        const double longest =
+            std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
+        const double limit = std::max(sizing.shortest, 2.0 * twice_area / longest);
+        for (const int i : v)
+            if (limit < mesh.limit[i] && limit < mesh.size[i]) {
+                mesh.limit[i] = limit;
+                ++count;
+            }
+    }
+    return count;
+}
+
+int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int threads) {
+    const int halves = static_cast<int>(mesh.corner.size());
+    std::vector<char> is_far(halves, 0);
+    in_parts(halves, threads, [&](int begin, int end) {
+        for (int h = begin; h < end; ++h) {
+            if (mesh.corner[h] < 0 || mesh.feature[h] >= 0 || mesh.twin[h] < h) continue;
+            const int a = mesh.from(h), b = mesh.to(h);
+            if (mesh.role[a] != VertexRole::free && mesh.role[b] != VertexRole::free) continue;
+            const Vector3d middle = 0.5 * (mesh.pos[a] + mesh.pos[b]);
+            const int hint = mesh.foot[mesh.role[a] == VertexRole::free ? a : b];
+            is_far[h] = project(*mesh.base, middle, hint, far).distance2 > far * far;
+        }
+    });
+    int count = 0;
+    for (int h = 0; h < halves; ++h) {
+        if (!is_far[h]) continue;
+        for (const int v : {mesh.from(h), mesh.to(h), mesh.apex(h), mesh.apex(mesh.twin[h])}) {
+            const double limit = std::max(sizing.shortest, 0.7 * mesh.size[v]);
+            if (!(limit < mesh.limit[v])) continue;
+            mesh.limit[v] = limit;
+            ++count;
+        }
+    }
+    return count;
+}
+
+void update_sizes(WorkingMesh& mesh, const Sizing& sizing) {
+    std::vector<int> limited;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        const double here = sizing.on_base.empty() || mesh.half[v] < 0
+                                ? sizing.longest
+                                : size_on_base(*mesh.base, sizing.on_base, mesh.foot[v], mesh.pos[v]);
+        mesh.size[v] = std::min(here, mesh.limit[v]);
+        if (mesh.limit[v] < here && mesh.half[v] >= 0) limited.push_back(v);
+    }
+    grade(mesh, sizing.gradation, std::move(limited));
+}
+
+}  // namespace strake

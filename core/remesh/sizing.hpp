@@ -1,0 +1,26 @@
+#pragma once
+#include "core/remesh/working_mesh.hpp"
+
+/// Wanted edge lengths, vertex by vertex. Internal to core/remesh.
+namespace strake {
+
+struct Sizing {
+    double longest, shortest;  ///< wanted lengths lie between
+    double gradation;          ///< change per distance
+    /// Per point of the input, from its curvature; empty: uniform.
+    std::vector<double> on_base;
+};
+/// @param chord_error > 0: l^2 / 8R is at most this; 0: uniform.
+Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error);
+
+/// Narrow strips between features, and whatever else leaves thin triangles, ask for shorter edges: notes them in
+/// mesh.limit. @param everywhere also where no two features meet. @return how many vertices did.
+int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere);
+
+/// The same for edges whose middles are farther from the input than `far`.
+int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int threads);
+
+/// Sets mesh.size from the input's sizes and mesh.limit, graded.
+void update_sizes(WorkingMesh& mesh, const Sizing& sizing);
+
+}  // namespace strake

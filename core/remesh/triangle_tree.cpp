@@ -1,0 +1,126 @@
+#include "core/remesh/triangle_tree.hpp"
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+using Eigen::Vector3d;
+constexpr int leaf_size = 4;
+
+double box_distance2(const Vector3d& low, const Vector3d& high, const Vector3d& x) {
+    return (x - x.cwiseMax(low).cwiseMin(high)).squaredNorm();
+}
+
+}  // namespace
+
+TrianglePoint closest_on_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x) {
+    // The seven regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
+    const Vector3d ab = b - a, ac = c - a, ax = x - a;
+    const double d1 = ab.dot(ax), d2 = ac.dot(ax);
+    if (d1 <= 0 && d2 <= 0) return {a, 3};
+    const Vector3d bx = x - b;
+    const double d3 = ab.dot(bx), d4 = ac.dot(bx);
+    if (d3 >= 0 && d4 <= d3) return {b, 4};
+    const Vector3d cx = x - c;
+    const double d5 = ab.dot(cx), d6 = ac.dot(cx);
+    if (d6 >= 0 && d5 <= d6) return {c, 5};
+    const double wc = d1 * d4 - d3 * d2;
+    if (wc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, 0};
+    const double wb = d5 * d2 - d1 * d6;
+    if (wb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, 2};
+    const double wa = d3 * d6 - d5 * d4;
+    if (wa <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 1};
+    const double whole = wa + wb + wc;
+    if (!(whole > 0)) return {a, 3};
+    return {a + wb / whole * ab + wc / whole * ac, -1};
+}
+
+TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
+                           double piece) {
+    pieces_.reserve(tri.size() + tri.size() / 2);
+    for (int t = 0; t < static_cast<int>(tri.size()); ++t)
+        cut(points[tri[t][0]], points[tri[t][1]], points[tri[t][2]], t, piece, 0);
+    nodes_.reserve(pieces_.size());
+    build(0, static_cast<int>(pieces_.size()));
+}
+
+/// Halves the longest side until it is short.
+void TriangleTree::cut(const Vector3d& a, const Vector3d& b, const Vector3d& c, int t, double piece, int depth) {
+    const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
+    if (depth >= 6 || std::max({ab, bc, ca}) <= piece * piece) {
+        pieces_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), t});
+    } else if (ab >= bc && ab >= ca) {
+        const Vector3d m = 0.5 * (a + b);
+        cut(a, m, c, t, piece, depth + 1);
+        cut(m, b, c, t, piece, depth + 1);
+    } else if (bc >= ca) {
+        cut(b, c, a, t, piece, depth);
+    } else {
+        cut(c, a, b, t, piece, depth);
+    }
+}
+
+void TriangleTree::build(int begin, int end) {
+    const std::size_t self = nodes_.size();
+    nodes_.push_back({pieces_[begin].low, pieces_[begin].high, begin, end, -1});
+    Vector3d low = pieces_[begin].low + pieces_[begin].high, high = low;
+    for (int i = begin; i < end; ++i) {
+        nodes_[self].low = nodes_[self].low.cwiseMin(pieces_[i].low);
+        nodes_[self].high = nodes_[self].high.cwiseMax(pieces_[i].high);
+        const Vector3d twice_centre = pieces_[i].low + pieces_[i].high;
+        low = low.cwiseMin(twice_centre);
+        high = high.cwiseMax(twice_centre);
+    }
+    if (end - begin <= leaf_size) return;
+    int axis = 0;
+    (high - low).maxCoeff(&axis);
+    const int middle = begin + (end - begin) / 2;
+    std::nth_element(pieces_.begin() + begin, pieces_.begin() + middle, pieces_.begin() + end,
+                     [axis](const Piece& p, const Piece& q) {
+                         const double x = p.low[axis] + p.high[axis], y = q.low[axis] + q.high[axis];
+                         return x != y ? x < y : p.triangle < q.triangle;
+                     });
+    build(begin, middle);
+    nodes_[self].right = static_cast<int>(nodes_.size());
+    build(middle, end);
+}
+
+int TriangleTree::closest(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
+                          const std::vector<int>& patch, int wanted, const Vector3d& x, double below2) const {
+    int best = -1;
+    double best2 = below2;
+    std::array<std::pair<int, double>, 128> stack;  // depth is below 64: halves of at most 2^31 pieces
+    int top = 0;
+    if (!nodes_.empty()) stack[top++] = {0, 0.0};
+    while (top > 0) {
+        const auto [n, bound] = stack[--top];
+        if (bound > best2) continue;
+        const Node& node = nodes_[n];
+        if (node.right >= 0) {
+            const double left = box_distance2(nodes_[n + 1].low, nodes_[n + 1].high, x);
+            const double right = box_distance2(nodes_[node.right].low, nodes_[node.right].high, x);
+            if (left <= right) {
+                stack[top++] = {node.right, right};
+                stack[top++] = {n + 1, left};
+            } else {
+                stack[top++] = {n + 1, left};
+                stack[top++] = {node.right, right};
+            }
+            continue;
+        }
+        for (int i = node.begin; i < node.end; ++i) {
+            const int t = pieces_[i].triangle;
+            if (patch[t] != wanted || box_distance2(pieces_[i].low, pieces_[i].high, x) > best2) continue;
+            const Vector3d p = closest_on_triangle(points[tri[t][0]], points[tri[t][1]], points[tri[t][2]], x).point;
+            const double d2 = (p - x).squaredNorm();
+            if (d2 < best2 || (d2 == best2 && t < best)) {
+                best2 = d2;
+                best = t;
+            }
+        }
+    }
+    return best;
+}
+
+}  // namespace strake

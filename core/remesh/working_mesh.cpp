@@ -1,0 +1,316 @@
+#include "core/remesh/working_mesh.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace strake {
+
+using Eigen::Vector3d;
+
+WorkingMesh working_mesh(const BaseSurface& base) {
+    WorkingMesh mesh;
+    mesh.base = &base;
+    const std::size_t n = base.points.size(), m = base.tri.size();
+    mesh.pos = base.points;
+    mesh.role = base.role;
+    mesh.half = base.first_half;
+    mesh.twin = base.twin;
+    mesh.feature = base.feature_of;
+    mesh.group = base.group;
+    mesh.patch = base.patch;
+    mesh.features = base.features;
+    mesh.corner.resize(3 * m);
+    for (std::size_t h = 0; h < 3 * m; ++h) mesh.corner[h] = base.tri[h / 3][h % 3];
+    mesh.foot.assign(n, 0);
+    mesh.normal.assign(n, Vector3d::Zero());
+    mesh.valence.assign(n, 0);
+    mesh.origin.assign(n, -1);
+    mesh.size.assign(n, 0.0);
+    mesh.limit.assign(n, std::numeric_limits<double>::infinity());
+    mesh.mark.assign(n, 0);
+    mesh.calm.assign(n, 0);
+    for (std::size_t v = 0; v < n; ++v) {
+        if (mesh.half[v] < 0) continue;
+        mesh.foot[v] = mesh.half[v] / 3;
+        mesh.normal[v] = base.corner_normal[mesh.half[v]];
+        if (mesh.role[v] == VertexRole::fixed) mesh.origin[v] = base.origin[v];
+        mesh.neighbours(static_cast<int>(v), [&](int) { ++mesh.valence[v]; });
+    }
+    return mesh;
+}
+
+int WorkingMesh::new_triangle(int a, int b, int c, int like) {
+    const int t = num_triangles();
+    corner.insert(corner.end(), {a, b, c});
+    twin.insert(twin.end(), {-1, -1, -1});
+    feature.insert(feature.end(), {-1, -1, -1});
+    if (!group.empty()) group.push_back(group[like]);
+    patch.push_back(patch[like]);
+    return t;
+}
+
+void WorkingMesh::place_on_curve(int v, int curve, double s) {
+    pos[v] = base->curves.at(curve, s);
+    foot[v] = base->curves.triangle_at(curve, s);
+    normal[v] = normal_at(*base, foot[v], pos[v]);
+}
+
+double WorkingMesh::split_place(int f) const {
+    const FeatureEdge& edge = features[f];
+    const double middle = 0.5 * (edge.s[0] + edge.s[1]), vertex = base->curves.nearest_vertex(edge.curve, middle);
+    return std::abs(vertex - middle) < 0.25 * (edge.s[1] - edge.s[0]) ? vertex : middle;
+}
+
+int WorkingMesh::split_feature(int f, int a, int m) {
+    const FeatureEdge edge = features[f];
+    const double s = split_place(f);
+    const int beyond = static_cast<int>(features.size());
+    features.push_back(edge);
+    const int end = edge.v[0] == a ? 1 : 0;  // of f, which stays at a
+    features[f].v[end] = features[beyond].v[1 - end] = m;
+    features[f].s[end] = features[beyond].s[1 - end] = s;
+    place_on_curve(m, edge.curve, s);
+    return beyond;
+}
+
+void WorkingMesh::find_foot(int m, int h) {
+    const int a = from(h), b = to(h);
+    const bool a_tells = role[a] == VertexRole::free, b_tells = role[b] == VertexRole::free;
+    if (a_tells || b_tells) {  // the others' normals are those of one side of their feature
+        foot[m] = foot[a_tells ? a : b];
+        const Vector3d sum = (a_tells ? normal[a] : Vector3d::Zero()) + (b_tells ? normal[b] : Vector3d::Zero());
+        normal[m] = sum.squaredNorm() > 0.5 ? Vector3d(sum.normalized()) : base->normal[foot[m]];
+        return;
+    }
+    foot[m] = base->tree.closest(base->points, base->tri, base->patch, patch[h / 3], pos[m],
+                                 std::numeric_limits<double>::infinity());
+    normal[m] = normal_at(*base, foot[m], pos[m]);
+}
+
+int WorkingMesh::split(int h) {
+    const int a = from(h), b = to(h), c = apex(h), g = twin[h], f = feature[h], m = num_vertices();
+    pos.push_back(0.5 * (pos[a] + pos[b]));
+    foot.push_back(-1);
+    normal.push_back(Vector3d::Zero());
+    size.push_back(wanted(a, b));
+    limit.push_back(std::max(limit[a], limit[b]));
+    role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);
+    origin.push_back(-1);
+    mark.push_back(0);
+    calm.push_back(0);
+    for (const int v : {a, b, c}) wake(v);
+    valence.push_back(g >= 0 ? 4 : 3);
+    half.push_back(-1);
+    if (f < 0) find_foot(m, h);
+    const int beyond = f >= 0 ? split_feature(f, a, m) : -1;
+
+    const int n = next(h), t2 = new_triangle(m, b, c, h / 3);  // h: a to m, n: m to c
+    join(3 * t2 + 1, twin[n]);
+    feature[3 * t2 + 1] = feature[n];
+    if (half[b] == n || half[b] == g) half[b] = 3 * t2 + 1;
+    corner[n] = m;
+    join(n, 3 * t2 + 2);
+    feature[n] = -1;
+    feature[3 * t2] = beyond;
+    half[m] = 3 * t2;
+    ++valence[c];
+    if (g < 0) return m;
+
+    const int d = apex(g), p = prev(g), t3 = new_triangle(b, m, d, g / 3);  // g: m to a, p: d to m
+    join(3 * t3 + 2, twin[p]);
+    feature[3 * t3 + 2] = feature[p];
+    if (half[d] == p) half[d] = 3 * t3 + 2;
+    corner[g] = m;
+    join(p, 3 * t3 + 1);
+    feature[p] = -1;
+    feature[3 * t3] = beyond;
+    join(3 * t2, 3 * t3);
+    ++valence[d];
+    wake(d);
+    return m;
+}
+
+void WorkingMesh::flip(int h) {
+    const int g = twin[h], n = next(h), ng = next(g);
+    const int a = from(h), b = from(g), c = apex(h), d = apex(g);
+    const int outer_h = twin[ng], outer_g = twin[n];
+    corner[n] = d;   // h: a to d, n: d to c
+    corner[ng] = c;  // g: b to c, ng: c to d
+    feature[h] = feature[ng];
+    feature[g] = feature[n];
+    feature[n] = feature[ng] = -1;
+    twin[h] = twin[g] = -1;
+    join(h, outer_h);
+    join(g, outer_g);
+    join(n, ng);
+    if (half[a] == ng) half[a] = h;
+    if (half[b] == n) half[b] = g;
+    --valence[a], --valence[b], ++valence[c], ++valence[d];
+    for (const int v : {a, b, c, d}) wake(v);
+}
+
+int WorkingMesh::other_feature(int v, int f) const {
+    int other = -1;
+    around(v, [&](int h) {
+        const int back = prev(h);
+        if (feature[h] >= 0 && feature[h] != f) other = feature[h];
+        if (twin[back] < 0 && feature[back] >= 0 && feature[back] != f) other = feature[back];
+        return true;
+    });
+    return other;
+}
+
+bool WorkingMesh::can_collapse(int h, int gone) {
+    const int a = gone, b = from(h) + to(h) - gone, c = apex(h), g = twin[h];
+    if (role[a] == VertexRole::fixed || (role[a] == VertexRole::ridge && feature[h] < 0)) return false;
+    const int n = next(h), p = prev(h);
+    if ((feature[n] >= 0 && feature[p] >= 0) || (twin[n] < 0 && twin[p] < 0)) return false;
+    if (valence[c] <= (is_boundary(c) ? 2 : 3)) return false;
+    if (g >= 0) {
+        const int ng = next(g), pg = prev(g), d = apex(g);
+        if (c == d || (feature[ng] >= 0 && feature[pg] >= 0) || (twin[ng] < 0 && twin[pg] < 0)) return false;
+        if (valence[d] <= (is_boundary(d) ? 2 : 3)) return false;
+        if (is_boundary(a) && is_boundary(b)) return false;
+    }
+    ++stamp;
+    neighbours(a, [&](int v) { mark[v] = stamp; });
+    int common = 0;
+    neighbours(b, [&](int v) { common += mark[v] == stamp; });
+    return common == (g >= 0 ? 2 : 1);
+}
+
+bool WorkingMesh::collapse_fits_curve(int h, int gone, double slack) const {
+    const FeatureEdge& edge = features[feature[h]];
+    const int a = gone, f2 = other_feature(a, feature[h]);
+    if (f2 < 0 || features[f2].curve != edge.curve) return false;
+    const FeatureEdge& rest = features[f2];
+    const double longer = edge.s[1] - edge.s[0];
+    const int end = rest.end_at(a);
+    double s0 = rest.s[0], s1 = rest.s[1];
+    (end == 1 ? s1 : s0) += end == 1 ? longer : -longer;
+    return base->curves.chord_fits(edge.curve, s0, s1, slack);
+}
+
+void WorkingMesh::collapse(int h, int gone) {
+    const int a = gone, b = from(h) + to(h) - gone, c = apex(h), g = twin[h], f = feature[h];
+    if (f >= 0) {
+        const FeatureEdge removed = features[f];
+        FeatureEdge& rest = features[other_feature(a, f)];
+        const int end = rest.end_at(a);
+        rest.v[end] = b;
+        const bool is_exact = !base->curves.is_closed(removed.curve);
+        const double longer = removed.s[1] - removed.s[0];
+        rest.s[end] = is_exact ? removed.s[removed.end_at(b)] : rest.s[end] + (end == 1 ? longer : -longer);
+        features[f].curve = -1;
+    }
+    around(a, [&](int out) {
+        corner[out] = b;
+        return true;
+    });
+    const auto close = [&](int in, int out) {  // the two other sides of a triangle that goes
+        const int x = twin[in], y = twin[out];
+        const int kept = feature[in] >= 0 ? feature[in] : feature[out];
+        if (x >= 0) feature[x] = kept, twin[x] = -1;
+        if (y >= 0) feature[y] = kept, twin[y] = -1;
+        join(x, y);
+        for (int k = 0; k < 3; ++k) corner[3 * (in / 3) + k] = -1;
+        return std::array<int, 2>{x, y};
+    };
+    const auto turn_to_boundary = [&](int v, int out) {
+        for (int i = out; true;) {
+            if (twin[i] < 0) {
+                half[v] = i;
+                return;
+            }
+            i = next(twin[i]);
+            if (i == out) break;
+        }
+        half[v] = out;
+    };
+    valence[b] += valence[a] - (g >= 0 ? 4 : 3);
+    --valence[c];
+    int d = -1, out_of_d = -1;
+    if (g >= 0) {
+        d = apex(g);
+        --valence[d];
+        const auto [x, y] = close(next(g), prev(g));  // x: d to b (once a), y: b to d
+        out_of_d = x >= 0 ? x : next(y);
+    }
+    const auto [x, y] = close(next(h), prev(h));  // x: c to b, y: b (once a) to c
+    turn_to_boundary(c, x >= 0 ? x : next(y));
+    if (d >= 0) turn_to_boundary(d, out_of_d);
+    turn_to_boundary(b, y >= 0 ? y : next(x));
+    half[a] = -1;
+    wake_around(b);
+}
+
+void WorkingMesh::compact() {
+    std::vector<int> number(num_vertices(), -1), feature_number(features.size(), -1);
+    int n = 0, m = 0, k = 0;
+    for (int v = 0; v < num_vertices(); ++v) {
+        if (half[v] < 0) continue;
+        pos[n] = pos[v], normal[n] = normal[v], foot[n] = foot[v], half[n] = half[v], valence[n] = valence[v];
+        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v], calm[n] = calm[v];
+        number[v] = n++;
+    }
+    for (std::size_t f = 0; f < features.size(); ++f) {
+        if (features[f].curve < 0) continue;
+        features[k] = features[f];
+        for (int& v : features[k].v) v = number[v];
+        feature_number[f] = k++;
+    }
+    std::vector<int> triangle_number(num_triangles(), -1);
+    for (int t = 0; t < num_triangles(); ++t)
+        if (is_alive(t)) triangle_number[t] = m++;
+    for (int t = 0; t < num_triangles(); ++t) {
+        const int to = triangle_number[t];
+        if (to < 0) continue;
+        for (int i = 0; i < 3; ++i) {
+            const int h = 3 * t + i, j = twin[h];
+            corner[3 * to + i] = number[corner[h]];
+            twin[3 * to + i] = j < 0 ? -1 : 3 * triangle_number[j / 3] + j % 3;
+            feature[3 * to + i] = feature[h] < 0 ? -1 : feature_number[feature[h]];
+        }
+        if (!group.empty()) group[to] = group[t];
+        patch[to] = patch[t];
+    }
+    for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
+    pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
+    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), mark.assign(n, 0);
+    corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
+    if (!group.empty()) group.resize(m);
+    patch.resize(m);
+    stamp = 0;
+}
+
+TriMesh as_mesh(const WorkingMesh& mesh, const std::vector<std::string>& group_names) {
+    TriMesh result;
+    std::vector<int> number(mesh.num_vertices()), first(mesh.base->points.size(), -1);
+    int n = 0, m = 0;
+    result.vertices.resize(mesh.num_vertices(), 3);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        if (mesh.half[v] < 0) continue;
+        const int o = mesh.origin[v];
+        if (o >= 0 && first[o] >= 0) {
+            number[v] = first[o];
+            continue;
+        }
+        result.vertices.row(n) = mesh.pos[v];
+        if (o >= 0) first[o] = n;
+        number[v] = n++;
+    }
+    result.vertices.conservativeResize(n, 3);
+    result.triangles.resize(mesh.num_triangles(), 3);
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        if (!mesh.is_alive(t)) continue;
+        for (int k = 0; k < 3; ++k) result.triangles(m, k) = number[mesh.corner[3 * t + k]];
+        if (!mesh.group.empty()) result.group.push_back(mesh.group[t]);
+        ++m;
+    }
+    result.triangles.conservativeResize(m, 3);
+    result.group_names = group_names;
+    return result;
+}
+
+}  // namespace strake

@@ -14,7 +14,6 @@ enum Status : int {
     surface_file = 3,
     output_failed = 4,
     external_failed = 5,
-    step_ended = 10,  ///< of `step` alone: the run has ended well, nothing is awaited
     interrupted = 75
 };
 

@@ -183,13 +183,15 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
         print_json(result, folder);
     else if (result.status == "waiting")
         for (const AwaitedCall& call : result.awaited) fmt::print("{}\n", call.folder);
-    else
+    else if (!request.is_step)
         report(built.problem, result, folder, is_fit);
+    else if (!request.quiet)  // standard output names what is awaited: nothing
+        fmt::print(stderr, "strake: {}: {}; see {}\n", result.status, result.reason,
+                   printable(folder.folder().string()));
     if (result.status == "waiting") {
         if (!request.quiet) fmt::print(stderr, "strake: {}; then `strake step` again\n", result.reason);
         return;
     }
-    if (result.is_done() && request.is_step) throw ExitStatus{step_ended};
     if (result.is_done()) return;
     const std::string again = request.is_step ? std::string("`strake step`")
                                               : fmt::format("`strake resume {}`", printable(folder.folder().string()));

@@ -33,7 +33,7 @@ protected:
             status = run.status;
             if (status != 0) return handed;
             std::vector<std::string> folders = lines(run.out);
-            EXPECT_FALSE(folders.empty());
+            if (folders.empty()) return handed;
             handed.push_back(folders.size());
             for (auto where = folders.rbegin(); where != folders.rend(); ++where) EXPECT_EQ(answer(*where), 0);
         }
@@ -46,12 +46,12 @@ TEST_F(Step, DrivenToTheEndTheHistoryIsThatOfRun) {
     undisturbed();
     int status = -1;
     const std::vector<std::size_t> handed = drive(file, status);
-    EXPECT_EQ(status, 10);
+    EXPECT_EQ(status, 0);
     EXPECT_EQ(handed.size(), calls().size());
     for (const int number : calls()) EXPECT_EQ(calls().count(number), 1u) << number;
     expect_same("whole", "stepped");
     const ProgramRun again = step(file, true);
-    EXPECT_EQ(again.status, 10);
+    EXPECT_EQ(again.status, 0);
     EXPECT_EQ(Json::parse(again.out)["status"], Json::parse(bytes_of(folder / "whole/run.json"))["status"]);
 }
 
@@ -60,7 +60,7 @@ TEST_F(Step, ABatchIsHandedOutAtOnceAndTheNumbersStayThose) {
     fs::remove(folder / "calls");
     int status = -1;
     const std::vector<std::size_t> handed = drive(values_case(", parallel: 4"), status);
-    EXPECT_EQ(status, 10);
+    EXPECT_EQ(status, 0);
     EXPECT_EQ(*std::max_element(handed.begin(), handed.end()), 4u);
     expect_same("whole", "stepped");
 }
@@ -123,7 +123,7 @@ TEST_F(Step, GradientCommandsAreHandedOutInTheFoldersOfTheirValues) {
     EXPECT_TRUE(fs::exists(fs::path(first) / "gradient-awaited"));
     int status = -1;
     drive(file, status);
-    EXPECT_EQ(status, 10);
+    EXPECT_EQ(status, 0);
     expect_same("whole", "stepped");
     for (const char* each : {"calls", "gradient-calls"})
         for (const int number : calls(each)) EXPECT_EQ(calls(each).count(number), 1u) << each << number;

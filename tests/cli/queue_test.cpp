@@ -88,7 +88,8 @@ TEST_F(Queue, WhatCanNeverStartIsFoundAndCancelled) {
     EXPECT_NE(never.err.find("PartitionConfig"), std::string::npos) << never.err;
     EXPECT_EQ(lines("cancelled"), 1u);
     say("pending", "Resources");
-    const ProgramRun waited = run(external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s, poll: 0.2s}", differences), "b");
+    const ProgramRun waited =
+        run(external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s, poll: 0.2s}", differences), "b");
     EXPECT_EQ(waited.status, 5);
     EXPECT_NE(waited.err.find("did not start within 1 s, pending for Resources"), std::string::npos) << waited.err;
     EXPECT_EQ(lines("cancelled"), 2u);

@@ -15,7 +15,7 @@ const TriMesh mesh = ellipsoid({1, 0.6, 0.4}, 2);
 
 PluginLibrary bad(const std::string& role, const char* file = BAD_PLUGIN) {
     PluginLibrary wanted;
-    wanted.name = "p";
+    wanted.name = std::string("p");  // GCC 12 warns wrongly of the assignment of one letter
     wanted.library = file;
     wanted.options = role;
     return wanted;

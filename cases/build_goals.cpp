@@ -141,6 +141,7 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.by_hand = case_.output.by_hand;
     command.slurm = program.slurm;
     command.queue_s = program.queue_s;
+    command.poll_s = program.poll_s;
     command.cache = program.cache;
     command.files = program.cache_files;
     if (program.on_failure == ExternalEntry::OnFailure::value)

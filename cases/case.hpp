@@ -169,7 +169,7 @@ struct ExternalEntry {
     double value_after_failure = 0;
     int parallel = 1;
     std::optional<std::vector<std::string>> slurm;  ///< options of sbatch
-    double queue_s = 7 * 86400.0;
+    double queue_s = 7 * 86400.0, poll_s = 2;
     std::filesystem::path cache;  ///< empty: none
     std::vector<std::filesystem::path> cache_files;
 };

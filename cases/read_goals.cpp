@@ -61,6 +61,7 @@ void CaseReader::read_where_it_runs(const Value& map, ExternalEntry& external) c
     if (const Value* scheduler = map.find("scheduler")) {
         if (const Value* v = scheduler->find("slurm")) external.slurm = texts(v);
         if (const Value* v = scheduler->find("wait")) external.queue_s = v->number;
+        if (const Value* v = scheduler->find("poll")) external.poll_s = v->number;
     }
     if (const Value* v = map.find("cache")) external.cache = dir_ / v->text;
     for (const std::string& file : texts(map.find("cache_files"))) external.cache_files.push_back(dir_ / file);

@@ -153,6 +153,11 @@ std::vector<Key> goal_keys() {
          .doc = "Longest wait for a job to start; `timeout` counts from there.",
          .fallback = "168h",
          .limits = positive},
+        {.path = "quantities.*.scheduler.poll",
+         .type = Type::duration,
+         .doc = "Shortest time between two questions to the queue.",
+         .fallback = "2s",
+         .limits = positive},
         {.path = "quantities.*.cache",
          .type = Type::path,
          .doc = "Folder of answers that runs share: what was asked before of the same surface, variables, command and "

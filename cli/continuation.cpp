@@ -13,7 +13,7 @@ void check_same_case(const Case& the_case, const JournalFacts& facts, const std:
     if (!changed.empty())
         throw InvalidInput(text(
             the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
-            " not what the run began with; only budget, output, timeout, parallel, scheduler and "
+            " not what the run began with; only budget, output, timeouts, parallel, scheduler and "
             "cache may change. Undo it, or start another run (optimize.start_from begins at a design of this one)"));
     for (const auto& [key, hash] : file_hashes(the_case))
         if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)

@@ -72,6 +72,7 @@ void validate(const ExternalCommand& command) {
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
     check_hand_over_format(command.format);
     if (command.parallel < 1) refuse("parallel = ", command.parallel, " must be >= 1");
+    if (!(command.poll_s > 0)) refuse("poll = ", command.poll_s, " s must be > 0");
     if (!(command.queue_s > 0)) refuse("queue = ", command.queue_s, " s must be > 0");
     check_replaced_words(command, command.command);
     check_replaced_words(command, command.gradient_command);
@@ -158,7 +159,7 @@ Quantity external(const ExternalCommand& command) {
     else
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
     std::shared_ptr<SlurmQueue> queue;
-    if (command.slurm) queue = std::make_shared<SlurmQueue>();
+    if (command.slurm) queue = std::make_shared<SlurmQueue>(command.poll_s);
     quantity.evaluate = [command, queue](const QuantityRequest& request) {
         return evaluate(command, queue.get(), request);
     };

@@ -42,6 +42,7 @@ struct ExternalCommand {
     /// Options of sbatch: each evaluation is a job of Slurm. The timeout counts from its start. Not with by_hand.
     std::optional<std::vector<std::string>> slurm;
     double queue_s = 7 * 86400.0;              ///< longest wait for the start of a job, > 0
+    double poll_s = 2;                         ///< shortest time between two questions to the queue, > 0
     std::filesystem::path cache;               ///< as Quantity::cache
     std::vector<std::filesystem::path> files;  ///< whose contents the cache's answers depend on
 };

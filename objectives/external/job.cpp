@@ -18,7 +18,7 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double settle_s = 10;     ///< a network disk may show the exit file that much later than the job's end
+constexpr double settle_polls = 5;  ///< a network disk may show the exit file that much later than the job's end
 constexpr double patience_s = 600;  ///< without an answer of squeue
 
 /// Reasons for which a pending job never starts, as it was submitted.
@@ -121,7 +121,7 @@ private:
             if (!id_.empty()) return true;
         }
         for (int look = 0; look < 2; ++look) {
-            pause(2);  // a client that was killed may just have been heard
+            pause(command_.poll_s);  // a client that was killed may just have been heard
             const SlurmQueue::View view = queue_.view(call_.folder);
             if (!view.is_known) throw Refused{{"submit", text("it is not known whether it was: ", view.words)}};
             for (const auto& [id, job] : view.jobs)
@@ -192,7 +192,7 @@ private:
     /// Short at first; a job of hours is not asked for every other second.
     double interval() {
         const double age = std::chrono::duration<double>(Clock::now() - submitted_).count();
-        return std::clamp(age / 20, 0.25, 10.0);
+        return std::clamp(age / 20, 0.25, std::max(10.0, command_.poll_s));
     }
 
     /// True: it waits for what cannot come. @throws Refused at the limits.
@@ -220,7 +220,7 @@ private:
     }
 
     void wait_for_late_exit() {
-        const auto until = Clock::now() + std::chrono::duration<double>(settle_s);
+        const auto until = Clock::now() + std::chrono::duration<double>(settle_polls * command_.poll_s);
         while (!has_ended() && Clock::now() < until) pause(0.2);
         if (has_ended()) return;
         throw Refused{{"vanished", text("job ", id_, " is gone, and its command has not ended: cancelled, or its node ",

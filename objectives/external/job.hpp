@@ -8,9 +8,10 @@
 /// Programs as jobs of Slurm. Internal.
 namespace strake {
 
-/// The user's jobs as squeue tells them, asked at most every two seconds however many calls follow theirs.
+/// The user's jobs as squeue tells them, asked at most once in `poll_s` however many calls follow theirs.
 class SlurmQueue {
 public:
+    explicit SlurmQueue(double poll_s) : poll_(poll_s) {}
     struct Job {
         std::string name, state, reason;  ///< PENDING, PartitionConfig
         double seconds = 0;               ///< that it has run
@@ -21,10 +22,11 @@ public:
         std::string words;      ///< why not
         std::map<std::string, Job> jobs;
     };
-    /// Not older than two seconds. @param scratch folder in which files may be made meanwhile. @throws OutputError.
+    /// Not older than `poll_s`. @param scratch folder in which files may be made meanwhile. @throws OutputError.
     View view(const std::filesystem::path& scratch);
 
 private:
+    std::chrono::duration<double> poll_;
     std::mutex busy_;
     View last_;
 };

@@ -13,8 +13,6 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr std::chrono::seconds period{2};
-
 /// "[days-][hours:]minutes:seconds" in seconds.
 double seconds_of(const std::string& words) {
     double days = 0, total = 0, part = 0;
@@ -64,7 +62,7 @@ ClientOutput slurm_client(const std::vector<std::string>& arguments, const fs::p
 
 SlurmQueue::View SlurmQueue::view(const fs::path& scratch) {
     const std::lock_guard lock(busy_);
-    if (last_.asked != Clock::time_point() && Clock::now() - last_.asked < period) return last_;
+    if (last_.asked != Clock::time_point() && Clock::now() - last_.asked < poll_) return last_;
     last_.asked = Clock::now();
     // All jobs of ours: a single one that is gone would be an error like any other.
     const ClientOutput output =

@@ -75,7 +75,7 @@ parameters:
 quantities:
   thin: {type: thickness, at: lines.csv, values: smallest}
   cfd: {command: [sh, run.sh, "{surface}"], gradients: false, on_failure: {value: 1e3}, depends_on: [alpha],
-    scheduler: {slurm: [--partition=short, --ntasks=8], wait: 2h}}
+    scheduler: {slurm: [--partition=short, --ntasks=8], wait: 2h, poll: 30s}}
 variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
 objective: {maximize: volume}
 constraints:

@@ -20,7 +20,7 @@ protected:
     }
     void TearDown() override { setenv("PATH", old_path_.c_str(), 1); }
     std::string job_case(const std::string& more = "") const {
-        return external_case(no_gradients + ", scheduler: {slurm: [--partition=main]}" + more, differences);
+        return external_case(no_gradients + ", scheduler: {slurm: [--partition=main], poll: 0.2s}" + more, differences);
     }
     void ask_whole() const {
         ASSERT_EQ(run_strake({"run", external_case(no_gradients, differences), "--out", path("whole"), "-q"}).status,
@@ -88,7 +88,8 @@ TEST_F(Queue, WhatCanNeverStartIsFoundAndCancelled) {
     EXPECT_NE(never.err.find("PartitionConfig"), std::string::npos) << never.err;
     EXPECT_EQ(lines("cancelled"), 1u);
     say("pending", "Resources");
-    const ProgramRun waited = run(external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s}", differences), "b");
+    const ProgramRun waited =
+        run(external_case(no_gradients + ", scheduler: {slurm: [], wait: 1s, poll: 0.2s}", differences), "b");
     EXPECT_EQ(waited.status, 5);
     EXPECT_NE(waited.err.find("did not start within 1 s, pending for Resources"), std::string::npos) << waited.err;
     EXPECT_EQ(lines("cancelled"), 2u);
@@ -138,7 +139,7 @@ TEST_F(Queue, AbortCancelsTheOtherJobs) {
 TEST_F(Queue, GradientCommandsAreJobsThatAreFollowedToo) {
     undisturbed();
     mark("gradient-sleep-1");
-    const std::string file = external_case(gradients_apart + ", scheduler: {slurm: []}");
+    const std::string file = external_case(gradients_apart + ", scheduler: {slurm: [], poll: 0.2s}");
     const Started killed(folder, {"run", file, "--out", path("a"), "-q"});
     while (!fs::exists(folder / "sleeping")) pause_ms(5);
     killed.send(SIGKILL);

@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/mesh/formats.hpp"
+#include "core/mesh/raw_number.hpp"
 #include "core/mesh/text_scanner.hpp"
 
 #include <algorithm>
@@ -73,12 +74,8 @@ private:
     template <class T>
     T get(std::string_view what) {
         if (bytes_.size() - position_ < sizeof(T)) fail(text("the section ends before ", what));
-        char raw[sizeof(T)];
-        std::memcpy(raw, bytes_.data() + position_, sizeof(T));
-        if (swap_) std::reverse(raw, raw + sizeof(T));
+        const T value = raw_number<T>(bytes_.data() + position_, swap_);
         position_ += sizeof(T);
-        T value;
-        std::memcpy(&value, raw, sizeof(T));
         return value;
     }
 

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "core/mesh/raw_number.hpp"
 
 #include <algorithm>
 #include <bit>
@@ -92,16 +93,6 @@ Data split(std::string_view bytes) {
     return {Header(bytes.substr(begin, length)), bytes.substr(begin + length)};
 }
 
-template <class Number>
-double number_at(const char* at, bool swap) {
-    char raw[sizeof(Number)];
-    std::memcpy(raw, at, sizeof raw);
-    if (swap) std::reverse(raw, raw + sizeof raw);
-    Number value;
-    std::memcpy(&value, raw, sizeof raw);
-    return static_cast<double>(value);
-}
-
 }  // namespace
 
 Points parse_npy(std::string_view bytes) {
@@ -120,7 +111,7 @@ Points parse_npy(std::string_view bytes) {
     for (std::int64_t i = 0; i < n; ++i)
         for (std::int64_t c = 0; c < 3; ++c) {
             const char* at = data.bytes.data() + size * static_cast<std::size_t>(is_fortran ? c * n + i : 3 * i + c);
-            points(i, c) = size == 4 ? number_at<float>(at, type[0] == '>') : number_at<double>(at, type[0] == '>');
+            points(i, c) = size == 4 ? raw_number<float>(at, type[0] == '>') : raw_number<double>(at, type[0] == '>');
         }
     return points;
 }

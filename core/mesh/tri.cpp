@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/mesh/formats.hpp"
+#include "core/mesh/raw_number.hpp"
 #include "core/mesh/text_scanner.hpp"
 
 #include <algorithm>
@@ -108,12 +109,7 @@ public:
     }
     template <class T>
     T get(const char* at) const {
-        char raw[sizeof(T)];
-        std::memcpy(raw, at, sizeof(T));
-        if (swap_) std::reverse(raw, raw + sizeof(T));
-        T value;
-        std::memcpy(&value, raw, sizeof(T));
-        return value;
+        return raw_number<T>(at, swap_);
     }
     [[noreturn]] void fail(const std::string& what) const {
         throw InputError(text(name_, ": byte ", position_, ": ", what));

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "core/mesh/raw_number.hpp"
 
 #include <zlib.h>
 
@@ -66,20 +67,10 @@ private:
     bool is_base64_;
 };
 
-template <class Number>
-Number number_at(const char* at, bool swap) {
-    char raw[sizeof(Number)];
-    std::memcpy(raw, at, sizeof raw);
-    if (swap) std::reverse(raw, raw + sizeof raw);
-    Number value;
-    std::memcpy(&value, raw, sizeof raw);
-    return value;
-}
-
 std::uint64_t length_at(const std::string& bytes, std::size_t number, const Coding& coding) {
     const char* at = bytes.data() + number * coding.header_bytes;
-    return coding.header_bytes == 4 ? number_at<std::uint32_t>(at, coding.is_swapped)
-                                    : number_at<std::uint64_t>(at, coding.is_swapped);
+    return coding.header_bytes == 4 ? raw_number<std::uint32_t>(at, coding.is_swapped)
+                                    : raw_number<std::uint64_t>(at, coding.is_swapped);
 }
 
 /// [number of blocks][bytes of a block][bytes of the last, 0: as the others][compressed bytes of each], then the
@@ -131,7 +122,7 @@ std::vector<double> converted(const std::string& bytes, bool swap) {
         refuse(text(bytes.size(), " bytes are no whole number of ", sizeof(Number), "-byte numbers"));
     std::vector<double> out(bytes.size() / sizeof(Number));
     for (std::size_t i = 0; i < out.size(); ++i)
-        out[i] = static_cast<double>(number_at<Number>(bytes.data() + sizeof(Number) * i, swap));
+        out[i] = static_cast<double>(raw_number<Number>(bytes.data() + sizeof(Number) * i, swap));
     return out;
 }
 

@@ -278,8 +278,7 @@ TEST_F(Resume, AFolderThatMayNotBeWrittenIsToldAndCanStillBeLookedAt) {
     };
     const Started resumed(folder, {"resume", path("a"), "-q"}, as_nobody);
     const int status = resumed.wait();
-    // Root may write anywhere, and not every machine lets root start the program as somebody else.
-    if (status == 126) GTEST_SKIP() << "the program cannot be started by another user here";
+    if (status == 126) GTEST_SKIP() << "cannot be started as another user";  // and root may write anywhere
     EXPECT_EQ(status, 4) << resumed.messages();
     EXPECT_NE(resumed.messages().find("Permission denied"), std::string::npos) << resumed.messages();
     const Started looked(folder, {"status", path("a")}, as_nobody);

@@ -6,6 +6,7 @@ import glob
 import os
 import re
 import shutil
+import sys
 
 import numpy as np
 
@@ -149,3 +150,20 @@ def clean(folder):
         path = os.path.join(folder, name)
         if os.path.isdir(path) and name != "postProcessing":
             shutil.rmtree(path)
+
+
+def refined(cells, factor):
+    """Numbers of background cells, FACTOR times as many along each direction."""
+    return {name: round(float(factor) * value) for name, value in cells.items()}
+
+
+def command_line(usage, prepare, rebuild, evaluate):
+    """prepare SURFACE | rebuild FACTOR SURFACE.. | REQUEST RESULT"""
+    if len(sys.argv) == 3 and sys.argv[1] == "prepare":
+        prepare(sys.argv[2])
+    elif len(sys.argv) >= 4 and sys.argv[1] == "rebuild":
+        rebuild(sys.argv[2], sys.argv[3:])
+    elif len(sys.argv) == 3:
+        evaluate(sys.argv[1], sys.argv[2])
+    else:
+        sys.exit(usage)

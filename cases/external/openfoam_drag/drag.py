@@ -75,7 +75,7 @@ def prepare(file):
 
 
 def rebuild(factor, files):
-    sizes = {name: round(float(factor) * value) for name, value in CELLS.items()}
+    sizes = flow.refined(CELLS, factor)
     for file in files:
         cells = flow.build(TEMPLATE, "rebuilt", foam.read_obj(file), sizes)
         print(f"{file}: {cells} cells, drag {solve('rebuilt'):.6f}", flush=True)
@@ -83,11 +83,4 @@ def rebuild(factor, files):
 
 
 if __name__ == "__main__":
-    if len(sys.argv) == 3 and sys.argv[1] == "prepare":
-        prepare(sys.argv[2])
-    elif len(sys.argv) >= 4 and sys.argv[1] == "rebuild":
-        rebuild(sys.argv[2], sys.argv[3:])
-    elif len(sys.argv) == 3:
-        evaluate(sys.argv[1], sys.argv[2])
-    else:
-        sys.exit(__doc__)
+    flow.command_line(__doc__, prepare, rebuild, evaluate)

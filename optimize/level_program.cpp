@@ -140,7 +140,8 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
 
 void LevelProgram::differentiate(Sample& sample) {
     const std::size_t told = current_.remarks.size();
-    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.evaluator.differentiate(current_);
+    const bool came_later = current_.has_gradients_to_come && objective_gradient_ == 0;
+    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.differentiate(current_);
     for (std::size_t i = told; i < current_.remarks.size(); ++i)
         state_.note(text("gradient of evaluation ", state_.result.evaluations, ": ", current_.remarks[i]));
     if (current_.status != EvaluationStatus::ok) {
@@ -149,6 +150,7 @@ void LevelProgram::differentiate(Sample& sample) {
         quantity_failed_ |= sample.is_fatal;
         return;
     }
+    if (came_later && !current_.dJ_dv.empty()) state_.tell_sensitivities(current_, current_.dJ_dv[0]);
     sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
     if (objective_gradient_ >= 0)
         sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);

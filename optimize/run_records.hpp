@@ -54,6 +54,8 @@ struct RunEvents {
     std::function<void(const LevelStart&)> level;
     std::function<void(const EvaluationRecord&)> evaluation;
     std::function<void(const AcceptedDesign&)> accepted;
+    /// dJ/dv of the objective (n x 3) came after the design, which was the last to be accepted.
+    std::function<void(int evaluation, const Points& vertices, const Points& dJ_dv)> sensitivities;
     std::function<void(const LevelSummary&)> level_end;
     std::function<void(const std::string&)> note;
     /// Asked before every evaluation and while a program runs; true ends the run (status `interrupted`). From the

@@ -118,7 +118,9 @@ private:
             if (!fs::is_regular_file(call_.file(name), ignored)) continue;
             const std::string words = read_bytes(call_.file(name));
             id_ = words.substr(0, words.find('\n'));
-            if (!id_.empty()) return true;
+            if (id_.empty()) continue;
+            write_atomically(call_.file("job"), id_ + "\n");
+            return true;
         }
         for (int look = 0; look < 2; ++look) {
             pause(command_.poll_s);  // a client that was killed may just have been heard

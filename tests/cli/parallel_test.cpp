@@ -105,7 +105,7 @@ TEST_F(Parallel, GradientCommandsAndACacheChangeNothing) {
     }
     for (const char* each : {"calls", "gradient-calls"})
         for (const int number : calls(each)) EXPECT_EQ(calls(each).count(number), 1u) << each << number;
-    EXPECT_LT(calls("gradient-calls").size(), calls().size());
+    EXPECT_LE(calls("gradient-calls").size(), calls().size());
     EXPECT_FALSE(fs::exists(folder / "second/evaluations/000001"));
     for (const auto& entry : fs::directory_iterator(folder / "answers")) fs::remove(entry.path());
     const ProgramRun check = run_strake({"check", file, "--evaluate"});

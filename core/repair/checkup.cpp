@@ -93,12 +93,19 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
     return cracked;
 }
 
+bool is_copy(const TriMesh& mesh, int s, int t) {
+    for (int k = 0; k < 3; ++k)
+        if (!(mesh.triangles.row(t).array() == mesh.triangles(s, k)).any()) return false;
+    return true;
+}
+
 std::vector<int> find_inverted(const TriMesh& mesh, const Adjacency& adjacent) {
     const Points normals = triangle_normals(mesh), angles = corner_angles(mesh);
     std::vector<char> is_folded(static_cast<std::size_t>(mesh.num_triangles()));
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (!adjacent.is_regular(e)) continue;
         const int s = adjacent.edge_triangles[e][0], t = adjacent.edge_triangles[e][1];
+        if (is_copy(mesh, s, t)) continue;
         if (dihedral(normals.row(s), normals.row(t)) > 170 * std::numbers::pi / 180) is_folded[s] = is_folded[t] = 1;
     }
     Points sum = Points::Zero(mesh.num_vertices(), 3);

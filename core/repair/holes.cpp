@@ -73,7 +73,9 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
     std::vector<BoundaryLoop> planes;
     if (options.keep_symmetry_loops) planes = measured_loops(mesh, adjacent, topology(mesh, adjacent).boundary_loops);
     std::erase_if(loops, [&](const OpenLoop& loop) {
-        if (loop.vertices.size() < 3) return true;
+        const bool is_lone = loop.vertices.size() == 3 && loop.triangles[0] == loop.triangles[1] &&
+                             loop.triangles[1] == loop.triangles[2];
+        if (loop.vertices.size() < 3 || is_lone) return true;  // a triangle's back is no fill
         Points polygon(static_cast<Eigen::Index>(loop.vertices.size()), 3);
         for (std::size_t i = 0; i < loop.vertices.size(); ++i)
             polygon.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(loop.vertices[i]);

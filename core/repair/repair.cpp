@@ -135,10 +135,10 @@ RepairResult repair(const TriMesh& mesh, const RepairOptions& options) {
         mending::connect(surface, options);
         if (surface.items.size() == before) break;
     }
-    mending::drop_components(surface, options);
     if (options.holes) mending::fill_holes(surface, options);  // loops that touch are holes of their own
     if (options.split) mending::split_nonmanifold(surface);
     if (options.split && options.orient) mending::orient(surface);  // parts that are apart now
+    mending::drop_components(surface, options);
     const int refused_fills = options.holes ? mending::fill_holes(surface, options) : 0;
     if (options.degenerate) mending::remove_degenerate(surface);  // fills of loops that touch themselves
     if (surface.mesh.num_triangles() == 0) throw InvalidInput("repair: no triangle would be left");

@@ -59,7 +59,7 @@ struct RepairResult {
 };
 
 /// The repairs in this order: weld, duplicates, degenerate, cracks, orient (these until nothing is left for them),
-/// components, holes, split, orient, holes again, isolated.
+/// holes, split, orient, components, holes again, degenerate again, isolated.
 ///
 /// - weld: the vertex of the smallest number stays, those not farther away become it; triangles that lose a corner go.
 /// - duplicates: of copies the one that agrees with its neighbours stays; sheets that lie back to back on

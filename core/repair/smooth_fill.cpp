@@ -1,6 +1,7 @@
 #include "core/error.hpp"
 #include "core/repair/surface_parts.hpp"
 
+#include <Eigen/Geometry>
 #include <Eigen/SparseCholesky>
 #include <algorithm>
 #include <map>
@@ -35,7 +36,7 @@ public:
     Patch made(std::vector<std::array<int, 3>> fill) {
         patch_.triangles = std::move(fill);
         for (int round = 0; round < 30 && refine(); ++round) relax();
-        if (!patch_.points.empty()) {
+        for (int pass = 0; pass < 3 && !patch_.points.empty(); ++pass) {  // weights of the shape it takes
             fair();
             relax();
         }
@@ -83,30 +84,50 @@ private:
         return any;
     }
 
-    /// Least sum of squares of x_v - mean of its neighbours over new vertices and the loop: a thin plate that goes on
-    /// in the surroundings' tangent planes.
+    /// Adds the cotangent weights of a triangle to the edges at its corners, and a third of its area to each.
+    void weigh(const std::array<int, 3>& t, std::map<int, std::map<int, double>>& weight,
+               std::map<int, double>& area) const {
+        for (int k = 0; k < 3; ++k) {
+            const int a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
+            const Eigen::Vector3d u = at(a) - at(c), w = at(b) - at(c);
+            const double sine = u.cross(w).norm();
+            // Obtuse corners and slivers would make the plate pull the wrong way.
+            const double half_cot = sine > 0 ? std::clamp(0.5 * u.dot(w) / sine, 0.02, 20.0) : 0.02;
+            weight[a][b] += half_cot;
+            weight[b][a] += half_cot;
+            area[a] += sine / 6;
+        }
+    }
+
+    /// Least integral of the squared Laplacian over new vertices and the loop: a thin plate that goes on in the
+    /// surroundings' tangent planes.
     void fair() {
-        std::map<int, std::set<int>> ring;
+        std::map<int, std::map<int, double>> weight;
+        std::map<int, double> area;
+        std::set<int> around;
         for (const int v : loop_)
-            for (const int n : neighbours_outside(v)) ring[v].insert(n);
-        for (const auto& t : patch_.triangles)
-            for (int k = 0; k < 3; ++k) {
-                ring[t[k]].insert(t[(k + 1) % 3]);
-                ring[t[(k + 1) % 3]].insert(t[k]);
-            }
+            for (const int t : adjacent_.vertex_triangles[v]) around.insert(t);
+        for (const int t : around)
+            weigh({mesh_.triangles(t, 0), mesh_.triangles(t, 1), mesh_.triangles(t, 2)}, weight, area);
+        for (const auto& t : patch_.triangles) weigh(t, weight, area);
+        const std::set<int> on_loop(loop_.begin(), loop_.end());
         const auto unknowns = static_cast<Eigen::Index>(patch_.points.size());
         std::vector<Eigen::Triplet<double>> entries;
-        Points right = Points::Zero(static_cast<Eigen::Index>(ring.size()), 3);
+        Points right = Points::Zero(static_cast<Eigen::Index>(weight.size()), 3);
         int row = 0;
-        for (const auto& [v, around] : ring) {
-            const auto add = [&](int vertex, double weight) {
+        for (const auto& [v, edges] : weight) {
+            if (v < first_new_ && !on_loop.count(v)) continue;
+            const double scale = 1 / std::sqrt(std::max(area[v], 1e-300));
+            const auto add = [&](int vertex, double value) {
                 if (vertex >= first_new_)
-                    entries.emplace_back(row, vertex - first_new_, weight);
+                    entries.emplace_back(row, vertex - first_new_, value);
                 else
-                    right.row(row) -= weight * at(vertex).transpose();
+                    right.row(row) -= value * at(vertex).transpose();
             };
-            add(v, 1);
-            for (const int n : around) add(n, -1.0 / static_cast<double>(around.size()));
+            for (const auto& [n, w] : edges) {
+                add(v, scale * w);
+                add(n, -scale * w);
+            }
             ++row;
         }
         Eigen::SparseMatrix<double> system(row, unknowns);
@@ -114,7 +135,7 @@ private:
         const Eigen::SparseMatrix<double> normal = system.transpose() * system;
         const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(normal);
         if (solver.info() != Eigen::Success) return;  // the flat fill is one, too
-        const Points place = solver.solve(system.transpose() * right);
+        const Points place = solver.solve(system.transpose() * right.topRows(row));
         if (!place.allFinite()) return;
         for (Eigen::Index i = 0; i < unknowns; ++i) patch_.points[i] = place.row(i);
     }

@@ -1,10 +1,17 @@
 #!/bin/bash
 # All checks: set-up, format, warnings as errors, tests, sanitizers on the readers, the shipped cases, the main job at
-# reduced size, and the commands in the documentation. Ends with a summary; exit status 0 only if everything passed.
+# reduced size, the commands in the documentation, and fuzzers of everything that reads: five seconds each, or a minute
+# each with ./test.sh --fuzz. Ends with a summary; exit status 0 only if everything passed.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"
 export CLICOLOR=0
+fuzz_seconds=5
+case ${1:-} in
+    '') ;;
+    --fuzz) fuzz_seconds=60 ;;
+    *) echo "usage: ./test.sh [--fuzz]" >&2; exit 2 ;;
+esac
 logs=build/test-logs
 mkdir -p $logs
 passed=0 failed=0 summary=()
@@ -62,6 +69,7 @@ check_cases() {
     [ $count -gt 0 ] && [ $bad = 0 ]
 }
 main_job() { scripts/main_job.sh "$bin" 6000; }
+fuzzers() { scripts/fuzz.sh $fuzz_seconds; }
 snippets() { scripts/check_snippets.py "$bin"; }
 
 step "set-up" scripts/setup.sh run test
@@ -77,4 +85,5 @@ step "cases" check_cases
 step "main job" main_job
 step "snippets" snippets
 step "sanitizers" sanitized
+step "fuzzers" fuzzers
 finish

@@ -63,7 +63,7 @@ void cut_sides(Surface& surface, Junctions& junctions) {
     std::vector<int> source, group;
     std::vector<char> is_cut(static_cast<std::size_t>(mesh.num_triangles()));
     for (auto& [side, on] : junctions) {
-        const auto [t, k] = side;
+        const int t = side.first, k = side.second;
         if (std::exchange(is_cut[t], 1)) continue;  // another side of it: in the next round
         std::sort(on.begin(), on.end(), [](const Junction& x, const Junction& y) {
             return std::tie(x.along, x.vertex) < std::tie(y.along, y.vertex);

@@ -226,7 +226,7 @@ void flip_to_delaunay(const std::function<Eigen::Vector3d(int)>& at, std::vector
     for (const auto& [side, at_side] : sides) queue.push_back(side);
     std::size_t allowed = 20 * queue.size();
     for (std::size_t i = 0; i < queue.size() && allowed > 0; ++i) {
-        auto [a, b] = queue[i];
+        int a = queue[i][0], b = queue[i][1];
         const auto found = sides.find({a, b});
         if (found == sides.end() || found->second.size() != 2) continue;
         const int s = found->second[0], t = found->second[1];

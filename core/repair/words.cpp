@@ -102,7 +102,7 @@ std::vector<std::string> advice(const Checkup& c) {
     add(!c.crack_vertices.empty(), "--cracks 1e-3%");
     add((!f.misoriented_edges.empty() && f.orientable) || c.inward_components > 0, "--orient");
     add(!f.nonmanifold_edges.empty() || !f.nonmanifold_vertices.empty(), "--split");
-    if (has_holes(c)) {
+    if (has_holes(c) && c.diagonal > 0) {
         double largest = 0;
         for (const BoundaryLoop& loop : c.loops)
             if (loop.symmetry_axis < 0) largest = std::max(largest, loop.size);

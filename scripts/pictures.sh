@@ -37,8 +37,8 @@ picture remesh.png "$work/needles.obj" "$work/even.obj" --edges --view=-1,-0.7,0
 # A hole around a point of the upper side, and turned triangles behind it.
 awk '/^v / {x[++n] = $2; y[n] = $3; z[n] = $4}
      /^f/ {px = (x[$2] + x[$3] + x[$4]) / 3; py = (y[$2] + y[$3] + y[$4]) / 3; pz = (z[$2] + z[$3] + z[$4]) / 3
-           if ((px - 0.45) ^ 2 + (py - 0.12) ^ 2 < 0.012 && pz > 0) next
-           if (px > 0.75 && px < 0.85 && pz > 0) {print $1, $2, $4, $3; next}} {print}' "$work/whole.obj" >"$work/torn.obj"
+           if ((px - 4) ^ 2 + (py - 0.4) ^ 2 < 0.8 && pz > 0) next
+           if (px > 6 && px < 6.7 && pz > 0) {print $1, $2, $4, $3; next}} {print}' "$work/whole.obj" >"$work/torn.obj"
 "$bin/strake" info "$work/torn.obj" --vtp "$work/torn.vtp" >/dev/null
 for fill in planar smooth; do
     "$bin/strake" repair "$work/torn.obj" --out "$work/$fill.obj" --orient --holes all --fill $fill --isolated --quiet

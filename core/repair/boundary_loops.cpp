@@ -1,6 +1,6 @@
 #include "core/repair/surface_parts.hpp"
 
-#include <algorithm>
+#include <map>
 
 namespace strake::mending {
 namespace {
@@ -25,16 +25,18 @@ int next_side(const TriMesh& mesh, const Adjacency& adjacent, int side) {
 /// Cuts a closed walk at vertices that it meets twice.
 void cut(const OpenLoop& walk, std::vector<OpenLoop>& loops) {
     OpenLoop open;
+    std::map<int, std::ptrdiff_t> place;  // in `open`
     for (std::size_t i = 0; i < walk.vertices.size(); ++i) {
-        const auto seen = std::find(open.vertices.begin(), open.vertices.end(), walk.vertices[i]);
-        if (seen != open.vertices.end()) {
-            const auto from = seen - open.vertices.begin();
+        if (const auto seen = place.find(walk.vertices[i]); seen != place.end()) {
+            const auto from = seen->second;
             OpenLoop closed{{open.vertices.begin() + from, open.vertices.end()},
                             {open.triangles.begin() + from, open.triangles.end()}};
+            for (const int v : closed.vertices) place.erase(v);
             loops.push_back(std::move(closed));
             open.vertices.resize(static_cast<std::size_t>(from));
             open.triangles.resize(static_cast<std::size_t>(from));
         }
+        place[walk.vertices[i]] = std::ssize(open.vertices);
         open.vertices.push_back(walk.vertices[i]);
         open.triangles.push_back(walk.triangles[i]);
     }

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/point_tree.hpp"
+#include "core/mesh/weld.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -59,6 +60,8 @@ void suggest_symmetry(const TriMesh& mesh, const Box& box, double diagonal, Boun
     }
 }
 
+constexpr std::size_t most_looked_at = 100'000'000;  ///< vertices near open edges: seconds
+
 /// Vertices at open edges that have another one, or an open edge of others, within the tolerance.
 std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjacent, double tolerance) {
     std::vector<char> is_open(static_cast<std::size_t>(mesh.num_vertices())), is_cracked(is_open);
@@ -71,15 +74,29 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
     Points some(static_cast<Eigen::Index>(chosen.size()), 3);
     for (std::size_t i = 0; i < chosen.size(); ++i)
         some.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(chosen[i]);
-    const PointTree tree(some);
+    // Points at one place stand for each other: a crowd of them would be looked at by each.
+    const std::vector<int> number = equal_points(some);
+    std::vector<int> crowd(number.size());
+    for (const int i : number) ++crowd[i];
+    std::vector<int> first;
+    for (std::size_t i = 0; i < number.size(); ++i) {
+        if (crowd[number[i]] > 1) is_cracked[chosen[i]] = 1;
+        if (number[i] == static_cast<int>(first.size())) first.push_back(static_cast<int>(i));
+    }
+    Points places(static_cast<Eigen::Index>(first.size()), 3);
+    for (std::size_t i = 0; i < first.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = some.row(first[i]);
+    const PointTree tree(places);
+    std::size_t left = most_looked_at;
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (adjacent.edge_triangles[e].size() != 1) continue;
         const auto [a, b] = adjacent.edges[e];
         const int t = adjacent.edge_triangles[e][0];
         const Eigen::Vector3d pa = mesh.vertices.row(a), pb = mesh.vertices.row(b), side = pb - pa;
         tree.within(0.5 * (pa + pb), 0.5 * side.norm() + tolerance, found);
+        if (found.size() > left) break;
+        left -= found.size();
         for (const int i : found) {
-            const int v = chosen[i];
+            const int v = chosen[first[i]];
             if (v == a || v == b || (mesh.triangles.row(t).array() == v).any()) continue;
             const Eigen::Vector3d p = mesh.vertices.row(v);
             const double along =

@@ -23,6 +23,8 @@ struct Junction {
     double distance;
 };
 
+constexpr std::size_t most_looked_at = 100'000'000;  ///< vertices near open edges: seconds
+
 /// Per triangle and side the junctions on it.
 using Junctions = std::map<std::pair<int, int>, std::vector<Junction>>;
 
@@ -36,6 +38,7 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
         some.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(chosen[i]);
     const PointTree tree(some);
     Junctions junctions;
+    std::size_t left = most_looked_at;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {
             if (adjacent.edge_triangles[adjacent.triangle_edges(t, k)].size() != 1) continue;
@@ -43,6 +46,8 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
             const Eigen::Vector3d pa = mesh.vertices.row(a), pb = mesh.vertices.row(b), side = pb - pa;
             if (!(side.norm() > 2 * tolerance)) continue;
             tree.within(0.5 * (pa + pb), 0.5 * side.norm() + tolerance, found);
+            if (found.size() > left) return junctions;
+            left -= found.size();
             for (const int i : found) {
                 const int v = chosen[i];
                 const Eigen::Vector3d p = mesh.vertices.row(v);

@@ -7,7 +7,7 @@
 namespace strake::mending {
 namespace {
 
-/// Takes triangles of no area away one by one; what a removal makes degenerate comes behind the others.
+/// Takes triangles of no area away one by one; what a removal makes degenerate comes in the next round.
 class Remover {
 public:
     explicit Remover(Surface& surface)
@@ -25,29 +25,39 @@ public:
         is_gone_.assign(corners_.size(), 0);
     }
 
+    /// In rounds, to and fro, for what is in the way of one triangle may lie before or behind it. First only where
+    /// triangles with an area take over; a heap of degenerate ones is stirred by one of them when all are stuck.
     void run() {
-        // Each round takes what it can; a triangle in the way of another one may go in the next.
-        std::size_t allowed = 100 + 50 * queue_.size();
-        while (!queue_.empty()) {
-            std::vector<int> now;
-            std::swap(now, queue_);
-            bool progress = false;
-            for (const int t : now) {
-                if (is_gone_[t] || !is_degenerate(t)) continue;
-                if (allowed > 0 && remove(t)) {
-                    progress = true;
-                    --allowed;
-                } else {
-                    queue_.push_back(t);
-                }
-            }
-            if (!progress) break;
+        std::size_t stirs = 10 + 2 * queue_.size();
+        while (!queue_.empty() && work_ < most_work) {
+            if (round(true)) continue;
+            if (stirs-- == 0 || !round(false)) break;
         }
         store();
     }
 
 private:
     Eigen::Vector3d at(int v) const { return points_.row(v); }
+    /// Tries all that wait, or up to the first success. @return whether there was any
+    bool round(bool strict) {
+        std::vector<int> now;
+        std::swap(now, queue_);
+        std::sort(now.begin(), now.end());
+        now.erase(std::unique(now.begin(), now.end()), now.end());
+        is_backward_ = !is_backward_;
+        if (is_backward_) std::reverse(now.begin(), now.end());
+        bool progress = false;
+        for (const int t : now) {
+            if (is_gone_[t] || !is_degenerate(t)) continue;
+            const bool is_over = work_ > most_work || (!strict && progress);
+            if (!is_over && remove(t, strict))
+                progress = true;
+            else
+                queue_.push_back(t);
+        }
+        return progress;
+    }
+
     double length(int a, int b) const { return (at(a) - at(b)).norm(); }
 
     bool is_degenerate(int t) const {
@@ -57,7 +67,8 @@ private:
         return !(area >= 1e-14 * diagonal_ * diagonal_);
     }
 
-    bool remove(int t) {
+    bool remove(int t, bool strict) {
+        for (const int v : corners_[t]) work_ += 1 + at_vertex_[v].size();
         const auto c = corners_[t];
         if (c[0] == c[1] || c[1] == c[2] || c[2] == c[0]) {
             note(t, "a corner twice");
@@ -71,7 +82,7 @@ private:
         }
         const double short_length = length(c[shortest], c[(shortest + 1) % 3]);
         if (short_length <= 1e-7 * diagonal_) return collapse(t, c[shortest], c[(shortest + 1) % 3]);
-        return remove_cap(t, c[longest], c[(longest + 1) % 3], c[(longest + 2) % 3]);
+        return remove_cap(t, c[longest], c[(longest + 1) % 3], c[(longest + 2) % 3], strict);
     }
 
     bool has(int t, int v) const { return std::find(corners_[t].begin(), corners_[t].end(), v) != corners_[t].end(); }
@@ -87,8 +98,9 @@ private:
     }
     std::vector<int> at_edge(int a, int b) const {
         std::vector<int> found;
-        for (const int t : at_vertex_[a])
-            if (has(t, b)) found.push_back(t);
+        const auto [few, other] = at_vertex_[a].size() <= at_vertex_[b].size() ? std::pair(a, b) : std::pair(b, a);
+        for (const int t : at_vertex_[few])
+            if (has(t, other)) found.push_back(t);
         std::sort(found.begin(), found.end());
         found.erase(std::unique(found.begin(), found.end()), found.end());
         return found;
@@ -141,7 +153,7 @@ private:
     }
 
     /// Apex c lies on the edge a-b: the triangles on the other side of it get c as a vertex.
-    bool remove_cap(int t, int a, int b, int c) {
+    bool remove_cap(int t, int a, int b, int c, bool strict) {
         std::vector<int> others;
         for (const int f : at_edge(a, b))
             if (f != t) others.push_back(f);
@@ -152,6 +164,8 @@ private:
                 kill(f);
                 return true;
             }
+        for (const int f : others)
+            if (strict && is_degenerate(f)) return false;
         for (const int f : others)
             for (const int d : corners_[f])
                 if (d != a && d != b && !at_edge(c, d).empty()) return false;  // that edge would have more than two
@@ -203,6 +217,8 @@ private:
         surface_.remove(is_gone_);
     }
 
+    static constexpr std::size_t most_work = 1'000'000'000;  ///< triangles at vertices looked at: seconds
+
     Surface& surface_;
     const Points points_;
     double diagonal_;
@@ -211,6 +227,8 @@ private:
     std::vector<char> is_gone_;
     std::vector<std::vector<int>> at_vertex_;  ///< live triangles
     std::vector<int> queue_;
+    bool is_backward_ = true;
+    std::size_t work_ = 0;
 };
 
 }  // namespace

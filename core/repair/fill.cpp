@@ -188,7 +188,7 @@ std::vector<Triple> fill_polygon(const Points& polygon, const Points& normals, d
     const bool is_flat = normal.norm() > 0.5 && ((polygon.rowwise() - center) * normal).cwiseAbs().maxCoeff() <= flat;
     std::vector<Triple> triangles;
     if (is_flat && n <= 5000) triangles = EarClipping(polygon, normal, is_taken).run();
-    if (triangles.empty() && n <= 400) triangles = LeastBending(polygon, normals, is_taken).run();
+    if (triangles.empty() && n <= 250) triangles = LeastBending(polygon, normals, is_taken).run();
     if (triangles.empty()) triangles = shortest_diagonals(polygon, is_taken);
     flip_to_delaunay([&](int v) -> Eigen::Vector3d { return polygon.row(v); }, triangles, is_taken);
     return triangles;

@@ -27,8 +27,16 @@ bool looks_like_symmetry(const std::vector<BoundaryLoop>& planes, int vertex) {
     return false;
 }
 
-void fill(Surface& surface, const Adjacency& adjacent, const OpenLoop& loop, HoleFill how) {
-    TriMesh& mesh = surface.mesh;
+/// What fills the holes, before it is appended.
+struct Fills {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<int> group;
+    std::vector<RepairItem> items;
+};
+
+void fill(const Surface& surface, const Adjacency& adjacent, const OpenLoop& loop, HoleFill how, Fills& fills) {
+    const TriMesh& mesh = surface.mesh;
     const auto n = static_cast<Eigen::Index>(loop.vertices.size());
     Points polygon(n, 3), normals(n, 3);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -45,25 +53,25 @@ void fill(Surface& surface, const Adjacency& adjacent, const OpenLoop& loop, Hol
                                       [&](int i, int j) { return is_taken(loop.vertices[i], loop.vertices[j]); });
     std::vector<std::array<int, 3>> triangles;
     for (const auto& [a, b, c] : numbers) triangles.push_back({loop.vertices[a], loop.vertices[b], loop.vertices[c]});
-    const int before = mesh.num_vertices();
+    const int before = mesh.num_vertices() + static_cast<int>(fills.points.size());
+    const std::size_t points_before = fills.points.size();
     if (triangles.empty()) {  // every diagonal is taken: a fan around a new vertex
         for (Eigen::Index i = 0; i < n; ++i)
             triangles.push_back({loop.vertices[(i + 1) % n], loop.vertices[i], before});
-        surface.append_vertices({polygon.colwise().mean().transpose()});
+        fills.points.push_back(polygon.colwise().mean().transpose());
     } else if (how == HoleFill::smooth) {
         Patch patch = smooth_patch(mesh, adjacent, loop.vertices, triangles, before);
-        surface.append_vertices(patch.points);
+        fills.points.insert(fills.points.end(), patch.points.begin(), patch.points.end());
         triangles = std::move(patch.triangles);
     }
-    const int group = mesh.group.empty() ? -1 : group_around(mesh, loop);
-    surface.items.push_back(
+    const std::size_t added = fills.points.size() - points_before;
+    if (!mesh.group.empty()) fills.group.insert(fills.group.end(), triangles.size(), group_around(mesh, loop));
+    fills.items.push_back(
         {RepairKind::hole, surface.input_vertex(loop.vertices[0]), -1, polygon.colwise().mean().transpose(),
          size_of(polygon), static_cast<int>(triangles.size()),
          text("loop of ", n, " edges from vertex ", loop.vertices[0], ", ", size_of(polygon), " across, closed by ",
-              triangles.size(), " triangles",
-              mesh.num_vertices() > before ? text(" and ", mesh.num_vertices() - before, " vertices") : "")});
-    surface.append(triangles, std::vector<int>(triangles.size(), -1),
-                   group < 0 ? std::vector<int>{} : std::vector<int>(triangles.size(), group));
+              triangles.size(), " triangles", added > 0 ? text(" and ", added, " vertices") : "")});
+    fills.triangles.insert(fills.triangles.end(), triangles.begin(), triangles.end());
 }
 
 /// Which loops are to be filled.
@@ -112,10 +120,14 @@ int fill_holes(Surface& surface, const RepairOptions& options) {
     int refused = 0;
     while (true) {
         std::vector<int> begin;
+        Fills fills;
         for (const OpenLoop& loop : loops) {
-            begin.push_back(surface.mesh.num_triangles());
-            fill(surface, adjacent, loop, options.fill);
+            begin.push_back(rest.mesh.num_triangles() + static_cast<int>(fills.triangles.size()));
+            fill(rest, adjacent, loop, options.fill, fills);
         }
+        surface.append_vertices(fills.points);
+        surface.append(fills.triangles, std::vector<int>(fills.triangles.size(), -1), fills.group);
+        surface.items.insert(surface.items.end(), fills.items.begin(), fills.items.end());
         if (loops.empty() || is_costly(adjacent)) return refused;
         const std::vector<char> is_bad = passing_through(surface.mesh, begin);
         const auto bad = static_cast<int>(std::count(is_bad.begin(), is_bad.end(), 1));

@@ -170,15 +170,47 @@ double winding(const TriMesh& mesh, const Sheet& sheet, const Eigen::Vector3d& x
     return sum / (2 * std::numbers::pi);
 }
 
-bool is_inside(const TriMesh& mesh, const Sheet& inner, const Sheet& outer) {
-    if (!((inner.box.min - outer.box.min).minCoeff() > 0 && (outer.box.max - inner.box.max).minCoeff() > 0))
+/// Which sheets lie inside of others.
+class Nesting {
+public:
+    Nesting(const TriMesh& mesh, const std::vector<Sheet>& sheets) : mesh_(mesh) {
+        for (const Sheet& sheet : sheets)
+            if (sheet.has_volume) closed_.push_back(&sheet);
+        // Only what is larger can hold a sheet.
+        std::stable_sort(closed_.begin(), closed_.end(),
+                         [](const Sheet* a, const Sheet* b) { return size(*a) > size(*b); });
+    }
+
+    bool holds(const Sheet& inner) {
+        for (const Sheet* outer : closed_) {
+            if (!(size(*outer) > size(inner))) return false;
+            if (looked_at_ > most_looked_at) return true;  // thousands of parts: leave it in the sense it has
+            ++looked_at_;
+            if (is_inside(inner, *outer)) return true;
+        }
         return false;
-    const std::size_t step = std::max<std::size_t>(1, inner.triangles.size() / 8);
-    for (std::size_t i = 0; i < inner.triangles.size(); i += step)
-        if (std::abs(winding(mesh, outer, mesh.vertices.row(mesh.triangles(inner.triangles[i], 0)))) < 0.5)
+    }
+
+private:
+    static constexpr std::size_t most_looked_at = 300'000'000;  ///< triangles: seconds
+
+    static double size(const Sheet& sheet) { return (sheet.box.max - sheet.box.min).norm(); }
+    bool is_inside(const Sheet& inner, const Sheet& outer) {
+        if (!((inner.box.min - outer.box.min).minCoeff() > 0 && (outer.box.max - inner.box.max).minCoeff() > 0))
             return false;
-    return true;
-}
+        const std::size_t step = std::max<std::size_t>(1, inner.triangles.size() / 8);
+        for (std::size_t i = 0; i < inner.triangles.size(); i += step) {
+            looked_at_ += outer.triangles.size();
+            if (std::abs(winding(mesh_, outer, mesh_.vertices.row(mesh_.triangles(inner.triangles[i], 0)))) < 0.5)
+                return false;
+        }
+        return true;
+    }
+
+    const TriMesh& mesh_;
+    std::vector<const Sheet*> closed_;
+    std::size_t looked_at_ = 0;
+};
 
 /// Area of the triangles that must be turned less that of the others.
 double turned_majority(const TriMesh& mesh, const Sheet& sheet) {
@@ -214,12 +246,10 @@ void orient(Surface& surface) {
     const Adjacency adjacent = adjacency(mesh);
     std::vector<Sheet> sheets = find_sheets(mesh, adjacent);
     for (Sheet& sheet : sheets) measure(mesh, sheet, surface.diagonal);
+    Nesting nesting(mesh, sheets);
     for (const Sheet& sheet : sheets) {
         if (!sheet.orientable) continue;
-        bool is_nested = false;
-        if (sheet.has_volume)
-            for (const Sheet& outer : sheets)
-                is_nested = is_nested || (&outer != &sheet && outer.has_volume && is_inside(mesh, sheet, outer));
+        const bool is_nested = sheet.has_volume && nesting.holds(sheet);
         if (sheet.has_volume && !is_nested)
             turn(surface, sheet, sheet.volume < 0, "the outside is outward");
         else

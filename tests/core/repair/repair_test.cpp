@@ -210,6 +210,24 @@ TEST(Repair, DegenerateFansDisappearWithoutOpeningTheSurface) {
     EXPECT_NEAR(result.after.volume, 1, 1e-12);
 }
 
+/// A polygon with all corners but one on a line, cut into a fan: only from its end can the triangles be taken away.
+TEST(Repair, AFanOfThousandsOfDegenerateTrianglesTakesNoTime) {
+    TriMesh fan;
+    fan.vertices.resize(3002, 3);
+    fan.vertices.setZero();
+    for (int i = 1; i <= 3000; ++i) fan.vertices(i, 0) = 1 + 1e-4 * i;
+    fan.vertices(3001, 1) = 1;
+    fan.triangles.resize(3000, 3);
+    for (int i = 0; i < 3000; ++i) fan.triangles.row(i) << 0, i + 1, i + 2;
+    RepairOptions options;
+    options.degenerate = true;
+    const RepairResult result = repair(fan, options);
+    EXPECT_EQ(result.before.facts.degenerate_triangles.size(), 2999u);
+    EXPECT_TRUE(result.after.facts.degenerate_triangles.empty());
+    EXPECT_EQ(result.mesh.num_triangles(), 3000);  // the last one, cut at each of the others' corners
+    EXPECT_NEAR(result.after.area, result.before.area, 1e-12);
+}
+
 TEST(Repair, BadOptionsAndSurfacesAreRefused) {
     const TriMesh ball = icosphere(1);
     const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -1,16 +1,20 @@
 #!/bin/bash
 # All checks: set-up, format, warnings as errors, tests, sanitizers on the readers, the shipped cases, the main job at
-# reduced size, and the commands in the documentation. Ends with a summary; exit status 0 only if everything passed.
-# test.sh [--slurm] [--long]: also on a real Slurm of one node (needs scripts/setup.sh slurm); with fifty kills of each kind.
+# reduced size, the commands in the documentation, and fuzzers of everything that reads, five seconds each. Ends with a
+# summary; exit status 0 only if everything passed.
+# test.sh [--slurm] [--long] [--fuzz]: also on a real Slurm of one node (needs scripts/setup.sh slurm); with fifty kills of
+# each kind; with a minute for each fuzzer.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"
 export CLICOLOR=0
+fuzz_seconds=5
 for option in "$@"; do
     case $option in
     --slurm) export STRAKE_SLURM=1 ;;
     --long) export STRAKE_LONG=1 ;;
-    *) echo "usage: test.sh [--slurm] [--long]" >&2; exit 2 ;;
+    --fuzz) fuzz_seconds=60 ;;
+    *) echo "usage: test.sh [--slurm] [--long] [--fuzz]" >&2; exit 2 ;;
     esac
 done
 logs=build/test-logs
@@ -70,6 +74,7 @@ check_cases() {
     [ $count -gt 0 ] && [ $bad = 0 ]
 }
 main_job() { scripts/main_job.sh "$bin" 6000; }
+fuzzers() { scripts/fuzz.sh $fuzz_seconds; }
 snippets() { scripts/check_snippets.py "$bin"; }
 
 step "set-up" scripts/setup.sh run test ${STRAKE_SLURM:+slurm}
@@ -85,4 +90,5 @@ step "cases" check_cases
 step "main job" main_job
 step "snippets" snippets
 step "sanitizers" sanitized
+step "fuzzers" fuzzers
 finish

@@ -20,6 +20,8 @@ struct RegionTriangles {
 struct BuiltProblem {
     Problem problem;
     SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of the surface file
+    bool is_prepared = false;  ///< repair or remesh made the surface another one than the file's
+    std::string repairs_csv;   ///< every single repair; empty without
     std::vector<RegionTriangles> regions;
     std::vector<std::string> warnings;
 };

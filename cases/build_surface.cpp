@@ -1,3 +1,4 @@
+#include "cases/prepare_surface.hpp"
 #include "cases/problem_builder.hpp"
 #include "cases/surface_check.hpp"
 #include "core/mesh/closest_point.hpp"
@@ -9,9 +10,15 @@
 namespace strake {
 
 void ProblemBuilder::read_start() {
-    SurfaceFile file = read_surface(case_.surface);
-    out_.format = file.format;
-    start_.mesh = std::move(file.mesh);
+    PreparedSurface prepared = prepare_surface(case_);
+    out_.format = prepared.format;
+    out_.is_prepared = prepared.is_changed;
+    out_.repairs_csv = std::move(prepared.repairs_csv);
+    for (std::string& words : prepared.notes) out_.warnings.push_back(std::move(words));
+    start_.mesh = std::move(prepared.mesh);
+    start_.file_triangles = prepared.file_triangles;
+    start_.is_remeshed = prepared.is_remeshed;
+    start_.source_triangle = std::move(prepared.source_triangle);
     start_.adjacent = adjacency(start_.mesh);
     start_.area = triangle_areas(start_.mesh);
     start_.diagonal = box_diagonal(start_.mesh);

@@ -2,6 +2,8 @@
 #include "cases/diagnostics.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell.hpp"
+#include "core/remesh/remesh.hpp"
+#include "core/repair/repair.hpp"
 #include "objectives/section_area.hpp"
 #include "objectives/thickness.hpp"
 #include "optimize/problem.hpp"
@@ -21,6 +23,19 @@ struct Length {
     double value = 0;
     bool is_relative_to_diagonal = false;
     double in(double diagonal) const { return is_relative_to_diagonal ? value * diagonal : value; }
+};
+
+/// What is mended before anything else; the lengths of `options` are those beside it.
+struct RepairEntry {
+    RepairOptions options;
+    bool all = false;
+    std::optional<Length> weld, cracks, holes;
+    Place place;
+};
+struct RemeshEntry {
+    RemeshOptions options;
+    std::optional<Length> edge_length, chord_error, shortest_edge;
+    Place place;
 };
 
 struct BoxShape {
@@ -197,6 +212,8 @@ struct Case {
     std::filesystem::path surface;
     Place surface_place;
     std::string units;  ///< of length: m, cm, mm, um, in, ft; empty: not stated
+    std::optional<RepairEntry> repair;
+    std::optional<RemeshEntry> remesh;
     std::vector<Region> regions;
     std::vector<Reference> fixed;
     Place fixed_place;

@@ -17,6 +17,9 @@ private:
 
     // read_surface.cpp
     void read_surface_entry(const Value& map);
+    // read_mending.cpp
+    void read_repair(const Value& map);
+    void read_remesh(const Value& map);
     void read_region(const Entry& entry);
     bool read_shape(const Value& map, const std::string& kind, Region& region);
     bool read_box(const Value& list, const std::string& shown, Region& region);

@@ -41,6 +41,8 @@ std::vector<std::string> texts(const Value* list) {
 void CaseReader::read(const Value& root) {
     if (const Value* v = root.find("case")) case_.name = v->text;
     if (const Value* v = root.find("surface")) read_surface_entry(*v);
+    if (const Value* v = root.find("repair")) read_repair(*v);
+    if (const Value* v = root.find("remesh")) read_remesh(*v);
     if (const Value* v = root.find("regions"))
         for (const Entry& entry : v->entries) read_region(entry);
     if (const Value* v = root.find("fixed")) {

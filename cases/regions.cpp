@@ -107,7 +107,17 @@ struct Evaluate {
         return tree.levels[place.level].patches[place.id].triangles;
     }
     std::vector<int> operator()(const TriangleFile& list) const {
-        return read_triangle_numbers(list.file, start.mesh.num_triangles());
+        if (start.is_remeshed)
+            throw InvalidInput(
+                "triangle numbers of the surface file mean nothing after remesh; remesh beforehand, or "
+                "state another shape");
+        if (start.source_triangle.empty()) return read_triangle_numbers(list.file, start.mesh.num_triangles());
+        std::vector<char> is_listed(static_cast<std::size_t>(start.file_triangles));
+        for (const int t : read_triangle_numbers(list.file, start.file_triangles)) is_listed[t] = 1;
+        std::vector<int> triangles;
+        for (int t = 0; t < start.mesh.num_triangles(); ++t)
+            if (const int source = start.source_triangle[t]; source >= 0 && is_listed[source]) triangles.push_back(t);
+        return triangles;
     }
 };
 

@@ -11,6 +11,9 @@ struct StartSurface {
     Adjacency adjacent;
     Eigen::VectorXd area;  ///< m
     double diagonal = 0;
+    int file_triangles = 0;            ///< of the surface file
+    bool is_remeshed = false;          ///< numbers in the file mean nothing any more
+    std::vector<int> source_triangle;  ///< number in the file, -1: new; empty: as in the file
 };
 
 /// Triangles of a region, ascending, never empty. Box, sphere and half space hold the triangles whose three vertices

@@ -27,8 +27,8 @@ Condition parse_condition(const std::string& when) {
 const std::vector<Key>& schema() {
     static const std::vector<Key> keys = [] {
         std::vector<Key> all;
-        for (const auto& part :
-             {surface_keys(), shell_keys(), parameter_keys(), given_keys(), variable_keys(), goal_keys(), run_keys()})
+        for (const auto& part : {surface_keys(), mending_keys(), shell_keys(), parameter_keys(), given_keys(),
+                                 variable_keys(), goal_keys(), run_keys()})
             all.insert(all.end(), part.begin(), part.end());
         return all;
     }();

@@ -5,6 +5,7 @@
 namespace strake {
 
 std::vector<Key> surface_keys();    ///< case, surface, regions, fixed, symmetry
+std::vector<Key> mending_keys();    ///< repair, remesh
 std::vector<Key> shell_keys();      ///< shell, loads, strains
 std::vector<Key> parameter_keys();  ///< parameters
 std::vector<Key> given_keys();      ///< parameters.given

@@ -109,20 +109,20 @@ void report_cracks(const StartSurface& start, Report& report) {
     for (int e = 0; e < start.adjacent.num_edges(); ++e) open += is_open(start.adjacent, e);
     report.edges(cracks, text("of ", open, " open edges lies along another one"),
                  text("of ", open, " open edges lie along other ones"),
-                 text("the surface is cracked there and would come apart; merge vertices closer than ",
-                      crack_rel * start.diagonal, " (for example MeshLab: Merge Close Vertices) and fill the gaps"));
+                 text("the surface is cracked there and would come apart; join them by repair: {cracks: ",
+                      crack_rel * start.diagonal, "} in the case, or strake repair --cracks"));
 }
 
 void report_volume(const StartSurface& start, const SurfaceDemands& demands, const TopologyFacts& facts,
                    Report& report) {
     report.edges(facts.misoriented_edges, "edge where two triangles disagree about which side is outside",
                  "edges where two triangles disagree about which side is outside",
-                 "volume needs one orientation; orient the faces coherently, or do without volume");
+                 "volume needs one orientation; state repair: {orient: true}, or do without volume");
     const std::vector<int> open = free_edges(start, demands.symmetry);
     report.edges(open, text("open edge", demands.symmetry ? " off the symmetry plane" : ""),
                  text("open edges", demands.symmetry ? " off the symmetry plane" : "", " in ",
                       facts.boundary_loops.size(), " boundary loops"),
-                 text("volume needs a closed surface; close the holes",
+                 text("volume needs a closed surface; close the holes (repair: {holes: SIZE})",
                       demands.symmetry ? "" : ", state symmetry for a half model", ", or do without volume"));
 }
 
@@ -151,13 +151,13 @@ void check_surface(const std::filesystem::path& file, const StartSurface& start,
     const TopologyFacts facts = topology(start.mesh, start.adjacent);
     Report report(start);
     report.triangles(facts.degenerate_triangles, "triangle of no area", "triangles of no area",
-                     text("area below 1e-14 of the diagonal squared, or a repeated vertex; collapse or delete ",
-                          facts.degenerate_triangles.size() == 1 ? "it" : "them"));
+                     "area below 1e-14 of the diagonal squared, or a repeated vertex; remove by repair: {degenerate: "
+                     "true} in the case, or strake repair --degenerate");
     report.triangles(facts.duplicate_triangles, "triangle given twice", "triangles given twice",
-                     "delete the copies (for example MeshLab: Remove Duplicate Faces)");
+                     "remove the copies by repair: {duplicates: true} in the case, or strake repair --duplicates");
     if (!demands.couple_nonmanifold)
         report.edges(facts.nonmanifold_edges, "edge of more than two triangles", "edges of more than two triangles",
-                     "delete inner walls, or state shell: {nonmanifold: couple}");
+                     "state repair: {split: true}, delete inner walls, or state shell: {nonmanifold: couple}");
     report_cracks(start, report);
     if (demands.volume) report_volume(start, demands, facts, report);
     if (!report.lines().empty())

@@ -1,4 +1,5 @@
 #include "cases/case.hpp"
+#include "cases/prepare_surface.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
@@ -66,12 +67,12 @@ Deformation deformation_of(const ApplyArguments& args) {
                                        "levels/best.design"));
     const Case the_case = load_case(run / "case.yaml");
     if (args.evaluation > 0) {
-        Deformation d{read_surface(the_case.surface).mesh, {}, args.evaluation, the_case.symmetry};
+        Deformation d{prepare_surface(the_case).mesh, {}, args.evaluation, the_case.symmetry};
         d.vertices = shape_of(args, d.rest);
         return d;
     }
     const StoredDesign design = read_design(file);
-    Deformation d{read_surface(the_case.surface).mesh, design.vertices, design.evaluation, the_case.symmetry};
+    Deformation d{prepare_surface(the_case).mesh, design.vertices, design.evaluation, the_case.symmetry};
     check_surface(design, d.rest);
     return d;
 }

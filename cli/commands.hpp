@@ -23,6 +23,7 @@ struct ExitStatus {
 
 void add_info(CLI::App& app);
 void add_remesh(CLI::App& app);
+void add_repair(CLI::App& app);
 void add_patches(CLI::App& app);
 void add_deform(CLI::App& app);
 void add_check(CLI::App& app);

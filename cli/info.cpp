@@ -1,80 +1,31 @@
 #include "cli/commands.hpp"
+#include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/io.hpp"
-#include "core/mesh/topology.hpp"
+#include "core/repair/checkup.hpp"
 
-#include <nlohmann/json.hpp>
+#include <fmt/format.h>
 
 #include <algorithm>
 #include <cerrno>
-#include <cmath>
 #include <cstdio>
 #include <cstring>
-#include <limits>
 #include <memory>
-#include <numbers>
-#include <optional>
-#include <set>
+#include <nlohmann/json.hpp>
 
 /// `strake info`: what a surface file holds, and what is wrong with it.
 namespace strake::cli {
 namespace {
 
-struct Quality {
-    double edge_min = 0, edge_mean = 0, edge_max = 0;
-    double angle_min_deg = 0, angle_max_deg = 0;
-    int max_valence = 0;  ///< triangles at a vertex
-};
-
 struct Report {
     SurfaceFile surface;
-    Adjacency adjacent;
-    TopologyFacts facts;
-    std::optional<Intersections> pairs;  ///< none: too many to look at
-    Box box;
-    double diagonal = 0, area = 0, volume = 0;
-    Quality quality;
+    Checkup found;
 };
 
-Quality quality(const TriMesh& mesh, const Adjacency& adjacent) {
-    Quality q;
-    double sum = 0;
-    q.edge_min = adjacent.num_edges() > 0 ? std::numeric_limits<double>::infinity() : 0;
-    for (const auto& [a, b] : adjacent.edges) {
-        const double length = (mesh.vertices.row(a) - mesh.vertices.row(b)).stableNorm();
-        q.edge_min = std::min(q.edge_min, length);
-        q.edge_max = std::max(q.edge_max, length);
-        sum += length;
-    }
-    q.edge_mean = sum / std::max(1, adjacent.num_edges());
-    const Points angles = corner_angles(mesh);
-    q.angle_min_deg = angles.minCoeff() * 180 / std::numbers::pi;
-    q.angle_max_deg = angles.maxCoeff() * 180 / std::numbers::pi;
-    for (int v = 0; v < mesh.num_vertices(); ++v)
-        q.max_valence = std::max(q.max_valence, static_cast<int>(adjacent.vertex_triangles[v].size()));
-    return q;
-}
-
-/// All pairs of triangles around a vertex are looked at: seconds up to here, hours for a fan of a million.
-bool pairs_are_affordable(const Adjacency& adjacent) {
-    double pairs = 0;
-    for (int v = 0; v < adjacent.vertex_triangles.size(); ++v)
-        pairs += 0.5 * std::pow(static_cast<double>(adjacent.vertex_triangles[v].size()), 2);
-    return pairs <= 1e8;
-}
-
 Report examine(const std::string& file) {
-    Report r{.surface = read_surface(file), .adjacent = {}, .facts = {}, .pairs = {}, .box = {}, .quality = {}};
-    const TriMesh& mesh = r.surface.mesh;
-    r.adjacent = adjacency(mesh);
-    r.facts = topology(mesh, r.adjacent);
-    if (pairs_are_affordable(r.adjacent)) r.pairs = intersections(mesh);
-    r.box = bounding_box(mesh);
-    r.diagonal = box_diagonal(mesh);
-    r.area = surface_area(mesh);
-    r.volume = enclosed_volume(mesh);
-    r.quality = quality(mesh, r.adjacent);
+    Report r{.surface = read_surface(file), .found = {}};
+    r.found = checkup(r.surface.mesh);
     return r;
 }
 
@@ -118,9 +69,42 @@ std::vector<int> triangles_per_group(const TriMesh& mesh) {
     return count;
 }
 
+nlohmann::ordered_json vector_json(const Eigen::Vector3d& v) { return {v.x(), v.y(), v.z()}; }
+
+nlohmann::ordered_json histogram_json(const Histogram& h) { return {{"limits", h.limits}, {"counts", h.counts}}; }
+
+nlohmann::ordered_json loops_json(const Checkup& c) {
+    nlohmann::ordered_json list = nlohmann::ordered_json::array();
+    for (const BoundaryLoop& loop : c.loops) {
+        nlohmann::ordered_json one{{"vertices", loop.vertices.size()},
+                                   {"first_vertex", loop.vertices.front()},
+                                   {"length", loop.length},
+                                   {"size", loop.size},
+                                   {"center", vector_json(loop.center)},
+                                   {"normal", vector_json(loop.normal)},
+                                   {"deviation", loop.deviation},
+                                   {"planar", loop.is_planar},
+                                   {"symmetry", nullptr}};
+        if (loop.symmetry_axis >= 0)
+            one["symmetry"] = {{"plane", std::string(1, "xyz"[loop.symmetry_axis])}, {"at", loop.symmetry_at}};
+        list.push_back(std::move(one));
+    }
+    return list;
+}
+
+nlohmann::ordered_json quality_json(const SurfaceQuality& q) {
+    return {{"mean", q.mean},
+            {"smallest", q.smallest},
+            {"fifth_percentile", q.fifth_percentile},
+            {"histogram", histogram_json(q.ratios)},
+            {"angles_deg", histogram_json(q.angles_deg)},
+            {"edges_in_means", histogram_json(q.edges)}};
+}
+
 nlohmann::ordered_json as_json(const Report& r) {
     const TriMesh& mesh = r.surface.mesh;
-    const TopologyFacts& f = r.facts;
+    const Checkup& c = r.found;
+    const TopologyFacts& f = c.facts;
     nlohmann::ordered_json j;
     j["vertices"] = mesh.num_vertices();
     j["triangles"] = mesh.num_triangles();
@@ -133,110 +117,49 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["degenerate_triangles"] = f.degenerate_triangles.size();
     j["self_intersections"] = nullptr;
     j["adjacent_intersections"] = nullptr;
-    if (r.pairs) {
-        j["self_intersections"] = r.pairs->apart.size();
-        j["adjacent_intersections"] = r.pairs->adjacent.size();
+    if (c.pairs) {
+        j["self_intersections"] = c.pairs->apart.size();
+        j["adjacent_intersections"] = c.pairs->adjacent.size();
     }
     j["closed"] = f.closed;
-    j["box"] = {{r.box.min.x(), r.box.min.y(), r.box.min.z()}, {r.box.max.x(), r.box.max.y(), r.box.max.z()}};
-    j["diagonal"] = r.diagonal;
-    j["area"] = r.area;
+    j["box"] = {vector_json(c.box.min), vector_json(c.box.max)};
+    j["diagonal"] = c.diagonal;
+    j["area"] = c.area;
     j["volume"] = nullptr;
-    if (f.closed) j["volume"] = r.volume;
+    if (f.closed) j["volume"] = c.volume;
     j["orientable"] = f.orientable;
     j["isolated_vertices"] = f.isolated_vertices.size();
     j["duplicate_vertices"] = f.duplicate_vertices.size();
     j["format"] = title_of(r.surface.format);
     j["file_vertices"] = r.surface.file_vertices;
-    j["edge_length"] = {{"min", r.quality.edge_min}, {"mean", r.quality.edge_mean}, {"max", r.quality.edge_max}};
-    j["angle_deg"] = {{"min", r.quality.angle_min_deg}, {"max", r.quality.angle_max_deg}};
-    j["max_valence"] = r.quality.max_valence;
+    const SurfaceQuality& q = c.quality;
+    j["edge_length"] = {{"min", q.edge_min}, {"mean", q.edge_mean}, {"max", q.edge_max}, {"median", q.edge_median}};
+    j["angle_deg"] = {{"min", q.angle_min_deg}, {"max", q.angle_max_deg}};
+    j["max_valence"] = q.max_valence;
     j["groups"] = nlohmann::ordered_json::array();
     const auto counts = triangles_per_group(mesh);
     for (std::size_t g = 0; g < counts.size(); ++g)
         j["groups"].push_back({{"name", printable(mesh.group_names[g])}, {"triangles", counts[g]}});
+    j["inverted_triangles"] = c.inverted_triangles.size();
+    j["crack_vertices"] = c.crack_vertices.size();
+    j["inward_components"] = c.inward_components;
+    j["loops"] = loops_json(c);
+    j["quality"] = quality_json(q);
+    j["defects"] = defects_in_words(mesh, c);
+    j["advice"] = advice(c);
     return j;
 }
 
-std::string first_few(std::size_t count, const auto& item) {
-    std::string list;
-    for (std::size_t i = 0; i < std::min<std::size_t>(count, 5); ++i) list += (i ? ", " : "") + item(i);
-    return count > 5 ? list + ", ..." : list;
-}
-
-std::string first_few(const std::vector<int>& ids) {
-    return first_few(ids.size(), [&](std::size_t i) { return std::to_string(ids[i]); });
-}
-
-std::string first_edges(const Report& r, const std::vector<int>& edges) {
-    return first_few(edges.size(), [&](std::size_t i) {
-        return text(r.adjacent.edges[edges[i]][0], "-", r.adjacent.edges[edges[i]][1]);
-    });
-}
-
-std::string first_pairs(const std::vector<std::array<int, 2>>& pairs) {
-    return first_few(pairs.size(), [&](std::size_t i) { return text(pairs[i][0], "/", pairs[i][1]); });
-}
-
-std::string first_loops(const Report& r) {
-    const auto& loops = r.facts.boundary_loops;
-    return first_few(loops.size(),
-                     [&](std::size_t i) { return text(loops[i].size(), " vertices from ", loops[i].front()); });
-}
-
-/// Vertices on open boundaries with another one closer than `tolerance`: the two sides of a crack.
-int crack_vertices(const Report& r, double tolerance) {
-    // Swept along a direction in which no usual surface is flat.
-    const Eigen::Vector3d direction = Eigen::Vector3d(0.8191, 0.4527, 0.3517).normalized();
-    std::set<int> vertices;
-    for (const auto& loop : r.facts.boundary_loops) vertices.insert(loop.begin(), loop.end());
-    std::vector<std::pair<double, int>> sweep;
-    const Points& p = r.surface.mesh.vertices;
-    for (const int v : vertices) sweep.push_back({p.row(v).dot(direction), v});
-    std::sort(sweep.begin(), sweep.end());
-    std::vector<char> near(sweep.size());
-    for (std::size_t i = 0; i < sweep.size(); ++i)
-        for (std::size_t j = i + 1; j < sweep.size() && sweep[j].first - sweep[i].first <= tolerance; ++j)
-            if ((p.row(sweep[j].second) - p.row(sweep[i].second)).norm() <= tolerance) near[i] = near[j] = 1;
-    return static_cast<int>(std::count(near.begin(), near.end(), 1));
-}
-
-/// Every defect in a sentence of its own.
-std::vector<std::string> defects(const Report& r) {
-    std::vector<std::string> list;
-    const auto add = [&](std::size_t count, const char* what, const std::string& ids) {
-        if (count > 0) list.push_back(text(count, " ", what, ": ", ids));
-    };
-    const TopologyFacts& f = r.facts;
-    add(f.boundary_loops.size(), "open boundary loop(s)", first_loops(r));
-    const double tolerance = 1e-6 * r.diagonal;
-    if (const int cracks = crack_vertices(r, tolerance); cracks > 0)
-        list.push_back(text("cracks: ", cracks, " boundary vertices lie within 1e-6 diagonal of another; a weld with ",
-                            "tolerance ", tolerance, " may close them"));
-    add(f.nonmanifold_edges.size(), "non-manifold edge(s), more than two triangles, vertices",
-        first_edges(r, f.nonmanifold_edges));
-    add(f.nonmanifold_vertices.size(), "non-manifold vertex(es), triangles in more than one fan, vertices",
-        first_few(f.nonmanifold_vertices));
-    add(f.misoriented_edges.size(), "edge(s) whose two triangles disagree in orientation, vertices",
-        first_edges(r, f.misoriented_edges));
-    if (!f.orientable) list.push_back("not orientable: turning triangles cannot make them agree");
-    if (f.closed && r.volume < 0) list.push_back("oriented inward: the enclosed volume is negative");
-    add(f.duplicate_triangles.size(), "duplicate triangle(s), same vertices as an earlier one, triangles",
-        first_few(f.duplicate_triangles));
-    add(f.degenerate_triangles.size(), "degenerate triangle(s), area below 1e-14 diagonal^2, triangles",
-        first_few(f.degenerate_triangles));
-    add(f.isolated_vertices.size(), "isolated vertex(es), in no triangle, vertices", first_few(f.isolated_vertices));
-    add(f.duplicate_vertices.size(), "duplicate vertex(es), at the place of an earlier one, vertices",
-        first_few(f.duplicate_vertices));
-    if (r.pairs) {
-        add(r.pairs->apart.size(), "pair(s) of triangles intersect, triangles", first_pairs(r.pairs->apart));
-        add(r.pairs->adjacent.size(), "pair(s) of neighbouring triangles overlap beside what they share, triangles",
-            first_pairs(r.pairs->adjacent));
-    } else {
-        list.push_back(
-            text("self-intersections were not looked for: a vertex has ", r.quality.max_valence, " triangles"));
-    }
-    return list;
+/// The largest groups of a histogram, as "15-30: 4 %".
+std::string shares(const Histogram& h, const char* unit) {
+    double total = 0;
+    for (const int count : h.counts) total += count;
+    std::string words;
+    for (std::size_t i = 0; i < h.counts.size(); ++i)
+        if (h.counts[i] > 0)
+            words += fmt::format("{}{:g}-{:g}{}: {:.2g} %", words.empty() ? "" : ", ", h.limits[i], h.limits[i + 1],
+                                 unit, 100 * h.counts[i] / total);
+    return words;
 }
 
 void print(const std::string& words) {
@@ -256,23 +179,34 @@ void print_words(const std::string& file, const Report& r) {
                                       " corners welded where coordinates are equal, tolerance 0)")
                                : text(mesh.num_vertices()));
     line("triangles", text(mesh.num_triangles()));
-    line("components", text(r.facts.components));
+    const Checkup& c = r.found;
+    line("components", text(c.facts.components));
     const auto counts = triangles_per_group(mesh);
-    if (!counts.empty())
-        line("groups", text(counts.size(), ": ", first_few(counts.size(), [&](std::size_t g) {
-                                return text(printable(mesh.group_names[g], 60), " (", counts[g], ")");
-                            })));
-    line("closed", r.facts.closed ? "yes" : "no");
-    line("box", text(vector_text(r.box.min), "  to  ", vector_text(r.box.max)));
-    line("diagonal", text(r.diagonal));
-    line("area", text(r.area));
-    line("volume", r.facts.closed ? text(r.volume) : "none, the surface is not closed");
-    line("edge length", text(r.quality.edge_min, " to ", r.quality.edge_max, ", mean ", r.quality.edge_mean));
-    line("angles", text(r.quality.angle_min_deg, " to ", r.quality.angle_max_deg, " degrees"));
-    line("valence", text("at most ", r.quality.max_valence, " triangles at a vertex"));
-    const auto list = defects(r);
+    if (!counts.empty()) {
+        std::string names;
+        for (std::size_t g = 0; g < std::min<std::size_t>(counts.size(), 5); ++g)
+            names += text(g ? ", " : "", printable(mesh.group_names[g], 60), " (", counts[g], ")");
+        line("groups", text(counts.size(), ": ", names, counts.size() > 5 ? ", ..." : ""));
+    }
+    line("closed", c.facts.closed ? "yes" : "no");
+    line("box", text(vector_text(c.box.min), "  to  ", vector_text(c.box.max)));
+    line("diagonal", text(c.diagonal));
+    line("area", text(c.area));
+    line("volume", c.facts.closed ? text(c.volume) : "none, the surface is not closed");
+    const SurfaceQuality& q = c.quality;
+    line("edge length", text(q.edge_min, " to ", q.edge_max, ", mean ", q.edge_mean));
+    line("", "in means " + shares(q.edges, ""));
+    line("angles", text(q.angle_min_deg, " to ", q.angle_max_deg, " degrees"));
+    line("", shares(q.angles_deg, " deg"));
+    line("quality", fmt::format("2 inradius / circumradius: mean {:.3f}, 5th percentile {:.3f}, smallest {:.2g}",
+                                q.mean, q.fifth_percentile, q.smallest));
+    line("", shares(q.ratios, ""));
+    line("valence", text("at most ", q.max_valence, " triangles at a vertex"));
+    const auto list = defects_in_words(mesh, c), advised = advice(c);
     out += list.empty() ? "no defects\n" : "defects (numbers count from 0 in the order of the file):\n";
     for (const auto& d : list) out += "  " + d + "\n";
+    if (!advised.empty()) out += "advice:\n";
+    for (const auto& a : advised) out += "  " + a + "\n";
     print(out);
 }
 
@@ -281,6 +215,7 @@ void print_words(const std::string& file, const Report& r) {
 void add_info(CLI::App& app) {
     struct Options {
         std::string surface;
+        std::string vtp;
         bool json = false;
     };
     auto options = std::make_shared<Options>();
@@ -290,8 +225,14 @@ void add_info(CLI::App& app) {
                      "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, VTP, SU2, Gmsh or NASTRAN file, also packed (.gz)")
         ->required();
     command->add_flag("--json", options->json, "one JSON object instead of words");
+    command->add_option("--vtp", options->vtp, "the surface with every defect marked, for ParaView");
     command->callback([options] {
+        check_outputs({options->vtp}, {options->surface});
         const Report r = examine(options->surface);
+        if (!options->vtp.empty()) {
+            const DefectFields fields = defect_fields(r.surface.mesh, r.found);
+            write_vtp(options->vtp, r.surface.mesh, fields.points, fields.cells);
+        }
         if (options->json)
             print(as_json(r).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
         else

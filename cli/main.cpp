@@ -25,6 +25,7 @@ int main(int argc, char** argv) {
     app.set_version_flag("--version", "strake 0.1.0");
     app.require_subcommand(1);
     cli::add_info(app);
+    cli::add_repair(app);
     cli::add_remesh(app);
     cli::add_patches(app);
     cli::add_deform(app);

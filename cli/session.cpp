@@ -168,6 +168,7 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         watch_signals();
         if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
         folder.write_case(resolved_case(the_case, the_case.output.dir));
+        if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
         folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview));
         return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {

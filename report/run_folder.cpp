@@ -151,6 +151,12 @@ void RunFolder::write(const std::string& name, const std::string& bytes) {
 
 void RunFolder::write_case(const std::string& yaml) { write("case.yaml", yaml); }
 
+void RunFolder::write_start(const TriMesh& surface, SurfaceFormat format, const std::string& repairs_csv) {
+    const std::string name = "start" + extension_of(format);
+    write(name, surface_bytes(surface, format, name));
+    if (!repairs_csv.empty()) write("start-repairs.csv", repairs_csv);
+}
+
 void RunFolder::begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,
                       SeriesPolicy policy) {
     problem_ = &problem;

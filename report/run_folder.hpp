@@ -20,6 +20,8 @@ public:
     explicit RunFolder(const std::filesystem::path& folder, bool goes_on = false);
 
     void write_case(const std::string& yaml);
+    /// start.<format>, and start-repairs.csv where there is text for it: a surface that is not the file's.
+    void write_start(const TriMesh& surface, SurfaceFormat format, const std::string& repairs_csv);
 
     /// Starts the records. `problem` must outlive the folder.
     void begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,

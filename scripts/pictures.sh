@@ -33,6 +33,18 @@ picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_
 "$bin/make_surface" naca0012 --triangles 1500 -o "$work/needles.obj"
 "$bin/strake" remesh "$work/needles.obj" -o "$work/even.obj" --edge-length 0.08 --quiet
 picture remesh.png "$work/needles.obj" "$work/even.obj" --edges --view=-1,-0.7,0.6 --titles "before|strake remesh" --size 560,360
+"$bin/make_surface" lifting_body --triangles 4000 -o "$work/whole.obj"
+# A hole around a point of the upper side, and turned triangles behind it.
+awk '/^v / {x[++n] = $2; y[n] = $3; z[n] = $4}
+     /^f/ {px = (x[$2] + x[$3] + x[$4]) / 3; py = (y[$2] + y[$3] + y[$4]) / 3; pz = (z[$2] + z[$3] + z[$4]) / 3
+           if ((px - 4) ^ 2 + (py - 0.4) ^ 2 < 0.8 && pz > 0) next
+           if (px > 6 && px < 6.7 && pz > 0) {print $1, $2, $4, $3; next}} {print}' "$work/whole.obj" >"$work/torn.obj"
+"$bin/strake" info "$work/torn.obj" --vtp "$work/torn.vtp" >/dev/null
+for fill in planar smooth; do
+    "$bin/strake" repair "$work/torn.obj" --out "$work/$fill.obj" --orient --holes all --fill $fill --isolated --quiet
+done
+picture repair.png "$work/torn.vtp:misoriented" "$work/planar.obj" "$work/smooth.obj" --edges --view=-1,-0.7,1.2 \
+    --titles "torn|strake repair|with --fill smooth" --size 520,360
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
         --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420

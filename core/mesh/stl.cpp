@@ -5,6 +5,7 @@
 #include "core/mesh/text_scanner.hpp"
 #include "core/mesh/weld.hpp"
 
+#include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
@@ -46,6 +47,72 @@ SurfaceFile weld_corners(SurfaceBuilder& builder, const std::string& name, Surfa
     return surface;
 }
 
+constexpr std::size_t block = 64;  ///< triangles whose places in the table are fetched ahead together
+
+/// Numbers corners in the order of first appearance, equal ones (0 and -0 are) alike: equal_points() for single
+/// precision, while the corners are read.
+class CornerWeld {
+public:
+    /// @param coordinates gets those of the vertices, three each. A surface has half as many of them as triangles.
+    CornerWeld(std::size_t num_triangles, std::vector<double>& coordinates) : coordinates_(coordinates) {
+        table_.resize(std::bit_ceil(num_triangles + 16));
+        coordinates.reserve(3 * (num_triangles / 2 + 16));
+    }
+
+    void numbers(const float* corners, std::size_t count, int* number) {
+        if (2 * (num_vertices_ + count) > table_.size()) grow();
+        std::array<std::uint32_t, 3 * block> hashes;
+        for (std::size_t i = 0; i < count; ++i) {
+            hashes[i] = hash(corners + 3 * i);
+            __builtin_prefetch(&table_[hashes[i] & (table_.size() - 1)]);
+        }
+        for (std::size_t i = 0; i < count; ++i) number[i] = number_of(corners + 3 * i, hashes[i]);
+    }
+
+private:
+    struct Slot {
+        std::uint32_t hash;
+        std::int32_t vertex_plus_one;  ///< 0: free
+    };
+
+    static std::uint32_t hash(const float* p) {
+        std::uint64_t h = 0;
+        for (int k = 0; k < 3; ++k)  // adding 0 turns -0 into 0
+            h = (h ^ std::bit_cast<std::uint32_t>(p[k] + 0.0F)) * 0x9E3779B97F4A7C15ull;
+        h ^= h >> 32;
+        return static_cast<std::uint32_t>((h * 0xD6E8FEB86659FD93ull) >> 32);
+    }
+    int number_of(const float* p, std::uint32_t h) {
+        const std::size_t mask = table_.size() - 1;
+        for (std::size_t at = h & mask;; at = (at + 1) & mask) {
+            Slot& slot = table_[at];
+            if (slot.vertex_plus_one == 0) {
+                for (int k = 0; k < 3; ++k) coordinates_.push_back(static_cast<double>(p[k]));
+                slot = {h, static_cast<std::int32_t>(++num_vertices_)};
+                return slot.vertex_plus_one - 1;
+            }
+            if (slot.hash != h) continue;
+            const double* known = coordinates_.data() + 3 * (static_cast<std::size_t>(slot.vertex_plus_one) - 1);
+            if (known[0] == p[0] && known[1] == p[1] && known[2] == p[2]) return slot.vertex_plus_one - 1;
+        }
+    }
+    void grow() {
+        std::vector<Slot> old(2 * table_.size());
+        std::swap(old, table_);
+        const std::size_t mask = table_.size() - 1;
+        for (const Slot& slot : old) {
+            if (slot.vertex_plus_one == 0) continue;
+            std::size_t at = slot.hash & mask;
+            while (table_[at].vertex_plus_one != 0) at = (at + 1) & mask;
+            table_[at] = slot;
+        }
+    }
+
+    std::vector<double>& coordinates_;
+    std::size_t num_vertices_ = 0;
+    std::vector<Slot> table_;  ///< a power of two, never more than half full
+};
+
 SurfaceFile read_binary(std::string_view bytes, const std::string& name) {
     if (bytes.size() < header_bytes)
         throw InputError(text(name, ": byte ", bytes.size(), ": the file ends inside the header of ", header_bytes,
@@ -59,19 +126,24 @@ SurfaceFile read_binary(std::string_view bytes, const std::string& name) {
     if (count > static_cast<std::uint32_t>(std::numeric_limits<int>::max() / 3))
         throw InputError(text(name, ": byte 80: ", count, " triangles, at most 715827882 are possible"));
     SurfaceBuilder builder;
-    builder.coordinates.resize(9 * std::size_t{count});
-    for (std::size_t t = 0; t < count; ++t) {
-        std::array<float, 9> corners;
-        const std::size_t at = header_bytes + facet_bytes * t + 12;
-        std::memcpy(corners.data(), bytes.data() + at, sizeof corners);
-        for (std::size_t k = 0; k < 9; ++k) {
-            if (!std::isfinite(corners[k]))
-                throw InputError(text(name, ": byte ", at + 4 * k, ": corner ", k / 3, " of triangle ", t,
-                                      " is not finite (", corners[k], ")"));
-            builder.coordinates[9 * t + k] = static_cast<double>(corners[k]);
+    CornerWeld weld(count, builder.coordinates);
+    builder.corners.resize(3 * std::size_t{count});
+    std::array<float, 3 * 3 * block> corners;
+    for (std::size_t first = 0; first < count; first += block) {
+        const std::size_t triangles = std::min<std::size_t>(block, count - first);
+        for (std::size_t t = 0; t < triangles; ++t) {
+            const std::size_t at = header_bytes + facet_bytes * (first + t) + 12;
+            std::memcpy(corners.data() + 9 * t, bytes.data() + at, 36);
+            for (std::size_t k = 0; k < 9; ++k)
+                if (!std::isfinite(corners[9 * t + k]))
+                    throw InputError(text(name, ": byte ", at + 4 * k, ": corner ", k / 3, " of triangle ", first + t,
+                                          " is not finite (", corners[9 * t + k], ")"));
         }
+        weld.numbers(corners.data(), 3 * triangles, builder.corners.data() + 3 * first);
     }
-    return weld_corners(builder, name, SurfaceFormat::stl_binary);
+    SurfaceFile surface = builder.finish(name, SurfaceFormat::stl_binary);
+    surface.file_vertices = static_cast<int>(3 * count);
+    return surface;
 }
 
 void expect(TextScanner& in, std::string_view word) {

@@ -110,7 +110,7 @@ const Broken broken[] = {
      "strain_translation, stiffness; did you mean 'load'?"},
     {"spring: 0}", "spring: 010}", "case.yaml:9:53: shell.spring = 010 must be written without leading zeros"},
     {"spring: 0}", "solver: direct}", "case.yaml:9:45: key 'solver' in shell is not supported by this version"},
-    {"case: wing", "case: wing\nrepair: {weld: 1e-6}", "case.yaml:2:1: key 'repair' is not supported by this version"},
+    {"case: wing", "case: wing\nrepair: {weld: -1e-6}", "case.yaml:2:16: repair.weld = -1e-6 must be >= 0"},
     {"case: wing", "case: wing\ncase: body", "case.yaml:2:1: key 'case' given twice (first on line 1)"},
     {"case: wing", "case: 'wi ng'", "case.yaml:1:7: case = wi ng must be a name of letters, digits, '_' and '-'"},
     {"case: wing", "case:", "case.yaml:1:1: case has no value; it must be a name"},

@@ -13,6 +13,8 @@ namespace {
 
 const char* optimization = R"(case: wing
 surface: {file: wing.obj, units: mm}
+repair: {weld: 1e-6, duplicates: true, degenerate: true, cracks: 0.1mm, orient: true, split: true, holes: 5%,
+         fill: smooth, components: {largest: 2, min_area: 1%, min_triangles: 4}, isolated: true}
 regions:
   root: &r {box: [[-1, -1, -1], [1, 0.01, 1]]}
   tip:  {plane: {normal: [0, 1, 0], at: 0.5}, side: above}
@@ -44,6 +46,8 @@ output: {dir: runs/wing, paraview: best}
 
 const char* ties_and_starts = R"(case: body
 surface: {file: wing.obj, units: in}
+repair: {all: true, fill: planar}
+remesh: {edge_length: 1%, angle: 20deg, iterations: 3, curvature: 0.1%, shortest_edge: 0.1 in, gradation: 0.5}
 regions:
   nose: {component: 0}
   base: {patch: p1.2}

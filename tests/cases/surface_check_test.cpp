@@ -54,7 +54,7 @@ TEST_F(BuildProblem, CracksAreRefused) {
     surface(both);
     const std::string message = error("", Purpose::deform);
     EXPECT_TRUE(contains(message, "4 of 16 open edges lie along other ones (first: vertices ")) << message;
-    EXPECT_TRUE(contains(message, "merge vertices closer than ")) << message;
+    EXPECT_TRUE(contains(message, "repair: {cracks: ")) << message;
     both.vertices.bottomRows(n).col(0).array() += 0.1;
     surface(both);
     EXPECT_EQ(error("", Purpose::deform), "");
@@ -86,7 +86,7 @@ TEST_F(BuildProblem, CessnaWingIsRefusedWithPlaceAndRemedy) {
         const std::string message = e.what();
         EXPECT_TRUE(
             contains(message, "212 of 334 open edges lie along other ones (first: vertices 38-39, triangle 37"));
-        EXPECT_TRUE(contains(message, "Merge Close Vertices"));
+        EXPECT_TRUE(contains(message, "repair: {cracks: "));
         EXPECT_TRUE(contains(message, "4 edges where two triangles disagree")) << message;
         EXPECT_TRUE(contains(message, "334 open edges in 2 boundary loops")) << message;
     }

@@ -1,0 +1,83 @@
+#include "cases/prepare_surface.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+
+namespace strake {
+namespace {
+
+double length_in(const std::optional<Length>& length, double diagonal) { return length ? length->in(diagonal) : 0; }
+
+RepairOptions options_of(const RepairEntry& entry, double diagonal) {
+    RepairOptions options = entry.options;
+    if (entry.all) {
+        options = all_repairs(diagonal);
+        options.fill = entry.options.fill;
+        options.keep_largest = entry.options.keep_largest;
+        options.min_area_share = entry.options.min_area_share;
+        options.min_triangles = entry.options.min_triangles;
+    }
+    if (entry.weld) options.weld = entry.weld->in(diagonal);
+    if (entry.cracks) options.cracks = entry.cracks->in(diagonal);
+    if (entry.holes) {
+        options.holes = entry.holes->in(diagonal);
+        options.keep_symmetry_loops = false;
+    }
+    return options;
+}
+
+void mend(const RepairEntry& entry, PreparedSurface& surface) {
+    RepairResult result = repair(surface.mesh, options_of(entry, box_diagonal(surface.mesh)));
+    std::string counts;
+    for (int k = 0; k <= static_cast<int>(RepairKind::isolated); ++k)
+        if (const int count = result.count(static_cast<RepairKind>(k)); count > 0)
+            counts += text(counts.empty() ? "" : ", ", count, " ", name_of(static_cast<RepairKind>(k)));
+    surface.notes.push_back("repair: " + (counts.empty() ? "nothing to mend of what is asked for" : counts));
+    for (const std::string& words : result.remaining) surface.notes.push_back("repair: still there: " + words);
+    surface.repairs_csv = repair_csv(result);
+    surface.mesh = std::move(result.mesh);
+    surface.source_triangle = std::move(result.source_triangle);
+}
+
+void remesh(const RemeshEntry& entry, PreparedSurface& surface) {
+    RemeshOptions options = entry.options;
+    const double diagonal = box_diagonal(surface.mesh);
+    options.edge_length = length_in(entry.edge_length, diagonal);
+    options.chord_error = length_in(entry.chord_error, diagonal);
+    options.shortest_edge = length_in(entry.shortest_edge, diagonal);
+    const int before = surface.mesh.num_triangles();
+    RemeshResult result = remesh(surface.mesh, options);
+    surface.mesh = std::move(result.mesh);
+    surface.source_triangle.clear();
+    surface.is_remeshed = true;
+    surface.notes.push_back(text("remesh: ", before, " triangles became ", surface.mesh.num_triangles(),
+                                 " of edge length ", result.edge_length));
+    if (result.new_intersections > 0)
+        surface.notes.push_back(
+            text("remesh: ", result.new_intersections, " pairs of triangles intersect that did not"));
+}
+
+}  // namespace
+
+PreparedSurface prepare_surface(const Case& the_case) {
+    SurfaceFile file = read_surface(the_case.surface);
+    PreparedSurface surface;
+    surface.mesh = std::move(file.mesh);
+    surface.format = file.format;
+    surface.file_triangles = surface.mesh.num_triangles();
+    Diagnostics errors = diagnostics_of(the_case);
+    const auto at = [&](const Place& place, const auto& work) {
+        try {
+            work();
+        } catch (const InvalidInput& refused) {
+            errors.add(place, refused.what());
+        }
+        errors.throw_if_any();
+    };
+    if (the_case.repair) at(the_case.repair->place, [&] { mend(*the_case.repair, surface); });
+    if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, surface); });
+    surface.is_changed = the_case.repair || the_case.remesh;
+    return surface;
+}
+
+}  // namespace strake

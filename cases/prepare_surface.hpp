@@ -1,0 +1,22 @@
+#pragma once
+#include "cases/case.hpp"
+#include "core/mesh/io.hpp"
+
+namespace strake {
+
+/// The surface that a case deforms: read, then mended and remeshed where the case says so.
+struct PreparedSurface {
+    TriMesh mesh;
+    SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of the file
+    int file_triangles = 0;
+    bool is_changed = false;  ///< repair or remesh is stated
+    bool is_remeshed = false;
+    std::vector<int> source_triangle;  ///< of a surface that was mended but not remeshed: number in the file, -1: new
+    std::string repairs_csv;           ///< every single repair, as `strake repair --list`
+    std::vector<std::string> notes;    ///< what was done and what is still wrong, in words
+};
+
+/// @throws InputError (surface file); CaseError where options do not fit the surface.
+PreparedSurface prepare_surface(const Case& the_case);
+
+}  // namespace strake

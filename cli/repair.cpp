@@ -1,0 +1,228 @@
+#include "core/repair/repair.hpp"
+
+#include "cli/commands.hpp"
+#include "cli/outputs.hpp"
+#include "core/error.hpp"
+#include "core/mesh/io.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <charconv>
+#include <cmath>
+#include <cstdio>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// `strake repair`: mends what is asked for, and says what it did and what is left.
+namespace strake::cli {
+namespace {
+
+struct Options {
+    std::string surface, out, list;
+    std::string weld, cracks, holes, fill = "planar", components;
+    RepairOptions repair;
+    bool all = false, json = false, quiet = false;
+};
+
+double number_of(std::string_view digits, const std::string& shown, const char* expected) {
+    double value = 0;
+    const auto [stop, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
+    if (error != std::errc{} || stop != digits.data() + digits.size() || !std::isfinite(value) || value < 0)
+        throw InvalidInput(text(shown, ": must be ", expected));
+    return value;
+}
+
+/// A length, or with % a share of the diagonal.
+double length_of(const std::string& words, const char* option, double diagonal) {
+    const bool is_share = words.ends_with('%');
+    const double value = number_of(std::string_view(words).substr(0, words.size() - is_share), text(option, " ", words),
+                                   "a length or a percentage of the diagonal like 0.1%");
+    return is_share ? value / 100 * diagonal : value;
+}
+
+/// largest=N, min_area=1%, min_triangles=N, separated by commas.
+void read_components(const std::string& words, RepairOptions& repair) {
+    constexpr const char* expected = "largest=N, min_area=P% or min_triangles=N, separated by commas";
+    const std::string shown = "--components " + words;
+    for (std::size_t from = 0; from <= words.size();) {
+        const std::size_t comma = std::min(words.find(',', from), words.size());
+        const std::string_view rule = std::string_view(words).substr(from, comma - from);
+        from = comma + 1;
+        const std::size_t equals = std::min(rule.find('='), rule.size());
+        const std::string_view key = rule.substr(0, equals), value = rule.substr(std::min(equals + 1, rule.size()));
+        if (key == "min_area" && value.ends_with('%')) {
+            repair.min_area_share = number_of(value.substr(0, value.size() - 1), shown, expected) / 100;
+            continue;
+        }
+        if (key != "largest" && key != "min_triangles") throw InvalidInput(text(shown, ": must be ", expected));
+        const double number = number_of(value, shown, expected);
+        if (number < 1 || number > 2e9 || number != std::floor(number))
+            throw InvalidInput(text(shown, ": must be ", expected, ", N a whole number >= 1"));
+        (key == "largest" ? repair.keep_largest : repair.min_triangles) = static_cast<int>(number);
+    }
+}
+
+/// The options with lengths for a surface of this diagonal.
+RepairOptions resolved(const Options& options, double diagonal) {
+    RepairOptions repair = options.repair;
+    if (options.all) {
+        const RepairOptions all = all_repairs(diagonal);
+        const RepairOptions given = repair;
+        repair = all;
+        repair.fill = given.fill;
+    }
+    if (!options.weld.empty()) repair.weld = length_of(options.weld, "--weld", diagonal);
+    if (!options.cracks.empty()) repair.cracks = length_of(options.cracks, "--cracks", diagonal);
+    if (options.holes == "all")
+        repair.holes = std::numeric_limits<double>::infinity();
+    else if (!options.holes.empty())
+        repair.holes = length_of(options.holes, "--holes", diagonal);
+    if (!options.holes.empty()) repair.keep_symmetry_loops = false;
+    if (options.fill != "planar" && options.fill != "smooth")
+        throw InvalidInput(text("--fill ", options.fill, ": must be planar or smooth"));
+    repair.fill = options.fill == "smooth" ? HoleFill::smooth : HoleFill::planar;
+    if (!options.components.empty()) read_components(options.components, repair);
+    validate(repair);
+    return repair;
+}
+
+bool asks_for_something(const RepairOptions& r) {
+    return r.weld || r.cracks || r.holes || r.duplicates || r.degenerate || r.orient || r.split || r.isolated ||
+           r.keep_largest > 0 || r.min_area_share > 0 || r.min_triangles > 0;
+}
+
+constexpr RepairKind kinds[] = {RepairKind::weld,      RepairKind::duplicate, RepairKind::degenerate,
+                                RepairKind::crack,     RepairKind::orient,    RepairKind::split,
+                                RepairKind::component, RepairKind::hole,      RepairKind::isolated};
+
+/// Names and numbers of defects, as `info --json` has them.
+std::vector<std::pair<const char*, long>> counts(const Checkup& c) {
+    const TopologyFacts& f = c.facts;
+    const auto n = [](const auto& list) { return static_cast<long>(list.size()); };
+    return {{"vertices", c.vertices},
+            {"triangles", c.triangles},
+            {"components", f.components},
+            {"boundary_loops", n(f.boundary_loops)},
+            {"crack_vertices", n(c.crack_vertices)},
+            {"nonmanifold_edges", n(f.nonmanifold_edges)},
+            {"nonmanifold_vertices", n(f.nonmanifold_vertices)},
+            {"misoriented_edges", n(f.misoriented_edges)},
+            {"duplicate_triangles", n(f.duplicate_triangles)},
+            {"degenerate_triangles", n(f.degenerate_triangles)},
+            {"inverted_triangles", n(c.inverted_triangles)},
+            {"isolated_vertices", n(f.isolated_vertices)},
+            {"duplicate_vertices", n(f.duplicate_vertices)},
+            {"self_intersections", c.pairs ? n(c.pairs->apart) + n(c.pairs->adjacent) : -1}};
+}
+
+nlohmann::ordered_json or_null(long number) {
+    return number < 0 ? nlohmann::ordered_json() : nlohmann::ordered_json(number);
+}
+
+nlohmann::ordered_json counts_json(const Checkup& c) {
+    nlohmann::ordered_json json;
+    for (const auto& [name, count] : counts(c)) json[name] = or_null(count);
+    json["closed"] = c.facts.closed;
+    json["orientable"] = c.facts.orientable;
+    return json;
+}
+
+std::string as_json(const RepairResult& result, const std::string& out) {
+    nlohmann::ordered_json json, repairs = nlohmann::ordered_json::object(), items = nlohmann::ordered_json::array();
+    for (const RepairKind kind : kinds) repairs[name_of(kind)] = result.count(kind);
+    for (const RepairItem& item : result.items)
+        items.push_back({{"kind", name_of(item.kind)},
+                         {"vertex", or_null(item.vertex)},
+                         {"triangle", or_null(item.triangle)},
+                         {"at", {item.at.x(), item.at.y(), item.at.z()}},
+                         {"size", item.size},
+                         {"triangles", item.triangles},
+                         {"words", item.words}});
+    json["repairs"] = std::move(repairs);
+    json["before"] = counts_json(result.before);
+    json["after"] = counts_json(result.after);
+    json["remaining"] = result.remaining;
+    json["items"] = std::move(items);
+    json["file"] = out;
+    return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
+}
+
+std::string as_words(const RepairResult& result, const std::string& out) {
+    std::string words;
+    constexpr int shown = 3;
+    for (const RepairKind kind : kinds) {
+        const int count = result.count(kind);
+        if (count == 0) continue;
+        words += fmt::format("{}: {}\n", name_of(kind), count);
+        int told = 0;
+        for (const RepairItem& item : result.items)
+            if (item.kind == kind && told++ < shown)
+                words +=
+                    fmt::format("  {}, at ({:g}, {:g}, {:g})\n", item.words, item.at.x(), item.at.y(), item.at.z());
+        if (count > shown) words += fmt::format("  and {} more: --list FILE or --json has them all\n", count - shown);
+    }
+    if (words.empty()) words = "nothing to mend of what was asked for: the surface is written as it is\n";
+    const auto before = counts(result.before), after = counts(result.after);
+    for (std::size_t i = 0; i < before.size(); ++i)
+        if (i < 2 || before[i].second != after[i].second)
+            words += fmt::format("{:<22}{:>10} -> {}\n", before[i].first, before[i].second, after[i].second);
+    for (const std::string& line : result.remaining) words += "still there: " + line + "\n";
+    return words + fmt::format("{}: {}\n", out, result.after.facts.closed ? "closed" : "open");
+}
+
+void print(const std::string& words) {
+    if (std::fputs(words.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
+        throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+}
+
+void repair_file(const Options& options) {
+    const SurfaceFormat format = format_of(options.out);
+    check_outputs({options.out, options.list}, {options.surface});
+    if (!asks_for_something(resolved(options, 1)))
+        throw InvalidInput(
+            "repair: nothing is asked for; --all, or some of --weld, --duplicates, --degenerate, --cracks, "
+            "--orient, --split, --holes, --components, --isolated");
+    const TriMesh mesh = read_surface(options.surface).mesh;
+    const RepairResult result = repair(mesh, resolved(options, box_diagonal(mesh)));
+    write_surface(options.out, result.mesh, format);
+    if (!options.list.empty()) write_atomically(options.list, repair_csv(result));
+    if (options.json)
+        print(as_json(result, options.out));
+    else if (!options.quiet)
+        print(as_words(result, options.out));
+}
+
+}  // namespace
+
+void add_repair(CLI::App& app) {
+    auto options = std::make_shared<Options>();
+    CLI::App* command = app.add_subcommand("repair", "mends a surface: what is asked for, and nothing else");
+    command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
+    command->add_option("-o,--out,--output", options->out, "surface file; the ending says which format")->required();
+    command->add_flag("--all", options->all,
+                      "everything but dropping components: weld 1e-7%, cracks 1e-3%, holes up to 10% across that are "
+                      "no symmetry plane; options beside it change these");
+    command->add_option("--weld", options->weld,
+                        "merge vertices at most this far apart: a length, or 1e-6% of the diagonal");
+    command->add_flag("--duplicates", options->repair.duplicates, "remove triangles with the vertices of another one");
+    command->add_flag("--degenerate", options->repair.degenerate,
+                      "remove triangles of no area without opening the surface");
+    command->add_option("--cracks", options->cracks, "join open edges at most this far apart");
+    command->add_flag("--orient", options->repair.orient, "turn triangles until all agree; closed parts outward");
+    command->add_flag("--split", options->repair.split, "separate what meets in a vertex or an edge only");
+    command->add_option("--holes", options->holes,
+                        "close open loops at most this far across: a length, a percentage, all");
+    command->add_option("--fill", options->fill, "planar: no new vertices (default); smooth: refined and curved");
+    command->add_option("--components", options->components,
+                        "keep: largest=N, min_area=1% (of the area), min_triangles=N, separated by commas");
+    command->add_flag("--isolated", options->repair.isolated, "remove vertices that no triangle uses");
+    command->add_option("--list", options->list, "every single repair as CSV");
+    command->add_flag("-q,--quiet", options->quiet, "no summary");
+    command->add_flag("--json", options->json, "one JSON object instead of words");
+    command->callback([options] { repair_file(*options); });
+}
+
+}  // namespace strake::cli

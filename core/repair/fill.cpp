@@ -1,0 +1,259 @@
+#include "core/repair/surface_parts.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <queue>
+
+namespace strake::mending {
+namespace {
+
+using Triple = std::array<int, 3>;
+
+/// Twice the polygon's vector area (Newell).
+Eigen::Vector3d area_of(const Points& p) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    const Eigen::RowVector3d origin = p.row(0);
+    for (Eigen::Index i = 0; i < p.rows(); ++i)
+        sum += (p.row(i) - origin).transpose().cross((p.row((i + 1) % p.rows()) - origin).transpose());
+    return sum;
+}
+
+/// Ears of a flat polygon: always the one of the best shape that holds no other vertex, not even on its border.
+class EarClipping {
+public:
+    EarClipping(const Points& polygon, const Eigen::Vector3d& normal, const IsTaken& is_taken)
+        : is_taken_(is_taken), n_(static_cast<int>(polygon.rows())) {
+        const Eigen::Vector3d u = normal.unitOrthogonal(), w = normal.cross(u);
+        for (int i = 0; i < n_; ++i) at_.push_back({polygon.row(i).dot(u), polygon.row(i).dot(w)});
+        for (int i = 0; i < n_; ++i) {
+            before_.push_back((i + n_ - 1) % n_);
+            after_.push_back((i + 1) % n_);
+        }
+        quality_.assign(static_cast<std::size_t>(n_), 0);
+    }
+
+    /// Empty when it gets stuck: the polygon crosses itself.
+    std::vector<Triple> run() {
+        std::vector<Triple> triangles;
+        for (int i = 0; i < n_; ++i) quality_[i] = quality(i);
+        for (int left = n_; left > 3; --left) {
+            const int ear = static_cast<int>(std::max_element(quality_.begin(), quality_.end()) - quality_.begin());
+            if (!(quality_[ear] > 0)) return {};
+            const int a = before_[ear], b = after_[ear];
+            triangles.push_back({b, ear, a});
+            after_[a] = b;
+            before_[b] = a;
+            quality_[ear] = -1;
+            if (left == 4) {
+                if (!(cross(before_[a], a, b) > 0)) return {};
+                triangles.push_back({b, a, before_[a]});
+                return triangles;
+            }
+            for (const int v : {a, b}) quality_[v] = quality(v);
+        }
+        return {{2, 1, 0}};
+    }
+
+private:
+    double cross(int i, int j, int k) const {
+        const Eigen::Vector2d a = at_[j] - at_[i], b = at_[k] - at_[i];
+        return a.x() * b.y() - a.y() * b.x();
+    }
+    double quality(int v) const {
+        const int a = before_[v], b = after_[v];
+        const double area = cross(a, v, b);
+        const double sides =
+            (at_[v] - at_[a]).squaredNorm() + (at_[b] - at_[v]).squaredNorm() + (at_[a] - at_[b]).squaredNorm();
+        if (!(area > 1e-12 * sides) || is_taken_(a, b)) return 0;
+        const double margin = -1e-12 * sides;
+        for (int i = after_[b]; i != a; i = after_[i])
+            if (cross(a, v, i) >= margin && cross(v, b, i) >= margin && cross(b, a, i) >= margin) return 0;
+        return area / sides;
+    }
+
+    const IsTaken& is_taken_;
+    int n_;
+    std::vector<Eigen::Vector2d> at_;
+    std::vector<int> before_, after_;
+    std::vector<double> quality_;
+};
+
+/// Least bending, then least area, over all triangulations: P. Liepa, "Filling holes in meshes", SGP 2003; O(n^3).
+class LeastBending {
+public:
+    LeastBending(const Points& polygon, const Points& normals, const IsTaken& is_taken)
+        : p_(polygon), normals_(normals), is_taken_(is_taken), n_(static_cast<int>(polygon.rows())) {
+        best_.resize(static_cast<std::size_t>(n_) * n_);
+    }
+
+    std::vector<Triple> run() {
+        for (int i = 0; i + 1 < n_; ++i) {
+            at(i, i + 1).bend = at(i, i + 1).area = 0;
+            at(i, i + 1).normal = normals_.row(i);
+        }
+        for (int width = 2; width < n_; ++width)
+            for (int i = 0; i + width < n_; ++i) choose(i, i + width);
+        std::vector<Triple> triangles;
+        if (at(0, n_ - 1).middle >= 0) collect(0, n_ - 1, triangles);
+        return triangles;
+    }
+
+private:
+    static constexpr double none = std::numeric_limits<double>::infinity();
+    struct Best {
+        double bend = none, area = none;
+        int middle = -1;
+        Eigen::Vector3d normal = Eigen::Vector3d::Zero();  ///< of the triangle at the diagonal
+    };
+    Best& at(int i, int k) { return best_[static_cast<std::size_t>(i) * n_ + k]; }
+
+    void choose(int i, int k) {
+        const bool is_last = i == 0 && k == n_ - 1;
+        if (!is_last && is_taken_(i, k)) return;
+        Best best;
+        for (int m = i + 1; m < k; ++m) {
+            const Best &left = at(i, m), &right = at(m, k);
+            if (left.area == none || right.area == none) continue;
+            const Eigen::Vector3d area = (p_.row(m) - p_.row(k)).transpose().cross((p_.row(i) - p_.row(k)).transpose());
+            const double size = area.norm();
+            const Eigen::Vector3d normal = size > 0 ? Eigen::Vector3d(area / size) : area;
+            double bend = std::max({left.bend, right.bend, 1 - normal.dot(left.normal), 1 - normal.dot(right.normal)});
+            if (is_last) bend = std::max(bend, 1 - normal.dot(normals_.row(n_ - 1)));
+            bend = std::round(bend * 1e6) / 1e6;  // so that the area decides between equal ones
+            const double total = left.area + right.area + size;
+            if (bend < best.bend || (bend == best.bend && total < best.area)) best = {bend, total, m, normal};
+        }
+        at(i, k) = best;
+    }
+    void collect(int i, int k, std::vector<Triple>& triangles) {
+        std::vector<std::array<int, 2>> stack{{i, k}};
+        while (!stack.empty()) {
+            const auto [a, c] = stack.back();
+            stack.pop_back();
+            if (c - a < 2) continue;
+            const int m = at(a, c).middle;
+            triangles.push_back({c, m, a});
+            stack.push_back({m, c});
+            stack.push_back({a, m});
+        }
+    }
+
+    const Points &p_, &normals_;
+    const IsTaken& is_taken_;
+    int n_;
+    std::vector<Best> best_;
+};
+
+/// Polygons too long for that: always the shortest diagonal.
+std::vector<Triple> shortest_diagonals(const Points& p, const IsTaken& is_taken) {
+    const int n = static_cast<int>(p.rows());
+    std::vector<int> before(static_cast<std::size_t>(n)), after(before), version(before);
+    using Ear = std::tuple<double, int, int>;  // length, vertex, version
+    std::priority_queue<Ear, std::vector<Ear>, std::greater<>> ears;
+    const auto offer = [&](int v) {
+        if (!is_taken(before[v], after[v])) ears.push({(p.row(before[v]) - p.row(after[v])).norm(), v, ++version[v]});
+    };
+    for (int i = 0; i < n; ++i) before[i] = (i + n - 1) % n, after[i] = (i + 1) % n;
+    for (int i = 0; i < n; ++i) offer(i);
+    std::vector<Triple> triangles;
+    for (int left = n; left > 3;) {
+        if (ears.empty()) return {};
+        const auto [length, v, v_version] = ears.top();
+        ears.pop();
+        if (v_version != version[v]) continue;
+        const int a = before[v], b = after[v];
+        triangles.push_back({b, v, a});
+        after[a] = b;
+        before[b] = a;
+        version[v] = -1;
+        for (const int w : {a, b}) {
+            ++version[w];
+            offer(w);
+        }
+        if (--left == 3) triangles.push_back({b, a, before[a]});
+    }
+    return triangles;
+}
+
+}  // namespace
+
+std::vector<Triple> fill_polygon(const Points& polygon, const Points& normals, double flat, const IsTaken& is_taken) {
+    const int n = static_cast<int>(polygon.rows());
+    if (n == 3) return {{2, 1, 0}};
+    const Eigen::Vector3d normal = area_of(polygon).normalized();
+    const Eigen::RowVector3d center = polygon.colwise().mean();
+    const bool is_flat = normal.norm() > 0.5 && ((polygon.rowwise() - center) * normal).cwiseAbs().maxCoeff() <= flat;
+    std::vector<Triple> triangles;
+    if (is_flat && n <= 5000) triangles = EarClipping(polygon, normal, is_taken).run();
+    if (triangles.empty() && n <= 250) triangles = LeastBending(polygon, normals, is_taken).run();
+    if (triangles.empty()) triangles = shortest_diagonals(polygon, is_taken);
+    flip_to_delaunay([&](int v) -> Eigen::Vector3d { return polygon.row(v); }, triangles, is_taken);
+    return triangles;
+}
+
+namespace {
+
+using Sides = std::map<std::array<int, 2>, std::vector<int>>;  ///< triangles at a pair of vertices
+
+std::array<int, 2> sorted(int a, int b) { return {std::min(a, b), std::max(a, b)}; }
+
+int apex_of(const Triple& t, int a, int b) {
+    for (const int v : t)
+        if (v != a && v != b) return v;
+    return -1;
+}
+
+double angle_at(const Eigen::Vector3d& apex, const Eigen::Vector3d& a, const Eigen::Vector3d& b) {
+    const Eigen::Vector3d u = a - apex, w = b - apex;
+    return std::atan2(u.cross(w).norm(), u.dot(w));
+}
+
+Eigen::Vector3d normal_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c) {
+    return (b - a).cross(c - a).normalized();
+}
+
+}  // namespace
+
+void flip_to_delaunay(const std::function<Eigen::Vector3d(int)>& at, std::vector<Triple>& triangles,
+                      const IsTaken& is_taken) {
+    Sides sides;
+    for (int t = 0; t < static_cast<int>(triangles.size()); ++t)
+        for (int k = 0; k < 3; ++k) sides[sorted(triangles[t][k], triangles[t][(k + 1) % 3])].push_back(t);
+    std::vector<std::array<int, 2>> queue;
+    for (const auto& [side, at_side] : sides) queue.push_back(side);
+    std::size_t allowed = 20 * queue.size();
+    for (std::size_t i = 0; i < queue.size() && allowed > 0; ++i) {
+        int a = queue[i][0], b = queue[i][1];
+        const auto found = sides.find({a, b});
+        if (found == sides.end() || found->second.size() != 2) continue;
+        const int s = found->second[0], t = found->second[1];
+        // s runs a to b, t back.
+        const auto runs = [&](int f) {
+            for (int k = 0; k < 3; ++k)
+                if (triangles[f][k] == a && triangles[f][(k + 1) % 3] == b) return true;
+            return false;
+        };
+        if (!runs(s)) std::swap(a, b);
+        const int c = apex_of(triangles[s], a, b), d = apex_of(triangles[t], a, b);
+        if (c == d || c < 0 || d < 0 || sides.count(sorted(c, d)) || is_taken(c, d)) continue;
+        const Eigen::Vector3d pa = at(a), pb = at(b), pc = at(c), pd = at(d);
+        if (!(angle_at(pc, pa, pb) + angle_at(pd, pa, pb) > 3.14159265358979 + 1e-9)) continue;
+        const Eigen::Vector3d n1 = normal_of(pa, pb, pc), n2 = normal_of(pb, pa, pd), m1 = normal_of(pc, pa, pd),
+                              m2 = normal_of(pd, pb, pc);
+        const double least = std::min({m1.dot(n1), m1.dot(n2), m2.dot(n1), m2.dot(n2)});
+        if (!(least > 0.5 || (n1.norm() < 0.5 || n2.norm() < 0.5)) || m1.norm() < 0.5 || m2.norm() < 0.5) continue;
+        --allowed;
+        sides.erase(found);
+        triangles[s] = {c, a, d};
+        triangles[t] = {d, b, c};
+        sides[sorted(c, d)] = {std::min(s, t), std::max(s, t)};
+        std::replace(sides[sorted(a, d)].begin(), sides[sorted(a, d)].end(), t, s);
+        std::replace(sides[sorted(b, c)].begin(), sides[sorted(b, c)].end(), s, t);
+        for (const auto& side : {sorted(a, d), sorted(b, d), sorted(b, c), sorted(a, c)}) queue.push_back(side);
+    }
+}
+
+}  // namespace strake::mending

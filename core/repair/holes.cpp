@@ -1,0 +1,142 @@
+#include "core/error.hpp"
+#include "core/repair/surface_parts.hpp"
+
+#include <algorithm>
+#include <map>
+
+namespace strake::mending {
+namespace {
+
+double size_of(const Points& polygon) { return (polygon.colwise().maxCoeff() - polygon.colwise().minCoeff()).norm(); }
+
+/// Group with most of the loop's edges; tie: the smallest.
+int group_around(const TriMesh& mesh, const OpenLoop& loop) {
+    std::map<int, int> count;
+    for (const int t : loop.triangles) ++count[mesh.group[t]];
+    return std::max_element(count.begin(), count.end(),
+                            [](const auto& a, const auto& b) { return a.second < b.second; })
+        ->first;
+}
+
+/// Loops whose every edge is one of a symmetry plane's.
+bool looks_like_symmetry(const std::vector<BoundaryLoop>& planes, int vertex) {
+    for (const BoundaryLoop& plane : planes)
+        if (plane.symmetry_axis >= 0 &&
+            std::find(plane.vertices.begin(), plane.vertices.end(), vertex) != plane.vertices.end())
+            return true;
+    return false;
+}
+
+/// What fills the holes, before it is appended.
+struct Fills {
+    std::vector<Eigen::Vector3d> points;
+    std::vector<std::array<int, 3>> triangles;
+    std::vector<int> group;
+    std::vector<RepairItem> items;
+};
+
+void fill(const Surface& surface, const Adjacency& adjacent, const OpenLoop& loop, HoleFill how, Fills& fills) {
+    const TriMesh& mesh = surface.mesh;
+    const auto n = static_cast<Eigen::Index>(loop.vertices.size());
+    Points polygon(n, 3), normals(n, 3);
+    for (Eigen::Index i = 0; i < n; ++i) {
+        polygon.row(i) = mesh.vertices.row(loop.vertices[i]);
+        const Eigen::Vector3d area = area_vector(mesh, loop.triangles[i]);
+        normals.row(i) =
+            area.norm() > 0 ? Eigen::Vector3d(area.normalized()) : Eigen::Vector3d(Eigen::Vector3d::Zero());
+    }
+    const IsTaken is_taken = [&](int a, int b) {
+        return std::binary_search(adjacent.edges.begin(), adjacent.edges.end(),
+                                  std::array{std::min(a, b), std::max(a, b)});
+    };
+    const auto numbers = fill_polygon(polygon, normals, 1e-6 * surface.diagonal,
+                                      [&](int i, int j) { return is_taken(loop.vertices[i], loop.vertices[j]); });
+    std::vector<std::array<int, 3>> triangles;
+    for (const auto& [a, b, c] : numbers) triangles.push_back({loop.vertices[a], loop.vertices[b], loop.vertices[c]});
+    const int before = mesh.num_vertices() + static_cast<int>(fills.points.size());
+    const std::size_t points_before = fills.points.size();
+    if (triangles.empty()) {  // every diagonal is taken: a fan around a new vertex
+        for (Eigen::Index i = 0; i < n; ++i)
+            triangles.push_back({loop.vertices[(i + 1) % n], loop.vertices[i], before});
+        fills.points.push_back(polygon.colwise().mean().transpose());
+    } else if (how == HoleFill::smooth) {
+        Patch patch = smooth_patch(mesh, adjacent, loop.vertices, triangles, before);
+        fills.points.insert(fills.points.end(), patch.points.begin(), patch.points.end());
+        triangles = std::move(patch.triangles);
+    }
+    const std::size_t added = fills.points.size() - points_before;
+    if (!mesh.group.empty()) fills.group.insert(fills.group.end(), triangles.size(), group_around(mesh, loop));
+    fills.items.push_back(
+        {RepairKind::hole, surface.input_vertex(loop.vertices[0]), -1, polygon.colwise().mean().transpose(),
+         size_of(polygon), static_cast<int>(triangles.size()),
+         text("loop of ", n, " edges from vertex ", loop.vertices[0], ", ", size_of(polygon), " across, closed by ",
+              triangles.size(), " triangles", added > 0 ? text(" and ", added, " vertices") : "")});
+    fills.triangles.insert(fills.triangles.end(), triangles.begin(), triangles.end());
+}
+
+/// Which loops are to be filled.
+std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacent, const RepairOptions& options) {
+    int blocked = 0;
+    std::vector<OpenLoop> loops = open_loops(mesh, adjacent, blocked);
+    std::vector<BoundaryLoop> planes;
+    if (options.keep_symmetry_loops) planes = measured_loops(mesh, adjacent, topology(mesh, adjacent).boundary_loops);
+    std::erase_if(loops, [&](const OpenLoop& loop) {
+        const bool is_lone = loop.vertices.size() == 3 && loop.triangles[0] == loop.triangles[1] &&
+                             loop.triangles[1] == loop.triangles[2];
+        if (loop.vertices.size() < 3 || is_lone) return true;  // a triangle's back is no fill
+        Points polygon(static_cast<Eigen::Index>(loop.vertices.size()), 3);
+        for (std::size_t i = 0; i < loop.vertices.size(); ++i)
+            polygon.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(loop.vertices[i]);
+        return size_of(polygon) > *options.holes ||
+               (options.keep_symmetry_loops && looks_like_symmetry(planes, loop.vertices[0]));
+    });
+    return loops;
+}
+
+/// Loops, by number, whose fill passes through the surface or another fill.
+std::vector<char> passing_through(const TriMesh& mesh, const std::vector<int>& begin) {
+    std::vector<char> is_bad(begin.size());
+    for (const auto& pair : self_intersections(mesh))
+        for (const int t : pair)
+            if (t >= begin[0])
+                is_bad[static_cast<std::size_t>(std::upper_bound(begin.begin(), begin.end(), t) - begin.begin() - 1)] =
+                    1;
+    return is_bad;
+}
+
+bool is_costly(const Adjacency& adjacent) {
+    for (int v = 0; v < adjacent.vertex_triangles.size(); ++v)
+        if (adjacent.vertex_triangles[v].size() > 10'000) return true;
+    return false;
+}
+
+}  // namespace
+
+int fill_holes(Surface& surface, const RepairOptions& options) {
+    const Surface rest = surface;  // fills do not look at each other
+    const Adjacency adjacent = adjacency(rest.mesh);
+    std::vector<OpenLoop> loops = wanted_loops(rest.mesh, adjacent, options);
+    if (loops.empty()) return 0;
+    int refused = 0;
+    while (true) {
+        std::vector<int> begin;
+        Fills fills;
+        for (const OpenLoop& loop : loops) {
+            begin.push_back(rest.mesh.num_triangles() + static_cast<int>(fills.triangles.size()));
+            fill(rest, adjacent, loop, options.fill, fills);
+        }
+        surface.append_vertices(fills.points);
+        surface.append(fills.triangles, std::vector<int>(fills.triangles.size(), -1), fills.group);
+        surface.items.insert(surface.items.end(), fills.items.begin(), fills.items.end());
+        if (loops.empty() || is_costly(adjacent)) return refused;
+        const std::vector<char> is_bad = passing_through(surface.mesh, begin);
+        const auto bad = static_cast<int>(std::count(is_bad.begin(), is_bad.end(), 1));
+        if (bad == 0) return refused;
+        refused += bad;
+        surface = rest;
+        std::erase_if(loops,
+                      [&](const OpenLoop& loop) { return is_bad[static_cast<std::size_t>(&loop - loops.data())]; });
+    }
+}
+
+}  // namespace strake::mending

@@ -1,0 +1,91 @@
+#include "core/repair/checkup.hpp"
+
+#include "defective.hpp"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace strake {
+namespace {
+
+using namespace defective;
+
+TEST(Checkup, LoopsAreMeasuredAndPlanesFound) {
+    const TriMesh tube = without(box_surface({1, 2, 3}, 4), [](int) { return false; });
+    const TriMesh open = without(tube, [&](int t) { return centroid(tube, t).y() < 1e-12; });
+    const Checkup found = checkup(open);
+    ASSERT_EQ(found.loops.size(), 1u);
+    const BoundaryLoop& loop = found.loops[0];
+    EXPECT_NEAR(loop.length, 8, 1e-12);
+    EXPECT_NEAR(loop.size, std::sqrt(10.0), 1e-12);
+    EXPECT_TRUE(loop.is_planar);
+    EXPECT_NEAR(loop.normal.y(), 1, 1e-12);
+    EXPECT_EQ(loop.symmetry_axis, 1);
+    EXPECT_EQ(loop.symmetry_at, 0);
+    const TriMesh ball = icosphere(3);
+    const Checkup torn = checkup(without(ball, [&](int t) { return centroid(ball, t).z() > 0.5; }));
+    ASSERT_EQ(torn.loops.size(), 1u);
+    EXPECT_EQ(torn.loops[0].symmetry_axis, -1);
+}
+
+TEST(Checkup, AFlatSheetHasNoSymmetryPlane) {
+    EXPECT_EQ(checkup(strip(2, 1, 4, 2)).loops.at(0).symmetry_axis, -1);
+    EXPECT_TRUE(checkup(strip(2, 1, 4, 2)).loops.at(0).is_planar);
+}
+
+TEST(Checkup, FoldsAreFoundAndKnifeEdgesAreNone) {
+    TriMesh sheet = strip(4, 4, 4, 4, 0);
+    EXPECT_TRUE(checkup(sheet).inverted_triangles.empty());
+    for (int v = 0; v < sheet.num_vertices(); ++v)
+        if ((sheet.vertices.row(v) - Eigen::RowVector3d(2, 2, 0)).norm() < 1e-9) sheet.vertices.row(v) << 3.2, 2.6, 0;
+    const Checkup folded = checkup(sheet);
+    EXPECT_FALSE(folded.inverted_triangles.empty());
+    for (const int t : folded.inverted_triangles) EXPECT_LT(area_vector(sheet, t).z(), 0);
+    TriMesh wedge = box_surface({4, 1, 1}, 6);  // to an edge of 1.4 degrees at x = 4
+    for (int v = 0; v < wedge.num_vertices(); ++v)
+        wedge.vertices(v, 2) = (wedge.vertices(v, 2) - 0.5) * 0.1 * (1.0 - wedge.vertices(v, 0) / 4.001);
+    EXPECT_TRUE(checkup(wedge).inverted_triangles.empty());
+}
+
+TEST(Checkup, HistogramsHoldEverything) {
+    const TriMesh mesh = capped_cylinder(12, 3);
+    const Checkup found = checkup(mesh);
+    const auto sum = [](const Histogram& h) { return std::accumulate(h.counts.begin(), h.counts.end(), 0); };
+    EXPECT_EQ(sum(found.quality.angles_deg), 3 * mesh.num_triangles());
+    EXPECT_EQ(sum(found.quality.ratios), mesh.num_triangles());
+    EXPECT_EQ(sum(found.quality.edges), found.adjacent.num_edges());
+    const SurfaceQuality even = checkup(icosphere(0)).quality;
+    EXPECT_NEAR(even.mean, 1, 1e-12);
+    EXPECT_NEAR(even.smallest, 1, 1e-12);
+    EXPECT_EQ(even.angles_deg.counts[4] + even.angles_deg.counts[3], 60);
+}
+
+TEST(Checkup, EveryDefectIsMarked) {
+    TriMesh mesh = turned(icosphere(2), [](int t) { return t == 9; });
+    add_triangle(mesh, mesh.triangles(30, 0), mesh.triangles(30, 1), mesh.triangles(30, 2));
+    add_vertex(mesh, {5, 5, 5});
+    const DefectFields fields = defect_fields(mesh, checkup(mesh));
+    const auto marked = [](const std::vector<Field>& list, const std::string& name) {
+        for (const Field& field : list)
+            if (field.name == name) return std::get<std::vector<int>>(field.values);
+        return std::vector<int>{};
+    };
+    EXPECT_EQ(marked(fields.cells, "misoriented").at(9), 1);
+    EXPECT_EQ(marked(fields.cells, "duplicate").back(), 1);
+    EXPECT_EQ(marked(fields.cells, "nonmanifold_edge").at(30), 1);
+    EXPECT_EQ(marked(fields.points, "isolated").back(), 1);
+    EXPECT_NO_THROW(vtp_bytes(mesh, fields.points, fields.cells));
+}
+
+TEST(Checkup, AdviceNamesTheOptions) {
+    EXPECT_TRUE(advice(checkup(icosphere(1))).empty());
+    const auto flipped = advice(checkup(turned(icosphere(1), [](int t) { return t == 0; })));
+    ASSERT_EQ(flipped.size(), 1u);
+    EXPECT_NE(flipped[0].find("--orient would mend 1 kind of defect"), std::string::npos) << flipped[0];
+    const auto moebius = advice(checkup(twisted_band(24, 1)));
+    EXPECT_NE(moebius.back().find("orientable"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace strake

@@ -45,8 +45,8 @@ public:
         : given_(given),
           options_(options),
           progress_(progress),
-          base_(base_surface(given, options.angle_deg * radians)) {
-        result_.edge_length = options.edge_length > 0 ? options.edge_length : base_.mean_edge;
+          base_(base_surface(given, options.angle_deg * radians, options.edge_length)) {
+        result_.edge_length = base_.edge_length;
         const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
         if (!(triangles <= options.max_triangles))
             throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
@@ -88,8 +88,13 @@ private:
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact();
         record.flips = flip_edges(mesh_, loose_);
-        smooth(mesh_, loose_);
-        record.largest_move = smooth(mesh_, loose_);
+        const Towards goal = record.iteration + 3 > options_.iterations ? Towards::equilateral : Towards::centres;
+        smooth(mesh_, loose_, goal);
+        record.largest_move = smooth(mesh_, loose_, goal);
+        if (goal == Towards::equilateral) {
+            polish(mesh_, firm_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8);
+            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, firm_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8); }
+        }
         record.triangles = mesh_.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);

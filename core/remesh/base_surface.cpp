@@ -141,6 +141,7 @@ void find_corner_normals(BaseSurface& base) {
             if (first == start) break;
         }
         Vector3d sum = Vector3d::Zero();
+        double whole = 0;
         const Vector3d x = base.points[base.from(start)];
         const auto walk = [&](auto&& visit) {
             for (int h = first;;) {
@@ -152,11 +153,14 @@ void find_corner_normals(BaseSurface& base) {
         };
         walk([&](int h) {
             const Vector3d u = base.points[base.from(base.next(h))] - x, w = base.points[base.from(base.prev(h))] - x;
-            sum += std::atan2(u.cross(w).norm(), u.dot(w)) * base.normal[h / 3];
+            const double angle = std::atan2(u.cross(w).norm(), u.dot(w));
+            sum += angle * base.normal[h / 3];
+            whole += angle;
             done[h] = 1;
         });
         const double length = sum.norm();
-        walk([&](int h) { base.corner_normal[h] = length > 1e-3 ? Vector3d(sum / length) : base.normal[h / 3]; });
+        const bool is_tip = length < 0.9 * whole;  // of a cone: the mean is the normal of none of its triangles
+        walk([&](int h) { base.corner_normal[h] = is_tip ? base.normal[h / 3] : Vector3d(sum / length); });
     }
 }
 

@@ -32,7 +32,7 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
     if (twice_area > 0) f.normal /= twice_area;
     f.dot = 2;
     for (const int v : {a, b, c})
-        if (mesh.role[v] == VertexRole::free) f.dot = std::min(f.dot, f.normal.dot(mesh.normal[v]));
+        if (mesh.role[v] == VertexRole::free && !mesh.bent[v]) f.dot = std::min(f.dot, f.normal.dot(mesh.normal[v]));
     return f;
 }
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {

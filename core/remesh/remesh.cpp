@@ -92,8 +92,8 @@ private:
         smooth(mesh_, loose_, goal);
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
-            polish(mesh_, firm_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8);
-            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, firm_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8); }
+            polish(mesh_, loose_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8);
+            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, loose_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8); }
         }
         record.triangles = mesh_.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();

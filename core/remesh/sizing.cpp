@@ -122,17 +122,23 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
 }  // namespace
 
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
-    Sizing sizing{longest, shortest, gradation, {}};
-    if (!(chord_error > 0)) return sizing;
+    Sizing sizing{longest, shortest, gradation, {}, {}};
+    static const double most_turn = std::getenv("TURN") ? std::atof(std::getenv("TURN")) : 0.8;
+    if (!(chord_error > 0) && most_turn <= 0) return sizing;
     const Bending bending = spread(base, spread(base, bending_at_points(base)));
     sizing.on_base.assign(base.points.size(), longest);
+    sizing.bent.assign(base.points.size(), 0);
     for (std::size_t v = 0; v < base.points.size(); ++v) {
         if (!(bending.area[v] > 0)) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();
         const double curvature = l.cwiseAbs().maxCoeff();
-        if (curvature > 0) sizing.on_base[v] = std::clamp(std::sqrt(8 * chord_error / curvature), shortest, longest);
+        if (!(curvature > 0)) continue;
+        double wanted = most_turn > 0 ? most_turn / curvature : longest;
+        if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature));
+        sizing.bent[v] = wanted < shortest;
+        sizing.on_base[v] = std::clamp(wanted, shortest, longest);
     }
     grade_on_base(base, gradation, sizing.on_base);
     return sizing;
@@ -149,7 +155,8 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
         const double twice_area = mesh.area_vector2(t).norm();
         const double longest =
             std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
-        const double limit = std::max(sizing.shortest, 2.0 * twice_area / longest);
+        static const double fl = std::getenv("FLOOR") ? std::atof(std::getenv("FLOOR")) : 1;
+        const double limit = std::max((spans ? fl : 1) * sizing.shortest, 2.0 * twice_area / longest);
         for (const int i : v)
             if (limit < mesh.limit[i] && limit < mesh.size[i]) {
                 mesh.limit[i] = limit;
@@ -192,6 +199,10 @@ void update_sizes(WorkingMesh& mesh, const Sizing& sizing) {
                                 ? sizing.longest
                                 : size_on_base(*mesh.base, sizing.on_base, mesh.foot[v], mesh.pos[v]);
         mesh.size[v] = std::min(here, mesh.limit[v]);
+        if (!sizing.bent.empty() && mesh.half[v] >= 0) {
+            const auto& t = mesh.base->tri[mesh.foot[v]];
+            mesh.bent[v] = sizing.bent[t[0]] || sizing.bent[t[1]] || sizing.bent[t[2]];
+        }
         if (mesh.limit[v] < here && mesh.half[v] >= 0) limited.push_back(v);
     }
     grade(mesh, sizing.gradation, std::move(limited));

@@ -30,6 +30,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.limit.assign(n, std::numeric_limits<double>::infinity());
     mesh.mark.assign(n, 0);
     mesh.calm.assign(n, 0);
+    mesh.bent.assign(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
         if (mesh.half[v] < 0) continue;
         mesh.foot[v] = mesh.half[v] / 3;
@@ -99,6 +100,7 @@ int WorkingMesh::split(int h) {
     origin.push_back(-1);
     mark.push_back(0);
     calm.push_back(0);
+    bent.push_back(bent[a] || bent[b]);
     for (const int v : {a, b, c}) wake(v);
     valence.push_back(g >= 0 ? 4 : 3);
     half.push_back(-1);
@@ -251,7 +253,7 @@ void WorkingMesh::compact() {
     for (int v = 0; v < num_vertices(); ++v) {
         if (half[v] < 0) continue;
         pos[n] = pos[v], normal[n] = normal[v], foot[n] = foot[v], half[n] = half[v], valence[n] = valence[v];
-        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v], calm[n] = calm[v];
+        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v], calm[n] = calm[v], bent[n] = bent[v];
         number[v] = n++;
     }
     for (std::size_t f = 0; f < features.size(); ++f) {
@@ -277,7 +279,7 @@ void WorkingMesh::compact() {
     }
     for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
     pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
-    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), mark.assign(n, 0);
+    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), bent.resize(n), mark.assign(n, 0);
     corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
     if (!group.empty()) group.resize(m);
     patch.resize(m);

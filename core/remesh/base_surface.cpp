@@ -209,7 +209,7 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length)
     find_features(mesh, adjacent, angle, base);
     number_patches(base);
     find_corner_normals(base);
-    base.tree = TriangleTree(base.points, base.tri, 4 * base.mean_edge);
+    base.tree = TriangleTree(base.points, base.tri, std::min(4 * base.mean_edge, 16 * base.edge_length));
     return base;
 }
 

@@ -20,6 +20,7 @@ public:
         std::vector<int> look;
         for (int t = 0; t < mesh_.num_triangles(); ++t)
             if (mesh_.is_alive(t) && mesh_.quality(t) < below) look.push_back(t);
+        if (look.size() > static_cast<std::size_t>(mesh_.num_triangles() / 5)) return 0;  // that is no finish
         for (int sweep = 0; sweep < 4 && !look.empty(); ++sweep) {
             for (const int t : look)
                 for (int k = 0; k < 3; ++k) count += improve(mesh_.corner[3 * t + k], below);
@@ -92,7 +93,7 @@ private:
         return true;
     }
 
-    /// Sum of 1 / quality^3 around v were it at `place`; infinite where a triangle would face away.
+    /// Sum of 1 / quality^4 around v were it at `place`; infinite where a triangle would face away.
     double cost(int v, const Place& place) {
         const Vector3d normal = mesh_.normal[v];
         mesh_.normal[v] = place.normal;
@@ -104,7 +105,7 @@ private:
             if (!is_old && (made.dot <= 1 ? made.dot < guard_.cos_natural : turns(v, p, q, made)))
                 sum = std::numeric_limits<double>::infinity();
             const double worse = 1 / std::max(made.quality, 1e-4);
-            { static const double pw = std::getenv("PW") ? std::atof(std::getenv("PW")) : 3; sum += std::pow(worse, pw); }
+            sum += (worse * worse) * (worse * worse);
             return std::isfinite(sum);
         });
         mesh_.normal[v] = normal;

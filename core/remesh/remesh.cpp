@@ -13,6 +13,7 @@ namespace strake {
 namespace {
 
 constexpr double radians = std::numbers::pi / 180;
+constexpr double worth_polishing = 0.8;  ///< quality below which a triangle's corners are moved one by one
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
@@ -51,6 +52,7 @@ public:
         if (!(triangles <= options.max_triangles))
             throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
                                     " triangles, more than ", options.max_triangles, "; choose a longer one"));
+        most_expected_ = std::max(triangles, static_cast<double>(base_.tri.size()));
         // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
         const double longest = 0.985 * result_.edge_length;
         const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
@@ -67,6 +69,7 @@ public:
 
     RemeshResult run() {
         for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
+        shorten_needles();
         for (int i = 1; i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
@@ -78,6 +81,21 @@ public:
     }
 
 private:
+    /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface takes.
+    void shorten_needles() {
+        double cuts = 0;
+        for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h)
+            if (mesh_.corner[h] >= 0 && mesh_.twin[h] < h) cuts += std::sqrt(mesh_.length2(h)) / sizing_.longest;
+        double scale = 1;
+        while (cuts > 3 * scale * most_expected_) scale *= 2;
+        for (; scale > 1; scale /= 2) {
+            split_long(mesh_, scale * too_long);
+            for (int k = 0; k < 2; ++k) collapse_short(mesh_, firm_, too_short, scale * too_long);
+            mesh_.compact();
+            flip_edges(mesh_, loose_);
+        }
+    }
+
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
@@ -92,8 +110,8 @@ private:
         smooth(mesh_, loose_, goal);
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
-            polish(mesh_, loose_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8);
-            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, loose_, std::getenv("BEL") ? std::atof(std::getenv("BEL")) : 0.8); }
+            polish(mesh_, loose_, worth_polishing);
+            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, loose_, worth_polishing); }
         }
         record.triangles = mesh_.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -127,8 +145,9 @@ private:
     /// not so late that nothing can follow.
     void note_limits(int i) {
         int count = 0;
-        if (i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
-        if (i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
+        const bool is_much = mesh_.num_triangles() > 4 * most_expected_;  // thin places everywhere: it would not end
+        if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
+        if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
             const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
@@ -196,6 +215,7 @@ private:
     Sizing sizing_;
     Guard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
+    double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
     RemeshResult result_;
 };

@@ -43,7 +43,6 @@ public:
             std::erase_if(middles, [&](int h) { return std::find(chosen_.begin(), chosen_.end(), h) == chosen_.end(); });
             level(middles);
         }
-        if (std::getenv("DBG")) fprintf(stderr, "rounded %zu\n", chosen_.size());
         return std::move(chosen_);
     }
 

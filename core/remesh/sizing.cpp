@@ -119,29 +119,59 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
     return false;
 }
 
-}  // namespace
-
-Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
-    Sizing sizing{longest, shortest, gradation, {}, {}};
-    static const double most_turn = std::getenv("TURN") ? std::atof(std::getenv("TURN")) : 0.8;
-    if (!(chord_error > 0) && most_turn <= 0) return sizing;
+/// Largest principal curvature at each point of the input; 0 where nothing is known.
+std::vector<double> curvatures(const BaseSurface& base) {
     const Bending bending = spread(base, spread(base, bending_at_points(base)));
-    sizing.on_base.assign(base.points.size(), longest);
-    sizing.bent.assign(base.points.size(), 0);
+    std::vector<double> result(base.points.size(), 0);
     for (std::size_t v = 0; v < base.points.size(); ++v) {
         if (!(bending.area[v] > 0)) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();
-        const double curvature = l.cwiseAbs().maxCoeff();
-        if (!(curvature > 0)) continue;
-        double wanted = most_turn > 0 ? most_turn / curvature : longest;
-        if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature));
-        sizing.bent[v] = wanted < shortest;
-        sizing.on_base[v] = std::clamp(wanted, shortest, longest);
+        result[v] = l.cwiseAbs().maxCoeff();
     }
-    grade_on_base(base, gradation, sizing.on_base);
-    return sizing;
+    return result;
+}
+
+/// Triangles that edges of these lengths make.
+double expected_triangles(const BaseSurface& base, const std::vector<double>& size) {
+    double sum = 0;
+    for (const auto& [a, b, c] : base.tri) {
+        const double area = 0.5 * (base.points[b] - base.points[a]).cross(base.points[c] - base.points[a]).norm();
+        const double mean = (size[a] + size[b] + size[c]) / 3;
+        sum += area / (0.4330127 * mean * mean);
+    }
+    return sum;
+}
+
+/// An edge turns the normal by at most this, radians: triangles cannot follow what bends more sharply.
+constexpr double most_turn = 0.8;
+/// What bends sharply may double the number of triangles, not more: it could be everything.
+constexpr double most_more = 2;
+
+}  // namespace
+
+Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
+    Sizing sizing{longest, shortest, gradation, {}, {}};
+    const std::vector<double> curvature = curvatures(base);
+    const double sharpest = *std::max_element(curvature.begin(), curvature.end());
+    if (!(chord_error > 0) && !(sharpest * longest > most_turn)) return sizing;
+    const std::size_t n = base.points.size();
+    const double uniform = base.area / (0.4330127 * longest * longest);
+    for (double floor = shortest; true; floor *= 2) {
+        sizing.on_base.assign(n, longest);
+        sizing.bent.assign(n, 0);
+        for (std::size_t v = 0; v < n; ++v) {
+            if (!(curvature[v] > 0)) continue;
+            sizing.bent[v] = most_turn / curvature[v] < floor;
+            double wanted = std::clamp(most_turn / curvature[v], std::min(floor, longest), longest);
+            if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature[v]));
+            sizing.on_base[v] = std::max(wanted, shortest);
+        }
+        grade_on_base(base, gradation, sizing.on_base);
+        if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= most_more * uniform)
+            return sizing;
+    }
 }
 
 int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
@@ -155,8 +185,7 @@ int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
         const double twice_area = mesh.area_vector2(t).norm();
         const double longest =
             std::sqrt(std::max({mesh.length2(3 * t), mesh.length2(3 * t + 1), mesh.length2(3 * t + 2)}));
-        static const double fl = std::getenv("FLOOR") ? std::atof(std::getenv("FLOOR")) : 1;
-        const double limit = std::max((spans ? fl : 1) * sizing.shortest, 2.0 * twice_area / longest);
+        const double limit = std::max(sizing.shortest, 2.0 * twice_area / longest);
         for (const int i : v)
             if (limit < mesh.limit[i] && limit < mesh.size[i]) {
                 mesh.limit[i] = limit;

@@ -84,8 +84,12 @@ void WorkingMesh::find_foot(int m, int h) {
         normal[m] = sum.squaredNorm() > 0.5 ? Vector3d(sum.normalized()) : base->normal[foot[m]];
         return;
     }
-    foot[m] = base->tree.closest(base->points, base->tri, base->patch, patch[h / 3], pos[m],
-                                 std::numeric_limits<double>::infinity());
+    foot[m] = -1;
+    for (const int v : {a, b, apex(h), twin[h] >= 0 ? apex(twin[h]) : a})
+        if (foot[m] < 0 && base->patch[foot[v]] == patch[h / 3]) foot[m] = project(*base, pos[m], foot[v], size[m]).triangle;
+    if (foot[m] < 0)
+        foot[m] = base->tree.closest(base->points, base->tri, base->patch, patch[h / 3], pos[m],
+                                     std::numeric_limits<double>::infinity());
     normal[m] = normal_at(*base, foot[m], pos[m]);
 }
 

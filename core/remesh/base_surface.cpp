@@ -187,7 +187,7 @@ void number_patches(BaseSurface& base) {
 
 }  // namespace
 
-BaseSurface base_surface(const TriMesh& given, double angle, double edge_length) {
+BaseSurface base_surface(const TriMesh& given, double angle, double edge_length, const std::vector<char>& frozen) {
     check(given);
     const TriMesh mesh = without_repeated_corners(given);
     const Adjacency adjacent = adjacency(mesh);
@@ -206,7 +206,7 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length)
     if (!(base.area > 0) || !std::isfinite(base.area))
         throw InvalidInput(text("remesh: ", given.num_triangles(), " triangles of total area ", base.area));
     base.edge_length = edge_length > 0 ? edge_length : base.mean_edge;
-    find_features(mesh, adjacent, angle, base);
+    find_features(mesh, adjacent, angle, frozen, base);
     number_patches(base);
     find_corner_normals(base);
     base.tree = TriangleTree(base.points, base.tri, std::min(4 * base.mean_edge, 16 * base.edge_length));

@@ -40,8 +40,9 @@ struct BaseSurface {
 };
 
 /// @param angle radians. @param edge_length wanted; 0: the mean edge length of the input.
+/// @param frozen per triangle of `tri`: it stays as it is; or empty.
 /// @throws InvalidInput where nothing of positive area is there.
-BaseSurface base_surface(const TriMesh& mesh, double angle, double edge_length);
+BaseSurface base_surface(const TriMesh& mesh, double angle, double edge_length, const std::vector<char>& frozen);
 
 struct Foot {
     Eigen::Vector3d point;

@@ -3,6 +3,9 @@
 #include "core/mesh/geometry.hpp"
 
 #include <Eigen/Geometry>
+#include <algorithm>
+#include <map>
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -13,8 +16,8 @@ using Eigen::Vector3d;
 class Kinds {
 public:
     Kinds(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<VertexFeature>& tensor, double angle,
-          BaseSurface& base)
-        : mesh_(mesh), adjacent_(adjacent), tensor_(tensor), angle_(angle), base_(base), kind_(base.twin.size(), -1),
+          const std::vector<char>& frozen, BaseSurface& base)
+        : mesh_(mesh), adjacent_(adjacent), tensor_(tensor), angle_(angle), frozen_(frozen), base_(base), kind_(base.twin.size(), -1),
           count_(base.points.size(), 0) {}
 
     std::vector<int> run() {
@@ -33,6 +36,9 @@ public:
         }
         for (int h = 0; h < halves; ++h)
             if (kind_[h] == static_cast<int>(FeatureKind::crease) && h < base_.twin[h]) go_on(h), go_on(base_.twin[h]);
+        keep_coincident();
+        for (int h = 0; h < halves; ++h)
+            if (!frozen_.empty() && frozen_[h / 3]) keep(h);
         std::vector<char> is_feature(halves);
         for (int h = 0; h < halves; ++h) is_feature[h] = kind_[h] >= 0;
         for (const int h : rounded_edges(is_feature, angle_, base_)) set(h, FeatureKind::rounded);
@@ -47,6 +53,40 @@ private:
         if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
         ++count_[base_.from(h)];
         ++count_[to(h)];
+    }
+    void keep(int h) {
+        kind_[h] = static_cast<int>(FeatureKind::kept);
+        if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
+    }
+    /// Parts that touch along edges of the same two places, without sharing them, would part or overlap otherwise.
+    void keep_coincident() {
+        const std::vector<int> place = places();
+        if (place.empty()) return;
+        std::map<std::array<int, 2>, int> first;  // feature edges by the places of their ends
+        for (int h = 0; h < static_cast<int>(kind_.size()); ++h) {
+            if (kind_[h] < 0 || base_.twin[h] > h) continue;
+            const int a = place[base_.from(h)], b = place[to(h)];
+            const auto [known, is_new] = first.insert({{std::min(a, b), std::max(a, b)}, h});
+            if (!is_new) keep(known->second), keep(h);
+        }
+    }
+    /// Number of the place of each point; empty: no two points are at one place.
+    std::vector<int> places() const {
+        const int n = static_cast<int>(base_.points.size());
+        std::vector<int> order(n), place(n, 0);
+        std::iota(order.begin(), order.end(), 0);
+        const auto before = [&](int u, int v) {
+            const Eigen::Vector3d &p = base_.points[u], &q = base_.points[v];
+            return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
+        };
+        std::sort(order.begin(), order.end(), before);
+        int count = 0;
+        for (int i = 0; i < n; ++i) {
+            if (i > 0 && before(order[i - 1], order[i])) ++count;
+            place[order[i]] = count;
+        }
+        if (count + 1 == n) place.clear();
+        return place;
     }
     bool is_weak(int h) const {
         return base_.twin[h] >= 0 && kind_[h] < 0 && turn(h) >= 0.5 * angle_ - angle_slack &&
@@ -75,6 +115,7 @@ private:
     const Adjacency& adjacent_;
     const std::vector<VertexFeature>& tensor_;
     double angle_;
+    const std::vector<char>& frozen_;
     BaseSurface& base_;
     std::vector<int> kind_, count_;  ///< count_: features at a point
 };
@@ -185,9 +226,10 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
 
 }  // namespace
 
-void find_features(const TriMesh& mesh, const Adjacency& adjacent, double angle, BaseSurface& base) {
+void find_features(const TriMesh& mesh, const Adjacency& adjacent, double angle, const std::vector<char>& frozen,
+                   BaseSurface& base) {
     const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent);
-    const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, base).run(), base);
+    const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, frozen, base).run(), base);
     assign_roles(tensor, angle, base);
     CurveWalk(base, half_of).run();
 }

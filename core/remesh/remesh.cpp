@@ -6,6 +6,7 @@
 #include "core/remesh/sizing.hpp"
 
 #include <chrono>
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -20,8 +21,8 @@ void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
 
-/// Triangles of the input that pass through others, and those beside them.
-std::vector<char> crossing_before(const BaseSurface& base) {
+/// Triangles of the input that pass through others, and those beside them. @param count of pairs
+std::vector<char> crossing_before(const BaseSurface& base, int& count) {
     std::vector<char> crosses(base.tri.size(), 0), result;
     TriMesh input;
     input.vertices.resize(base.points.size(), 3);
@@ -30,6 +31,7 @@ std::vector<char> crossing_before(const BaseSurface& base) {
     for (std::size_t t = 0; t < base.tri.size(); ++t)
         for (int k = 0; k < 3; ++k) input.triangles(t, k) = base.tri[t][k];
     const Intersections pairs = intersections(input);
+    count = static_cast<int>(pairs.apart.size() + pairs.adjacent.size());
     for (const auto* list : {&pairs.apart, &pairs.adjacent})
         for (const auto& pair : *list)
             for (const int t : pair) crosses[t] = 1;
@@ -42,11 +44,13 @@ std::vector<char> crossing_before(const BaseSurface& base) {
 /// One call of remesh().
 class Remesher {
 public:
-    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress)
+    /// @param frozen triangles of the input, as BaseSurface numbers them, that stay as they are; or empty
+    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress,
+             const std::vector<char>& frozen)
         : given_(given),
           options_(options),
           progress_(progress),
-          base_(base_surface(given, options.angle_deg * radians, options.edge_length)) {
+          base_(base_surface(given, options.angle_deg * radians, options.edge_length, frozen)) {
         result_.edge_length = base_.edge_length;
         const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
         if (!(triangles <= options.max_triangles))
@@ -78,6 +82,25 @@ public:
         count();
         result_.mesh = as_mesh(mesh_, given_.group_names);
         return std::move(result_);
+    }
+
+    /// The input where run() left intersections, and around that. @return how many triangles it has become.
+    int freeze(std::vector<char>& frozen) {
+        frozen.resize(base_.tri.size(), 0);
+        for (const auto& pair : fresh_intersections()) {
+            Eigen::AlignedBox3d box;
+            for (const int t : pair)
+                for (int h = 3 * t; h < 3 * t + 3; ++h) box.extend(mesh_.pos[mesh_.corner[h]]);
+            const double beside = 0.25 * base_.edge_length;
+            box.min().array() -= beside;
+            box.max().array() += beside;
+            for (std::size_t t = 0; t < base_.tri.size(); ++t) {
+                Eigen::AlignedBox3d own;
+                for (const int v : base_.tri[t]) own.extend(base_.points[v]);
+                if (own.intersects(box)) frozen[t] = 1;
+            }
+        }
+        return static_cast<int>(std::count(frozen.begin(), frozen.end(), 1));
     }
 
 private:
@@ -157,28 +180,33 @@ private:
     /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
     void disentangle() {
         WorkingMesh best;
-        for (int round = 0; !result_.cancelled; ++round) {
+        result_.new_intersections = std::numeric_limits<int>::max();
+        for (int round = 0, in_vain = 0; !result_.cancelled; ++round) {
             mesh_.compact();
             const std::vector<std::array<int, 2>> pairs = fresh_intersections();
             const int count = static_cast<int>(pairs.size());
-            if (round > 0 && 4 * count > 3 * result_.new_intersections) {  // no better: unite what touches first
-                if (count > result_.new_intersections) mesh_ = std::move(best);
-                return;
+            in_vain = 4 * count > 3 * result_.new_intersections ? in_vain + 1 : 0;
+            if (count < result_.new_intersections) {
+                result_.new_intersections = count;
+                best = mesh_;
             }
-            result_.new_intersections = count;
-            if (count == 0 || round == 4) return;
-            best = mesh_;
+            if (count == 0 || round == 4 || in_vain == 2) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
         }
+        if (!result_.cancelled) mesh_ = std::move(best);
     }
     std::vector<std::array<int, 2>> fresh_intersections() {
         Intersections found = intersections(as_mesh(mesh_, {}));
         std::vector<std::array<int, 2>> pairs = std::move(found.apart);
         pairs.insert(pairs.end(), found.adjacent.begin(), found.adjacent.end());
-        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_);
-        std::erase_if(pairs, [&](const std::array<int, 2>& pair) { return is_old(pair); });
+        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_, input_pairs_);
+        const auto fresh = std::stable_partition(pairs.begin(), pairs.end(),
+                                                 [&](const std::array<int, 2>& pair) { return !is_old(pair); });
+        // A fold of a few triangles must not become one of many; where bodies pass through each other, numbers differ.
+        const int old = static_cast<int>(pairs.end() - fresh), bound = static_cast<int>(base_.tri.size()) / 200;
+        if (old <= input_pairs_ || input_pairs_ > bound) pairs.erase(fresh, pairs.end());
         return pairs;
     }
     bool is_old(const std::array<int, 2>& pair) const {
@@ -217,6 +245,7 @@ private:
     WorkingMesh mesh_;
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
+    int input_pairs_ = 0;         ///< intersections of the input, once looked for
     RemeshResult result_;
 };
 
@@ -237,7 +266,19 @@ void validate(const RemeshOptions& o) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
-    return Remesher(given, options, progress).run();
+    RemeshResult best;
+    std::vector<char> frozen;
+    for (int attempt = 0, count = 0; attempt < 4; ++attempt) {
+        Remesher remesher(given, options, progress, frozen);
+        RemeshResult result = remesher.run();
+        result.frozen_triangles = count;
+        const int left = result.new_intersections;
+        if (attempt == 0 || left < best.new_intersections || result.cancelled) best = std::move(result);
+        if (left == 0 || best.cancelled) break;
+        count = remesher.freeze(frozen);
+        if (count > 0.05 * given.num_triangles()) break;  // not here and there
+    }
+    return best;
 }
 
 }  // namespace strake

@@ -74,7 +74,9 @@ public:
     RemeshResult run() {
         for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
         shorten_needles();
-        for (int i = 1; i <= options_.iterations && !result_.cancelled; ++i) {
+        is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
+        if (is_finished_) accept_lengths();
+        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1; i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
         }
@@ -122,14 +124,15 @@ private:
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        // Evenly stretched meshes keep within the limits and would stay as they are.
-        const double tight = record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
+        // Evenly stretched meshes keep within the limits and would stay as they are. What is finished may exceed them.
+        const double tight = is_finished_ ? 1.3 : record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact();
         record.flips = flip_edges(mesh_, loose_);
-        const Towards goal = record.iteration + 3 > options_.iterations ? Towards::equilateral : Towards::centres;
+        const bool is_finish = is_finished_ || record.iteration + 3 > options_.iterations;
+        const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
         smooth(mesh_, loose_, goal);
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
@@ -142,7 +145,31 @@ private:
         if (progress_ && !progress_(record)) result_.cancelled = true;
     }
 
-    /// Hardly an edge is too long or too short.
+    /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
+    bool has_wanted_lengths() const {
+        int longer = 0, shorter = 0, all = 0;
+        for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h) {
+            if (mesh_.corner[h] < 0 || mesh_.twin[h] > h) continue;
+            const double share = std::sqrt(mesh_.length2(h)) / mesh_.wanted(mesh_.from(h), mesh_.to(h));
+            longer += share > too_long;
+            shorter += share < too_short;
+            ++all;
+        }
+        return longer < 0.01 * all && shorter < 0.15 * all;
+    }
+    /// A finished surface keeps its lengths, and its vertices move only where something is done to it.
+    void accept_lengths() {
+        for (int v = 0; v < mesh_.num_vertices(); ++v) {
+            if (mesh_.half[v] < 0) continue;
+            double sum = 0;
+            mesh_.neighbours(v, [&](int u) { sum += (mesh_.pos[u] - mesh_.pos[v]).norm(); });
+            const double mean = sum / mesh_.valence[v];
+            if (mean < 0.9 * mesh_.size[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean);
+        }
+        update_sizes(mesh_, sizing_);
+        mesh_.calm.assign(mesh_.calm.size(), 1);
+    }
+    /// Hardly an edge had to be split or collapsed.
     bool is_quiet() const {
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
@@ -241,6 +268,7 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     const BaseSurface base_;
     Sizing sizing_;
+    bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     Guard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length

@@ -59,7 +59,9 @@ Bending spread(const BaseSurface& base, const Bending& bending) {
 void grade_on_base(const BaseSurface& base, double gradation, std::vector<double>& size) {
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    for (int v = 0; v < static_cast<int>(size.size()); ++v) queue.push({size[v], v});
+    const double longest = *std::max_element(size.begin(), size.end());
+    for (int v = 0; v < static_cast<int>(size.size()); ++v)
+        if (size[v] < longest) queue.push({size[v], v});
     const auto offer = [&](int from, int to) {
         const double s = size[from] + gradation * (base.points[to] - base.points[from]).norm();
         if (s < size[to]) queue.push({size[to] = s, to});
@@ -119,12 +121,12 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
     return false;
 }
 
-/// Largest principal curvature at each point of the input; 0 where nothing is known.
-std::vector<double> curvatures(const BaseSurface& base) {
+/// Largest principal curvature at each point of the input; 0 where nothing is known, or it is less than `least`.
+std::vector<double> curvatures(const BaseSurface& base, double least) {
     const Bending bending = spread(base, spread(base, bending_at_points(base)));
     std::vector<double> result(base.points.size(), 0);
     for (std::size_t v = 0; v < base.points.size(); ++v) {
-        if (!(bending.area[v] > 0)) continue;
+        if (!(bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v])) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();
@@ -153,9 +155,10 @@ constexpr double most_more = 2;
 
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
     Sizing sizing{longest, shortest, gradation, {}, {}};
-    const std::vector<double> curvature = curvatures(base);
-    const double sharpest = *std::max_element(curvature.begin(), curvature.end());
-    if (!(chord_error > 0) && !(sharpest * longest > most_turn)) return sizing;
+    const double least = chord_error > 0 ? std::min(most_turn / longest, 8 * chord_error / (longest * longest))
+                                         : most_turn / longest;  // less does not matter
+    const std::vector<double> curvature = curvatures(base, least);
+    if (!(*std::max_element(curvature.begin(), curvature.end()) > least)) return sizing;
     const std::size_t n = base.points.size();
     const double uniform = base.area / (0.4330127 * longest * longest);
     for (double floor = shortest; true; floor *= 2) {

@@ -87,9 +87,9 @@ void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves
 /// Triangles that the moves would spoil; their vertices stay.
 bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard, int t) {
     const int a = mesh.corner[3 * t], b = mesh.corner[3 * t + 1], c = mesh.corner[3 * t + 2];
+    if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     const Facing now = facing(mesh, a, b, c);
     if (now.dot <= 1 && now.dot >= guard.cos_natural && now.quality > 0.3) return false;
-    if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
     old.dot = 2;
     for (const int v : {a, b, c})

@@ -129,9 +129,10 @@ std::string as_words(const TriMesh& before, const RemeshResult& result, const st
 
 void warn(const RemeshResult& result) {
     if (result.kept_edges > 3 * result.frozen_triangles)
-        fmt::print(stderr,
-                   "strake: note: {} edges where the surface is no manifold, or parts of it touch, are kept as they are\n",
-                   result.kept_edges);
+        fmt::print(
+            stderr,
+            "strake: note: {} edges where the surface is no manifold, or parts of it touch, are kept as they are\n",
+            result.kept_edges);
     if (result.frozen_triangles > 0)
         fmt::print(stderr,
                    "strake: note: {} triangles are left as they are: new ones in their place would intersect each "

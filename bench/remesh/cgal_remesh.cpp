@@ -1,5 +1,5 @@
-// The isotropic remeshing of CGAL as Debian ships it, for comparison: cgal_remesh IN OUT LENGTH ANGLE_DEG MODE ITERATIONS
-// MODE protect: creases are constrained and protected, split to the length before, as its manual asks;
+// The isotropic remeshing of CGAL as Debian ships it, for comparison: cgal_remesh IN OUT LENGTH ANGLE_DEG MODE
+// ITERATIONS MODE protect: creases are constrained and protected, split to the length before, as its manual asks;
 // constrain: constrained, but free to be split and collapsed. Prints the CPU seconds of reading, remeshing and writing.
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/IO/polygon_mesh_io.h>

@@ -17,7 +17,13 @@ class Kinds {
 public:
     Kinds(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<VertexFeature>& tensor, double angle,
           const std::vector<char>& frozen, BaseSurface& base)
-        : mesh_(mesh), adjacent_(adjacent), tensor_(tensor), angle_(angle), frozen_(frozen), base_(base), kind_(base.twin.size(), -1),
+        : mesh_(mesh),
+          adjacent_(adjacent),
+          tensor_(tensor),
+          angle_(angle),
+          frozen_(frozen),
+          base_(base),
+          kind_(base.twin.size(), -1),
           count_(base.points.size(), 0) {}
 
     std::vector<int> run() {
@@ -133,7 +139,8 @@ public:
         for (const bool closed : {false, true})
             for (int f = 0; f < static_cast<int>(base_.features.size()); ++f)
                 for (int end = 0; end < 2; ++end)
-                    if (!used_[f] && (closed || base_.role[base_.features[f].v[end]] == VertexRole::fixed)) walk(f, end);
+                    if (!used_[f] && (closed || base_.role[base_.features[f].v[end]] == VertexRole::fixed))
+                        walk(f, end);
     }
 
 private:

@@ -98,7 +98,8 @@ private:
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
                 const Facing old = facing(mesh_, v, p, q);
                 after.quality = std::min(after.quality, made.quality);
-                if (has_turned(guard_, old, made) && !(made.dot >= cos_at_tips && (is_tip(p) || is_tip(q) || is_tip(b))))
+                if (has_turned(guard_, old, made) &&
+                    !(made.dot >= cos_at_tips && (is_tip(p) || is_tip(q) || is_tip(b))))
                     after.dot = std::min(after.dot, made.dot);
                 if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural)
                     fits = false;

@@ -20,7 +20,12 @@ public:
         std::vector<int> look;
         for (int t = 0; t < mesh_.num_triangles(); ++t)
             if (mesh_.is_alive(t) && mesh_.quality(t) < below) look.push_back(t);
-        if (look.size() > static_cast<std::size_t>(mesh_.num_triangles() / 5)) return 0;  // that is no finish
+        const std::size_t most = mesh_.num_triangles() / 2;  // it is a finish, and takes its time
+        if (look.size() > most) {
+            std::stable_sort(look.begin(), look.end(),
+                             [&](int t, int u) { return mesh_.quality(t) > mesh_.quality(u); });
+            look.resize(most);
+        }
         for (int sweep = 0; sweep < 4 && !look.empty(); ++sweep) {
             for (const int t : look)
                 for (int k = 0; k < 3; ++k) count += improve(mesh_.corner[3 * t + k], below);
@@ -49,8 +54,9 @@ private:
                 for (int i = 0; i < (is_free ? 6 : 2); ++i) {
                     const double angle = i * std::numbers::pi / 3, length = step * mesh_.size[v];
                     Place next;
-                    const bool is_there = is_free ? on_surface(v, at, length * (std::cos(angle) * u + std::sin(angle) * w), next)
-                                                  : on_curve(v, at.s + (i == 0 ? length : -length), next);
+                    const bool is_there =
+                        is_free ? on_surface(v, at, length * (std::cos(angle) * u + std::sin(angle) * w), next)
+                                : on_curve(v, at.s + (i == 0 ? length : -length), next);
                     if (!is_there) continue;
                     const double c = cost(v, next);
                     if (c > 0.999 * best) continue;

@@ -1,7 +1,7 @@
 #include "core/remesh/remesh.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/topology.hpp"
+#include "core/remesh/crossings.hpp"
 #include "core/remesh/passes.hpp"
 #include "core/remesh/sizing.hpp"
 
@@ -19,26 +19,6 @@ constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
-}
-
-/// Triangles of the input that pass through others, and those beside them. @param count of pairs
-std::vector<char> crossing_before(const BaseSurface& base, int& count) {
-    std::vector<char> crosses(base.tri.size(), 0), result;
-    TriMesh input;
-    input.vertices.resize(base.points.size(), 3);
-    input.triangles.resize(base.tri.size(), 3);
-    for (std::size_t v = 0; v < base.points.size(); ++v) input.vertices.row(v) = base.points[v];
-    for (std::size_t t = 0; t < base.tri.size(); ++t)
-        for (int k = 0; k < 3; ++k) input.triangles(t, k) = base.tri[t][k];
-    const Intersections pairs = intersections(input);
-    count = static_cast<int>(pairs.apart.size() + pairs.adjacent.size());
-    for (const auto* list : {&pairs.apart, &pairs.adjacent})
-        for (const auto& pair : *list)
-            for (const int t : pair) crosses[t] = 1;
-    result = crosses;
-    for (std::size_t h = 0; h < base.twin.size(); ++h)
-        if (crosses[h / 3] && base.twin[h] >= 0) result[base.twin[h] / 3] = 1;
-    return result;
 }
 
 /// One call of remesh().
@@ -76,7 +56,8 @@ public:
         shorten_needles();
         is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
         if (is_finished_) accept_lengths();
-        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1; i <= options_.iterations && !result_.cancelled; ++i) {
+        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1;
+             i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
         }
@@ -89,24 +70,14 @@ public:
     /// The input where run() left intersections, and around that. @return how many triangles it has become.
     int freeze(std::vector<char>& frozen) {
         frozen.resize(base_.tri.size(), 0);
-        for (const auto& pair : fresh_intersections()) {
-            Eigen::AlignedBox3d box;
-            for (const int t : pair)
-                for (int h = 3 * t; h < 3 * t + 3; ++h) box.extend(mesh_.pos[mesh_.corner[h]]);
-            const double beside = 0.25 * base_.edge_length;
-            box.min().array() -= beside;
-            box.max().array() += beside;
-            for (std::size_t t = 0; t < base_.tri.size(); ++t) {
-                Eigen::AlignedBox3d own;
-                for (const int v : base_.tri[t]) own.extend(base_.points[v]);
-                if (own.intersects(box)) frozen[t] = 1;
-            }
-        }
+        for (const auto& pair : crossings_.fresh(mesh_))
+            crossings_.mark_beside(mesh_, pair, 0.25 * base_.edge_length, frozen);
         return static_cast<int>(std::count(frozen.begin(), frozen.end(), 1));
     }
 
 private:
-    /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface takes.
+    /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface
+    /// takes.
     void shorten_needles() {
         double cuts = 0;
         for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h)
@@ -125,7 +96,9 @@ private:
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
         // Evenly stretched meshes keep within the limits and would stay as they are. What is finished may exceed them.
-        const double tight = is_finished_ ? 1.3 : record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
+        const double tight = is_finished_                                                           ? 1.3
+                             : record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5
+                                                                                                    : 1;
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
@@ -137,7 +110,10 @@ private:
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
             polish(mesh_, loose_, worth_polishing);
-            if (record.iteration == options_.iterations) { flip_edges(mesh_, firm_); polish(mesh_, loose_, worth_polishing); }
+            if (record.iteration == options_.iterations) {
+                flip_edges(mesh_, firm_);
+                polish(mesh_, loose_, worth_polishing);
+            }
         }
         record.triangles = mesh_.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
@@ -195,7 +171,7 @@ private:
     /// not so late that nothing can follow.
     void note_limits(int i) {
         int count = 0;
-        const bool is_much = mesh_.num_triangles() > 4 * most_expected_;  // thin places everywhere: it would not end
+        const bool is_much = mesh_.num_triangles() > 12 * most_expected_;  // thin places everywhere: it would not end
         if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
         if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
             const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
@@ -210,7 +186,7 @@ private:
         result_.new_intersections = std::numeric_limits<int>::max();
         for (int round = 0, in_vain = 0; !result_.cancelled; ++round) {
             mesh_.compact();
-            const std::vector<std::array<int, 2>> pairs = fresh_intersections();
+            const std::vector<std::array<int, 2>> pairs = crossings_.fresh(mesh_);
             const int count = static_cast<int>(pairs.size());
             in_vain = 4 * count > 3 * result_.new_intersections ? in_vain + 1 : 0;
             if (count < result_.new_intersections) {
@@ -223,24 +199,6 @@ private:
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
         }
         if (!result_.cancelled) mesh_ = std::move(best);
-    }
-    std::vector<std::array<int, 2>> fresh_intersections() {
-        Intersections found = intersections(as_mesh(mesh_, {}));
-        std::vector<std::array<int, 2>> pairs = std::move(found.apart);
-        pairs.insert(pairs.end(), found.adjacent.begin(), found.adjacent.end());
-        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_, input_pairs_);
-        const auto fresh = std::stable_partition(pairs.begin(), pairs.end(),
-                                                 [&](const std::array<int, 2>& pair) { return !is_old(pair); });
-        // A fold of a few triangles must not become one of many; where bodies pass through each other, numbers differ.
-        const int old = static_cast<int>(pairs.end() - fresh), bound = static_cast<int>(base_.tri.size()) / 200;
-        if (old <= input_pairs_ || input_pairs_ > bound) pairs.erase(fresh, pairs.end());
-        return pairs;
-    }
-    bool is_old(const std::array<int, 2>& pair) const {
-        for (const int t : pair)
-            for (int h = 3 * t; h < 3 * t + 3; ++h)
-                if (crossing_[mesh_.foot[mesh_.corner[h]]]) return true;
-        return false;
     }
     void shorten(const std::array<int, 2>& pair) {
         for (const int t : pair)
@@ -269,11 +227,10 @@ private:
     const BaseSurface base_;
     Sizing sizing_;
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
-    Guard firm_, loose_;  ///< of collapses; of flips and smoothing
+    Guard firm_, loose_;        ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
-    std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
-    int input_pairs_ = 0;         ///< intersections of the input, once looked for
+    Crossings crossings_{base_};
     RemeshResult result_;
 };
 

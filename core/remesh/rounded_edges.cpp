@@ -13,8 +13,8 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double half_width = 0.1;     ///< of a strip, in wanted edge lengths
-constexpr double least_share = 0.75;   ///< of the turning within twice the width; the rest of a bend is a curved flank
+constexpr double half_width = 0.1;    ///< of a strip, in wanted edge lengths
+constexpr double least_share = 0.75;  ///< of the turning within twice the width; the rest of a bend is a curved flank
 constexpr double least_turn = 0.05;   ///< radians; flatter edges are not the middle of anything
 constexpr double least_length = 1.0;  ///< of a chain, in wanted edge lengths
 
@@ -27,8 +27,12 @@ struct Walk {
 class RoundedEdges {
 public:
     RoundedEdges(const std::vector<char>& is_feature, double angle, BaseSurface& base)
-        : is_feature_(is_feature), angle_(std::max(angle, std::numbers::pi / 3)), base_(base), taken_(is_feature),
-          count_(base.points.size(), 0), beside_feature_(base.points.size(), 0) {}
+        : is_feature_(is_feature),
+          angle_(std::max(angle, std::numbers::pi / 3)),
+          base_(base),
+          taken_(is_feature),
+          count_(base.points.size(), 0),
+          beside_feature_(base.points.size(), 0) {}
 
     std::vector<int> run() {
         const int halves = static_cast<int>(base_.twin.size());
@@ -40,7 +44,8 @@ public:
             std::vector<int> middles = chosen_;
             close_gaps();
             drop_short_chains();
-            std::erase_if(middles, [&](int h) { return std::find(chosen_.begin(), chosen_.end(), h) == chosen_.end(); });
+            std::erase_if(middles,
+                          [&](int h) { return std::find(chosen_.begin(), chosen_.end(), h) == chosen_.end(); });
             level(middles);
         }
         return std::move(chosen_);

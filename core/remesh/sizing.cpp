@@ -146,6 +146,15 @@ double expected_triangles(const BaseSurface& base, const std::vector<double>& si
     return sum;
 }
 
+/// Share of the area whose triangles have a marked corner.
+double share_of_area(const BaseSurface& base, const std::vector<char>& marks) {
+    double sum = 0;
+    for (const auto& [a, b, c] : base.tri)
+        if (marks[a] || marks[b] || marks[c])
+            sum += 0.5 * (base.points[b] - base.points[a]).cross(base.points[c] - base.points[a]).norm();
+    return sum / base.area;
+}
+
 /// An edge turns the normal by at most this, radians: triangles cannot follow what bends more sharply.
 constexpr double most_turn = 0.8;
 /// What bends sharply may double the number of triangles, not more: it could be everything.
@@ -171,6 +180,7 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
             if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature[v]));
             sizing.on_base[v] = std::max(wanted, shortest);
         }
+        if (share_of_area(base, sizing.bent) > 0.05) sizing.bent.assign(n, 0);  // no tip: the edges are far too long
         grade_on_base(base, gradation, sizing.on_base);
         if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= most_more * uniform)
             return sizing;

@@ -93,7 +93,8 @@ bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard,
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
     old.dot = 2;
     for (const int v : {a, b, c})
-        if (mesh.role[v] == VertexRole::free && !mesh.bent[v]) old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
+        if (mesh.role[v] == VertexRole::free && !mesh.bent[v])
+            old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
     if (now.quality < std::min(0.3, old.quality)) return true;
     if (now.dot > 1) return old.quality > no_area && now.normal.dot(old.normal) < guard.cos_natural;
     if (!has_turned(guard, old, now)) return false;

@@ -95,10 +95,7 @@ private:
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        // Evenly stretched meshes keep within the limits and would stay as they are. What is finished may exceed them.
-        const double tight = is_finished_                                                           ? 1.3
-                             : record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5
-                                                                                                    : 1;
+        const double tight = tightness(record.iteration);
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
@@ -119,6 +116,15 @@ private:
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);
         if (progress_ && !progress_(record)) result_.cancelled = true;
+    }
+
+    /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
+    /// are; what is finished may exceed it.
+    double tightness(int iteration) const {
+        if (is_finished_) return 1.3;
+        if (iteration > 7 || !is_quiet()) return 1;
+        const double mean = mean_quality_inside();
+        return mean >= 0.977 ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
     }
 
     /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.

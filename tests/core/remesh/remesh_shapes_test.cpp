@@ -129,7 +129,7 @@ TEST(RemeshShapes, CreaseFadingBelowTheAngleInBetweenIsOneCurve) {
                 -std::tan(std::abs(mesh.vertices(v, 0) - 10.5) < 0.6 ? dip : 0.5) * std::abs(mesh.vertices(v, 1) - 0.5);
         return mesh;
     };
-    const TriMesh mesh = roof(0.315);
+    const TriMesh mesh = roof(0.34);
     ASSERT_EQ(creases_of(mesh, 40).size(), 19u);  // one edge is of less than 40 degrees
     ASSERT_EQ(creases_of(roof(0.5), 40).size(), 20u);
     const RemeshResult result = remesh(mesh, {.edge_length = 0.3, .angle_deg = 40});

@@ -33,6 +33,9 @@ picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_
 "$bin/make_surface" naca0012 --triangles 1500 -o "$work/needles.obj"
 "$bin/strake" remesh "$work/needles.obj" -o "$work/even.obj" --edge-length 0.08 --quiet
 picture remesh.png "$work/needles.obj" "$work/even.obj" --edges --view=-1,-0.7,0.6 --titles "before|strake remesh" --size 560,360
+"$bin/make_surface" lifting_body --triangles 1500 -o "$work/coarse.obj"
+"$bin/strake" remesh "$work/coarse.obj" -o "$work/coarse-even.obj" --edge-length 2.5% --quiet
+picture remesh-body.png "$work/coarse.obj" "$work/coarse-even.obj" --edges --view=-1,-1,1 --titles "before|strake remesh" --size 560,420
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
         --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420

@@ -101,6 +101,7 @@ std::string as_json(const TriMesh& before, const RemeshResult& result, const std
                                       {"border_edges", result.border_edges},
                                       {"corners", result.corners},
                                       {"kept_edges", result.kept_edges},
+                                      {"frozen_triangles", result.frozen_triangles},
                                       {"new_intersections", result.new_intersections},
                                       {"quality_before", as_json(quality_of(before))},
                                       {"quality", as_json(quality_of(result.mesh))},
@@ -127,11 +128,16 @@ std::string as_words(const TriMesh& before, const RemeshResult& result, const st
 }
 
 void warn(const RemeshResult& result) {
-    if (result.kept_edges > 0)
+    if (result.kept_edges > 3 * result.frozen_triangles)
+        fmt::print(
+            stderr,
+            "strake: note: {} edges where the surface is no manifold, or parts of it touch, are kept as they are\n",
+            result.kept_edges);
+    if (result.frozen_triangles > 0)
         fmt::print(stderr,
-                   "strake: note: {} edges where the surface is no manifold are kept as they are, and with them the "
-                   "triangles beside them\n",
-                   result.kept_edges);
+                   "strake: note: {} triangles are left as they are: new ones in their place would intersect each "
+                   "other\n",
+                   result.frozen_triangles);
     if (result.new_intersections > 0)
         fmt::print(stderr,
                    "strake: warning: {} pairs of triangles intersect that did not before: parts touch or nearly touch; "

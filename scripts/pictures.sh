@@ -45,6 +45,9 @@ for fill in planar smooth; do
 done
 picture repair.png "$work/torn.vtp:misoriented" "$work/planar.obj" "$work/smooth.obj" --edges --view=-1,-0.7,1.2 \
     --titles "torn|strake repair|with --fill smooth" --size 520,360
+"$bin/make_surface" lifting_body --triangles 1500 -o "$work/coarse.obj"
+"$bin/strake" remesh "$work/coarse.obj" -o "$work/coarse-even.obj" --edge-length 2.5% --quiet
+picture remesh-body.png "$work/coarse.obj" "$work/coarse-even.obj" --edges --view=-1,-1,1 --titles "before|strake remesh" --size 560,420
 if [ -n "$wing" ]; then
     picture wing.png $start "$wing"/best.obj "$work/wing.vtp:level_2" \
         --view=-1,-0.7,0.45 --titles "before|after: more volume, hardly more skin|patches, level 2" --size 640,420

@@ -32,14 +32,17 @@ struct BaseSurface {
     Curves curves;
     TriangleTree tree;
     double diagonal = 0, area = 0, mean_edge = 0;
+    double edge_length = 0;  ///< wanted
 
     int next(int h) const { return h % 3 == 2 ? h - 2 : h + 1; }
     int prev(int h) const { return h % 3 == 0 ? h + 2 : h - 1; }
     int from(int h) const { return tri[h / 3][h % 3]; }
 };
 
-/// @param angle radians. @throws InvalidInput where nothing of positive area is there.
-BaseSurface base_surface(const TriMesh& mesh, double angle);
+/// @param angle radians. @param edge_length wanted; 0: the mean edge length of the input.
+/// @param frozen per triangle of `tri`: it stays as it is; or empty.
+/// @throws InvalidInput where nothing of positive area is there.
+BaseSurface base_surface(const TriMesh& mesh, double angle, double edge_length, const std::vector<char>& frozen);
 
 struct Foot {
     Eigen::Vector3d point;

@@ -7,7 +7,7 @@
 /// output that slides on one is a number s, its place a point of a segment of the input. Internal to core/remesh.
 namespace strake {
 
-enum class FeatureKind : char { crease, boundary, border, kept };
+enum class FeatureKind : char { crease, boundary, border, kept, rounded };
 
 /// An edge whose ends lie on curve `curve` at s[0] < s[1]. On a closed curve s runs on beyond its length.
 struct FeatureEdge {

@@ -35,6 +35,8 @@ struct Worst {
     }
 };
 
+constexpr double cos_at_tips = 0.75;
+
 class Collapse {
 public:
     Collapse(WorkingMesh& mesh, const Guard& guard, double longest) : mesh_(mesh), guard_(guard), longest_(longest) {}
@@ -71,6 +73,14 @@ private:
         return fits;
     }
 
+    /// The apex of a cone: however small its triangles are, they turn as far as there are few of them.
+    bool is_tip(int v) const {
+        if (mesh_.role[v] != VertexRole::fixed) return false;
+        bool is_alone = true;
+        mesh_.around(v, [&](int h) { return is_alone = mesh_.feature[h] < 0 && mesh_.twin[h] >= 0; });
+        return is_alone;
+    }
+
     /// The triangles left face the way that the input does, and are no worse than those before.
     bool faces(int a, int b, int h, const Foot& foot, bool moves) {
         Worst before, after;
@@ -88,7 +98,9 @@ private:
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
                 const Facing old = facing(mesh_, v, p, q);
                 after.quality = std::min(after.quality, made.quality);
-                if (has_turned(guard_, old, made)) after.dot = std::min(after.dot, made.dot);
+                if (has_turned(guard_, old, made) &&
+                    !(made.dot >= cos_at_tips && (is_tip(p) || is_tip(q) || is_tip(b))))
+                    after.dot = std::min(after.dot, made.dot);
                 if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural)
                     fits = false;
                 return true;

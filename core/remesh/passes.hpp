@@ -32,7 +32,7 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
     if (twice_area > 0) f.normal /= twice_area;
     f.dot = 2;
     for (const int v : {a, b, c})
-        if (mesh.role[v] == VertexRole::free) f.dot = std::min(f.dot, f.normal.dot(mesh.normal[v]));
+        if (mesh.role[v] == VertexRole::free && !mesh.bent[v]) f.dot = std::min(f.dot, f.normal.dot(mesh.normal[v]));
     return f;
 }
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
@@ -53,8 +53,20 @@ inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made
 int split_long(WorkingMesh& mesh, double factor);
 int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest);
 int flip_edges(WorkingMesh& mesh, const Guard& guard);
-/// Moves vertices along the surface to the centres of their neighbourhoods. @return the largest move in wanted lengths.
-double smooth(WorkingMesh& mesh, const Guard& guard);
+/// Centres spread vertices evenly; equilateral triangles are the finish, with the worst of them counting most.
+enum class Towards { centres, equilateral };
+/// Moves vertices along the surface. @return the largest move in wanted lengths.
+double smooth(WorkingMesh& mesh, const Guard& guard, Towards goal);
+
+/// Moves the vertices of triangles of lower quality than `below` to where the worst triangle around each is best.
+/// @return how many moved.
+int polish(WorkingMesh& mesh, const Guard& guard, double below);
+
+/// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
+struct RidgeEdges {
+    int before = -1, after = -1;
+};
+RidgeEdges ridge_edges(const WorkingMesh& mesh, int v);
 
 /// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
 void in_parts(int n, int threads, const std::function<void(int, int)>& f);

@@ -1,11 +1,12 @@
 #include "core/remesh/remesh.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/topology.hpp"
+#include "core/remesh/crossings.hpp"
 #include "core/remesh/passes.hpp"
 #include "core/remesh/sizing.hpp"
 
 #include <chrono>
+#include <limits>
 #include <numbers>
 #include <thread>
 
@@ -13,44 +14,29 @@ namespace strake {
 namespace {
 
 constexpr double radians = std::numbers::pi / 180;
+constexpr double worth_polishing = 0.8;  ///< quality below which a triangle's corners are moved one by one
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
 
-/// Triangles of the input that pass through others, and those beside them.
-std::vector<char> crossing_before(const BaseSurface& base) {
-    std::vector<char> crosses(base.tri.size(), 0), result;
-    TriMesh input;
-    input.vertices.resize(base.points.size(), 3);
-    input.triangles.resize(base.tri.size(), 3);
-    for (std::size_t v = 0; v < base.points.size(); ++v) input.vertices.row(v) = base.points[v];
-    for (std::size_t t = 0; t < base.tri.size(); ++t)
-        for (int k = 0; k < 3; ++k) input.triangles(t, k) = base.tri[t][k];
-    const Intersections pairs = intersections(input);
-    for (const auto* list : {&pairs.apart, &pairs.adjacent})
-        for (const auto& pair : *list)
-            for (const int t : pair) crosses[t] = 1;
-    result = crosses;
-    for (std::size_t h = 0; h < base.twin.size(); ++h)
-        if (crosses[h / 3] && base.twin[h] >= 0) result[base.twin[h] / 3] = 1;
-    return result;
-}
-
 /// One call of remesh().
 class Remesher {
 public:
-    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress)
+    /// @param frozen triangles of the input, as BaseSurface numbers them, that stay as they are; or empty
+    Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress,
+             const std::vector<char>& frozen)
         : given_(given),
           options_(options),
           progress_(progress),
-          base_(base_surface(given, options.angle_deg * radians)) {
-        result_.edge_length = options.edge_length > 0 ? options.edge_length : base_.mean_edge;
+          base_(base_surface(given, options.angle_deg * radians, options.edge_length, frozen)) {
+        result_.edge_length = base_.edge_length;
         const double triangles = base_.area / (0.4330127 * result_.edge_length * result_.edge_length);
         if (!(triangles <= options.max_triangles))
             throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
                                     " triangles, more than ", options.max_triangles, "; choose a longer one"));
+        most_expected_ = std::max(triangles, static_cast<double>(base_.tri.size()));
         // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
         const double longest = 0.985 * result_.edge_length;
         const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
@@ -67,7 +53,11 @@ public:
 
     RemeshResult run() {
         for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
-        for (int i = 1; i <= options_.iterations && !result_.cancelled; ++i) {
+        shorten_needles();
+        is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
+        if (is_finished_) accept_lengths();
+        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1;
+             i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
         }
@@ -77,26 +67,91 @@ public:
         return std::move(result_);
     }
 
+    /// The input where run() left intersections, and around that. @return how many triangles it has become.
+    int freeze(std::vector<char>& frozen) {
+        frozen.resize(base_.tri.size(), 0);
+        for (const auto& pair : crossings_.fresh(mesh_))
+            crossings_.mark_beside(mesh_, pair, 0.25 * base_.edge_length, frozen);
+        return static_cast<int>(std::count(frozen.begin(), frozen.end(), 1));
+    }
+
 private:
+    /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface
+    /// takes.
+    void shorten_needles() {
+        double cuts = 0;
+        for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h)
+            if (mesh_.corner[h] >= 0 && mesh_.twin[h] < h) cuts += std::sqrt(mesh_.length2(h)) / sizing_.longest;
+        double scale = 1;
+        while (cuts > 3 * scale * most_expected_) scale *= 2;
+        for (; scale > 1; scale /= 2) {
+            split_long(mesh_, scale * too_long);
+            for (int k = 0; k < 2; ++k) collapse_short(mesh_, firm_, too_short, scale * too_long);
+            mesh_.compact();
+            flip_edges(mesh_, loose_);
+        }
+    }
+
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        // Evenly stretched meshes keep within the limits and would stay as they are.
-        const double tight = record.iteration <= 6 && is_quiet() && mean_quality_inside() < 0.977 ? 0.5 : 1;
+        const double tight = tightness(record.iteration);
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact();
         record.flips = flip_edges(mesh_, loose_);
-        smooth(mesh_, loose_);
-        record.largest_move = smooth(mesh_, loose_);
+        const bool is_finish = is_finished_ || record.iteration + 3 > options_.iterations;
+        const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
+        smooth(mesh_, loose_, goal);
+        record.largest_move = smooth(mesh_, loose_, goal);
+        if (goal == Towards::equilateral) {
+            polish(mesh_, loose_, worth_polishing);
+            if (record.iteration == options_.iterations) {
+                flip_edges(mesh_, firm_);
+                polish(mesh_, loose_, worth_polishing);
+            }
+        }
         record.triangles = mesh_.num_triangles();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);
         if (progress_ && !progress_(record)) result_.cancelled = true;
     }
 
-    /// Hardly an edge is too long or too short.
+    /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
+    /// are; what is finished may exceed it.
+    double tightness(int iteration) const {
+        if (is_finished_) return 1.3;
+        if (iteration > 7 || !is_quiet()) return 1;
+        const double mean = mean_quality_inside();
+        return mean >= 0.977 ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
+    }
+
+    /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
+    bool has_wanted_lengths() const {
+        int longer = 0, shorter = 0, all = 0;
+        for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h) {
+            if (mesh_.corner[h] < 0 || mesh_.twin[h] > h) continue;
+            const double share = std::sqrt(mesh_.length2(h)) / mesh_.wanted(mesh_.from(h), mesh_.to(h));
+            longer += share > too_long;
+            shorter += share < too_short;
+            ++all;
+        }
+        return longer < 0.01 * all && shorter < 0.15 * all;
+    }
+    /// A finished surface keeps its lengths, and its vertices move only where something is done to it.
+    void accept_lengths() {
+        for (int v = 0; v < mesh_.num_vertices(); ++v) {
+            if (mesh_.half[v] < 0) continue;
+            double sum = 0;
+            mesh_.neighbours(v, [&](int u) { sum += (mesh_.pos[u] - mesh_.pos[v]).norm(); });
+            const double mean = sum / mesh_.valence[v];
+            if (mean < 0.9 * mesh_.size[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean);
+        }
+        update_sizes(mesh_, sizing_);
+        mesh_.calm.assign(mesh_.calm.size(), 1);
+    }
+    /// Hardly an edge had to be split or collapsed.
     bool is_quiet() const {
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
@@ -122,8 +177,9 @@ private:
     /// not so late that nothing can follow.
     void note_limits(int i) {
         int count = 0;
-        if (i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
-        if (i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
+        const bool is_much = mesh_.num_triangles() > 12 * most_expected_;  // thin places everywhere: it would not end
+        if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
+        if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
             const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
@@ -133,35 +189,22 @@ private:
     /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
     void disentangle() {
         WorkingMesh best;
-        for (int round = 0; !result_.cancelled; ++round) {
+        result_.new_intersections = std::numeric_limits<int>::max();
+        for (int round = 0, in_vain = 0; !result_.cancelled; ++round) {
             mesh_.compact();
-            const std::vector<std::array<int, 2>> pairs = fresh_intersections();
+            const std::vector<std::array<int, 2>> pairs = crossings_.fresh(mesh_);
             const int count = static_cast<int>(pairs.size());
-            if (round > 0 && 4 * count > 3 * result_.new_intersections) {  // no better: unite what touches first
-                if (count > result_.new_intersections) mesh_ = std::move(best);
-                return;
+            in_vain = 4 * count > 3 * result_.new_intersections ? in_vain + 1 : 0;
+            if (count < result_.new_intersections) {
+                result_.new_intersections = count;
+                best = mesh_;
             }
-            result_.new_intersections = count;
-            if (count == 0 || round == 4) return;
-            best = mesh_;
+            if (count == 0 || round == 4 || in_vain == 2) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
         }
-    }
-    std::vector<std::array<int, 2>> fresh_intersections() {
-        Intersections found = intersections(as_mesh(mesh_, {}));
-        std::vector<std::array<int, 2>> pairs = std::move(found.apart);
-        pairs.insert(pairs.end(), found.adjacent.begin(), found.adjacent.end());
-        if (!pairs.empty() && crossing_.empty()) crossing_ = crossing_before(base_);
-        std::erase_if(pairs, [&](const std::array<int, 2>& pair) { return is_old(pair); });
-        return pairs;
-    }
-    bool is_old(const std::array<int, 2>& pair) const {
-        for (const int t : pair)
-            for (int h = 3 * t; h < 3 * t + 3; ++h)
-                if (crossing_[mesh_.foot[mesh_.corner[h]]]) return true;
-        return false;
+        if (!result_.cancelled) mesh_ = std::move(best);
     }
     void shorten(const std::array<int, 2>& pair) {
         for (const int t : pair)
@@ -189,9 +232,11 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     const BaseSurface base_;
     Sizing sizing_;
-    Guard firm_, loose_;  ///< of collapses; of flips and smoothing
+    bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
+    Guard firm_, loose_;        ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
-    std::vector<char> crossing_;  ///< triangles of the input at its own intersections; empty: not looked for
+    double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
+    Crossings crossings_{base_};
     RemeshResult result_;
 };
 
@@ -212,7 +257,19 @@ void validate(const RemeshOptions& o) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
-    return Remesher(given, options, progress).run();
+    RemeshResult best;
+    std::vector<char> frozen;
+    for (int attempt = 0, count = 0; attempt < 4; ++attempt) {
+        Remesher remesher(given, options, progress, frozen);
+        RemeshResult result = remesher.run();
+        result.frozen_triangles = count;
+        const int left = result.new_intersections;
+        if (attempt == 0 || left < best.new_intersections || result.cancelled) best = std::move(result);
+        if (left == 0 || best.cancelled) break;
+        count = remesher.freeze(frozen);
+        if (count > 0.05 * given.num_triangles()) break;  // not here and there
+    }
+    return best;
 }
 
 }  // namespace strake

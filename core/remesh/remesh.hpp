@@ -41,6 +41,7 @@ struct RemeshResult {
     bool cancelled = false;                                      ///< the mesh is valid all the same
     int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
     int corners = 0, kept_edges = 0;                             ///< vertices and edges that stay as they are
+    int frozen_triangles = 0;   ///< of the input, left as they are: other ones intersected each other there
     int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; 0 but for rare cases
     std::vector<RemeshRecord> records;
 };

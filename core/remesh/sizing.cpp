@@ -59,7 +59,9 @@ Bending spread(const BaseSurface& base, const Bending& bending) {
 void grade_on_base(const BaseSurface& base, double gradation, std::vector<double>& size) {
     using Entry = std::pair<double, int>;
     std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    for (int v = 0; v < static_cast<int>(size.size()); ++v) queue.push({size[v], v});
+    const double longest = *std::max_element(size.begin(), size.end());
+    for (int v = 0; v < static_cast<int>(size.size()); ++v)
+        if (size[v] < longest) queue.push({size[v], v});
     const auto offer = [&](int from, int to) {
         const double s = size[from] + gradation * (base.points[to] - base.points[from]).norm();
         if (s < size[to]) queue.push({size[to] = s, to});
@@ -119,23 +121,70 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
     return false;
 }
 
-}  // namespace
-
-Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
-    Sizing sizing{longest, shortest, gradation, {}};
-    if (!(chord_error > 0)) return sizing;
+/// Largest principal curvature at each point of the input; 0 where nothing is known, or it is less than `least`.
+std::vector<double> curvatures(const BaseSurface& base, double least) {
     const Bending bending = spread(base, spread(base, bending_at_points(base)));
-    sizing.on_base.assign(base.points.size(), longest);
+    std::vector<double> result(base.points.size(), 0);
     for (std::size_t v = 0; v < base.points.size(); ++v) {
-        if (!(bending.area[v] > 0)) continue;
+        if (!(bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v])) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();
-        const double curvature = l.cwiseAbs().maxCoeff();
-        if (curvature > 0) sizing.on_base[v] = std::clamp(std::sqrt(8 * chord_error / curvature), shortest, longest);
+        result[v] = l.cwiseAbs().maxCoeff();
     }
-    grade_on_base(base, gradation, sizing.on_base);
-    return sizing;
+    return result;
+}
+
+/// Triangles that edges of these lengths make.
+double expected_triangles(const BaseSurface& base, const std::vector<double>& size) {
+    double sum = 0;
+    for (const auto& [a, b, c] : base.tri) {
+        const double area = 0.5 * (base.points[b] - base.points[a]).cross(base.points[c] - base.points[a]).norm();
+        const double mean = (size[a] + size[b] + size[c]) / 3;
+        sum += area / (0.4330127 * mean * mean);
+    }
+    return sum;
+}
+
+/// Share of the area whose triangles have a marked corner.
+double share_of_area(const BaseSurface& base, const std::vector<char>& marks) {
+    double sum = 0;
+    for (const auto& [a, b, c] : base.tri)
+        if (marks[a] || marks[b] || marks[c])
+            sum += 0.5 * (base.points[b] - base.points[a]).cross(base.points[c] - base.points[a]).norm();
+    return sum / base.area;
+}
+
+/// An edge turns the normal by at most this, radians: triangles cannot follow what bends more sharply.
+constexpr double most_turn = 0.8;
+/// What bends sharply may double the number of triangles, not more: it could be everything.
+constexpr double most_more = 2;
+
+}  // namespace
+
+Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
+    Sizing sizing{longest, shortest, gradation, {}, {}};
+    const double least = chord_error > 0 ? std::min(most_turn / longest, 8 * chord_error / (longest * longest))
+                                         : most_turn / longest;  // less does not matter
+    const std::vector<double> curvature = curvatures(base, least);
+    if (!(*std::max_element(curvature.begin(), curvature.end()) > least)) return sizing;
+    const std::size_t n = base.points.size();
+    const double uniform = base.area / (0.4330127 * longest * longest);
+    for (double floor = shortest; true; floor *= 2) {
+        sizing.on_base.assign(n, longest);
+        sizing.bent.assign(n, 0);
+        for (std::size_t v = 0; v < n; ++v) {
+            if (!(curvature[v] > 0)) continue;
+            sizing.bent[v] = most_turn / curvature[v] < floor;
+            double wanted = std::clamp(most_turn / curvature[v], std::min(floor, longest), longest);
+            if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature[v]));
+            sizing.on_base[v] = std::max(wanted, shortest);
+        }
+        if (share_of_area(base, sizing.bent) > 0.05) sizing.bent.assign(n, 0);  // no tip: the edges are far too long
+        grade_on_base(base, gradation, sizing.on_base);
+        if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= most_more * uniform)
+            return sizing;
+    }
 }
 
 int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {
@@ -192,6 +241,10 @@ void update_sizes(WorkingMesh& mesh, const Sizing& sizing) {
                                 ? sizing.longest
                                 : size_on_base(*mesh.base, sizing.on_base, mesh.foot[v], mesh.pos[v]);
         mesh.size[v] = std::min(here, mesh.limit[v]);
+        if (!sizing.bent.empty() && mesh.half[v] >= 0) {
+            const auto& t = mesh.base->tri[mesh.foot[v]];
+            mesh.bent[v] = sizing.bent[t[0]] || sizing.bent[t[1]] || sizing.bent[t[2]];
+        }
         if (mesh.limit[v] < here && mesh.half[v] >= 0) limited.push_back(v);
     }
     grade(mesh, sizing.gradation, std::move(limited));

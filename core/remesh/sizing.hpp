@@ -9,6 +9,7 @@ struct Sizing {
     double gradation;          ///< change per distance
     /// Per point of the input, from its curvature; empty: uniform.
     std::vector<double> on_base;
+    std::vector<char> bent;  ///< per point of the input: it would have to be shorter than `shortest`
 };
 /// @param chord_error > 0: l^2 / 8R is at most this; 0: uniform.
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error);

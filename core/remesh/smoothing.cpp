@@ -30,8 +30,30 @@ Vector3d centre(const WorkingMesh& mesh, int v) {
     return whole > 0 ? Vector3d(x + sum / (3 * whole)) : x;
 }
 
-void move_free(const WorkingMesh& mesh, int v, Moves& moves) {
-    Vector3d shift = centre(mesh, v) - mesh.pos[v];
+/// Where the triangles around v would be equilateral, weighted by how far they are from it. All vertices move at once:
+/// the whole way would make them swing.
+Vector3d towards_equilateral(const WorkingMesh& mesh, int v) {
+    constexpr double share = 0.6, of_wanted = 0.2;
+    Vector3d sum = Vector3d::Zero();
+    double whole = 0;
+    const Vector3d x = mesh.pos[v];
+    mesh.around(v, [&](int h) {
+        const int a = mesh.to(h), b = mesh.apex(h);
+        const Vector3d p = mesh.pos[a], q = mesh.pos[b], up = mesh.normal[v].cross(q - p);
+        const double length = up.norm();  // of the edge across, seen along the normal
+        if (!(length > 0)) return true;
+        const double side =
+            (1 - of_wanted) * (q - p).norm() + of_wanted * (0.5 * mesh.size[v] + 0.25 * (mesh.size[a] + mesh.size[b]));
+        const double weight = std::sqrt(1.02 - shape_quality(x, p, q));
+        sum += weight * (0.5 * (p + q) + 0.8660254037844386 * side / length * up);
+        whole += weight;
+        return true;
+    });
+    return whole > 0 ? Vector3d(x + share * (sum / whole - x)) : x;
+}
+
+void move_free(const WorkingMesh& mesh, Towards goal, int v, Moves& moves) {
+    Vector3d shift = (goal == Towards::centres ? centre(mesh, v) : towards_equilateral(mesh, v)) - mesh.pos[v];
     shift -= shift.dot(mesh.normal[v]) * mesh.normal[v];
     const Foot foot = project(*mesh.base, mesh.pos[v] + shift, mesh.foot[v], 0.5 * mesh.size[v]);
     const Vector3d normal = normal_at(*mesh.base, foot.triangle, foot.point);
@@ -39,23 +61,6 @@ void move_free(const WorkingMesh& mesh, int v, Moves& moves) {
     moves.pos[v] = foot.point;
     moves.foot[v] = foot.triangle;
     moves.normal[v] = normal;
-}
-
-/// The two features at a ridge: the one that ends there and the one that begins there.
-struct RidgeEdges {
-    int before = -1, after = -1;
-};
-RidgeEdges ridge_edges(const WorkingMesh& mesh, int v) {
-    RidgeEdges edges;
-    const auto note = [&](int f) {
-        if (f >= 0) (mesh.features[f].v[1] == v ? edges.before : edges.after) = f;
-    };
-    mesh.around(v, [&](int h) {
-        note(mesh.feature[h]);
-        if (mesh.twin[mesh.prev(h)] < 0) note(mesh.feature[mesh.prev(h)]);
-        return true;
-    });
-    return edges;
 }
 
 void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves) {
@@ -82,13 +87,14 @@ void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves
 /// Triangles that the moves would spoil; their vertices stay.
 bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard, int t) {
     const int a = mesh.corner[3 * t], b = mesh.corner[3 * t + 1], c = mesh.corner[3 * t + 2];
+    if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     const Facing now = facing(mesh, a, b, c);
     if (now.dot <= 1 && now.dot >= guard.cos_natural && now.quality > 0.3) return false;
-    if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
     old.dot = 2;
     for (const int v : {a, b, c})
-        if (mesh.role[v] == VertexRole::free) old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
+        if (mesh.role[v] == VertexRole::free && !mesh.bent[v])
+            old.dot = std::min(old.dot, old.normal.dot(before.normal[v]));
     if (now.quality < std::min(0.3, old.quality)) return true;
     if (now.dot > 1) return old.quality > no_area && now.normal.dot(old.normal) < guard.cos_natural;
     if (!has_turned(guard, old, now)) return false;
@@ -146,14 +152,27 @@ double settle(WorkingMesh& mesh, const Moves& before) {
 
 }  // namespace
 
-double smooth(WorkingMesh& mesh, const Guard& guard) {
+RidgeEdges ridge_edges(const WorkingMesh& mesh, int v) {
+    RidgeEdges edges;
+    const auto note = [&](int f) {
+        if (f >= 0) (mesh.features[f].v[1] == v ? edges.before : edges.after) = f;
+    };
+    mesh.around(v, [&](int h) {
+        note(mesh.feature[h]);
+        if (mesh.twin[mesh.prev(h)] < 0) note(mesh.feature[mesh.prev(h)]);
+        return true;
+    });
+    return edges;
+}
+
+double smooth(WorkingMesh& mesh, const Guard& guard, Towards goal) {
     const int n = mesh.num_vertices();
     Moves moves{mesh.pos, mesh.normal, mesh.foot, std::vector<double>(n, 0.0)};
     in_parts(n, guard.threads, [&](int begin, int end) {
         for (int v = begin; v < end; ++v) {
             if (mesh.half[v] < 0 || mesh.calm[v]) continue;
             if (mesh.role[v] == VertexRole::free)
-                move_free(mesh, v, moves);
+                move_free(mesh, goal, v, moves);
             else if (mesh.role[v] == VertexRole::ridge)
                 move_ridge(mesh, guard, v, moves);
         }

@@ -48,7 +48,7 @@ TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vecto
 /// Halves the longest side until it is short.
 void TriangleTree::cut(const Vector3d& a, const Vector3d& b, const Vector3d& c, int t, double piece, int depth) {
     const double ab = (b - a).squaredNorm(), bc = (c - b).squaredNorm(), ca = (a - c).squaredNorm();
-    if (depth >= 6 || std::max({ab, bc, ca}) <= piece * piece) {
+    if (depth >= 8 || std::max({ab, bc, ca}) <= piece * piece) {
         pieces_.push_back({a.cwiseMin(b).cwiseMin(c), a.cwiseMax(b).cwiseMax(c), t});
     } else if (ab >= bc && ab >= ca) {
         const Vector3d m = 0.5 * (a + b);

@@ -26,6 +26,7 @@ struct WorkingMesh {
     std::vector<double> size;             ///< wanted edge length
     std::vector<double> limit;            ///< what thin places ask for; infinite elsewhere
     std::vector<VertexRole> role;
+    std::vector<char> bent;  ///< the input bends more sharply here than the shortest edges: its normal says nothing
     std::vector<char> calm;  ///< smoothing has nothing to do until something changes nearby
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1

@@ -81,7 +81,7 @@ def evaluate(request_file, result_file):
     flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=1)
     turn_stream("case", request["variables"]["alpha"])
     with open(result_file, "w", encoding="ascii") as file:
-        json.dump({"values": solve("case", 150)}, file)
+        json.dump({"values": solve("case", 120)}, file)
     flow.clean("case")
 
 

@@ -15,7 +15,6 @@ import numpy as np
 sys.dont_write_bytecode = True
 sys.path.insert(0, sys.argv.pop(1))
 import drag
-import foam
 from body_surface import sphere
 
 

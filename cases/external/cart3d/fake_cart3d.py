@@ -14,7 +14,7 @@ import sys
 sys.dont_write_bytecode = True  # no __pycache__ beside the case
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), ".."))
 from newton import force
-from volume import cross, dot, minus, read_obj
+from volume import cross, dot, read_obj
 
 SURFACE = "Components.i.tri"
 

@@ -3,7 +3,8 @@
 
     wave.py REQUEST RESULT            an evaluation for Strake, in the current folder
     wave.py prepare SURFACE           builds mesh and start solution about the start shape, in generated/base
-    wave.py rebuild FACTOR SURFACE..  drag of surfaces on new meshes of FACTOR times the resolution, one line each
+    wave.py rebuild FACTOR SURFACE..  drag of surfaces on new meshes of FACTOR times the resolution, one line each,
+                                      begun from the flow in generated/base
 
 The drag is that over dynamic pressure and the square of the unit of length; the stream comes along x at Mach 2.
 """
@@ -60,7 +61,8 @@ def rebuild(factor, files):
     sizes = flow.refined(CELLS, factor)
     for file in files:
         cells = flow.build(TEMPLATE, "rebuilt", foam.read_obj(file), sizes)
-        print(f"{file}: {cells} cells, drag {solve('rebuilt', round(500 * float(factor))):.6f}", flush=True)
+        flow.start_near(BASE, "rebuilt")
+        print(f"{file}: {cells} cells, drag {solve('rebuilt', round(250 * float(factor))):.6f}", flush=True)
         flow.clean("rebuilt")
 
 

@@ -24,8 +24,10 @@ public:
         try {
             walk();
         } catch (const Interrupted&) {
+            state_.leave_level();
             conclude_interrupted(state_.result);
         } catch (const Awaited&) {
+            state_.leave_level();
             conclude_waiting(state_.result);
         }
         return state_.result;

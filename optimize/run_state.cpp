@@ -226,12 +226,22 @@ void RunState::begin_level_again() {
     evaluator.enter(space);
 }
 
-void RunState::end_level(const std::string& why) {
+void RunState::complete_summary(const std::string& why) {
     LevelSummary& summary = result.levels.back();
     summary.evaluations = result.evaluations - summary.evaluations;
     summary.stop = why;
     summary.objective_end = level_best_objective;
-    if (events.level_end) events.level_end(summary);
+}
+
+void RunState::end_level(const std::string& why) {
+    complete_summary(why);
+    if (events.level_end) events.level_end(result.levels.back());
+}
+
+void RunState::leave_level() {
+    if (result.levels.empty() || !result.levels.back().stop.empty()) return;
+    complete_summary("it has not ended");
+    if (!level_has_started_) result.levels.back().objective_start = std::numeric_limits<double>::quiet_NaN();
 }
 
 bool ProgressWatch::slackened(double merit, double violation) {

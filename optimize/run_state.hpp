@@ -41,6 +41,7 @@ public:
     /// There are finer patches than the present ones.
     bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary
+    void leave_level();                      ///< the run goes on another time: the summary as far as it is known
     void begin_level_again();                ///< from its best design, under the limits of now
 
     int evaluations_left() const { return limits().evaluations - result.evaluations; }
@@ -79,6 +80,7 @@ private:
     void check_design(const Eigen::VectorXd& x) const;
     static void check_values(const JournalEvaluation& then, const EvaluationRecord& record);
     void keep(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, EvaluationRecord& record);
+    void complete_summary(const std::string& why);
 
     Journal* journal_ = nullptr;
     RunLimits level_limits_;  ///< when the level began or was begun again

@@ -26,6 +26,16 @@ solver_surface() {  # FOLDER NAME SURFACE TRIANGLES
 solver_surface openfoam_drag body.obj bluff_body 4000
 solver_surface openfoam_supersonic body.obj ellipsoid 3000
 solver_surface openfoam_wing wing.obj wing 5000
+# Those of the hand-over to SU2 and Cart3D, whose programs are played by scripts.
+solver_surface su2 body.obj ellipsoid 600
+if [ ! -e "$cases/external/su2/generated/mesh.su2" ]; then
+    "$cases/external/su2/fake_su2.py" mesh "$cases/external/su2/generated/body.obj" "$cases/external/su2/generated"
+fi
+solver_surface cart3d body.obj ellipsoid 600
+if [ ! -e "$cases/external/cart3d/generated/body.tri" ]; then
+    "$cases/external/cart3d/fake_cart3d.py" components "$cases/external/cart3d/generated/body.obj" \
+        "$cases/external/cart3d/generated/body.tri"
+fi
 # The shape that cases/wing/fit.yaml is to recover.
 if [ ! -e "$wing/target.obj" ] || [ "$cases/wing/target.yaml" -nt "$wing/target.obj" ] ||
    [ "$wing/wing.obj" -nt "$wing/target.obj" ]; then

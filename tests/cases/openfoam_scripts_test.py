@@ -16,11 +16,6 @@ import foam
 from body_surface import sphere
 
 
-def volume(vertices, triangles):
-    a, b, c = (vertices[triangles[:, k]] for k in range(3))
-    return float(np.einsum("ij,ij->", a, np.cross(b, c)) / 6)
-
-
 class Carry(unittest.TestCase):
     def setUp(self):
         self.surface = sphere(24, 32)
@@ -55,29 +50,6 @@ class Carry(unittest.TestCase):
         d, g = random.normal(size=self.surface[0].shape), random.normal(size=self.points.shape)
         self.assertAlmostEqual(np.sum(self.map.apply(d) * g), np.sum(d * self.map.transpose(g)), places=11)
 
-    def sensitivity_of(self, s):
-        """By the surface's vertices, from values s at the centres of the mesh's faces, whose normals point inward."""
-        inward = [face[::-1] for face in self.faces]
-        numbers = foam.points_of(inward)
-        ordered, _ = carry.SurfaceMap.between(*self.surface, self.points[numbers])
-        centres = np.array([self.points[face].mean(axis=0) for face in inward])
-        return ordered.transpose(carry.by_points(self.points, inward, numbers, s(centres)))
-
-    def test_sign_and_area_by_the_volume(self):
-        """A functional with sensitivity -1 along inward normals is the volume: dilation changes it by 3 V."""
-        gradient = self.sensitivity_of(lambda x: -np.ones(len(x)))
-        self.assertAlmostEqual(np.sum(gradient * self.surface[0]), 3 * volume(self.points, self.faces), delta=0.05)
-        self.assertGreater(np.sum(gradient * self.surface[0]), 0)
-        np.testing.assert_allclose(gradient.sum(axis=0), 0, atol=1e-12)
-
-    def test_an_analytic_functional(self):
-        """J = integral of x^2 over the body; shifting the sphere by d along x changes it by 0, stretching along x by
-        d: dJ = integral of x^2 n_x x d over the sphere = 3 d 4 pi / 15."""
-        gradient = self.sensitivity_of(lambda x: -x[:, 0] ** 2)
-        stretch = self.surface[0] * [1, 0, 0]
-        self.assertAlmostEqual(np.sum(gradient * stretch) / (12 * np.pi / 15), 1, delta=0.05)
-        self.assertAlmostEqual(gradient[:, 0].sum(), 0, places=3)
-
 
 class Files(unittest.TestCase):
     def setUp(self):
@@ -111,6 +83,12 @@ class Files(unittest.TestCase):
     def test_a_patch_field(self):
         values = foam.read_patch_field(self.field("3\n(\n1\n-2e-3\n0\n)"), "body", 1)
         self.assertEqual(values.tolist(), [[1], [-2e-3], [0]])
+
+    def test_values_in_the_cells(self):
+        path = self.write("cells", "internalField nonuniform List<vector> \n2\n(\n(1 2 3)\n(4 5 -6e-1)\n)\n;\n\nboundaryField\n{\n"
+                                   "    body\n    {\n        value nonuniform List<vector> \n1\n(\n(7 8 9)\n)\n;\n    }\n}\n")
+        self.assertEqual(foam.read_cell_field(path, 3).tolist(), [[1, 2, 3], [4, 5, -0.6]])
+        self.assertEqual(foam.read_patch_field(path, "body", 3).tolist(), [[7, 8, 9]])
 
     def test_wrong_fields_end_the_evaluation(self):
         for values in ("3\n(\n1\n2\n)", "2\n(\n1\nnan\n)"):

@@ -15,7 +15,6 @@ import numpy as np
 sys.dont_write_bytecode = True
 sys.path.insert(0, sys.argv.pop(1))
 import drag
-import foam
 from body_surface import sphere
 
 
@@ -59,7 +58,7 @@ def main():
     slope, difference = float(np.sum(gradient * thicker)), (values[0] - values[1]) / (2 * step)
     print(f"drag {value}, slope by the adjoint {slope:.4f}, by differences {difference:.4f}")
     assert 0.2 < value < 0.6, value
-    assert 0.7 < slope / difference < 1.3, "the adjoint is far off, even for so coarse a mesh"
+    assert 0.9 < slope / difference < 1.1, "the adjoint is far off, even for so coarse a mesh"
 
 
 if __name__ == "__main__":

@@ -248,6 +248,10 @@ TEST(Replay, AStopOnRequestIsNoFailure) {
     EXPECT_EQ(stopped.evaluations, 3);
     EXPECT_GT(stopped.best_evaluation, 0);
     EXPECT_FALSE(stopped.is_done());
+    // The level that was cut short tells what it has found, not zeros.
+    EXPECT_EQ(stopped.levels.back().evaluations, 3);
+    EXPECT_EQ(stopped.levels.back().objective_end, stopped.objective);
+    EXPECT_FALSE(stopped.levels.back().stop.empty());
     EXPECT_EQ(run(problem, Journal::open(folder / "j").get()).history, whole.history);
 }
 

@@ -68,26 +68,3 @@ class SurfaceMap:
         for k in range(3):
             np.add.at(out, self.corners[:, k], self.weights[:, k:k + 1] * at_points)
         return out
-
-
-def face_geometry(points, faces):
-    """Area vectors of polygons (by the fan about their mean point, as OpenFOAM does), n x 3."""
-    areas = np.zeros((len(faces), 3))
-    for n, face in enumerate(faces):
-        corners = points[face]
-        middle = corners.mean(axis=0)
-        areas[n] = 0.5 * np.cross(corners - middle, np.roll(corners, -1, axis=0) - middle).sum(axis=0)
-    return areas
-
-
-def by_points(points, faces, numbers, sensitivity):
-    """Derivatives by the boundary points (in the order of `numbers`, n x 3) from sensitivities of the faces.
-
-    `sensitivity` is per area and unit shift along OpenFOAM's face normal, which points out of the fluid, so into the
-    body: dJ = sum_f s_f A_f n_f . d_f, with d_f the mean of the shifts of the face's points."""
-    row = {number: k for k, number in enumerate(numbers)}
-    out = np.zeros((len(numbers), 3))
-    for area, s, face in zip(face_geometry(points, faces), sensitivity, faces):
-        for k in face:
-            out[row[int(k)]] += s * area / len(face)
-    return out

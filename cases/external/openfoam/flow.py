@@ -56,6 +56,11 @@ def latest(folder):
     return max((name for name in os.listdir(folder) if re.fullmatch(r"[0-9.]+", name)), key=float)
 
 
+def start_near(base, folder):
+    """The fields to start from, interpolated from those of another mesh: sooner done than from the stream."""
+    foam.run(folder, "mapFields", base, "-consistent", "-sourceTime", "0", "-mapMethod", "interpolate")
+
+
 def save_map(folder, surface):
     """Ties the points of the patch `body` to the surface about which the mesh was built."""
     mesh = os.path.join(folder, "constant/polyMesh")

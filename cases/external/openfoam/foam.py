@@ -82,17 +82,23 @@ def write_points(mesh, points):
         file.write(header("vectorField", "points") + vector_list(points))
 
 
-def read_patch(mesh, name):
-    """Faces of a boundary patch: a list of arrays of point numbers; normals point out of the fluid."""
+def patch_range(mesh, name):
+    """Numbers of the faces of a boundary patch."""
     boundary = body_of(os.path.join(mesh, "boundary")).decode()
     found = re.search(rf"\b{name}\s*\{{(.*?)\}}", boundary, re.DOTALL)
     if not found:
         fail(f"{mesh}/boundary: no patch '{name}'")
-    count = int(re.search(r"nFaces\s+(\d+)", found[1])[1])
-    start = int(re.search(r"startFace\s+(\d+)", found[1])[1])
-    faces = re.findall(rb"\d+\(([^)]*)\)", body_of(os.path.join(mesh, "faces")))[start:start + count]
-    if len(faces) != count or count == 0:
-        fail(f"{mesh}/faces: {len(faces)} faces of patch '{name}', expected {count} > 0")
+    start, count = (int(re.search(rf"{key}\s+(\d+)", found[1])[1]) for key in ("startFace", "nFaces"))
+    return np.arange(start, start + count)
+
+
+def read_patch(mesh, name):
+    """Faces of a boundary patch: a list of arrays of point numbers; normals point out of the fluid."""
+    rows = patch_range(mesh, name)
+    all_faces = re.findall(rb"\d+\(([^)]*)\)", body_of(os.path.join(mesh, "faces")))
+    faces = all_faces[rows[0]:rows[-1] + 1] if len(rows) else []
+    if len(faces) != len(rows) or not faces:
+        fail(f"{mesh}/faces: {len(faces)} faces of patch '{name}', expected {len(rows)} > 0")
     return [np.array(face.split(), dtype=int) for face in faces]
 
 
@@ -101,19 +107,28 @@ def points_of(faces):
     return list(dict.fromkeys(int(k) for face in faces for k in face))
 
 
+def read_list(path, text, what, components):
+    """Values of the first nonuniform list in `text`, a part of the file `path`, rows x components."""
+    found = text and re.search(rb"nonuniform\s+List<\w+>\s*(\d+)\s*\((.*?)\)\s*;", text, re.DOTALL)
+    if not found:
+        fail(f"{path}: no nonuniform values {what}")
+    values = numbers(found[2])
+    if values.size != int(found[1]) * components:
+        fail(f"{path}: {values.size} numbers {what}, expected {int(found[1])} x {components}")
+    if not np.all(np.isfinite(values)):
+        fail(f"{path}: not finite {what}")
+    return values.reshape(-1, components)
+
+
+def read_cell_field(path, components):
+    """Values in the cells of a volume field, cells x components."""
+    return read_list(path, body_of(path).partition(b"boundaryField")[0], "in the cells", components)
+
+
 def read_patch_field(path, name, components):
     """Values on a patch of a volume field, faces x components."""
-    data = body_of(path)
-    found = re.search(rb"boundaryField.*?\b" + name.encode() + rb"\s*\{(.*?)\n\s*\}", data, re.DOTALL)
-    value = found and re.search(rb"\bvalue\s+nonuniform\s+List<\w+>\s*(\d+)\s*\((.*)\)\s*;", found[1], re.DOTALL)
-    if not value:
-        fail(f"{path}: no nonuniform values on patch '{name}'")
-    values = numbers(value[2])
-    if values.size != int(value[1]) * components:
-        fail(f"{path}: {values.size} numbers on patch '{name}', expected {int(value[1])} x {components}")
-    if not np.all(np.isfinite(values)):
-        fail(f"{path}: not finite on patch '{name}'")
-    return values.reshape(-1, components)
+    found = re.search(rb"\b" + name.encode() + rb"\s*\{(.*?)\n\s*\}", body_of(path).partition(b"boundaryField")[2], re.DOTALL)
+    return read_list(path, found and found[1], f"on patch '{name}'", components)
 
 
 def read_columns(path):

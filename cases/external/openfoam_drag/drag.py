@@ -14,14 +14,16 @@ import sys
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, "../openfoam"))
-import carry
+import domain
 import flow
 import foam
+from mesh import Mesh
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
 CELLS = {"cellsAlong": 24, "cellsAcross": 18}  # of the wind tunnel, before refinement
 OUTSIDE = {"inlet": "fixed", "outlet": "fixed", "sides": "symmetry"}  # what they do when the mesh moves
 ITERATIONS = 1500
+VISCOSITY = 0.005  # as in transportProperties: Reynolds number 200
 
 
 def solve(folder):
@@ -34,13 +36,24 @@ def solve(folder):
 
 
 def adjoint(folder):
-    """Sensitivities of the drag per area and shift along the normals of the faces of the body."""
+    """The adjoint of the drag, beside the flow in the last time folder."""
     flow.start_from(folder, ["U", "p", "phi"])
     flow.steps(folder, 2 * ITERATIONS)
     told = foam.run(folder, "adjointOptimisationFoam")
     if told.count("solution converged in") < 2 and told.count("converged") < 2:
         foam.fail(f"the adjoint has not converged in {ITERATIONS} iterations")
-    return foam.read_patch_field(os.path.join(folder, flow.latest(folder), "faceSensNormaladjS1SI"), "body", 1)[:, 0]
+
+
+def by_body(folder):
+    """The derivative of the drag by the points of the body, in OpenFOAM's order."""
+    mesh, fields = Mesh.read(os.path.join(folder, "constant/polyMesh")), os.path.join(folder, flow.latest(folder))
+    body = foam.patch_range(os.path.join(folder, "constant/polyMesh"), "body")
+    read = lambda name, components: foam.read_cell_field(os.path.join(fields, name), components)
+    on_wall = -foam.read_patch_field(os.path.join(fields, "Ua"), "body", 3)  # Ua is the adjoint times -1
+    everywhere, _ = domain.by_points(mesh, (read("U", 3), read("p", 1)[:, 0]), (-read("Ua", 3), -read("pa", 1)[:, 0]), body,
+                                     on_wall, VISCOSITY)
+    rows = mesh.corners[mesh.first[body[0]]:mesh.first[body[-1] + 1]]
+    return domain.Motion(mesh, body).transpose(everywhere)[list(dict.fromkeys(rows.tolist()))]
 
 
 def evaluate(request_file, result_file):
@@ -49,12 +62,9 @@ def evaluate(request_file, result_file):
     carried = flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE)
     result = {"value": solve("case")}
     if request["wanted"]["gradients"]:
-        sensitivity = adjoint("case")
-        mesh = "case/constant/polyMesh"
-        faces = foam.read_patch(mesh, "body")
-        by_points = carry.by_points(foam.read_points(mesh), faces, foam.points_of(faces), sensitivity)
+        adjoint("case")
         with open("gradient.csv", "w", encoding="ascii") as file:
-            for k, (x, y, z) in enumerate(carried.transpose(by_points).tolist()):
+            for k, (x, y, z) in enumerate(carried.transpose(by_body("case")).tolist()):
                 file.write(f"{k},{x!r},{y!r},{z!r}\n")
         result["gradient"] = "gradient.csv"
     with open(result_file, "w", encoding="ascii") as file:

@@ -4,7 +4,8 @@
     wing.py REQUEST RESULT                  an evaluation for Strake, in the current folder
     wing.py prepare SURFACE                 builds mesh and start solution about the start shape, in generated/base
     wing.py rebuild FACTOR SURFACE:DEG..    coefficients of surfaces at angles of attack in degrees, on new meshes of
-                                            FACTOR times the resolution, one line each
+                                            FACTOR times the resolution, one line each, begun from the flow in
+                                            generated/base
 
 The angle of attack, `variables.alpha` of the request, turns the stream, not the mesh. The coefficients are those of the
 half wing on its area of 0.78.
@@ -81,7 +82,7 @@ def evaluate(request_file, result_file):
     flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=1)
     turn_stream("case", request["variables"]["alpha"])
     with open(result_file, "w", encoding="ascii") as file:
-        json.dump({"values": solve("case", 150)}, file)
+        json.dump({"values": solve("case", 120)}, file)
     flow.clean("case")
 
 
@@ -116,7 +117,9 @@ def rebuild(factor, files):
     for name in files:
         file, degrees = name.rsplit(":", 1)
         cells = build("rebuilt", foam.read_obj(file), math.radians(float(degrees)), sizes)
-        print(f"{name}: {cells} cells, {solve('rebuilt', round(300 * float(factor)))}, {y_plus('rebuilt')}", flush=True)
+        flow.start_near(BASE, "rebuilt")
+        turn_stream("rebuilt", math.radians(float(degrees)))
+        print(f"{name}: {cells} cells, {solve('rebuilt', round(150 * float(factor)))}, {y_plus('rebuilt')}", flush=True)
         flow.clean("rebuilt")
 
 

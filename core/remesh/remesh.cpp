@@ -194,7 +194,7 @@ private:
             mesh_.compact();
             const std::vector<std::array<int, 2>> pairs = crossings_.fresh(mesh_);
             const int count = static_cast<int>(pairs.size());
-            in_vain = 4 * count > 3 * result_.new_intersections ? in_vain + 1 : 0;
+            in_vain = count > 0.75 * result_.new_intersections ? in_vain + 1 : 0;
             if (count < result_.new_intersections) {
                 result_.new_intersections = count;
                 best = mesh_;

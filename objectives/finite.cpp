@@ -38,6 +38,35 @@ QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv
     return result;
 }
 
+Quantity checked_quantity(const std::string& name, std::vector<std::string> names, const TriMesh& start,
+                          std::function<QuantityResult(const QuantityRequest&)> measure) {
+    if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
+    Quantity quantity;
+    quantity.names = std::move(names);
+    quantity.evaluate = [name, names = quantity.names, nv = start.num_vertices(), nt = start.num_triangles(),
+                         measure = std::move(measure)](const QuantityRequest& request) {
+        const auto undefined = [](const std::string& why) { return QuantityResult{{}, {}, Failure{"undefined", why}}; };
+        require_same_counts(name, request.surface, nv, nt);
+        if (auto failure = vertices_finite(name, request.surface)) return QuantityResult{{}, {}, failure};
+        QuantityResult result;
+        try {
+            result = measure(request);
+        } catch (const InvalidInput& error) {
+            return undefined(error.what());
+        }
+        for (std::size_t i = 0; i < result.values.size(); ++i)
+            if (!std::isfinite(result.values[i])) return undefined(text(names[i], " = ", result.values[i]));
+        for (std::size_t i = 0; i < result.dJ_dv.size(); ++i)
+            if (const int k = first_non_finite_row(result.dJ_dv[i]); k >= 0)
+                return undefined(text(names[i], ": the sensitivity to vertex ", k, " is not finite"));
+        for (std::size_t i = 0; i < result.dJ_down.size(); ++i)
+            if (!result.dJ_down[i].allFinite())
+                return undefined(text(names[i], ": a derivative by the case's variables is not finite"));
+        return result;
+    };
+    return quantity;
+}
+
 void require_same_counts(const std::string& quantity, const TriMesh& surface, int num_vertices, int num_triangles) {
     if (surface.num_vertices() == num_vertices && surface.num_triangles() == num_triangles) return;
     throw InvalidInput(text(quantity, ": made for a surface of ", num_vertices, " vertices and ", num_triangles,

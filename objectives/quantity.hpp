@@ -35,11 +35,15 @@ struct QuantityRequest {
     std::vector<std::pair<std::string, double>> own = {};
     /// Asked while a program runs; true: end the program and throw Interrupted.
     std::function<bool()> stop_wanted = {};
+    /// With want_sensitivities, per value whether its own are wanted; empty: all. A quantity may give more.
+    std::vector<char> wanted = {};
+
+    bool wants(std::size_t value) const { return want_sensitivities && (wanted.empty() || wanted[value]); }
 };
 
 struct QuantityResult {
     std::vector<double> values;  ///< one per name; empty after a failure
-    std::vector<Points> dJ_dv;   ///< n x 3 per value; empty when not asked for
+    std::vector<Points> dJ_dv;   ///< n x 3 per value, 0 rows where not wanted; empty when not asked for
     std::optional<Failure> failure;
     /// dJ/d(own variable) per value, at fixed shape, in the order of `QuantityRequest::own`; empty: depends on the
     /// shape alone. NaN where it is not known: by differences, if these are allowed, else a failure.

@@ -1,5 +1,6 @@
 #pragma once
 #include "cases/diagnostics.hpp"
+#include "cases/made_quantity.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell.hpp"
 #include "objectives/section_area.hpp"
@@ -53,12 +54,6 @@ struct Region {
     std::variant<BoxShape, SphereShape, HalfSpace, SolidShape, ComponentShape, PatchShape, TriangleFile> shape;
     Place place;        ///< of the name
     Place shape_place;  ///< of the shape's key
-};
-
-/// A name used somewhere, and where.
-struct Reference {
-    std::string name;
-    Place place;
 };
 
 struct LoadEntry {
@@ -174,7 +169,7 @@ struct QuantityEntry {
     std::string name;
     Place place;
     std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, MeasuredPointsEntry, LineThicknessEntry, SectionAreaEntry,
-                 ExternalEntry>
+                 ExternalEntry, MadeQuantity>
         what;
     std::vector<std::string> value_names() const;
 };

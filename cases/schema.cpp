@@ -1,5 +1,6 @@
 #include "cases/schema_parts.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 namespace strake {
@@ -30,6 +31,11 @@ const std::vector<Key>& schema() {
         for (const auto& part :
              {surface_keys(), shell_keys(), parameter_keys(), given_keys(), variable_keys(), goal_keys(), run_keys()})
             all.insert(all.end(), part.begin(), part.end());
+        // Those of the families of quantities stand with the other keys of quantities.
+        const auto objective =
+            std::find_if(all.begin(), all.end(), [](const Key& key) { return key.path == "objective"; });
+        const std::vector<Key> family = aero_keys();
+        all.insert(objective, family.begin(), family.end());
         return all;
     }();
     return keys;

@@ -10,9 +10,9 @@ std::vector<Key> goal_keys() {
         {.path = "quantities.*", .doc = "Exactly one of type (built in) and command (a program)."},
         {.path = "quantities.*.type",
          .type = Type::word,
-         .doc = "Built-in quantity: enclosed volume, surface area, mean square distance to a target or of measured "
-                "points, thickness along lines, area of a plane section.",
-         .words = {"volume", "area", "target_shape", "measured_points", "thickness", "section_area"}},
+         .doc = "Built-in quantity; docs/objectives.md tells what each of them is.",
+         .words = {"volume", "area", "target_shape", "measured_points", "thickness", "section_area", "newtonian",
+                   "wave_drag", "friction", "projected_area"}},
         {.path = "quantities.*.file",
          .type = Type::file,
          .doc = "The target surface; or the measured points, rows x,y,z[,weight].",

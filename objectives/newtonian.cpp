@@ -177,15 +177,11 @@ Quantity newtonian(const std::string& name, const TriMesh& start, const Newtonia
         if (!request.want_sensitivities) return result;
         result.dJ_dv.resize(num_values);
         result.dJ_down.resize(num_values);
-        const std::array<int, 2>& own = impact.state().own;
         for (int i = 0; i < num_values; ++i) {
             if (!request.wants(static_cast<std::size_t>(i))) continue;
             std::array<double, 2> by_angle;
             result.dJ_dv[i] = impact.gradient(i, by_angle);
-            if (own[0] < 0 && own[1] < 0) continue;
-            result.dJ_down[i] = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(request.own.size()));
-            for (int angle = 0; angle < 2; ++angle)
-                if (own[angle] >= 0) result.dJ_down[i][own[angle]] += by_angle[angle];
+            result.dJ_down[i] = own_derivatives(impact.state(), request, by_angle);
         }
         return result;
     });

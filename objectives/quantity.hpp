@@ -65,6 +65,13 @@ struct Residuals {
 /// where there are no residuals or one is not finite.
 using ResidualFunction = std::function<Residuals(const TriMesh& surface, const TriMesh& matched)>;
 
+/// How a value follows from other values of the same evaluation.
+struct Combination {
+    std::vector<std::string> of;  ///< values of quantities further up in the list, or own variables
+    /// At these values, in the order of `of`; `gradient` (maybe null) becomes the derivatives by them.
+    std::function<double(const Eigen::VectorXd& values, Eigen::VectorXd* gradient)> value;
+};
+
 struct Quantity {
     std::vector<std::string> names;  ///< one per value: "volume", or "aero.drag", "aero.lift"
     std::function<QuantityResult(const QuantityRequest&)> evaluate;
@@ -78,6 +85,8 @@ struct Quantity {
     /// Where gradients cost a program of their own: `evaluate` of a request that wants none gives the values, and this
     /// the sensitivities (without values) of the same request, later, if anybody asks. Empty: `evaluate` gives both.
     std::function<QuantityResult(const QuantityRequest&)> differentiate = {};
+    /// Instead of `evaluate`: the one value is made of others.
+    std::optional<Combination> combination = {};
 };
 
 }  // namespace strake

@@ -22,6 +22,22 @@ double angle_of(const std::string& name, const FlowAngle& angle, const std::vect
 
 }  // namespace
 
+Eigen::VectorXd own_derivatives(const StreamState& at, const QuantityRequest& request,
+                                const std::array<double, 2>& by_angle) {
+    if (at.own[0] < 0 && at.own[1] < 0) return {};
+    Eigen::VectorXd by_own = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(request.own.size()));
+    for (int angle = 0; angle < 2; ++angle)
+        if (at.own[angle] >= 0) by_own[at.own[angle]] += by_angle[angle];
+    return by_own;
+}
+
+Eigen::VectorXd own_derivatives(const StreamState& at, const QuantityRequest& request,
+                                const Eigen::Vector3d& by_drag_axis) {
+    return own_derivatives(
+        at, request,
+        std::array<double, 2>{by_drag_axis.dot(at.by_angle[0].drag), by_drag_axis.dot(at.by_angle[1].drag)});
+}
+
 void check_stream(const std::string& name, const Stream& stream) {
     const double across = stream.forward.stableNormalized().cross(stream.up.stableNormalized()).norm();
     if (!stream.forward.allFinite() || !stream.up.allFinite() || !(across > 1e-6))

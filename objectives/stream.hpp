@@ -33,6 +33,13 @@ struct StreamState {
     std::array<int, 2> own = {-1, -1};   ///< where alpha and beta stand among the own variables; -1: fixed
 };
 
+/// dJ/d(own variables) from the derivatives by alpha and beta; empty where both are fixed.
+Eigen::VectorXd own_derivatives(const StreamState& at, const QuantityRequest& request,
+                                const std::array<double, 2>& by_angle);
+/// The same of a value that depends on the direction of the flow, `by_drag_axis` across it.
+Eigen::VectorXd own_derivatives(const StreamState& at, const QuantityRequest& request,
+                                const Eigen::Vector3d& by_drag_axis);
+
 /// @throws InvalidInput: vectors that are zero, not finite or parallel; angles that are not finite.
 void check_stream(const std::string& name, const Stream& stream);
 

@@ -95,9 +95,9 @@ Eigen::MatrixXd eminton_matrix(const std::vector<double>& stations) {
         for (Eigen::Index j = 0; j < n; ++j) {
             const double a = stations[static_cast<std::size_t>(i)], b = stations[static_cast<std::size_t>(j)];
             const double sum = a + b - 2 * a * b, root = std::sqrt(a * b * (1 - a) * (1 - b)), d2 = (a - b) * (a - b);
-            P(i, j) = 2 * sum * root;
+            P(i, j) = 8 * sum * root;
             // (sum - 2 root)(sum + 2 root) = d2, which keeps the digits where the stations are close.
-            if (i != j) P(i, j) -= d2 * std::log((sum + 2 * root) / std::abs(a - b));
+            if (i != j) P(i, j) -= 4 * d2 * std::log((sum + 2 * root) / std::abs(a - b));
         }
     return P;
 }

@@ -31,7 +31,8 @@ struct WaveDrag {
 Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag& flow,
                    const std::optional<SymmetryPlane>& symmetry = {});
 
-/// P of Eminton and Lord for stations k in (0, 1), and u(k).
+/// P_ij = sum over n >= 2 of g_n(k_i) g_n(k_j) / n, g_n(k) = sin((n-1) t)/(n-1) - sin((n+1) t)/(n+1), cos t = 1 - 2 k,
+/// in closed form (four times the matrix of Eminton and Lord), for stations k in (0, 1); and u(k).
 Eigen::MatrixXd eminton_matrix(const std::vector<double>& stations);
 double eminton_base(double k);
 

@@ -90,6 +90,18 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const MadeQuantity& ma
         throw InvalidInput(error.what());
     }
 }
+/// It has sensitivities where all its parts have.
+Quantity ProblemBuilder::make(const QuantityEntry&, const FormulaEntry& formula) {
+    Quantity quantity;
+    quantity.combination = Combination{formula.of, formula.value};
+    quantity.evaluate = [](const QuantityRequest&) { return QuantityResult{}; };
+    quantity.failing_shortens_step = true;
+    for (const Quantity& other : out_.problem.quantities)
+        for (const std::string& name : other.names)
+            if (std::find(formula.of.begin(), formula.of.end(), name) != formula.of.end())
+                quantity.has_sensitivities &= other.has_sensitivities;
+    return quantity;
+}
 std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const ExternalEntry& program) const {
     try {
         NumberedPoints rest = read_points(program.gradient_points);

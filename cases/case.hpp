@@ -163,13 +163,19 @@ struct ExternalEntry {
     enum class OnFailure { abort, value, shrink_step } on_failure = OnFailure::abort;
     double value_after_failure = 0;
 };
+/// A formula of other values.
+struct FormulaEntry {
+    Reference text;                    ///< as written
+    std::vector<std::string> of = {};  ///< values and own variables in it
+    std::function<double(const Eigen::VectorXd&, Eigen::VectorXd*)> value = {};
+};
 struct VolumeEntry {};
 struct AreaEntry {};
 struct QuantityEntry {
     std::string name;
     Place place;
     std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, MeasuredPointsEntry, LineThicknessEntry, SectionAreaEntry,
-                 ExternalEntry, MadeQuantity>
+                 ExternalEntry, MadeQuantity, FormulaEntry>
         what;
     std::vector<std::string> value_names() const;
 };

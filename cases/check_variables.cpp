@@ -36,6 +36,8 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
         const auto* external = std::get_if<ExternalEntry>(&quantity.what);
         const auto* made = std::get_if<MadeQuantity>(&quantity.what);
         if (external && !external->depends_on) taken.insert(names.begin(), names.end());
+        if (const auto* formula = std::get_if<FormulaEntry>(&quantity.what))
+            taken.insert(formula->of.begin(), formula->of.end());
         const std::vector<Reference> none;
         for (const Reference& name : external ? external->depends_on.value_or(none) : made ? made->variables : none) {
             taken.insert(name.name);
@@ -54,7 +56,7 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
         else if (!c.objective.name.empty() && !taken.count(name))
             errors.add(entry.place,
                        text("variables.", name,
-                            ": no quantity depends on it; programs (command) can, and angles of quantities"));
+                            ": no quantity depends on it; programs (command), formulas and angles of quantities can"));
     }
     for (const Entry& own : root.entries)
         if (own.key == "variables" && !c.fit.empty())

@@ -167,6 +167,8 @@ const QuantityEntry* quantity_of(const Case& c, const std::string& value) {
 
 void check_gradients(const Case& c, const Reference& value, Diagnostics& errors) {
     const QuantityEntry* quantity = quantity_of(c, value.name);
+    if (const auto* formula = quantity ? std::get_if<FormulaEntry>(&quantity->what) : nullptr)
+        for (const std::string& part : formula->of) check_gradients(c, {part, value.place}, errors);
     const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
     if (!external || external->has_gradients || c.optimize.finite_differences) return;
     if (!method_facts(c.optimize.method).needs_gradients) return;

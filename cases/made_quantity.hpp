@@ -3,6 +3,7 @@
 #include "core/mesh/symmetry_plane.hpp"
 #include "objectives/quantity.hpp"
 
+#include <filesystem>
 #include <optional>
 
 /// Built-in quantities that a case makes by name of their `type`: what each family reads, and what it needs to be made.
@@ -35,5 +36,8 @@ struct MadeQuantity {
 /// Nothing for the types of other families. @param shown "quantities.aero".
 std::optional<MadeQuantity> read_aero(const std::string& type, const Value& map, const std::string& shown,
                                       Diagnostics& errors);
+
+std::optional<MadeQuantity> read_form(const std::string& type, const Value& map, const std::string& shown,
+                                      const std::filesystem::path& dir, Diagnostics& errors);
 
 }  // namespace strake

@@ -34,8 +34,9 @@ const std::vector<Key>& schema() {
         // Those of the families of quantities stand with the other keys of quantities.
         const auto objective =
             std::find_if(all.begin(), all.end(), [](const Key& key) { return key.path == "objective"; });
-        const std::vector<Key> family = aero_keys();
-        all.insert(objective, family.begin(), family.end());
+        std::vector<Key> families = form_keys();
+        for (const Key& key : aero_keys()) families.push_back(key);
+        all.insert(objective, families.begin(), families.end());
         return all;
     }();
     return keys;

@@ -80,7 +80,7 @@ std::vector<Key> aero_keys() {
          .doc = "Number of inner sections.",
          .fallback = "40",
          .limits = {4, 400, false, false},
-         .when = "type=wave_drag"},
+         .when = "type=wave_drag|section_areas"},
         {.path = "quantities.*.angles",
          .type = Type::integer,
          .doc = "Roll angles around the circle, above Mach 1.",

@@ -1,5 +1,10 @@
 #include "objectives/area_distribution.hpp"
 
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
+#include "objectives/finite.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -119,6 +124,40 @@ void add_area_gradient(const TriMesh& mesh, const AreaCuts& cuts, const AreaDist
                 mesh.vertices.row(mesh.triangles(t, (k + 2) % 3)) - mesh.vertices.row(mesh.triangles(t, (k + 1) % 3));
             dJ_dv.row(mesh.triangles(t, k)) += by_w[k] * cuts.m - 0.5 * by_a * cuts.axis.cross(opposite);
         }
+    });
+}
+
+Quantity section_areas(const std::string& name, const TriMesh& start, const Vector3d& direction, int count,
+                       const std::optional<SymmetryPlane>& symmetry) {
+    if (!direction.allFinite() || direction.isZero(0))
+        throw InvalidInput(text(name, ": the direction (", direction.transpose(), ") must be finite and not zero"));
+    if (count < 1 || count > 1000) throw InvalidInput(text(name, ": stations = ", count, " must be in [1, 1000]"));
+    AreaCuts cuts;
+    cuts.axis = cuts.m = direction.stableNormalized();
+    if (symmetry && std::abs(symmetry->normal.dot(cuts.axis)) > 1e-9)
+        throw InvalidInput(text(name, ": the direction crosses the plane of symmetry"));
+    if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
+    require_closed(name, start, symmetry);
+    const double V = enclosed_volume(start), d = box_diagonal(start);
+    if (!symmetry && V < -1e-6 * d * d * d)
+        throw InvalidInput(text(name, ": the surface is turned inside out (volume ", V, "); orient it outward"));
+    std::vector<std::string> names;
+    for (int i = 1; i <= count; ++i) {
+        cuts.stations.push_back(static_cast<double>(i) / (count + 1));
+        names.push_back(text(name, ".", i));
+    }
+    return checked_quantity(name, names, start, [=](const QuantityRequest& request) {
+        const AreaDistribution at = area_distribution(request.surface, cuts);
+        QuantityResult result;
+        for (int i = 0; i < count; ++i) result.values.push_back(at.area[i]);
+        if (request.want_sensitivities) result.dJ_dv.resize(static_cast<std::size_t>(count));
+        for (int i = 0; i < count; ++i) {
+            if (!request.wants(static_cast<std::size_t>(i))) continue;
+            Points& dJ_dv = result.dJ_dv[static_cast<std::size_t>(i)];
+            dJ_dv = Points::Zero(request.surface.num_vertices(), 3);
+            add_area_gradient(request.surface, cuts, at, Eigen::VectorXd::Unit(count, i), 0, 0, dJ_dv);
+        }
+        return result;
     });
 }
 

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "objectives/quantity.hpp"
 
 /// Areas of a row of parallel sections: S(x).
@@ -30,5 +31,13 @@ AreaDistribution area_distribution(const TriMesh& mesh, const AreaCuts& cuts);
 /// ends.
 void add_area_gradient(const TriMesh& mesh, const AreaCuts& cuts, const AreaDistribution& at,
                        const Eigen::VectorXd& by_area, double by_begin, double by_end, Points& dJ_dv);
+
+/// Areas of `count` sections across a direction, evenly between the ends of the surface: name.1 ... name.count,
+/// length^2; section i lies at i / (count + 1) of the length and moves with the ends. With `symmetry` those of the
+/// half.
+/// @throws InvalidInput: an open surface, one that is turned inside out, a count outside of [1, 1000], a direction of
+/// length zero or across the plane of symmetry.
+Quantity section_areas(const std::string& name, const TriMesh& start, const Eigen::Vector3d& direction, int count,
+                       const std::optional<SymmetryPlane>& symmetry = {});
 
 }  // namespace strake

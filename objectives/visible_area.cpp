@@ -9,34 +9,33 @@
 
 namespace strake {
 
-/// A corner of a convex piece; `edge` is the line from here to the next one: 3 triangle + corner.
-struct VisibleAreas::Corner {
-    Eigen::Vector2d at;
-    int edge;
-};
-
 namespace {
 
 using Eigen::Vector2d;
 using Eigen::Vector3d;
 
 constexpr double same_depth_rel = 1e-9;  // of the diagonal: what touches does not hide
+constexpr double along_border = 1e-10;   // an edge that close to a triangle's border runs along it
 constexpr double no_area_rel = 1e-13;    // of a triangle's own projected area
 
 double cross(const Vector2d& a, const Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
 
-template <class Piece>
+using Piece = std::vector<Vector2d>;  // convex
+
+/// A part of a segment; empty unless from < to.
+struct Interval {
+    double from, to;
+};
+
 double area_of(const Piece& piece) {
     double twice = 0;
-    for (std::size_t i = 1; i + 1 < piece.size(); ++i)
-        twice += cross(piece[i].at - piece[0].at, piece[i + 1].at - piece[0].at);
+    for (std::size_t i = 1; i + 1 < piece.size(); ++i) twice += cross(piece[i] - piece[0], piece[i + 1] - piece[0]);
     return 0.5 * twice;
 }
 
-template <class Piece>
 Vector2d centre_of(const Piece& piece) {
     Vector2d sum = Vector2d::Zero();
-    for (const auto& corner : piece) sum += corner.at;
+    for (const Vector2d& corner : piece) sum += corner;
     return sum / static_cast<double>(piece.size());
 }
 
@@ -61,9 +60,7 @@ struct VisibleAreas::Cutter {
     void cells_of(int t, const Visit& visit) const;
 
     Vector2d corner(int t, int k) const { return at.row(mesh.triangles(t, k)); }
-    Piece piece_of(int t) const {
-        return {{corner(t, 0), 3 * t}, {corner(t, 1), 3 * t + 1}, {corner(t, 2), 3 * t + 2}};
-    }
+    Piece piece_of(int t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
     /// Twice the area of x with edge k of t: > 0 inside. From the smaller to the larger vertex, so that both triangles
     /// at an edge get the same bits.
     double side(int t, int k, const Vector2d& x) const {
@@ -77,7 +74,11 @@ struct VisibleAreas::Cutter {
     void split(const Piece& piece, int t, int k, Piece* inside, Piece* outside) const;
     bool hides(int o, int t) const;
     void subtract(std::vector<Piece>& pieces, int o, double least) const;
-    std::optional<std::vector<Piece>> cut_out(int i, double least, std::vector<int>& seen) const;
+    std::optional<std::vector<Piece>> cut_out(int i, double least, std::vector<int>& seen,
+                                              std::vector<int>& hiders) const;
+    Interval within(int o, const Vector2d& a, const Vector2d& b, double margin) const;
+    bool goes_on(int o, int k, const std::vector<int>& hiders) const;
+    std::vector<Interval> seen_of_edge(int t, int o, int k, const std::vector<int>& hiders) const;
 };
 
 VisibleAreas::Cutter::Cutter(const TriMesh& m, const Vector3d& u) : mesh(m) {
@@ -168,17 +169,14 @@ double VisibleAreas::Cutter::depth_at(int t, const Vector2d& x) const {
 /// The parts of a convex piece on either side of edge k of t.
 void VisibleAreas::Cutter::split(const Piece& piece, int t, int k, Piece* inside, Piece* outside) const {
     const std::size_t n = piece.size();
-    const int line = 3 * t + k;
     for (std::size_t i = 0; i < n; ++i) {
-        const Corner &a = piece[i], &b = piece[(i + 1) % n];
-        const double da = side(t, k, a.at), db = side(t, k, b.at);
-        const bool in = da >= 0, next_in = db >= 0;
-        if (Piece* side_of_a = in ? inside : outside) side_of_a->push_back(a);
-        if (in == next_in) continue;
-        const Vector2d at = a.at + da / (da - db) * (b.at - a.at);
-        // Where the piece leaves a side the border goes on along the line; where it enters, along the piece's edge.
-        if (Piece* leaves = in ? inside : outside) leaves->push_back({at, line});
-        if (Piece* enters = in ? outside : inside) enters->push_back({at, a.edge});
+        const Vector2d &a = piece[i], &b = piece[(i + 1) % n];
+        const double da = side(t, k, a), db = side(t, k, b);
+        if (Piece* side_of_a = da >= 0 ? inside : outside) side_of_a->push_back(a);
+        if ((da >= 0) == (db >= 0)) continue;
+        const Vector2d at = a + da / (da - db) * (b - a);
+        if (inside) inside->push_back(at);
+        if (outside) outside->push_back(at);
     }
 }
 
@@ -209,51 +207,102 @@ void VisibleAreas::Cutter::subtract(std::vector<Piece>& pieces, int o, double le
     pieces = std::move(left);
 }
 
-/// What is left of triangle front[i] when all that hides some of it is cut out; nothing where nothing does.
-auto VisibleAreas::Cutter::cut_out(int i, double least, std::vector<int>& seen) const
+/// What is left of triangle front[i] when all that hides some of it is cut out; `hiders` become these, in ascending
+/// order. Where none hides any of it nothing is returned.
+auto VisibleAreas::Cutter::cut_out(int i, double least, std::vector<int>& seen, std::vector<int>& hiders) const
     -> std::optional<std::vector<Piece>> {
     const int t = front[i];
     std::optional<std::vector<Piece>> pieces;
+    hiders.clear();
     cells_of(t, [&](int c) {
         for (int item = begin[c]; item < begin[c + 1]; ++item) {
             const int j = items[item], o = front[j];
             if (seen[j] == i || j == i || (pieces && pieces->empty())) continue;
             seen[j] = i;
             if (nearest[j] >= farthest[i] - tolerance || apart(t, o) || share_edge(t, o) || !hides(o, t)) continue;
-            if (!pieces) pieces = {{piece_of(t)}};
+            if (!pieces) pieces.emplace(1, piece_of(t));
+            hiders.push_back(o);
             subtract(*pieces, o, least);
         }
     });
+    std::sort(hiders.begin(), hiders.end());
     return pieces;
+}
+
+/// Where on the segment from a to b the inside of o is; what runs along its border does not count.
+Interval VisibleAreas::Cutter::within(int o, const Vector2d& a, const Vector2d& b, double margin) const {
+    Interval found{0, 1};
+    for (int k = 0; k < 3; ++k) {
+        const double length = (corner(o, (k + 1) % 3) - corner(o, k)).norm();
+        const double least = margin * length * (length + (b - a).norm());
+        const double fa = side(o, k, a) - least, fb = side(o, k, b) - least;
+        if (fa <= 0 && fb <= 0) return {1, 0};
+        if (fa < 0) found.from = std::max(found.from, fa / (fa - fb));
+        if (fb < 0) found.to = std::min(found.to, fa / (fa - fb));
+    }
+    return found;
+}
+
+/// The hider at the other side of edge k of o, if there is one: the edge is no border then.
+bool VisibleAreas::Cutter::goes_on(int o, int k, const std::vector<int>& hiders) const {
+    const int v = mesh.triangles(o, k), w = mesh.triangles(o, (k + 1) % 3);
+    return std::any_of(hiders.begin(), hiders.end(), [&](int other) {
+        for (int l = 0; l < 3; ++l)
+            if (mesh.triangles(other, l) == w && mesh.triangles(other, (l + 1) % 3) == v) return true;
+        return false;
+    });
+}
+
+/// What of edge k of o is a border of what is seen of t: inside of t (or its own), and inside of no hider.
+std::vector<Interval> VisibleAreas::Cutter::seen_of_edge(int t, int o, int k, const std::vector<int>& hiders) const {
+    const Vector2d a = corner(o, k), b = corner(o, (k + 1) % 3);
+    std::vector<Interval> open{o == t ? Interval{0, 1} : within(t, a, b, 0)};
+    for (const int hider : hiders) {
+        if (hider == o) continue;
+        const Interval hidden = within(hider, a, b, along_border);
+        std::vector<Interval> left;
+        for (const Interval& part : open) {
+            if (hidden.from >= hidden.to)
+                left.push_back(part);
+            else {
+                left.push_back({part.from, std::min(part.to, hidden.from)});
+                left.push_back({std::max(part.from, hidden.to), part.to});
+            }
+        }
+        std::erase_if(left, [](const Interval& part) { return !(part.from < part.to); });
+        open = std::move(left);
+    }
+    std::erase_if(open, [](const Interval& part) { return !(part.from < part.to); });
+    return open;
 }
 
 VisibleAreas::VisibleAreas(const TriMesh& mesh, const Vector3d& u) : mesh_(mesh), u_(u) {
     const Cutter cutter(mesh, u);
     area_ = Eigen::VectorXd::Zero(mesh.num_triangles());
     hidden_.assign(static_cast<std::size_t>(mesh.num_triangles()), 0);
-    std::vector<int> seen(cutter.front.size(), -1);
+    std::vector<int> seen(cutter.front.size(), -1), hiders;
     for (std::size_t i = 0; i < cutter.front.size(); ++i) {
         const int t = cutter.front[i];
         const double full = -u.dot(area_vector(mesh, t));
-        const auto pieces = cutter.cut_out(static_cast<int>(i), no_area_rel * full, seen);
+        const auto pieces = cutter.cut_out(static_cast<int>(i), no_area_rel * full, seen, hiders);
         hidden_[t] = pieces.has_value();
-        if (!pieces)
-            area_[t] = full;
-        else
-            for (const Piece& piece : *pieces) add_piece(cutter, t, piece);
+        if (!pieces) area_[t] = full;
+        if (!pieces || pieces->empty()) continue;
+        for (const Piece& piece : *pieces) area_[t] += area_of(piece);
+        add_borders(cutter, t, t, hiders);
+        for (const int o : hiders) add_borders(cutter, t, o, hiders);
     }
 }
 
-void VisibleAreas::add_piece(const Cutter& cutter, int t, const Piece& piece) {
-    area_[t] += area_of(piece);
-    for (std::size_t c = 0; c < piece.size(); ++c) {
-        const int o = piece[c].edge / 3, k = piece[c].edge % 3;
-        const int p = mesh_.triangles(o, k), q = mesh_.triangles(o, (k + 1) % 3);
-        const Vector2d a = piece[c].at, b = piece[(c + 1) % piece.size()].at, from = cutter.at.row(p);
-        const Vector2d line = Vector2d(cutter.at.row(q)) - from;
-        if (line.isZero(0)) continue;
-        borders_.push_back({t, p, q, line.dot(0.5 * (a + b) - from) / line.squaredNorm(),
-                            (b - a)[1] * cutter.b1 - (b - a)[0] * cutter.b2});
+/// Those on the edges of o: of t itself, or of what hides some of it.
+void VisibleAreas::add_borders(const Cutter& cutter, int t, int o, const std::vector<int>& hiders) {
+    for (int k = 0; k < 3; ++k) {
+        if (o != t && cutter.goes_on(o, k, hiders)) continue;
+        const Vector2d line = cutter.corner(o, (k + 1) % 3) - cutter.corner(o, k);
+        const Vector3d outward = (o == t ? 1 : -1) * (line[1] * cutter.b1 - line[0] * cutter.b2);
+        for (const Interval& part : cutter.seen_of_edge(t, o, k, hiders))
+            borders_.push_back({t, mesh_.triangles(o, k), mesh_.triangles(o, (k + 1) % 3), 0.5 * (part.from + part.to),
+                                (part.to - part.from) * outward});
     }
 }
 

@@ -32,10 +32,8 @@ private:
         double along;             ///< of its middle: 0 at p, 1 at q
         Eigen::Vector3d outward;  ///< normal across u, times the length
     };
-    struct Corner;
-    using Piece = std::vector<Corner>;
     struct Cutter;
-    void add_piece(const Cutter& cutter, int t, const Piece& piece);
+    void add_borders(const Cutter& cutter, int t, int o, const std::vector<int>& hiders);
 
     const TriMesh& mesh_;
     Eigen::Vector3d u_;

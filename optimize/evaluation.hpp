@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/combinations.hpp"
 #include "optimize/response_metric.hpp"
 #include "optimize/validity.hpp"
 
@@ -100,6 +101,9 @@ private:
     QuantityResult safely(const Quantity& quantity, const Function& function, const std::string& what,
                           const QuantityRequest& request, ShapeEvaluation& result) const;
     bool wants_gradients_of(int first, const Quantity& quantity) const;
+    /// Which of the quantity's values need sensitivities.
+    std::vector<char> wanted_of(int first, const Quantity& quantity) const;
+    bool combine(const Quantity& quantity, ShapeEvaluation& result);
     bool take_gradients(ShapeEvaluation& result);
     bool ask_for_gradients(ShapeEvaluation& result);
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
@@ -109,6 +113,8 @@ private:
     ValidityGuard guard_;
     std::vector<std::string> names_;
     std::vector<int> differentiated_;  ///< indices into names_
+    Combinations combinations_;
+    std::vector<int> needed_;  ///< differentiated ones and what they are made of
     DesignSpace space_;
     std::unique_ptr<PrimoShell> shell_;
     std::vector<int> shell_pin_;
@@ -117,6 +123,7 @@ private:
     struct Measured {
         Points vertices;
         Eigen::VectorXd own;  ///< own variables, scaled
+        std::vector<double> own_physical;
         std::vector<double> values;
         std::vector<Points> dJ_dv;
         std::vector<Eigen::VectorXd> dJ_down;

@@ -75,7 +75,30 @@ QuantityResult ShapeEvaluator::safely(const Quantity& quantity, const Function& 
 /// A program is asked for gradients only if one of its values needs them.
 bool ShapeEvaluator::wants_gradients_of(int first, const Quantity& quantity) const {
     const int next = first + static_cast<int>(quantity.names.size());
-    return std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
+    return std::any_of(needed_.begin(), needed_.end(), [&](int i) { return first <= i && i < next; });
+}
+
+std::vector<char> ShapeEvaluator::wanted_of(int first, const Quantity& quantity) const {
+    std::vector<char> wanted(quantity.names.size(), 0);
+    for (const int i : needed_)
+        if (i >= first && i - first < static_cast<int>(wanted.size())) wanted[static_cast<std::size_t>(i - first)] = 1;
+    return wanted;
+}
+
+/// The value of a combination; where it is not finite (a formula's logarithm of a negative number) the step is too far.
+bool ShapeEvaluator::combine(const Quantity& quantity, ShapeEvaluation& result) {
+    Measured& m = last_measured_;
+    const double value = combinations_.value(static_cast<int>(m.values.size()), m.values, m.own_physical);
+    if (!std::isfinite(value)) {
+        result.status = EvaluationStatus::quantity_failed;
+        result.may_go_on = true;
+        result.reason = text(quantity.names[0], ": undefined: the formula gives ", value);
+        return false;
+    }
+    m.values.push_back(value);
+    m.known_dJ_dv.emplace_back();
+    m.known_dJ_down.emplace_back();
+    return true;
 }
 
 void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result) {
@@ -87,14 +110,21 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
     m.own = x.tail(space_.num_own());
     m.at = number;
     m.surface = result.surface;
+    for (const auto& [name, value] : own_values(space_, x)) m.own_physical.push_back(value);
     for (const Quantity& quantity : problem_.quantities) {
-        const bool gradients = wants_gradients_of(static_cast<int>(m.values.size()), quantity);
+        if (quantity.combination) {
+            if (!combine(quantity, result)) return;
+            continue;
+        }
+        const int first = static_cast<int>(m.values.size());
+        const bool gradients = wants_gradients_of(first, quantity);
         const bool later = gradients && quantity.differentiate;
         m.has_gradients_to_come |= later;
-        QuantityResult measured = safely(quantity, quantity.evaluate, quantity.names[0],
-                                         {surface, gradients && !later, number, space_.level,
-                                          physical_values(space_, x), own_values(space_, x), stop_wanted_},
-                                         result);
+        QuantityResult measured =
+            safely(quantity, quantity.evaluate, quantity.names[0],
+                   {surface, gradients && !later, number, space_.level, physical_values(space_, x),
+                    own_values(space_, x), stop_wanted_, wanted_of(first, quantity)},
+                   result);
         if (measured.failure) return;
         m.values.insert(m.values.end(), measured.values.begin(), measured.values.end());
         m.known_dJ_dv.insert(m.known_dJ_dv.end(), measured.dJ_dv.begin(), measured.dJ_dv.end());
@@ -110,6 +140,7 @@ void ShapeEvaluator::measure(int number, const Eigen::VectorXd& x, ShapeEvaluati
 bool ShapeEvaluator::take_gradients(ShapeEvaluation& result) {
     Measured& m = last_measured_;
     const int n = rest_->surface.num_vertices();
+    combinations_.differentiate(needed_, m.values, m.own_physical, m.known_dJ_dv, m.known_dJ_down);
     for (const int i : differentiated_) {
         if (m.known_dJ_dv[i].rows() != n || !m.known_dJ_dv[i].allFinite()) {
             result.status = EvaluationStatus::quantity_failed;
@@ -141,7 +172,7 @@ bool ShapeEvaluator::ask_for_gradients(ShapeEvaluation& result) {
         if (quantity.differentiate && wants_gradients_of(first, quantity)) {
             QuantityResult g = safely(quantity, quantity.differentiate, quantity.names[0] + " (gradient)",
                                       {surface, true, m.at, space_.level, physical_values(space_, last_x_),
-                                       own_values(space_, last_x_), stop_wanted_},
+                                       own_values(space_, last_x_), stop_wanted_, wanted_of(first, quantity)},
                                       result);
             if (g.failure) break;
             for (std::size_t i = 0; i < quantity.names.size(); ++i) {
@@ -183,10 +214,11 @@ std::optional<Eigen::VectorXd> ShapeEvaluator::slopes_along(const Points& vertic
         std::optional<QuantityResult> known;
         for (std::size_t i = 0; i < differentiated_.size(); ++i) {
             if (differentiated_[i] < first || differentiated_[i] >= next) continue;
-            if (!quantity.program.empty()) return {};
+            if (!quantity.program.empty() || quantity.combination) return {};
             if (!known)
                 known = or_failure([&] {
-                    return quantity.evaluate({surface, true, 0, space_.level, {}, {}, stop_wanted_});
+                    return quantity.evaluate(
+                        {surface, true, 0, space_.level, {}, {}, stop_wanted_, wanted_of(first, quantity)});
                 });
             if (known->failure) return {};
             slopes[static_cast<Eigen::Index>(i)] =

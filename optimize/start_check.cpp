@@ -33,6 +33,7 @@ Quantity watched(const Quantity& quantity, StartAnswer::Quantity& told) {
     Quantity copy = quantity;
     told.is_program = !quantity.program.empty();
     for (const std::string& name : quantity.names) told.values.emplace_back().name = name;
+    if (quantity.combination) return copy;
     copy.evaluate = [&told, ask = quantity.evaluate](const QuantityRequest& request) {
         const auto begin = std::chrono::steady_clock::now();
         told.was_asked_for_gradients = request.want_sensitivities;
@@ -103,6 +104,10 @@ StartAnswer check_start(const Problem& problem) {
     evaluator.enter(space);
     ShapeEvaluation at = evaluator.evaluate(Eigen::VectorXd::Zero(space.size()), 1);
     if (at.status == EvaluationStatus::ok && at.has_gradients_to_come) evaluator.differentiate(at);
+    for (std::size_t i = 0; i < copy.quantities.size(); ++i)
+        if (copy.quantities[i].combination && !at.values.empty())
+            answer.quantities[i].values[0].value =
+                at.values[static_cast<std::size_t>(evaluator.index_of(copy.quantities[i].names[0]))];
     answer.status = to_string(at.status);
     answer.reason = at.reason;
     answer.level = space.level;

@@ -28,24 +28,12 @@ double sears_haack_radius(double k, double max_radius) {
 TriMesh wavy_body(int triangles, const WavyBodyShape& shape) {
     if (!(shape.waviness >= 0 && shape.waviness <= 0.9))
         throw InvalidInput(text("wavy_body: waviness ", shape.waviness, " must be in [0, 0.9]"));
-    return closed_body(triangles, revolved([shape](double along) {
-                           const double k = 0.5 * (1 - std::cos(pi * along));  // dense at the pointed ends
-                           const double waves = 1 + shape.waviness * std::sin(2 * pi * shape.waves * k);
-                           return Eigen::Vector2d(shape.length * k,
-                                                  sears_haack_radius(k, shape.max_radius) * std::sqrt(waves));
-                       }));
-}
-
-TriMesh cone_cylinder(int triangles, const ConeCylinderShape& shape) {
-    const double slant = std::hypot(shape.cone_length, shape.radius), side = shape.length - shape.cone_length;
-    const double total = slant + side + shape.radius;
-    return closed_body(triangles, revolved([=](double along) {
-                           const double s = along * total;
-                           if (s < slant)
-                               return Eigen::Vector2d(shape.cone_length * s / slant, shape.radius * s / slant);
-                           if (s < slant + side) return Eigen::Vector2d(shape.cone_length + s - slant, shape.radius);
-                           return Eigen::Vector2d(shape.length, std::max(0.0, total - s));
-                       }));
+    return closed_body(
+        triangles, revolved([shape](double along) {
+            const double k = 0.5 * (1 - std::cos(pi * along));  // dense at the pointed ends
+            const double waves = 1 + shape.waviness * 4 * k * (1 - k) * std::sin(2 * pi * shape.waves * k);
+            return Eigen::Vector2d(shape.length * k, sears_haack_radius(k, shape.max_radius) * std::sqrt(waves));
+        }));
 }
 
 }  // namespace strake::example

@@ -54,7 +54,7 @@ TEST(Expression, DerivativesAreExact) {
                                     "sin(a)*cos(b)+tan(a*b/9)",
                                     "asin(a/9)+acos(b/9)-atan(a*b)+tanh(a-b)",
                                     "abs(a-b)*log10(a)",
-                                    "min(a,b,a*b)+max(a,2*b)",
+                                    "min(a^2,b^3,a*b)+max(a^2,b)",
                                     "softmin(0.3*a, a, b, 1.1)+softmax(b, a, 2)"};
     for (const std::string& formula : formulas) {
         const Expression e(formula, {"a", "b"});

@@ -29,8 +29,12 @@ TEST(ProjectedArea, HiddenPartsCountOnce) {
     both.vertices.bottomRows(nv) = both.vertices.topRows(nv).rowwise() + Eigen::RowVector3d(3, 0.7, 1);
     both.triangles.bottomRows(nt) = both.triangles.topRows(nt).array() + nv;
     EXPECT_NEAR(value(projected_area("p", both, {}), both), 8 - 1.3 * 1, 1e-12);
-    EXPECT_NEAR(order(projected_area("p", both, {}), both, 1, 0, 1e-3), 2, 0.2);
-    EXPECT_NEAR(order(projected_area("p", both, {}), both, 1.1, 0, 1e-3), 1, 0.1);
+    Stream oblique;  // no face edge-on
+    oblique.alpha.value = 0.21;
+    oblique.beta.value = 0.13;
+    const Quantity area = projected_area("p", both, oblique);
+    EXPECT_NEAR(order(area, both, 1, 0, 1e-3), 2, 0.2);
+    EXPECT_NEAR(order(area, both, 1.1, 0, 1e-3), 1, 0.1);
 }
 
 TEST(ProjectedArea, DerivativeByTheAngle) {

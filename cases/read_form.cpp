@@ -43,8 +43,8 @@ struct Form {
     }
 };
 
-using Region = std::vector<Reference>;
-std::vector<char> marks(const QuantityGround& ground, const Region& region) {
+using RegionNames = std::vector<Reference>;
+std::vector<char> marks(const QuantityGround& ground, const RegionNames& region) {
     return region.empty() ? std::vector<char>() : ground.marks(region.front());
 }
 
@@ -116,7 +116,7 @@ std::optional<MadeQuantity> read_form(const std::string& type, const Value& map,
                                       const std::filesystem::path& dir, Diagnostics& errors) {
     Form form{type, map, shown, dir, errors};
     if (const Value* region = map.find("region")) form.made.regions.push_back({region->text, region->place});
-    const Region& region = form.made.regions;
+    const RegionNames& region = form.made.regions;
     if (type == "extent" || type == "section_areas") read_extents(form);
     if (type == "clearance") read_clearance(form);
     if (type == "edge_radius") read_edge_radius(form);

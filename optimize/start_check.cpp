@@ -18,6 +18,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 void take_gradients(const QuantityResult& result, const QuantityRequest& request, StartAnswer::Quantity& told) {
     for (std::size_t i = 0; i < told.values.size(); ++i) {
         StartAnswer::Value& value = told.values[i];
+        value.is_gradient_needed = request.wants(i);
         value.has_gradient = i < result.dJ_dv.size() && result.dJ_dv[i].rows() > 0;
         if (!value.has_gradient) continue;
         value.gradient_norm = result.dJ_dv[i].norm();

@@ -1,10 +1,18 @@
 #!/bin/bash
 # All checks: set-up, format, warnings as errors, tests, sanitizers on the readers, the shipped cases, the main job at
 # reduced size, and the commands in the documentation. Ends with a summary; exit status 0 only if everything passed.
+# test.sh [--slurm] [--long]: also on a real Slurm of one node (needs scripts/setup.sh slurm); with fifty kills of each kind.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"
 export CLICOLOR=0
+for option in "$@"; do
+    case $option in
+    --slurm) export STRAKE_SLURM=1 ;;
+    --long) export STRAKE_LONG=1 ;;
+    *) echo "usage: test.sh [--slurm] [--long]" >&2; exit 2 ;;
+    esac
+done
 logs=build/test-logs
 mkdir -p $logs
 passed=0 failed=0 summary=()
@@ -64,7 +72,7 @@ check_cases() {
 main_job() { scripts/main_job.sh "$bin" 6000; }
 snippets() { scripts/check_snippets.py "$bin"; }
 
-step "set-up" scripts/setup.sh run test
+step "set-up" scripts/setup.sh run test ${STRAKE_SLURM:+slurm}
 [ $failed = 0 ] || finish
 step "format" format
 step "release build" release_build

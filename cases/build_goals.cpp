@@ -1,5 +1,6 @@
 #include "cases/problem_builder.hpp"
 #include "core/error.hpp"
+#include "core/mesh/file.hpp"
 #include "core/mesh/surface_map.hpp"
 #include "objectives/external/external.hpp"
 #include "objectives/external/hand_over.hpp"
@@ -7,6 +8,7 @@
 #include "objectives/measured_points.hpp"
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
+#include "optimize/journal.hpp"
 
 #include <algorithm>
 
@@ -27,6 +29,7 @@ std::function<QuantityResult(const QuantityRequest&)> with_value_after_failure(c
             text(result.failure->kind, ": ", result.failure->message, "; ", value, " stands for it"));
         result.failure.reset();
         result.values.assign(count, value);
+        result.stands_for_failure = true;
         return result;
     };
 }
@@ -105,10 +108,16 @@ Quantity ProblemBuilder::make(const QuantityEntry&, const FormulaEntry& formula)
 std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const ExternalEntry& program) const {
     try {
         NumberedPoints rest = read_points(program.gradient_points);
-        SurfaceMap map(start_.mesh, rest.at,
-                       {program.points_reach.in(start_.diagonal) / start_.diagonal, case_.symmetry});
+        const double reach = program.points_reach.in(start_.diagonal) / start_.diagonal;
+        std::vector<double> numbers{reach};
+        if (const auto& plane = case_.symmetry)
+            numbers.insert(numbers.end(), {plane->normal.x(), plane->normal.y(), plane->normal.z(), plane->offset});
+        const std::string_view bits(reinterpret_cast<const char*>(numbers.data()), sizeof(double) * numbers.size());
+        std::string origin = text(content_hash(start_.mesh), " ", content_hash(read_bytes(program.gradient_points)),
+                                  " ", content_hash(bits));
+        SurfaceMap map(start_.mesh, rest.at, {reach, case_.symmetry});
         return std::make_shared<const ProgramPoints>(
-            ProgramPoints{std::move(rest), std::move(map), is_npy(program.gradient_points)});
+            ProgramPoints{std::move(rest), std::move(map), is_npy(program.gradient_points), std::move(origin)});
     } catch (const InputError& error) {
         throw InvalidInput(error.what());
     }
@@ -152,6 +161,13 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.units = case_.units;
     command.retries = program.retries;
     command.may_follow_others = case_.output.goes_on;
+    command.parallel = program.parallel;
+    command.by_hand = case_.output.by_hand;
+    command.slurm = program.slurm;
+    command.queue_s = program.queue_s;
+    command.poll_s = program.poll_s;
+    command.cache = program.cache;
+    command.files = program.cache_files;
     if (program.on_failure == ExternalEntry::OnFailure::value)
         command.value_after_failure = program.value_after_failure;
     Quantity quantity = external(command);

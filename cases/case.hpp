@@ -162,6 +162,11 @@ struct ExternalEntry {
     int retries = 0;
     enum class OnFailure { abort, value, shrink_step } on_failure = OnFailure::abort;
     double value_after_failure = 0;
+    int parallel = 1;
+    std::optional<std::vector<std::string>> slurm;  ///< options of sbatch
+    double queue_s = 7 * 86400.0, poll_s = 2;
+    std::filesystem::path cache;  ///< empty: none
+    std::vector<std::filesystem::path> cache_files;
 };
 /// A formula of other values.
 struct FormulaEntry {
@@ -221,6 +226,7 @@ struct Case {
         std::filesystem::path dir;  ///< may be set by the program before the problem is built
         ParaView paraview = ParaView::every_accepted;
         bool goes_on = false;  ///< the folder is that of a run which goes on
+        bool by_hand = false;  ///< programs are not run: their folders are handed out (`strake step`)
     } output;
     /// {case_dir} of commands; empty: the folder of the case file. A run that goes on reads another file than it began
     /// with.

@@ -43,7 +43,9 @@ std::vector<std::pair<std::string, std::filesystem::path>> files_of(const Case& 
 
 bool may_change(const std::string& key) {
     return key.starts_with("optimize.budget") || key.starts_with("output.") ||
-           (key.starts_with("quantities.") && (key.ends_with(".timeout") || key.ends_with(".gradient_timeout")));
+           (key.starts_with("quantities.") &&
+            (key.ends_with(".timeout") || key.ends_with(".gradient_timeout") || key.ends_with(".parallel") ||
+             key.ends_with(".cache") || key.find(".scheduler") != std::string::npos));
 }
 
 std::vector<std::string> changed_keys(const std::string& before, const std::string& now) {

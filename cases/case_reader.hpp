@@ -37,6 +37,7 @@ private:
     // read_goals.cpp
     ExternalEntry read_external(const Value& map, const std::string& name);
     void read_gradient_keys(const Value& map, const std::string& name, ExternalEntry& external);
+    void read_where_it_runs(const Value& map, ExternalEntry& external) const;
     void read_on_failure(const Value& policy, const std::string& name, ExternalEntry& external);
     void read_quantity(const Entry& entry);
     void read_built_in(const std::string& type, const Value& map, QuantityEntry& quantity);

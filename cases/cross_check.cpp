@@ -127,6 +127,7 @@ std::string program_error(const QuantityEntry& quantity, const ExternalEntry& en
     command.timeout_s = entry.timeout_s;
     command.format = entry.format.empty() ? "stl" : entry.format;
     command.case_dir = c.command_dir.empty() ? c.dir() : c.command_dir;
+    command.slurm = entry.slurm;
     command.diagonal = 1;  // not known yet, and of no matter here
     try {
         const auto failure = check_program(command);

@@ -60,6 +60,17 @@ void CaseReader::read_on_failure(const Value& policy, const std::string& name, E
                                        "shrink_step goes with gradients"));
 }
 
+void CaseReader::read_where_it_runs(const Value& map, ExternalEntry& external) const {
+    if (const Value* v = map.find("parallel")) external.parallel = static_cast<int>(v->number);
+    if (const Value* scheduler = map.find("scheduler")) {
+        if (const Value* v = scheduler->find("slurm")) external.slurm = texts(v);
+        if (const Value* v = scheduler->find("wait")) external.queue_s = v->number;
+        if (const Value* v = scheduler->find("poll")) external.poll_s = v->number;
+    }
+    if (const Value* v = map.find("cache")) external.cache = dir_ / v->text;
+    for (const std::string& file : texts(map.find("cache_files"))) external.cache_files.push_back(dir_ / file);
+}
+
 void CaseReader::read_gradient_keys(const Value& map, const std::string& name, ExternalEntry& external) {
     external.gradient_command = texts(map.find("gradient_command"));
     if (const Value* v = map.find("gradient_timeout")) external.gradient_timeout_s = v->number;
@@ -85,6 +96,7 @@ ExternalEntry CaseReader::read_external(const Value& map, const std::string& nam
     if (const Value* v = map.find("on_failure")) read_on_failure(*v, name, external);
     if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
     read_gradient_keys(map, name, external);
+    read_where_it_runs(map, external);
     if (const Value* plugin = map.find("plugin")) {
         const Value *library = plugin->find("library"), *options = plugin->find("options");
         external.plugin = {library ? dir_ / library->text : "", options ? options->text : ""};

@@ -4,6 +4,7 @@
 #include "cli/commands.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/primo/held.hpp"
+#include "optimize/methods.hpp"
 #include "optimize/shell_setup.hpp"
 
 #include <fmt/core.h>
@@ -67,6 +68,27 @@ std::vector<std::string> check_shell(const Case& the_case, const Problem& proble
         throw UnheldPart(fmt::format("{}: {}", printable(the_case.file.string(), 400), e.what()));
     }
     return setup.warnings;
+}
+
+/// What `parallel` cannot do with this method is said before anybody waits for it.
+void add_serial_warning(const Problem& problem, std::vector<std::string>& warnings) {
+    int programs = 0, parallel = 1;
+    bool all_give_gradients = true;
+    for (const Quantity& quantity : problem.quantities) {
+        if (quantity.program.empty()) continue;
+        ++programs;
+        parallel = std::max(parallel, quantity.parallel);
+        all_give_gradients &= quantity.has_sensitivities;
+    }
+    const MethodFacts& method = method_facts(problem.optimize.method);
+    const bool has_batches =
+        method.needs_gradients && problem.optimize.finite_differences && (!all_give_gradients || !problem.own.empty());
+    if (parallel < 2 || has_batches || problem.objective.empty()) return;
+    warnings.push_back(fmt::format(
+        "parallel: {}: {} asks for one evaluation after another{}; only gradients by finite_differences are known in "
+        "advance",
+        parallel, method.name,
+        programs > 1 ? fmt::format(", of which the {} programs run side by side", programs) : ""));
 }
 
 Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings, const std::vector<int>& pin) {
@@ -139,6 +161,7 @@ void check(const CheckArguments& args) {
     const BuiltProblem built = build_problem(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
+    add_serial_warning(built.problem, warnings);
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
     if (args.json) {

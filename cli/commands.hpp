@@ -32,6 +32,7 @@ void add_schema(CLI::App& app);
 void add_gradient_check(CLI::App& app);
 void add_sweep(CLI::App& app);
 void add_resume(CLI::App& app);
+void add_step(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
 void add_apply(CLI::App& app);

@@ -35,6 +35,7 @@ int main(int argc, char** argv) {
     cli::add_gradient_check(app);
     cli::add_sweep(app);
     cli::add_resume(app);
+    cli::add_step(app);
     cli::add_status(app);
     cli::add_history(app);
     cli::add_apply(app);

@@ -1,5 +1,6 @@
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/continuation.hpp"
 #include "cli/session.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
@@ -37,11 +38,8 @@ double raised(const std::string& option, const std::string& words, double before
 }
 
 RunLimits new_limits(const ResumeArguments& args, const RunLimits& before, const Case& the_case, bool case_is_newer) {
-    RunLimits now = before;
-    if (case_is_newer) {
-        now.evaluations = the_case.optimize.max_evaluations;
-        now.seconds = the_case.optimize.max_seconds;
-    }
+    RunLimits now =
+        case_is_newer ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds} : before;
     if (!args.evaluations.empty()) {
         const double n =
             raised("--evaluations", args.evaluations, before.evaluations, "as 100 (in all) or +50 (more)", read_number);
@@ -51,38 +49,7 @@ RunLimits new_limits(const ResumeArguments& args, const RunLimits& before, const
     }
     if (!args.time.empty())
         now.seconds = raised("--time", args.time, before.seconds, "as 2h (in all) or +30min (more)", read_duration);
-    const auto unlimited = [](double seconds) {
-        return seconds > 0 ? seconds : std::numeric_limits<double>::infinity();
-    };
-    if (now.evaluations < before.evaluations || unlimited(now.seconds) < unlimited(before.seconds))
-        throw InvalidInput(text("the budget of a run can only be raised: it is ", before.evaluations, " evaluations",
-                                before.seconds > 0 ? text(" and ", before.seconds, " s") : "",
-                                "; to end it sooner, interrupt it"));
     return now;
-}
-
-/// What is not the case that the run began with is named, and ends the attempt.
-void check_same_case(const Case& the_case, const JournalFacts& facts, const std::string& yaml) {
-    std::vector<std::string> changed;
-    for (const std::string& key : changed_keys(facts.case_yaml, yaml))
-        if (!may_change(key)) changed.push_back(key);
-    if (!changed.empty())
-        throw InvalidInput(text(the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
-                                " not what the run began with; only budget, output and timeout may change. Undo it, or "
-                                "start another run (optimize.start_from begins at a design of this one)"));
-    for (const auto& [key, hash] : file_hashes(the_case))
-        if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)
-            throw InvalidInput(text(the_case.file.string(), ": ", key,
-                                    ": the file is not the one that the run began "
-                                    "with. Put that back, or start another run"));
-}
-
-/// The last design that was the best so far; 0: none.
-int last_accepted(const Journal& journal) {
-    int best = 0;
-    for (const JournalEvaluation& e : journal.evaluations())
-        if (e.accepted) best = e.number;
-    return best;
 }
 
 void resume(const ResumeArguments& args) {
@@ -104,15 +71,9 @@ void resume(const ResumeArguments& args) {
     the_case = load_case(dir / "case.yaml", facts.is_fit ? Purpose::fit : Purpose::run, facts.case_dir);
     the_case.output.dir = dir;
     the_case.output.goes_on = true;
-    const std::string yaml = resolved_case(the_case, dir);
-    check_same_case(the_case, facts, yaml);
-    const std::vector<std::string> changed = changed_keys(facts.case_yaml, yaml);
-    const bool has_new_budget = std::any_of(changed.begin(), changed.end(),
-                                            [](const std::string& key) { return key.starts_with("optimize.budget"); });
-    const RunLimits limits = new_limits(args, journal.limits(), the_case, has_new_budget);
-    journal.set_limits(limits.evaluations, limits.seconds);
-    if (!changed.empty()) journal.set_case(yaml);
-    request.folder->begin_best_at(last_accepted(journal));
+    const Continuation now = continuation(the_case, facts, dir);
+    const RunLimits limits = new_limits(args, journal.limits(), the_case, now.has_new_budget);
+    begin_again(request, now, limits);
     if (!args.quiet)
         fmt::print(stderr, "strake: goes on after {} of {} evaluations\n", journal.evaluations().size(),
                    limits.evaluations);

@@ -159,6 +159,9 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         progress.evaluation(record), folder.add(record);
     };
     events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
+    events.sensitivities = [&](int evaluation, const Points& vertices, const Points& dJ_dv) {
+        folder.add_sensitivities(evaluation, vertices, dJ_dv);
+    };
     events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
     events.note = [&](const std::string& words) { progress.note(words); };
     try {
@@ -175,17 +178,31 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
 }
 
 /// The end of `run`, `fit` and `resume`: what is told, and the exit status.
-void conclude(const BuiltProblem& built, const RunResult& result, RunFolder& folder, bool json, bool is_fit) {
+void conclude(const BuiltProblem& built, const RunResult& result, const RunRequest& request) {
+    RunFolder& folder = *request.folder;
+    const bool is_fit = request.is_fit;
     folder.finish(result);
-    if (json)
+    if (request.json)
         print_json(result, folder);
-    else
+    else if (result.status == "waiting")
+        for (const AwaitedCall& call : result.awaited) fmt::print("{}\n", call.folder);
+    else if (!request.is_step)
         report(built.problem, result, folder, is_fit);
+    else if (!request.quiet)  // standard output names what is awaited: nothing
+        fmt::print(stderr, "strake: {}: {}; see {}\n", result.status, result.reason,
+                   printable(folder.folder().string()));
+    if (result.status == "waiting") {
+        if (!request.quiet) fmt::print(stderr, "strake: {}; then `strake step` again\n", result.reason);
+        return;
+    }
     if (result.is_done()) return;
-    const std::string again = fmt::format("`strake resume {}`", printable(folder.folder().string()));
+    const std::string again = request.is_step ? std::string("`strake step`")
+                                              : fmt::format("`strake resume {}`", printable(folder.folder().string()));
     if (result.status == "interrupted") {
         fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
                    ::sigabbrev_np(stop_signal()), result.evaluations, again);
+        if (!result.going_on.empty())
+            fmt::print(stderr, "strake: in the queue stays: {}; it is followed again then\n", joined(result.going_on));
         throw ExitStatus{interrupted};
     }
     fmt::print(stderr, "strake: {}: {}: {}\n", is_fit ? "fit" : "run", result.status, result.reason);
@@ -198,8 +215,7 @@ void run_case(const SessionArguments& args, bool is_fit) {
     RunRequest request;
     Case& the_case = request.the_case;
     the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
-    if (!args.out.empty()) the_case.output.dir = args.out;
-    if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
+    set_output_folder(the_case, args.out);
     check_run_folder(the_case.output.dir);
     if (!args.quiet) fmt::print(stderr, "strake: reading {}\n", the_case.surface.string());
     request.is_fit = is_fit;
@@ -209,6 +225,11 @@ void run_case(const SessionArguments& args, bool is_fit) {
 }
 
 }  // namespace
+
+void set_output_folder(Case& the_case, const std::string& wanted) {
+    if (!wanted.empty()) the_case.output.dir = wanted;
+    if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
+}
 
 std::map<std::string, std::string> file_hashes(const Case& the_case) {
     std::map<std::string, std::string> hashes;
@@ -224,7 +245,7 @@ void carry_out(RunRequest request) {
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;
     const RunResult result = search(built, the_case, folder, progress, request.is_fit, std::move(request.journal));
-    conclude(built, result, folder, request.json, request.is_fit);
+    conclude(built, result, request);
 }
 
 void run_session(const SessionArguments& args, bool is_fit) {

@@ -19,12 +19,16 @@ void run_session(const SessionArguments& args, bool is_fit);
 struct RunRequest {
     Case the_case;
     bool is_fit = false, json = false, quiet = false;
+    bool is_step = false;               ///< waits for answers from outside instead of running programs
     std::unique_ptr<RunFolder> folder;  ///< null: a new one, at output.dir
     std::unique_ptr<Journal> journal;   ///< of a run that goes on; null: a new one
 };
 
 /// Builds the problem, searches, and tells the end. @throws as run_session.
 void carry_out(RunRequest request);
+
+/// The folder that was asked for, else that of the case.
+void set_output_folder(Case& the_case, const std::string& wanted);
 
 /// Of the files that the case names, by key. @throws InputError where one cannot be read.
 std::map<std::string, std::string> file_hashes(const Case& the_case);

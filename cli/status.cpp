@@ -3,6 +3,7 @@
 #include "report/run_status.hpp"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <memory>
 
 namespace strake::cli {
@@ -31,10 +32,10 @@ struct HistoryArguments {
     bool csv = false;
 };
 
-void print_row(const JournalEvaluation& e) {
+void print_row(const JournalEvaluation& e, bool is_cached) {
     if (e.status == "ok")
-        fmt::print("{:5}  {:5}  {:16.9e}  {:9.1e}  {:8.2f}{}\n", e.number, e.level, e.objective, e.max_violation,
-                   e.seconds, e.accepted ? "  best" : "");
+        fmt::print("{:5}  {:5}  {:16.9e}  {:9.1e}  {:8.2f}{}{}\n", e.number, e.level, e.objective, e.max_violation,
+                   e.seconds, e.accepted ? "  best" : "", is_cached ? "  cached" : "");
     else
         fmt::print("{:5}  {:5}  {}: {}\n", e.number, e.level, e.status, e.reason.substr(0, e.reason.find('\n')));
 }
@@ -46,11 +47,12 @@ void history(const HistoryArguments& args) {
         fmt::print("{}\n", history_header(facts.values, facts.own));
     else
         fmt::print("{:>5}  {:>5}  {:>16}  violation  {:>8}\n", "eval", "level", "objective", "time_s");
+    const std::vector<int> cached = journal->cached();
     for (const JournalEvaluation& e : journal->evaluations())
         if (args.csv)
             fmt::print("{}\n", history_row(record_of(e), facts.values.size()));
         else
-            print_row(e);
+            print_row(e, std::binary_search(cached.begin(), cached.end(), e.number));
 }
 
 }  // namespace

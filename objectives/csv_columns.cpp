@@ -4,13 +4,18 @@
 
 namespace strake {
 
-std::vector<std::string_view> csv_fields(std::string_view line, std::size_t most) {
-    std::vector<std::string_view> fields;
+void split_csv(std::string_view line, std::vector<std::string_view>& fields, std::size_t most) {
+    fields.clear();
     for (std::size_t begin = 0; begin <= line.size() && fields.size() <= most;) {
         const std::size_t comma = std::min(line.find(',', begin), line.size());
         fields.push_back(line.substr(begin, comma - begin));
         begin = comma + 1;
     }
+}
+
+std::vector<std::string_view> csv_fields(std::string_view line, std::size_t most) {
+    std::vector<std::string_view> fields;
+    split_csv(line, fields, most);
     return fields;
 }
 

@@ -2,6 +2,7 @@
 #include "core/mesh/mesh.hpp"
 
 #include <Eigen/SparseCore>
+#include <filesystem>
 #include <functional>
 #include <limits>
 #include <optional>
@@ -22,7 +23,22 @@ struct Failure {
 
 /// Thrown where the user wants to stop: the evaluation is no failure, it has no end. Not a std::exception, so that
 /// nothing takes it for one.
-struct Interrupted {};
+struct Interrupted {
+    std::vector<std::string> going_on = {};  ///< jobs that stay in a queue, in words
+};
+
+/// A call of a program that somebody else makes.
+struct AwaitedCall {
+    std::string quantity;
+    int evaluation = 0;
+    std::string folder;                ///< with the surface
+    std::string request;               ///< file in it
+    std::vector<std::string> command;  ///< as it would be run, there
+};
+/// Thrown, as Interrupted, where these have no answer yet.
+struct Awaited {
+    std::vector<AwaitedCall> calls;
+};
 
 /// What is to be evaluated. `surface` is the deformed surface; the rest is for programs that want to know.
 struct QuantityRequest {
@@ -35,6 +51,9 @@ struct QuantityRequest {
     std::vector<std::pair<std::string, double>> own = {};
     /// Asked while a program runs; true: end the program and throw Interrupted.
     std::function<bool()> stop_wanted = {};
+    /// Asked then: true: nobody will come back for the answer, so that jobs in a queue are cancelled, too.
+    std::function<bool()> is_given_up = {};
+    std::string surface_hash = {};  ///< of `surface`; empty: not known
     /// With want_sensitivities, per value whether its own are wanted; empty: all. A quantity may give more.
     std::vector<char> wanted = {};
 
@@ -49,6 +68,7 @@ struct QuantityResult {
     /// shape alone. NaN where it is not known: by differences, if these are allowed, else a failure.
     std::vector<Eigen::VectorXd> dJ_down = {};
     std::vector<std::string> remarks = {};  ///< for the log: failed attempts, a value that stands for a failure
+    bool stands_for_failure = false;        ///< no answer, but what the user wants instead of none
 };
 
 /// Residuals of a fit, with the weights in them: J = sum of squares of r. Rows are grouped in points of `width` rows
@@ -85,6 +105,9 @@ struct Quantity {
     /// Where gradients cost a program of their own: `evaluate` of a request that wants none gives the values, and this
     /// the sensitivities (without values) of the same request, later, if anybody asks. Empty: `evaluate` gives both.
     std::function<QuantityResult(const QuantityRequest&)> differentiate = {};
+    int parallel = 1;  ///< of a program: so many evaluations of it may run at the same time, each in its own thread
+    std::filesystem::path cache = {};  ///< folder of answers that several runs share; empty: none
+    std::string cache_key = {};        ///< what an answer depends on beside surface and variables
     /// Instead of `evaluate`: the one value is made of others.
     std::optional<Combination> combination = {};
 };

@@ -1,10 +1,7 @@
 #include "optimize/evaluation.hpp"
 
 #include "core/error.hpp"
-#include "optimize/journal.hpp"
 #include "optimize/own_variables.hpp"
-
-#include <chrono>
 
 namespace strake {
 namespace {
@@ -59,6 +56,9 @@ ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const Res
       combinations_(problem.quantities, problem.own) {
     for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));
     needed_ = combinations_.with_parts(differentiated_);
+    set_gradient_calls();
+    for (const Quantity& quantity : problem.quantities)
+        if (!quantity.program.empty()) parallel_ = std::max(parallel_, quantity.parallel);
 }
 
 int ShapeEvaluator::index_of(const std::string& name) const {
@@ -93,17 +93,18 @@ void ShapeEvaluator::accept() {
 }
 
 /// A level begins with the shape that the level before ended with: nobody pays for its values twice.
-bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+bool ShapeEvaluator::take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const {
     const Measured& m = accepted_measured_;
-    if (m.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own())) return false;
-    if ((m.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal) return false;
+    if (!m.facts || m.facts->surface.vertices.rows() != result.vertices.rows() || m.own != x.tail(space_.num_own()))
+        return false;
+    if ((m.facts->surface.vertices - result.vertices).rowwise().norm().maxCoeff() > same_shape * rest_->diagonal)
+        return false;
     result.values = m.values;
     result.dJ_dv = m.dJ_dv;
     result.dJ_down = m.dJ_down;
     result.has_gradients_to_come = m.has_gradients_to_come;
     result.status = EvaluationStatus::ok;
     result.is_taken_over = true;
-    last_measured_ = m;
     return true;
 }
 
@@ -131,6 +132,7 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (start) options.max_iterations = max_iterations;
     options.fallbacks = !start;
     last_.reset();
+    shell_x_.resize(0);
     const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
     if (end.status != SolveStatus::converged) {
         result.status =
@@ -139,7 +141,7 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
         return false;
     }
     last_ = shell_->poses();
-    last_x_ = x;
+    last_x_ = shell_x_ = x;
     const Points vertices = shell_->vertices();
     result.reason = guard_.defect(vertices, *last_);
     if (!result.reason.empty()) {
@@ -164,17 +166,23 @@ Points ShapeEvaluator::begin_from(const Poses& poses, const Eigen::VectorXd& x, 
 }
 
 ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
-    ShapeEvaluation result;
-    const bool begins = std::exchange(enters_, false);
-    if (!deform(x, result)) return result;
-    if (!(takes_over_ && begins && take_over(x, result))) measure(number, x, result);
-    return result;
+    Design design = next(x, number);
+    ShapeEvaluation& result = design.result;
+    last_ = std::move(design.poses);
+    last_x_ = x;
+    if (result.is_taken_over) last_measured_ = accepted_measured_;
+    if (design.calls) measure(design);
+    // Such a failure ends the run: nobody asks for what was begun beside it.
+    if (result.status == EvaluationStatus::quantity_failed && !result.may_go_on) give_up();
+    return std::move(result);
 }
 
 void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.status != EvaluationStatus::ok || !last_)
         throw InvalidInput("differentiate: the last evaluation gave no shape");
     if (evaluation.has_gradients_to_come && !ask_for_gradients(evaluation)) return;
+    if (ShapeEvaluation again; shell_x_.size() != last_x_.size() || shell_x_ != last_x_)
+        if (!deform(last_x_, again)) throw SolverError("a shape that was reached is not reached again");
     evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
     const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
@@ -189,7 +197,7 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     if (!only_loads(space_)) return {};
     ShapeEvaluation unused;
-    if (!(last_ && last_x_ == x) && !deform(x, unused)) return {};
+    if (!(last_ && last_x_ == x && shell_x_ == x) && !deform(x, unused)) return {};
     return present_product(space_, *shell_, d);
 }
 

@@ -1,7 +1,10 @@
 #pragma once
 #include "optimize/combinations.hpp"
+#include "optimize/design_calls.hpp"
 #include "optimize/response_metric.hpp"
 #include "optimize/validity.hpp"
+
+#include <deque>
 
 /// One evaluation: x -> loads -> equilibrium -> a valid surface -> values, and by one adjoint call their gradients.
 namespace strake {
@@ -49,6 +52,10 @@ public:
     /// @param number of the evaluation within the run, for external programs. Failing is a result.
     /// @throws UnheldPart, InvalidInput and SolverError as PrimoShell::solve does.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
+    /// These designs will be asked for next, as the evaluations from `first` on: where programs may run in parallel,
+    /// the shapes are made one after another in this order and the programs called as slots are free. If others are
+    /// asked for, what was begun is given up.
+    void expect(const std::vector<Eigen::VectorXd>& designs, int first);
     /// Fills `evaluation.gradients` (one adjoint call), after asking quantities that differentiate separately. Where
     /// one of these fails the evaluation is quantity_failed. @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);
@@ -91,21 +98,42 @@ private:
     const Poses* nearest_known(const Eigen::VectorXd& x) const;
     void build_shell(const ShellDemand& demand);
     bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// A design on its way: deformed, and its quantities asked.
+    struct Design {
+        int number = 0;
+        Eigen::VectorXd x;
+        ShapeEvaluation result;
+        std::optional<Poses> poses;          ///< none: there is no shape
+        std::unique_ptr<DesignCalls> calls;  ///< none: there is no shape, or its values are taken over
+        std::exception_ptr thrown;           ///< by the deformation
+        bool is_ready() const { return !calls || calls->is_ready(); }
+    };
+    Design begin(const Eigen::VectorXd& x, int number);
+    Design next(const Eigen::VectorXd& x, int number);  ///< where it is expected, its programs have run already
+    Design take_first();                                ///< of `ahead_`, once its programs have answered
+    bool begin_expected();
+    void advance();
+    void give_up();
+    void forget_expected(int number);
+    [[noreturn]] void interrupt();
+    // quantity_calls.cpp
+    QuantityResult call(const Quantity& quantity, const QuantityRequest& request) const;
+    std::shared_ptr<const DesignCalls::Facts> facts_of(const Eigen::VectorXd& x, int number,
+                                                       const Points& vertices) const;
+    std::unique_ptr<DesignCalls> calls_of(const std::vector<Quantity>& quantities,
+                                          std::shared_ptr<const DesignCalls::Facts> facts) const;
+    bool wants_gradients_of(std::size_t quantity) const;
+    bool are_gradients_apart(std::size_t quantity) const;
+    void set_gradient_calls();
+    QuantityResult taken(DesignCalls& calls, std::size_t quantity, bool wants_values, ShapeEvaluation& result) const;
+    void measure(Design& design);
+    bool ask_for_gradients(ShapeEvaluation& result);
+    bool take_gradients(ShapeEvaluation& result);
     /// Per differentiated value its derivative along `direction` at these vertices.
     std::optional<Eigen::VectorXd> slopes_along(const Points& vertices, const Points& direction) const;
-    void measure(int number, const Eigen::VectorXd& x, ShapeEvaluation& result);
-    using Function = std::function<QuantityResult(const QuantityRequest&)>;
-    /// @param what is called, for the journal: the name of the quantity's first value, or that with more words.
-    QuantityResult call(const Quantity& quantity, const Function& function, const std::string& what,
-                        const QuantityRequest& request, const std::string& surface) const;
-    QuantityResult safely(const Quantity& quantity, const Function& function, const std::string& what,
-                          const QuantityRequest& request, ShapeEvaluation& result) const;
-    bool wants_gradients_of(int first, const Quantity& quantity) const;
     /// Which of the quantity's values need sensitivities.
-    std::vector<char> wanted_of(int first, const Quantity& quantity) const;
-    bool combine(const Quantity& quantity, ShapeEvaluation& result);
-    bool take_gradients(ShapeEvaluation& result);
-    bool ask_for_gradients(ShapeEvaluation& result);
+    std::vector<char> wanted_of(std::size_t quantity) const;
+    bool combine(const Quantity& quantity, const std::vector<double>& own, ShapeEvaluation& result);
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
@@ -115,26 +143,26 @@ private:
     std::vector<int> differentiated_;  ///< indices into names_
     Combinations combinations_;
     std::vector<int> needed_;  ///< differentiated ones and what they are made of
+    /// As the problem's quantities: what those are asked that differentiate separately; the others nothing.
+    std::vector<Quantity> gradient_calls_;
     DesignSpace space_;
     std::unique_ptr<PrimoShell> shell_;
     std::vector<int> shell_pin_;
     Eigen::VectorXd shell_height_, last_x_;
+    Eigen::VectorXd shell_x_;  ///< of the equilibrium that the shell is at
     std::optional<Poses> accepted_, last_;
     struct Measured {
-        Points vertices;
-        Eigen::VectorXd own;  ///< own variables, scaled
-        std::vector<double> own_physical;
+        std::shared_ptr<const DesignCalls::Facts> facts;  ///< null: nothing is measured
+        Eigen::VectorXd own;                              ///< own variables, scaled
         std::vector<double> values;
-        std::vector<Points> dJ_dv;
+        std::vector<Points> dJ_dv;  ///< of the differentiated values
         std::vector<Eigen::VectorXd> dJ_down;
         bool has_gradients_to_come = false;
-        int at = 0;  ///< number of the evaluation
-        std::string surface;
-        /// Of all values, as far as they came with these: where others are to come.
+        /// Where they are to come: those of all values, as far as they came with these.
         std::vector<Points> known_dJ_dv;
         std::vector<Eigen::VectorXd> known_dJ_down;
     };
-    bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    bool take_over(const Eigen::VectorXd& x, ShapeEvaluation& result) const;
     Measured last_measured_, accepted_measured_;
     bool takes_over_ = false;
     Journal* journal_ = nullptr;
@@ -145,6 +173,9 @@ private:
         Poses poses;
     };
     std::vector<KnownShape> known_;  ///< of this level, the latest last
+    int parallel_ = 1;               ///< most designs whose programs run at the same time
+    std::deque<std::pair<int, Eigen::VectorXd>> expected_;
+    std::deque<Design> ahead_;  ///< begun and not yet asked for, and the one that is
 };
 
 }  // namespace strake

@@ -15,46 +15,96 @@ VectorXd values_of(const Sample& s) {
     return all;
 }
 
+/// A point on one side of x along a variable; no values: not evaluated, or it failed.
+struct Side {
+    Eigen::Index variable;
+    double step;
+    VectorXd values = {};
+};
+
+/// All points of a gradient: first those that each variable wants, then the other sides of those that failed.
 class Slopes {
 public:
     Slopes(const NonlinearProgram& p, const VectorXd& x, const Sample& at,
-           const std::function<Sample(const VectorXd&)>& evaluate)
-        : p_(p), x_(x), here_(values_of(at)), evaluate_(evaluate) {}
+           const std::function<Sample(const VectorXd&)>& evaluate,
+           const std::function<void(const std::vector<VectorXd>&)>& expect)
+        : p_(p), x_(x), here_(values_of(at)), evaluate_(evaluate), expect_(expect) {}
+
+    void want(Eigen::Index j) {
+        const auto [up, down, forward] = steps(j);
+        const bool fits_below = down >= least(), fits_above = up >= least();
+        if (forward) sides_.push_back({j, up});
+        if ((!forward || p_.differences->central) && fits_below) sides_.push_back({j, -down});
+        if (!forward && !fits_below && fits_above) sides_.push_back({j, up});
+    }
+
+    void evaluate() {
+        evaluate_from(0);
+        const std::size_t first = sides_.size();
+        for (std::size_t k = 0; k < first; ++k) {
+            const Eigen::Index j = sides_[k].variable;
+            const auto [up, down, forward] = steps(j);
+            const bool has_other = std::any_of(sides_.begin(), sides_.end(), [&](const Side& s) {
+                return s.variable == j && (s.values.size() > 0 || s.step != sides_[k].step);
+            });
+            if (has_other) continue;
+            if (forward && down >= least()) sides_.push_back({j, -down});
+            if (!forward && sides_[k].step < 0 && up >= least()) sides_.push_back({j, up});
+        }
+        evaluate_from(first);
+    }
 
     /// d values / d x_j. False: no point next to x has values.
     bool along(Eigen::Index j, VectorXd& slope) const {
-        const double h = p_.differences->step;
-        const double up = std::min(h, p_.upper[j] - x_[j]), down = std::min(h, x_[j] - p_.lower[j]);
-        VectorXd above, below;
-        // A step that the bounds have cut to next to nothing would measure noise.
-        const bool forward = up >= 0.5 * h || up >= down;
-        bool has_above = forward && at(j, up, above);
-        bool has_below = false;
-        if (p_.differences->central || !has_above) has_below = down >= 0.01 * h && at(j, -down, below);
-        if (!has_above && !has_below && !forward && up >= 0.01 * h) has_above = at(j, up, above);
-        if (has_above && has_below)
-            slope = (above - below) / (up + down);
-        else if (has_above)
-            slope = (above - here_) / up;
-        else if (has_below)
-            slope = (here_ - below) / down;
-        return has_above || has_below;
+        const Side *above = nullptr, *below = nullptr;
+        for (const Side& side : sides_)
+            if (side.variable == j && side.values.size() > 0) (side.step > 0 ? above : below) = &side;
+        if (above && below)
+            slope = (above->values - below->values) / (above->step - below->step);
+        else if (above)
+            slope = (above->values - here_) / above->step;
+        else if (below)
+            slope = (here_ - below->values) / -below->step;
+        return above || below;
     }
 
 private:
-    bool at(Eigen::Index j, double step, VectorXd& values) const {
+    struct Steps {
+        double up, down;
+        bool forward;
+    };
+    /// A step that the bounds have cut to next to nothing would measure noise.
+    double least() const { return 0.01 * p_.differences->step; }
+    Steps steps(Eigen::Index j) const {
+        const double h = p_.differences->step;
+        const double up = std::min(h, p_.upper[j] - x_[j]), down = std::min(h, x_[j] - p_.lower[j]);
+        return {up, down, up >= 0.5 * h || up >= down};
+    }
+
+    VectorXd point(const Side& side) const {
         VectorXd x = x_;
-        x[j] = std::clamp(x[j] + step, p_.lower[j], p_.upper[j]);
-        const Sample s = evaluate_(x);
-        if (!s.failure.empty()) return false;
-        values = values_of(s);
-        return true;
+        double& entry = x[side.variable];
+        entry = std::clamp(entry + side.step, p_.lower[side.variable], p_.upper[side.variable]);
+        return x;
+    }
+
+    void evaluate_from(std::size_t first) {
+        if (first == sides_.size()) return;
+        std::vector<VectorXd> points;
+        for (std::size_t k = first; k < sides_.size(); ++k) points.push_back(point(sides_[k]));
+        if (expect_) expect_(points);
+        for (std::size_t k = first; k < sides_.size(); ++k) {
+            const Sample s = evaluate_(points[k - first]);
+            if (s.failure.empty()) sides_[k].values = values_of(s);
+        }
     }
 
     const NonlinearProgram& p_;
     const VectorXd& x_;
     VectorXd here_;
     const std::function<Sample(const VectorXd&)>& evaluate_;
+    const std::function<void(const std::vector<VectorXd>&)>& expect_;
+    std::vector<Side> sides_;
 };
 
 }  // namespace
@@ -69,7 +119,8 @@ NonlinearProgram with_differences(NonlinearProgram program, const Differences& h
 }
 
 bool differentiate_by_differences(const NonlinearProgram& program, const VectorXd& x, Sample& sample,
-                                  const std::function<Sample(const VectorXd&)>& evaluate) {
+                                  const std::function<Sample(const VectorXd&)>& evaluate,
+                                  const std::function<void(const std::vector<VectorXd>&)>& expect) {
     const Differences& how = *program.differences;
     const Eigen::Index n = x.size(), rows = sample.constraints.size();
     VectorXd gradient = sample.gradient.size() == n ? sample.gradient : VectorXd::Zero(n);
@@ -80,16 +131,22 @@ bool differentiate_by_differences(const NonlinearProgram& program, const VectorX
         const bool whole = i < 0 ? how.objective : how.rows.empty() || how.rows[static_cast<std::size_t>(i)];
         return whole || (how.missing && std::isnan(i < 0 ? gradient[j] : jacobian(i, j)));
     };
-    const Slopes slopes(program, x, sample, evaluate);
-    VectorXd slope = VectorXd::Zero(1 + rows);
-    for (Eigen::Index j = 0; j < n; ++j) {
+    const auto any_wanted = [&](Eigen::Index j) {
         bool any = false;
         for (Eigen::Index i = -1; i < rows; ++i) any |= is_wanted(i, j);
-        if (!any) continue;
-        if (program.lower[j] < program.upper[j]) {
-            if (!slopes.along(j, slope)) return false;
-        } else
-            slope.setZero();
+        return any;
+    };
+    std::vector<Eigen::Index> wanted;
+    Slopes slopes(program, x, sample, evaluate, expect);
+    for (Eigen::Index j = 0; j < n; ++j) {
+        if (!any_wanted(j)) continue;
+        wanted.push_back(j);
+        if (program.lower[j] < program.upper[j]) slopes.want(j);
+    }
+    slopes.evaluate();
+    for (const Eigen::Index j : wanted) {
+        VectorXd slope = VectorXd::Zero(1 + rows);
+        if (program.lower[j] < program.upper[j] && !slopes.along(j, slope)) return false;
         if (is_wanted(-1, j)) gradient[j] = slope[0];
         for (Eigen::Index i = 0; i < rows; ++i)
             if (is_wanted(i, j)) jacobian(i, j) = slope[1 + i];

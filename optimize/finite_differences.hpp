@@ -23,10 +23,12 @@ struct Differences {
 /// @throws InvalidInput: step not > 0, number of rows.
 NonlinearProgram with_differences(NonlinearProgram program, const Differences& how);
 
-/// Writes the gradients that `program.differences` names into the sample at x. A point that fails is replaced by the
-/// one on the other side; false: that failed too, the sample is as it was. Variables with equal bounds get zero.
-/// @param evaluate as the program's, and counts.
+/// Writes the gradients that `program.differences` names into the sample at x. Points that fail are replaced, after all
+/// others, by the ones on the other side; false: one of these failed too, the sample is as it was. Variables with equal
+/// bounds get zero.
+/// @param evaluate as the program's, and counts. @param expect told the points before they are evaluated; may be empty.
 bool differentiate_by_differences(const NonlinearProgram& program, const Eigen::VectorXd& x, Sample& sample,
-                                  const std::function<Sample(const Eigen::VectorXd& x)>& evaluate);
+                                  const std::function<Sample(const Eigen::VectorXd& x)>& evaluate,
+                                  const std::function<void(const std::vector<Eigen::VectorXd>&)>& expect = {});
 
 }  // namespace strake

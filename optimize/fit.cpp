@@ -37,6 +37,8 @@ public:
             walk();
         } catch (const Interrupted&) {
             conclude_interrupted(state_.result);
+        } catch (const Awaited&) {
+            conclude_waiting(state_.result);
         }
         return std::move(state_.result);
     }

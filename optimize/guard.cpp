@@ -188,7 +188,12 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
             if (next.is_fatal) stop(Cause::fatal);
             return next;
         };
-        if (!differentiate_by_differences(program, x, s, evaluate))
+        const auto expect = [&](std::vector<Eigen::VectorXd> points) {
+            if (!program.expect) return;
+            points.resize(std::min(points.size(), static_cast<std::size_t>(std::max(0, limit - evaluations))));
+            program.expect(points);
+        };
+        if (!differentiate_by_differences(program, x, s, evaluate, expect))
             fail_gradient(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
     }
     last_ = s;

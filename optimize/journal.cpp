@@ -221,6 +221,7 @@ const JournalEvaluation* Journal::find(int number) const {
 }
 
 std::optional<JournalCall> Journal::find_call(int evaluation, const std::string& quantity) const {
+    const std::lock_guard lock(busy_);
     Statement row(db_, file_, select_call);
     row.bind(static_cast<long long>(evaluation)).bind(quantity);
     if (!row.step()) return {};
@@ -230,6 +231,7 @@ std::optional<JournalCall> Journal::find_call(int evaluation, const std::string&
 void Journal::add(const JournalEvaluation& evaluation) {
     if (evaluation.number != static_cast<int>(evaluations_.size()) + 1)
         throw InvalidInput(text("journal: evaluation ", evaluation.number, " follows ", evaluations_.size()));
+    const std::lock_guard lock(busy_);
     Transaction one(db_, file_);
     insert(db_, file_, evaluation);
     one.commit();
@@ -237,9 +239,25 @@ void Journal::add(const JournalEvaluation& evaluation) {
 }
 
 void Journal::add(const JournalCall& call) {
+    const std::lock_guard lock(busy_);
     Transaction one(db_, file_);
     insert(db_, file_, call);
     one.commit();
+}
+
+void Journal::drop_calls_from(int evaluation) {
+    const std::lock_guard lock(busy_);
+    const int first = std::max(evaluation, static_cast<int>(evaluations_.size()) + 1);
+    Statement(db_, file_, "DELETE FROM calls WHERE evaluation >= ?").bind(static_cast<long long>(first)).run();
+}
+
+std::vector<int> Journal::cached() const {
+    Statement rows(
+        db_, file_,
+        "SELECT DISTINCT evaluation FROM calls WHERE remarks LIKE '%is taken from the cache%' ORDER BY evaluation");
+    std::vector<int> numbers;
+    while (rows.step()) numbers.push_back(static_cast<int>(rows.integer(0)));
+    return numbers;
 }
 
 void Journal::set_limits(int max_evaluations, double max_seconds) {

@@ -5,12 +5,14 @@
 #include <filesystem>
 #include <map>
 #include <memory>
+#include <mutex>
 
 struct sqlite3;
 
 /// The journal of a run, `journal.sqlite` in its folder: every evaluation, and before that every call of a program, is
 /// on the disk before the optimizer sees it. A run that died is replayed from its start against it: the optimizer asks
-/// for the same designs again, and what is in the journal is not paid again. One thread, one writer.
+/// for the same designs again, and what is in the journal is not paid again. One writer; calls may be found and added
+/// by several threads.
 namespace strake {
 
 /// A run asks for something else than what its journal says that it did; the text says where, and why that may be.
@@ -83,6 +85,10 @@ public:
     /// Each returns when it is on the disk. @throws OutputError with path and reason.
     void add(const JournalEvaluation& evaluation);
     void add(const JournalCall& call);
+    /// Calls for evaluations from this number on, none of which is recorded, are forgotten: others are asked for.
+    void drop_calls_from(int evaluation);
+    /// Evaluations for which a call was answered by a cache.
+    std::vector<int> cached() const;
     /// From now on; the run goes on under them.
     void set_limits(int max_evaluations, double max_seconds);
     void set_case(const std::string& yaml);
@@ -97,6 +103,7 @@ private:
 
     std::filesystem::path file_;
     sqlite3* db_ = nullptr;
+    mutable std::mutex busy_;
     JournalFacts facts_;
     std::vector<RunLimits> limits_;
     std::vector<JournalEvaluation> evaluations_;

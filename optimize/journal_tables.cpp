@@ -24,9 +24,8 @@ std::string packed_vector(const Eigen::VectorXd& v) {
     return {reinterpret_cast<const char*>(v.data()), sizeof(double) * static_cast<std::size_t>(v.size())};
 }
 
-/// Gradients and derivatives: their number, then rows and entries of each.
 template <class Matrix>
-std::string packed_all(const std::vector<Matrix>& all) {
+std::string packed_matrices(const std::vector<Matrix>& all) {
     std::string bytes;
     put(bytes, static_cast<std::int64_t>(all.size()));
     for (const Matrix& m : all) {
@@ -106,6 +105,13 @@ const char* const select_calls =
 const char* const select_call =
     "SELECT evaluation, quantity, program, surface, vals, gradients, derivatives, failure, message, remarks, seconds, "
     "hash FROM calls WHERE evaluation = ? AND quantity = ?";
+
+std::string packed_all(const std::vector<Points>& all) { return packed_matrices(all); }
+std::string packed_all(const std::vector<Eigen::VectorXd>& all) { return packed_matrices(all); }
+std::vector<Points> unpacked_gradients(const std::string& bytes) { return unpacked_all<Points>(bytes); }
+std::vector<Eigen::VectorXd> unpacked_derivatives(const std::string& bytes) {
+    return unpacked_all<Eigen::VectorXd>(bytes);
+}
 
 std::string packed(const std::vector<double>& values) {
     return {reinterpret_cast<const char*>(values.data()), sizeof(double) * values.size()};

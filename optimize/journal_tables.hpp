@@ -53,6 +53,12 @@ extern const char* const select_evaluations;  ///< in the order of their numbers
 extern const char* const select_call;         ///< of an evaluation (1) and a quantity (2)
 extern const char* const select_calls;        ///< all, to be checked
 
+/// Gradients and derivatives of an answer: their number, then rows and entries of each.
+std::string packed_all(const std::vector<Points>& all);
+std::string packed_all(const std::vector<Eigen::VectorXd>& all);
+/// @pre `bytes` are what packed_all gave.
+std::vector<Points> unpacked_gradients(const std::string& bytes);
+std::vector<Eigen::VectorXd> unpacked_derivatives(const std::string& bytes);
 std::string packed(const std::vector<double>& values);
 std::vector<double> unpacked(const std::string& bytes);
 /// Names, which hold no line feed.

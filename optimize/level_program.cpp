@@ -69,6 +69,11 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     program_.num_equalities = num_equalities_;
     program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
     program_.differentiate = [this](const Eigen::VectorXd&, Sample& sample) { differentiate(sample); };
+    program_.expect = [this](const std::vector<Eigen::VectorXd>& points) {
+        std::vector<Eigen::VectorXd> designs;
+        for (const Eigen::VectorXd& y : points) designs.push_back(unscaled(y));
+        state_.evaluator.expect(designs, state_.result.evaluations + 1);
+    };
     program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
     program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
         const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
@@ -135,7 +140,8 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
 
 void LevelProgram::differentiate(Sample& sample) {
     const std::size_t told = current_.remarks.size();
-    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.evaluator.differentiate(current_);
+    const bool came_later = current_.has_gradients_to_come && objective_gradient_ == 0;
+    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.differentiate(current_);
     for (std::size_t i = told; i < current_.remarks.size(); ++i)
         state_.note(text("gradient of evaluation ", state_.result.evaluations, ": ", current_.remarks[i]));
     if (current_.status != EvaluationStatus::ok) {
@@ -144,6 +150,7 @@ void LevelProgram::differentiate(Sample& sample) {
         quantity_failed_ |= sample.is_fatal;
         return;
     }
+    if (came_later && !current_.dJ_dv.empty()) state_.tell_sensitivities(current_, current_.dJ_dv[0]);
     sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
     if (objective_gradient_ >= 0)
         sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);

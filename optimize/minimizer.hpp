@@ -27,6 +27,9 @@ struct NonlinearProgram {
     /// Adds the gradients to the sample of the last `evaluate`, which was at this x. Not called by local gradient-free
     /// methods; by global ones for the polish at their end. Empty: differences.
     std::function<void(const Eigen::VectorXd& x, Sample& sample)> differentiate;
+    /// Told the points that will be evaluated next, in this order, where they are known before: all of a gradient by
+    /// differences. May be empty.
+    std::function<void(const std::vector<Eigen::VectorXd>& points)> expect;
     /// Gradients that are made of differences, instead of what `differentiate` gave for them (if there is one).
     std::optional<Differences> differences;
     /// n x n, positive definite: the size of a step d is sqrt(d.metric.d), about 1 for the largest reasonable one.

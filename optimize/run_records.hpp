@@ -54,6 +54,8 @@ struct RunEvents {
     std::function<void(const LevelStart&)> level;
     std::function<void(const EvaluationRecord&)> evaluation;
     std::function<void(const AcceptedDesign&)> accepted;
+    /// dJ/dv of the objective (n x 3) came after the design, which was the last to be accepted.
+    std::function<void(int evaluation, const Points& vertices, const Points& dJ_dv)> sensitivities;
     std::function<void(const LevelSummary&)> level_end;
     std::function<void(const std::string&)> note;
     /// Asked before every evaluation and while a program runs; true ends the run (status `interrupted`). From the
@@ -65,9 +67,11 @@ struct RunResult {
     /// One word: converged | budget (evaluations or time) | progress (a fit whose progress slackened on the last level)
     /// | roundoff | blocked (valid evaluations end next to the best design) | conflict (constraints that cannot be met
     /// together) | infeasible | gradient_inconsistent (with the values) | failed | evaluation_failed (a quantity gave
-    /// no value) | interrupted (`RunEvents::stop_wanted` said so)
+    /// no value) | interrupted (`RunEvents::stop_wanted` said so) | waiting (for answers from outside)
     std::string status = "failed";
     std::string reason;                 ///< one sentence or two: why, and what to do next
+    std::vector<AwaitedCall> awaited;   ///< of status `waiting`
+    std::vector<std::string> going_on;  ///< of status `interrupted`: jobs that stay in a queue
     std::vector<std::string> conflict;  ///< names of the constraints that cannot be met together; empty: none found
     int level = 0, evaluations = 0;
     double objective_start = std::numeric_limits<double>::quiet_NaN();

@@ -40,13 +40,37 @@ ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
     check_design(x);
     ShapeEvaluation evaluation;
     try {
-        evaluation = evaluator.evaluate(x, result.evaluations);
+        with_unfinished_calls([&] { evaluation = evaluator.evaluate(x, result.evaluations); });
     } catch (const Interrupted&) {
         --result.evaluations;  // it has no end
+        throw;
+    } catch (const Awaited&) {
+        --result.evaluations;
         throw;
     }
     last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return evaluation;
+}
+
+void RunState::differentiate(ShapeEvaluation& evaluation) {
+    with_unfinished_calls([&] { evaluator.differentiate(evaluation); });
+}
+
+void RunState::tell_sensitivities(const ShapeEvaluation& evaluation, const Points& dJ_dv) const {
+    if (events.sensitivities && result.best_evaluation == result.evaluations)
+        events.sensitivities(result.evaluations, evaluation.vertices, dJ_dv);
+}
+
+void RunState::with_unfinished_calls(const std::function<void()>& ask) {
+    try {
+        ask();
+    } catch (const Interrupted& interrupted) {
+        result.going_on = interrupted.going_on;
+        throw;
+    } catch (const Awaited& awaited) {
+        result.awaited = awaited.calls;
+        throw;
+    }
 }
 
 void RunState::check_inheritance(const ShapeEvaluation& evaluation, double objective) {

@@ -24,8 +24,12 @@ public:
     RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
              Journal* journal = nullptr);
 
-    /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted.
+    /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted; Awaited.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x);
+    /// Completes the gradients of the last evaluation. @throws Interrupted; Awaited.
+    void differentiate(ShapeEvaluation& evaluation);
+    /// Vertex sensitivities of the objective came later than the values of the last evaluation.
+    void tell_sensitivities(const ShapeEvaluation& evaluation, const Points& dJ_dv) const;
     /// Records the last evaluation. `objective` as the case states it. Returns whether it is the best of the level;
     /// then the next evaluation starts from its equilibrium.
     bool record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluation, double objective, const Rank& rank,
@@ -68,6 +72,8 @@ public:
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
 
 private:
+    /// What `ask` leaves unfinished goes to the result.
+    void with_unfinished_calls(const std::function<void()>& ask);
     Eigen::VectorXd first_level();
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
     void check_design(const Eigen::VectorXd& x) const;

@@ -111,6 +111,15 @@ std::string level_words(const MinimizeResult& level) {
 void conclude_interrupted(RunResult& r) {
     r.status = "interrupted";
     r.reason = text("stopped by the user after ", r.evaluations, " evaluations");
+    std::string jobs;
+    for (const std::string& job : r.going_on) jobs += (jobs.empty() ? "" : ", ") + job;
+    if (!jobs.empty()) r.reason += text("; in the queue goes on: ", jobs);
+}
+
+void conclude_waiting(RunResult& r) {
+    r.status = "waiting";
+    r.reason = text(r.awaited.size(), r.awaited.size() == 1 ? " answer is" : " answers are", " awaited after ",
+                    r.evaluations, " evaluations");
 }
 
 void conclude_run(RunResult& r, const RunEnd& end) {

@@ -19,6 +19,8 @@ void conclude_run(RunResult& result, const RunEnd& end);
 
 /// The run was stopped by the user.
 void conclude_interrupted(RunResult& result);
+/// It waits for answers from outside.
+void conclude_waiting(RunResult& result);
 
 /// Why a level ended.
 std::string level_words(const MinimizeResult& level);

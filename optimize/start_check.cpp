@@ -32,6 +32,7 @@ void take_gradients(const QuantityResult& result, const QuantityRequest& request
 /// The same quantity, which tells what it is asked and answers.
 Quantity watched(const Quantity& quantity, StartAnswer::Quantity& told) {
     Quantity copy = quantity;
+    copy.cache.clear();  // it is the program that is tried
     told.is_program = !quantity.program.empty();
     for (const std::string& name : quantity.names) told.values.emplace_back().name = name;
     if (quantity.combination) return copy;

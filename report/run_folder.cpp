@@ -187,25 +187,33 @@ void RunFolder::add(const AcceptedDesign& design) {
     if (wanted) add_to_series(design.record.evaluation, design.vertices, design.dJ_dv);
 }
 
-void RunFolder::add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv) {
-    std::ostringstream name;
-    name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
+void RunFolder::add_sensitivities(int evaluation, const Points& vertices, const Points& dJ_dv) {
+    if (!steps_.empty() && steps_.back().first == evaluation && evaluation >= best_from_)
+        write_data_set(steps_.back().second, vertices, dJ_dv);
+}
+
+void RunFolder::write_data_set(const std::string& name, const Points& vertices, const Points& dJ_dv) const {
     std::vector<Field> points{{"displacement", Points(vertices - problem_->surface.vertices)}};
     if (dJ_dv.rows() > 0) points.push_back({"objective_sensitivity", dJ_dv});
     std::vector<Field> cells;
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
         cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
+    write_vtp(folder_ / name, with_vertices(problem_->surface, vertices), points, cells);
+}
+
+void RunFolder::add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv) {
+    std::ostringstream name;
+    name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
     make_folder(folder_ / "series");
     // What a replay comes past has been written, whole and with the same bytes.
-    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str()))
-        write_vtp(folder_ / name.str(), with_vertices(problem_->surface, vertices), points, cells);
+    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str())) write_data_set(name.str(), vertices, dJ_dv);
     steps_.emplace_back(evaluation, name.str());
     write_pvd(folder_ / "series.pvd", steps_);
     remember("series.pvd");
 }
 
 void RunFolder::finish(const RunResult& result) {
-    const bool is_over = result.status != "interrupted";
+    const bool is_over = result.status != "interrupted" && result.status != "waiting";
     if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
         add_to_series(result.best_evaluation, result.vertices, {});
     if (is_over) history_->finish();
@@ -234,6 +242,12 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
             j["variables"][name] = {{"start", json_number(own.start)}, {"best", json_number(value)}};
             if (own.is_angle) j["variables"][name]["unit"] = "rad";
         }
+    for (const AwaitedCall& call : result.awaited)
+        j["awaited"].push_back({{"evaluation", call.evaluation},
+                                {"quantity", call.quantity},
+                                {"folder", call.folder},
+                                {"request", call.request},
+                                {"command", call.command}});
     j["levels"] = nlohmann::ordered_json::array();
     for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));
     return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

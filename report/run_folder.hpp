@@ -30,6 +30,8 @@ public:
     void add(const LevelStart& level);
     /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
+    /// Into the design's data set, if it has one.
+    void add_sensitivities(int evaluation, const Points& vertices, const Points& dJ_dv);
     /// Of a run that is replayed: the best design of evaluations before this one has been replaced already, and is not
     /// written again.
     void begin_best_at(int evaluation) { best_from_ = evaluation; }
@@ -48,6 +50,7 @@ public:
 private:
     void make_folder(const std::filesystem::path& folder);  ///< with those above it
     void write(const std::string& name, const std::string& bytes);
+    void write_data_set(const std::string& name, const Points& vertices, const Points& dJ_dv) const;
     void add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv);
     void remember(const std::string& name);
 

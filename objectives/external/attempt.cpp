@@ -1,17 +1,20 @@
 #include "objectives/external/attempt.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/io.hpp"
 #include "objectives/external/gradient.hpp"
 #include "objectives/external/hand_over.hpp"
 #include "objectives/external/handed_over.hpp"
+#include "objectives/external/log.hpp"
 #include "objectives/external/refused.hpp"
 #include "objectives/external/result.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
+#include <fstream>
+#include <iterator>
 #include <nlohmann/json.hpp>
 
 namespace strake {
@@ -21,35 +24,6 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t result_limit = std::size_t{16} << 20;
 constexpr double match_rel = 1e-5;  // of the diagonal, DESIGN section 7
-
-/// Each word in braces replaced within its own argument, once: what is put in is not looked at again.
-std::string replaced(const std::string& argument, const Call& call, const ExternalCommand& command) {
-    const std::array<std::string, 5> values{call.surface.string(), call.request.string(), call.result.string(),
-                                            call.folder.string(), fs::absolute(command.case_dir).string()};
-    std::string done;
-    for (std::size_t at = 0; at < argument.size();) {
-        std::size_t k = 0, length = 0;
-        for (; argument[at] == '{' && k < replaced_words.size(); ++k) {
-            const std::string key = text("{", replaced_words[k], "}");
-            if (argument.compare(at, key.size(), key) != 0) continue;
-            length = key.size();
-            break;
-        }
-        done += length > 0 ? values[k] : argument.substr(at, 1);
-        at += std::max<std::size_t>(length, 1);
-    }
-    return done;
-}
-
-std::vector<std::string> all_replaced(const std::vector<std::string>& words, const Call& call,
-                                      const ExternalCommand& command) {
-    std::vector<std::string> arguments;
-    for (const std::string& argument : words) arguments.push_back(replaced(argument, call, command));
-    std::string& program = arguments.front();  // a plain name is looked up on PATH
-    if (program.find('/') != std::string::npos)
-        program = (fs::absolute(command.case_dir) / program).lexically_normal().string();
-    return arguments;
-}
 
 /// Own variables by which the values have to be differentiated.
 std::vector<std::string> wanted_variables(const ExternalCommand& command, const QuantityRequest& request) {
@@ -61,8 +35,40 @@ std::vector<std::string> wanted_variables(const ExternalCommand& command, const 
     return names;
 }
 
-std::string request_json(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                         bool want_gradients) {
+Points vertex_normals(const TriMesh& surface) {
+    Points normals = Points::Zero(surface.num_vertices(), 3);
+    for (int t = 0; t < surface.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) normals.row(surface.triangles(t, k)) += area_vector(surface, t).transpose();
+    for (int v = 0; v < surface.num_vertices(); ++v)
+        normals.row(v) = Eigen::RowVector3d(normals.row(v)).normalized();  // zero stays zero
+    return normals;
+}
+
+/// Whose gradients the program gives: the vertices', or those of its own points.
+GradientPlaces places_of(const ExternalCommand& command, const TriMesh& surface) {
+    GradientPlaces places = vertices_of(surface, match_rel * command.diagonal);
+    if (!command.points) {
+        places.normals = vertex_normals(surface);
+        return places;
+    }
+    places.at = command.points->map.moved(surface.vertices);
+    places.ids = command.points->rest.ids;
+    places.whole = "the list of points";
+    places.one = "point";
+    places.many = "points";
+    return places;
+}
+
+}  // namespace
+
+std::vector<std::string> value_keys(const ExternalCommand& command) {
+    return command.gives.empty() ? std::vector<std::string>{"value"} : command.gives;
+}
+
+std::string request_text(const Task& task, const Call& call) {
+    const ExternalCommand& command = task.command;
+    const QuantityRequest& request = task.request;
+    const bool want_gradients = task.wanted != Wanted::values;
     using json = nlohmann::ordered_json;
     json variables = json::object();
     for (const auto* list : {&request.own, &request.variables})
@@ -93,103 +99,40 @@ std::string request_json(const ExternalCommand& command, const QuantityRequest& 
     return file.dump(2, ' ', false, json::error_handler_t::replace) + "\n";
 }
 
-Points vertex_normals(const TriMesh& surface) {
-    Points normals = Points::Zero(surface.num_vertices(), 3);
-    for (int t = 0; t < surface.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k) normals.row(surface.triangles(t, k)) += area_vector(surface, t).transpose();
-    for (int v = 0; v < surface.num_vertices(); ++v)
-        normals.row(v) = Eigen::RowVector3d(normals.row(v)).normalized();  // zero stays zero
-    return normals;
-}
-
-/// Whose gradients the program gives: the vertices', or those of its own points.
-GradientPlaces places_of(const ExternalCommand& command, const TriMesh& surface) {
-    GradientPlaces places = vertices_of(surface, match_rel * command.diagonal);
-    if (!command.points) {
-        places.normals = vertex_normals(surface);
-        return places;
+void hand_over(const Task& task, const Call& call) {
+    const ProgramPoints* points = task.command.points.get();
+    const std::string& format = task.command.format;
+    const TriMesh& surface = task.request.surface;
+    if (task.wanted != Wanted::gradients) {
+        write_atomically(call.surface, handed_over_bytes(surface, format, points));
+        if (points && format != "su2-positions")
+            write_points(call.folder / points_name(*points), {points->map.moved(surface.vertices), points->rest.ids});
     }
-    places.at = command.points->map.moved(surface.vertices);
-    places.ids = command.points->rest.ids;
-    places.whole = "the list of points";
-    places.one = "point";
-    places.many = "points";
-    return places;
+    write_atomically(call.request, request_text(task, call));
 }
 
-}  // namespace
-
-fs::path first_folder(const ExternalCommand& command, int evaluation) {
-    if (evaluation < 0) throw InvalidInput(text(command.name, ": evaluation = ", evaluation, " must be >= 0"));
-    char number[16];
-    std::snprintf(number, sizeof number, "%06d", evaluation);
-    fs::path first = fs::absolute(command.evaluations_dir).lexically_normal() / number;
-    if (command.own_folder) first /= command.name;
-    return first;
+void sign(const Task& task, const Call& call) {
+    write_atomically(call.folder / "surface.hash", task.request.surface_hash + "\n");
 }
 
-fs::path attempt_folder(const fs::path& first, int attempt) {
-    fs::path folder = first;
-    if (attempt > 1) folder += text("-", attempt);
-    return folder;
-}
-
-Call call_in(const ExternalCommand& command, const fs::path& folder) {
-    return {folder, folder / handed_over_name(command.format), folder / "request.json", folder / "result.json"};
-}
-
-bool make_call_folder(const fs::path& folder) {
-    std::error_code error;
-    fs::create_directories(folder.parent_path(), error);
-    if (error) throw OutputError(text(folder.parent_path().string(), ": cannot be created: ", error.message()));
-    const bool made = fs::create_directory(folder, error);
-    if (error) throw OutputError(text(folder.string(), ": cannot be created: ", error.message()));
-    return made;
-}
-
-Call fresh_call(const ExternalCommand& command, int evaluation, int attempt) {
-    const fs::path first = first_folder(command, evaluation);
-    for (;; ++attempt) {
-        const fs::path folder = attempt_folder(first, attempt);
-        if (make_call_folder(folder)) return call_in(command, folder);
-        if (!command.may_follow_others)
-            throw OutputError(text(folder.string(), ": exists already; the folder of an evaluation must be fresh"));
+bool is_of(const Task& task, const Call& call) {
+    try {
+        return read_bytes(call.folder / "surface.hash") == task.request.surface_hash + "\n" &&
+               read_bytes(call.request) == request_text(task, call);
+    } catch (const InputError&) {
+        return false;
     }
 }
 
-std::vector<std::string> value_keys(const ExternalCommand& command) {
-    return command.gives.empty() ? std::vector<std::string>{"value"} : command.gives;
-}
-
-void hand_over(const ExternalCommand& command, const QuantityRequest& request, const Call& call, bool want_gradients) {
-    const ProgramPoints* points = command.points.get();
-    write_atomically(call.surface, handed_over_bytes(request.surface, command.format, points));
-    if (points && command.format != "su2-positions")
-        write_points(call.folder / points_name(*points),
-                     {points->map.moved(request.surface.vertices), points->rest.ids});
-    write_request(command, request, call, want_gradients);
-}
-
-void write_request(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                   bool want_gradients) {
-    write_atomically(call.request, request_json(command, request, call, want_gradients));
-}
-
-std::vector<std::string> arguments_of(const ExternalCommand& command, const Call& call) {
-    return all_replaced(command.command, call, command);
-}
-
-std::vector<std::string> gradient_arguments_of(const ExternalCommand& command, const Call& call) {
-    return all_replaced(command.gradient_command, call, command);
-}
-
-QuantityResult read_results(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                            bool want_gradients, bool want_values) {
+QuantityResult read_results(const Task& task, const Call& call) {
+    const ExternalCommand& command = task.command;
+    const QuantityRequest& request = task.request;
+    const bool want_gradients = task.wanted != Wanted::values;
     QuantityResult result;
-    const std::string bytes = read_handed_over(call.folder, call.result.filename().string(), result_limit);
+    const std::string name = call.result.filename().string(), bytes = read_handed_over(call.folder, name, result_limit);
     const std::vector<std::string> by = wanted_variables(command, request);
     const ProgramResult found = parse_result(bytes, command.gives, want_gradients, by, command.may_lack_derivatives,
-                                             call.result.filename().string(), want_values);
+                                             name, task.wanted != Wanted::gradients);
     GradientPlaces places;
     if (want_gradients) places = places_of(command, request.surface);
     const std::size_t limit = result_limit + 1024 * static_cast<std::size_t>(places.at.rows());
@@ -208,10 +151,25 @@ QuantityResult read_results(const ExternalCommand& command, const QuantityReques
     return result;
 }
 
-QuantityResult failed(const ExternalCommand& command, const QuantityRequest& request, const Call& call, Failure failure,
-                      const std::string& last_lines) {
+std::string last_lines_in(const Call& call) {
+    constexpr std::streamoff tail = 64 * 1024;
+    constexpr int lines = 10;
+    for (const char* name : {"stderr.log", "stdout.log"}) {
+        std::error_code ignored;
+        if (!fs::is_regular_file(fs::symlink_status(call.file(name), ignored))) continue;
+        std::ifstream log(call.file(name), std::ios::binary);
+        log.seekg(0, std::ios::end);
+        log.seekg(std::max<std::streamoff>(0, static_cast<std::streamoff>(log.tellg()) - tail));
+        const std::string end{std::istreambuf_iterator<char>(log), {}};
+        if (const std::string shown = printable_tail(end, lines); !shown.empty()) return shown;
+    }
+    return "";
+}
+
+QuantityResult failed(const Task& task, const Call& call, Failure failure, const std::string& last_lines) {
     failure.message =
-        text(command.name, ", evaluation ", request.evaluation, ": ", failure.message, "\n  in ", call.folder.string());
+        text(task.command.name, ", evaluation ", task.request.evaluation, ": ",
+             task.wanted == Wanted::gradients ? "gradient: " : "", failure.message, "\n  in ", call.folder.string());
     if (!last_lines.empty()) failure.message += "\n  the program's last lines:\n" + last_lines;
     return {{}, {}, failure};
 }

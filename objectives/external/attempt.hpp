@@ -3,60 +3,72 @@
 
 #include <array>
 
-/// One attempt of a program at an evaluation: its folder, what is written there, and what is read back. Internal.
+/// One attempt of a program at an evaluation: its place, what is written there, and what is read back. Internal.
 namespace strake {
 
 /// The words that are replaced in arguments.
 inline constexpr std::array<const char*, 5> replaced_words{"surface", "request", "result", "folder", "case_dir"};
 
-struct Call {
-    std::filesystem::path folder, surface, request, result;
+/// Gradients alone: of `gradient_command`, in the folder in which the command has given the values.
+enum class Wanted { values, values_and_gradients, gradients };
+
+/// What a program is asked.
+struct Task {
+    const ExternalCommand& command;
+    const QuantityRequest& request;
+    Wanted wanted = Wanted::values;
+    std::filesystem::path folder_of_values = {};  ///< for gradients alone
 };
 
-/// The folder of the first attempt at the evaluation, and that of a further one. @throws InvalidInput: evaluation < 0.
-std::filesystem::path first_folder(const ExternalCommand& command, int evaluation);
-std::filesystem::path attempt_folder(const std::filesystem::path& first, int attempt);
-Call call_in(const ExternalCommand& command, const std::filesystem::path& folder);
+/// Where one attempt takes place: for values a folder of its own, for gradients alone files of its own in theirs.
+struct Call {
+    Wanted wanted = Wanted::values;
+    std::filesystem::path folder = {}, surface = {}, request = {}, result = {};
+    std::string prefix = {};  ///< of the names of other files: "", "gradient-", "gradient-2-", …
+    std::filesystem::path file(const std::string& name) const { return folder / (prefix + name); }
+};
 
-/// An attempt never gets a folder that another has had: what that one still writes must not be taken for its result.
-/// @throws OutputError.
-Call fresh_call(const ExternalCommand& command, int evaluation, int attempt);
-/// Makes the folder; false where there is one. @throws OutputError.
-bool make_call_folder(const std::filesystem::path& folder);
+/// Places are numbered from 1: 000001, 000001-2, …; gradient.json, gradient-2.json, …
+/// @throws InvalidInput: evaluation < 0.
+Call place(const Task& task, int number);
+/// An attempt has had the place.
+bool is_taken(const Task& task, const Call& call);
+/// Takes a place that nobody has had; false where somebody has. @throws OutputError.
+bool take_place(const Task& task, const Call& call);
+/// The first free place from `number` on. No attempt gets a place that another has had: what that one still writes must
+/// not be taken for its result. @throws OutputError.
+Call fresh_place(const Task& task, int number);
 
-/// Writes the surface and the points, then the request. @throws OutputError; InvalidInput: a variable that is not
-/// finite.
-void hand_over(const ExternalCommand& command, const QuantityRequest& request, const Call& call, bool want_gradients);
-/// The request alone.
-void write_request(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                   bool want_gradients);
+/// Bytes of the request.
+std::string request_text(const Task& task, const Call& call);
+/// Writes surface and points, except for gradients alone, then the request.
+/// @throws OutputError; InvalidInput: a variable that is not finite.
+void hand_over(const Task& task, const Call& call);
+/// Writes down which surface it is, for `is_of`. For places to which a later start may come back. @throws OutputError.
+void sign(const Task& task, const Call& call);
+/// The place was handed over and signed for exactly this task, in this or an earlier start.
+bool is_of(const Task& task, const Call& call);
+/// The last folder in which the command has given the values that the request belongs to; empty: there is none.
+std::filesystem::path find_folder_of_values(const ExternalCommand& command, const QuantityRequest& request);
 
 /// Argument list with the words in braces replaced. A program path with '/' is relative to the case file.
 std::vector<std::string> arguments_of(const ExternalCommand& command, const Call& call);
-std::vector<std::string> gradient_arguments_of(const ExternalCommand& command, const Call& call);
+double timeout_of(const ExternalCommand& command, const Call& call);  ///< s
+/// A line for a shell that runs exactly these arguments in the call's folder, with its logs.
+std::string shell_line(const ExternalCommand& command, const Call& call);
+std::string shell_word(const std::string& argument);
 
-/// The result and the gradients. @param want_values false: after the gradient command. @throws Refused.
-QuantityResult read_results(const ExternalCommand& command, const QuantityRequest& request, const Call& call,
-                            bool want_gradients, bool want_values = true);
+/// Result and gradients. @throws Refused.
+QuantityResult read_results(const Task& task, const Call& call);
 
 /// The failure of an attempt, in words: which, where, and the program's last lines (may be empty).
-QuantityResult failed(const ExternalCommand& command, const QuantityRequest& request, const Call& call, Failure failure,
-                      const std::string& last_lines);
+QuantityResult failed(const Task& task, const Call& call, Failure failure, const std::string& last_lines);
 
 std::vector<std::string> value_keys(const ExternalCommand& command);
 /// The first line of a failure's message; the others name its folder and its log.
 std::string headline(const Failure& failure);
 
-/// `attempt(1)`, `attempt(2)`, … up to 1 + retries until one succeeds, with pauses; the failed ones become remarks.
-QuantityResult with_retries(const ExternalCommand& command, const QuantityRequest& request,
-                            const std::function<QuantityResult(int)>& attempt);
-
-/// A process of our own: the command in a fresh folder.
-QuantityResult attempt_as_process(const ExternalCommand& command, const QuantityRequest& request, int number,
-                                  bool want_gradients);
-
-/// Gradients by `gradient_command`, in the folder in which the command gave the values of this evaluation; where that
-/// folder is gone, the command runs once more.
-QuantityResult gradients_of(const ExternalCommand& command, const QuantityRequest& request);
+/// The program's last lines from its logs, printable: of stderr.log, or of stdout.log where that is empty.
+std::string last_lines_in(const Call& call);
 
 }  // namespace strake

@@ -1,15 +1,17 @@
 #include "objectives/external/external.hpp"
 
 #include "core/error.hpp"
-#include "objectives/external/attempt.hpp"
+#include "core/mesh/file.hpp"
 #include "objectives/external/hand_over.hpp"
 #include "objectives/external/handed_over.hpp"
 #include "objectives/external/process.hpp"
 #include "objectives/external/refused.hpp"
+#include "objectives/external/run_attempts.hpp"
 #include "objectives/finite.hpp"
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 #include <set>
 
 namespace strake {
@@ -69,24 +71,27 @@ void validate(const ExternalCommand& command) {
     for (const std::string& name : command.gives)
         if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
     check_hand_over_format(command.format);
+    if (command.parallel < 1) refuse("parallel = ", command.parallel, " must be >= 1");
+    if (!(command.poll_s > 0)) refuse("poll = ", command.poll_s, " s must be > 0");
+    if (!(command.queue_s > 0)) refuse("queue = ", command.queue_s, " s must be > 0");
     check_replaced_words(command, command.command);
     check_replaced_words(command, command.gradient_command);
 }
 
-QuantityResult evaluate(const ExternalCommand& command, const QuantityRequest& request) {
+QuantityResult evaluate(const ExternalCommand& command, SlurmQueue* queue, const QuantityRequest& request) {
     if (auto failure = vertices_finite(command.name, request.surface)) return {{}, {}, failure};
     const bool gradients = request.want_sensitivities && command.has_gradients;
-    const auto attempt = [&](int k) {
-        return attempt_as_process(command, request, k, gradients && command.gradient_command.empty());
-    };
-    QuantityResult result = with_retries(command, request, attempt);
+    const bool apart = gradients && !command.gradient_command.empty();
+    QuantityResult result =
+        run_attempts({command, request, gradients && !apart ? Wanted::values_and_gradients : Wanted::values}, queue);
     if (result.failure && command.value_after_failure) {
         result.remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
         result.failure.reset();
         result.values.assign(value_keys(command).size(), *command.value_after_failure);
+        result.stands_for_failure = true;
     }
-    if (result.failure || !gradients || command.gradient_command.empty()) return result;
-    QuantityResult found = gradients_of(command, request);
+    if (result.failure || !apart) return result;
+    QuantityResult found = gradients_of(command, queue, request);
     found.values = found.failure ? std::vector<double>() : result.values;
     found.remarks.insert(found.remarks.begin(), result.remarks.begin(), result.remarks.end());
     return found;
@@ -100,22 +105,47 @@ std::string identity(const ExternalCommand& command) {
     return words;
 }
 
+/// The same with all that decides what it answers: names, and what the program and the named files hold now.
+std::string cache_key(const ExternalCommand& command) {
+    std::string key = identity(command) + '\0' + command.units;
+    for (const std::string& name : command.gives) key += '\0' + name;
+    if (command.depends_on)
+        for (const std::string& name : *command.depends_on) key += '\0' + ("by " + name);
+    if (command.points) key += '\0' + command.points->origin;
+    std::vector<std::filesystem::path> files = command.files;
+    for (const Wanted wanted : {Wanted::values, Wanted::gradients}) {
+        if (wanted == Wanted::gradients && command.gradient_command.empty()) continue;
+        const std::string program = arguments_of(command, Call{wanted}).front();
+        std::error_code ignored;
+        if (program.find('/') != std::string::npos && std::filesystem::is_regular_file(program, ignored))
+            files.push_back(program);
+    }
+    for (const std::filesystem::path& file : files) {
+        const std::string bytes = read_bytes(file);
+        key += text('\0', bytes.size(), '\0') + bytes;
+    }
+    return key;
+}
+
 }  // namespace
 
 std::optional<Failure> check_program(const ExternalCommand& command) {
     validate(command);
-    ExternalCommand gradients = command;
-    gradients.command = command.gradient_command;
-    for (const ExternalCommand* each : {&command, static_cast<const ExternalCommand*>(&gradients)}) {
-        if (each->command.empty()) continue;
-        const std::string written = each->command.front();
+    if (command.by_hand) return {};
+    for (const Wanted wanted : {Wanted::values, Wanted::gradients}) {
+        const bool is_gradient = wanted == Wanted::gradients;
+        const auto& words = is_gradient ? command.gradient_command : command.command;
+        if (words.empty()) continue;
+        const std::string& written = words.front();
         if (!words_in_braces(written).empty() && written.find("{case_dir}") == std::string::npos)
             continue;  // a program in the evaluation's folder: there is none yet
         try {
-            find_program(arguments_of(*each, Call{}).front());
+            find_program(arguments_of(command, Call{wanted}).front());
+            if (command.slurm)
+                for (const char* client : {"sbatch", "squeue", "scancel"}) find_program(client);
         } catch (const Refused& refused) {
-            return Failure{refused.failure.kind, text(command.name, each == &command ? "" : " (gradient_command)", ": ",
-                                                      refused.failure.message)};
+            return Failure{refused.failure.kind,
+                           text(command.name, is_gradient ? " (gradient_command)" : "", ": ", refused.failure.message)};
         }
     }
     return {};
@@ -128,11 +158,20 @@ Quantity external(const ExternalCommand& command) {
         quantity.names = {command.name};
     else
         for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
-    quantity.evaluate = [command](const QuantityRequest& request) { return evaluate(command, request); };
+    std::shared_ptr<SlurmQueue> queue;
+    if (command.slurm) queue = std::make_shared<SlurmQueue>(command.poll_s);
+    quantity.evaluate = [command, queue](const QuantityRequest& request) {
+        return evaluate(command, queue.get(), request);
+    };
     if (command.has_gradients && !command.gradient_command.empty())
-        quantity.differentiate = [command](const QuantityRequest& request) { return gradients_of(command, request); };
+        quantity.differentiate = [command, queue](const QuantityRequest& request) {
+            return gradients_of(command, queue.get(), request);
+        };
+    quantity.parallel = command.parallel;
     quantity.has_sensitivities = command.has_gradients;
     quantity.program = identity(command);
+    quantity.cache = command.cache;
+    if (!command.cache.empty()) quantity.cache_key = cache_key(command);
     return quantity;
 }
 

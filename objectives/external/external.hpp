@@ -37,16 +37,25 @@ struct ExternalCommand {
     /// What the values become after the last attempt has failed; nothing: the failure is the result. Without gradients.
     std::optional<double> value_after_failure;
     bool may_follow_others = false;  ///< a folder that exists is left alone, the next free of 000001, 000001-2, … taken
+    int parallel = 1;                ///< as Quantity::parallel, >= 1
+    bool by_hand = false;            ///< never run: the folder is handed out and its answer awaited (`strake step`)
+    /// Options of sbatch: each evaluation is a job of Slurm. The timeout counts from its start. Not with by_hand.
+    std::optional<std::vector<std::string>> slurm;
+    double queue_s = 7 * 86400.0;              ///< longest wait for the start of a job, > 0
+    double poll_s = 2;                         ///< shortest time between two questions to the queue, > 0
+    std::filesystem::path cache;               ///< as Quantity::cache
+    std::vector<std::filesystem::path> files;  ///< whose contents the cache's answers depend on
 };
 
 /// A quantity that runs `command` once an evaluation, in the fresh folder evaluations_dir/NNNNNN (or a
 /// folder of its own within; further attempts in NNNNNN-2, NNNNNN-3, …). Whatever the program
 /// does wrong is the result's `failure` (kinds spawn, exit, signal, timeout, no_result, unreadable, missing_key,
-/// wrong_type, not_finite, wrong_count), whose message ends with the program's last lines. Must be called from a
-/// thread that lives as long as the program runs: the program gets TERM when that thread ends.
-/// @throws InvalidInput for wrong options; `evaluate` throws Interrupted when the request's stop is wanted, OutputError
-/// when the folder exists or cannot be written, InvalidInput for an evaluation number < 0 or a variable that is not
-/// finite.
+/// wrong_type, not_finite, wrong_count; of jobs also submit, never_starts, vanished; by hand also reported), whose
+/// message ends with the program's last lines. `evaluate` may be called from several threads, each of which must live
+/// as long as its program runs: that gets TERM when the thread ends.
+/// @throws InvalidInput for wrong options; `evaluate` throws Interrupted when the request's stop is wanted, Awaited
+/// where the answer of a folder that was handed out is not there, OutputError when the folder exists or cannot be
+/// written, InvalidInput for an evaluation number < 0 or a variable that is not finite.
 Quantity external(const ExternalCommand& command);
 
 /// Why the command's program cannot be started (kind spawn), before anything runs; nothing when it can.

@@ -40,7 +40,8 @@ private:
     void take(std::string_view line) {
         const std::size_t first = line.find_first_not_of(" \t\r");
         if (first == std::string_view::npos || line[first] == '#') return;
-        const Fields fields = csv_fields(line);
+        split_csv(line, fields_);
+        const Fields& fields = fields_;
         double unused = 0;
         if (!header_seen_ && !columns_ && parse_number(fields.front(), unused) == NumberIs::not_a_number) {
             header_seen_ = true;
@@ -153,6 +154,7 @@ private:
 
     const std::string& field_;
     GradientRows& rows_;
+    Fields fields_;  // of the line
     std::optional<Columns> columns_;
     bool header_seen_ = false, is_named_ = false;
 };

@@ -9,7 +9,8 @@ namespace strake {
 struct ProgramPoints {
     NumberedPoints rest;
     SurfaceMap map;
-    bool as_npy = false;  ///< handed over as points.npy, else as points.csv
+    bool as_npy = false;      ///< handed over as points.npy, else as points.csv
+    std::string origin = {};  ///< what map and numbers were made from, for `ExternalCommand::cache`
 };
 
 /// Formats of files, and "su2-positions": rows `index x y z` as SU2's DV_KIND= SURFACE_FILE reads them.

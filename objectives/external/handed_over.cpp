@@ -92,6 +92,10 @@ NumberIs parse_number(std::string_view text, double& value) {
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && blank(text.back())) text.remove_suffix(1);
     if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
+    // Nearly every number is plain; only others are copied.
+    if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
+        error == std::errc() && end == text.data() + text.size())
+        return std::isfinite(value) ? NumberIs::finite : NumberIs::not_finite;
     std::string number(text);
     for (char& c : number)
         if (c == 'd' || c == 'D') c = 'e';

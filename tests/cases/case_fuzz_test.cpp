@@ -31,7 +31,8 @@ parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {c
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], gives: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
-         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, points_reach: 50%}
+         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, points_reach: 50%,
+         parallel: 4, cache: answers, cache_files: [wing.obj]}
   lib: {plugin: {library: flap.txt, options: a b}, gives: [x, y], on_failure: shrink_step}
 objective: {minimize: aero.drag}
 constraints:
@@ -73,7 +74,8 @@ parameters:
     - {name: turn, twist: [0, 1, 0], about: [0, 0, 0], stations: [0, 1 in, 2 in]}
 quantities:
   thin: {type: thickness, at: lines.csv, values: smallest}
-  cfd: {command: [sh, run.sh, "{surface}"], gradients: false, on_failure: {value: 1e3}, depends_on: [alpha]}
+  cfd: {command: [sh, run.sh, "{surface}"], gradients: false, on_failure: {value: 1e3}, depends_on: [alpha],
+    scheduler: {slurm: [--partition=short, --ntasks=8], wait: 2h, poll: 30s}}
 variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
 objective: {maximize: volume}
 constraints:

@@ -146,6 +146,50 @@ def ignore_term():
     time.sleep(60)
 
 
+def spin():
+    print("iteration 17", flush=True)
+    while True:
+        pass
+
+
+def late():
+    """Ends well; a process that has left its group writes the result afterwards."""
+    leave_grandchild("os.setsid()\nfor fd in range(3): os.close(fd)\nif os.fork() == 0:\n"
+                     "    time.sleep(1.5)\n    open('result.json', 'w').write('{\"value\": 1}')\n    os._exit(0)")
+
+
+def twice():
+    write_text('{"value": 1, "gradient": "gradient.csv"}')
+    ok()
+
+
+def flaky():
+    """Fails twice, then never again: the count lies beside the folders of the evaluations."""
+    with open("../../flaky", "a+") as file:
+        file.write("x")
+        count = file.tell()
+    if count < 3:
+        print("no licence", count, file=sys.stderr)
+        sys.exit(3)
+    ok()
+
+
+def flood_and_hang():
+    block = b"y" * 99 + b"\n"
+    while True:
+        sys.stdout.buffer.write(block * 1000)
+
+
+def close_outputs_and_hang():
+    for fd in range(3):
+        os.close(fd)
+    time.sleep(60)
+
+
+def stop_itself():
+    os.kill(os.getpid(), signal.SIGSTOP)
+
+
 def daemon_holds_pipe():
     leave_grandchild("os.setsid()")
     ok()

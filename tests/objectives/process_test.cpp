@@ -127,6 +127,56 @@ TEST_F(Process, TimeoutEndsTheWholeGroup) {
     }
 }
 
+/// Whatever a program does, we are back in timeout + grace + 1 s, and its log's end is in the message.
+TEST_F(Process, NoWayToHangTakesLongerThanTimeoutAndGrace) {
+    int evaluation = 0;
+    for (const char* role :
+         {"spin", "hang", "ignore_term", "flood_and_hang", "close_outputs_and_hang", "stop_itself"}) {
+        ExternalCommand command = fake(role);
+        command.timeout_s = 1;
+        const auto begin = std::chrono::steady_clock::now();
+        const QuantityResult result = ask(command, true, ++evaluation);
+        const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+        ASSERT_TRUE(result.failure) << role;
+        EXPECT_EQ(result.failure->kind, "timeout") << role << ": " << result.failure->message;
+        EXPECT_LT(seconds.count(), command.timeout_s + command.grace_s + 1) << role;
+        if (std::string(role) == "spin") {
+            EXPECT_TRUE(has(result.failure->message, "    iteration 17")) << result.failure->message;
+        }
+    }
+}
+
+TEST_F(Process, AResultCountsOnlyAsItIsWhenTheProgramEnds) {
+    const QuantityResult late = ask(fake("late"), false, 1);
+    ASSERT_TRUE(late.failure);
+    EXPECT_EQ(late.failure->kind, "no_result");
+    const QuantityResult twice = ask(fake("twice"), true, 2);
+    ASSERT_FALSE(twice.failure) << twice.failure->message;
+    EXPECT_NEAR(twice.values.at(0), mesh.vertices.sum(), 1e-12);
+    // What is written late meets a folder that nobody looks at any more: the next attempt has another.
+    std::this_thread::sleep_for(std::chrono::milliseconds(1800));
+    EXPECT_TRUE(std::filesystem::exists(folder / "evaluations/000001/result.json"));
+    ExternalCommand again = fake("no_result");
+    again.may_follow_others = true;
+    EXPECT_EQ(ask(again, false, 1).failure->kind, "no_result");
+}
+
+TEST_F(Process, AFlakyProgramIsTriedAgainAndEachFailureTold) {
+    ExternalCommand command = fake("flaky");
+    command.retries = 2;
+    command.pause_s = 0.01;
+    const QuantityResult result = ask(command, true);
+    ASSERT_FALSE(result.failure) << result.failure->message;
+    ASSERT_EQ(result.remarks.size(), 2u);
+    EXPECT_TRUE(has(result.remarks[0], "exit: ")) << result.remarks[0];
+    std::filesystem::remove(folder / "flaky");
+    command.retries = 1;
+    const QuantityResult failed = ask(command, true, 2);
+    ASSERT_TRUE(failed.failure);
+    EXPECT_TRUE(has(failed.failure->message, "no licence")) << failed.failure->message;
+    EXPECT_TRUE(has(failed.failure->message, "2 attempts failed")) << failed.failure->message;
+}
+
 TEST_F(Process, LeftoversOfTheGroupAreEndedAndTheResultTaken) {
     const QuantityResult result = ask(fake("leftover"), true);
     ASSERT_FALSE(result.failure) << result.failure->message;

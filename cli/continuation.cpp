@@ -1,0 +1,61 @@
+#include "cli/continuation.hpp"
+
+#include "core/error.hpp"
+
+namespace strake::cli {
+namespace {
+
+/// What is not the case that the run began with is named, and ends the attempt.
+void check_same_case(const Case& the_case, const JournalFacts& facts, const std::string& yaml) {
+    std::vector<std::string> changed;
+    for (const std::string& key : changed_keys(facts.case_yaml, yaml))
+        if (!may_change(key)) changed.push_back(key);
+    if (!changed.empty())
+        throw InvalidInput(text(
+            the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
+            " not what the run began with; only budget, output, timeouts, parallel, scheduler and "
+            "cache may change. Undo it, or start another run (optimize.start_from begins at a design of this one)"));
+    for (const auto& [key, hash] : file_hashes(the_case))
+        if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)
+            throw InvalidInput(text(the_case.file.string(), ": ", key,
+                                    ": the file is not the one that the run began "
+                                    "with. Put that back, or start another run"));
+}
+
+/// The last design that was the best so far; 0: none.
+int last_accepted(const Journal& journal) {
+    int best = 0;
+    for (const JournalEvaluation& e : journal.evaluations())
+        if (e.accepted) best = e.number;
+    return best;
+}
+
+}  // namespace
+
+Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir) {
+    Continuation now;
+    now.yaml = resolved_case(the_case, dir);
+    check_same_case(the_case, facts, now.yaml);
+    for (const std::string& key : changed_keys(facts.case_yaml, now.yaml)) {
+        now.is_changed = true;
+        now.has_new_budget |= key.starts_with("optimize.budget");
+    }
+    return now;
+}
+
+void begin_again(RunRequest& request, const Continuation& now, const RunLimits& limits) {
+    Journal& journal = *request.journal;
+    const RunLimits before = journal.limits();
+    const auto unlimited = [](double seconds) {
+        return seconds > 0 ? seconds : std::numeric_limits<double>::infinity();
+    };
+    if (limits.evaluations < before.evaluations || unlimited(limits.seconds) < unlimited(before.seconds))
+        throw InvalidInput(text("the budget of a run can only be raised: it is ", before.evaluations, " evaluations",
+                                before.seconds > 0 ? text(" and ", before.seconds, " s") : "",
+                                "; to end it sooner, interrupt it"));
+    journal.set_limits(limits.evaluations, limits.seconds);
+    if (now.is_changed) journal.set_case(now.yaml);
+    request.folder->begin_best_at(last_accepted(journal));
+}
+
+}  // namespace strake::cli

@@ -1,0 +1,54 @@
+#include "cli/commands.hpp"
+#include "cli/continuation.hpp"
+#include "cli/session.hpp"
+#include "core/error.hpp"
+
+#include <memory>
+
+namespace strake::cli {
+namespace {
+
+/// Begins the run, or goes on with it; programs are not run.
+void step(const SessionArguments& args) {
+    RunRequest request;
+    request.is_step = true;
+    request.json = args.json;
+    request.quiet = args.quiet;
+    Case& the_case = request.the_case;
+    the_case = load_case(args.case_file, Purpose::run);
+    the_case.output.by_hand = true;
+    set_output_folder(the_case, args.out);
+    const std::filesystem::path dir = the_case.output.dir;
+    std::error_code ignored;
+    if (!std::filesystem::exists(dir / "journal.sqlite", ignored)) {
+        check_run_folder(dir);
+        carry_out(std::move(request));
+        return;
+    }
+    the_case.output.goes_on = true;
+    request.folder = std::make_unique<RunFolder>(dir, true);
+    request.journal = Journal::open(dir / "journal.sqlite");
+    if (request.journal->facts().is_fit) throw InvalidInput(text(dir.string(), ": is the folder of a fit"));
+    const Continuation now = continuation(the_case, request.journal->facts(), dir);
+    const RunLimits before = request.journal->limits();
+    begin_again(
+        request, now,
+        now.has_new_budget ? RunLimits{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds} : before);
+    carry_out(std::move(request));
+}
+
+}  // namespace
+
+void add_step(CLI::App& app) {
+    auto args = std::make_shared<SessionArguments>();
+    CLI::App* command = app.add_subcommand(
+        "step", "hands out the evaluations that are needed next, and goes on with those that have been answered");
+    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("--out", args->out,
+                        "run folder: new, or that of the steps before (default: output.dir of the case)");
+    command->add_flag("--json", args->json, "results as JSON on standard output");
+    command->add_flag("-q,--quiet", args->quiet, "no progress");
+    command->callback([args] { step(*args); });
+}
+
+}  // namespace strake::cli

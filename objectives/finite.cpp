@@ -1,6 +1,7 @@
 #include "objectives/finite.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 
 #include <cmath>
 
@@ -41,6 +42,10 @@ QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv
 Quantity checked_quantity(const std::string& name, std::vector<std::string> names, const TriMesh& start,
                           std::function<QuantityResult(const QuantityRequest&)> measure) {
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
+    // Fifth powers of lengths must stay inside of a double's range, or a value is zero that is not.
+    const double diagonal = box_diagonal(start);
+    if (!(diagonal >= 1e-50 && diagonal <= 1e50))
+        throw InvalidInput(text(name, ": the surface's diagonal ", diagonal, " must be in [1e-50, 1e50]"));
     Quantity quantity;
     quantity.names = std::move(names);
     quantity.evaluate = [name, names = quantity.names, nv = start.num_vertices(), nt = start.num_triangles(),

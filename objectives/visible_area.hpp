@@ -7,6 +7,8 @@
 /// What of a surface a stream of parallel rays reaches.
 namespace strake {
 
+struct ShadowCutter;
+
 /// Per triangle that faces the stream (u . n < 0) the area of the part that no other such triangle lies upstream of,
 /// projected along the unit vector u. Exact: the shadows of the others are cut out as polygons. So the areas are
 /// continuous in the vertices and in u, and so are their derivatives but where two projected edges come to lie on each
@@ -32,8 +34,7 @@ private:
         double along;             ///< of its middle: 0 at p, 1 at q
         Eigen::Vector3d outward;  ///< normal across u, times the length
     };
-    struct Cutter;
-    void add_borders(const Cutter& cutter, int t, int o, const std::vector<int>& hiders);
+    void add_borders(const ShadowCutter& cutter, int t, int o, const std::vector<int>& hiders);
 
     const TriMesh& mesh_;
     Eigen::Vector3d u_;

@@ -94,10 +94,20 @@ void Guard::fail_gradient(const Eigen::VectorXd& x, const std::string& why) {
     failure = why;
     failed_x = x;
     last_x_.resize(0);
+    border.add_failed(x);
     stop(Cause::failure);
 }
 
 Sample Guard::count_and_evaluate(const Eigen::VectorXd& x) {
+    Sample s = sample_of(x);
+    if (s.failure.empty())
+        border.add_sound(x);
+    else
+        border.add_failed(x);
+    return s;
+}
+
+Sample Guard::sample_of(const Eigen::VectorXd& x) {
     if (evaluations >= limit) stop(Cause::evaluations);
     if (options.max_seconds > 0 && evaluations > 0 && now() - begin_ > options.max_seconds) stop(Cause::time);
     ++evaluations;

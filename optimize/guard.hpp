@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/failure_border.hpp"
 #include "optimize/methods.hpp"
 #include "optimize/minimizer.hpp"
 
@@ -58,12 +59,14 @@ public:
     std::string failure;
     Eigen::VectorXd failed_x;
     int evaluations = 0, failures = 0;
+    FailureBorder border;
 
 private:
     [[noreturn]] void stop(Cause why);
     [[noreturn]] void fail_gradient(const Eigen::VectorXd& x, const std::string& why);
     const Sample& sample_at(const Eigen::VectorXd& x, bool gradient);
     Sample count_and_evaluate(const Eigen::VectorXd& x);
+    Sample sample_of(const Eigen::VectorXd& x);
     void evaluate(const Eigen::VectorXd& x);
     void rank(const Eigen::VectorXd& x);
     void differentiate(const Eigen::VectorXd& x);

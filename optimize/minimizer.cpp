@@ -18,6 +18,7 @@ using Eigen::VectorXd;
 constexpr double global_share = 0.7;   ///< of the evaluations; the rest polishes
 constexpr double most_failing = 0.75;  ///< of the evaluations: more, and nothing is known of convergence
 constexpr int most_confirmations = 5, separable_confirmations = 20;
+constexpr double border_share = 1e-2;
 constexpr double fresh_share = 0.1;  ///< of the mean curvature: soft directions are to be seen
 constexpr int restoration_steps = 40, most_feasibility_phases = 2;
 
@@ -107,7 +108,18 @@ private:
         settle(found);
         if (found.stop == MinimizeStop::evaluations)
             end(found.stop, text("the limit of evaluations is reached (", guard_.evaluations, ")"));
+        if (found.is_at_border && (guard_.cause == Cause::failure || guard_.cause == Cause::none)) follow_border();
         second_opinion();
+    }
+
+    /// slsqp knows the border of what fails, and goes on along it.
+    void follow_border() {
+        guard_.cause = Cause::none;
+        guard_.tell_event(
+            text(method_->name, " met failures (", guard_.failure, "); slsqp goes on along their border"));
+        guard_.wants_gradient = true;
+        run_sqp();
+        result_.reason = text(result_.reason, " (slsqp went on where ", method_->name, " had met failures)");
     }
 
     /// Some algorithms stop where more can be had: those with gradients by steps that have got too careful or by their
@@ -176,12 +188,23 @@ private:
             result_.hessian = sqp.hessian;
             end(sqp.stop, sqp.reason);
             const bool doubtful = confirmations_ == 0 && promises_more(guard_);
-            go_on = sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before, doubtful);
+            go_on = sqp.is_at_border
+                        ? gained_at_border(before)
+                        : sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before, doubtful);
             // A fresh model of about the same size has nothing to relearn; one that is doubted starts from nothing.
             const MatrixXd& metric = guard_.program.metric;
             const double size = metric.size() > 0 ? metric.trace() : static_cast<double>(guard_.best_x.size());
             curvature = doubtful ? 0 : fresh_share * sqp.hessian.trace() / size;
         }
+    }
+
+    /// What is left to gain is what the model says, and its curvature may come from before the border was met.
+    bool gained_at_border(double before) {
+        const double gain = before - guard_.best.objective, all = guard_.highest - guard_.best.objective;
+        if (!guard_.options.confirm || !(gain > border_share * all) || ++confirmations_ > most_confirmations)
+            return false;
+        guard_.tell_event("evaluations fail beyond a border; a fresh start from here confirms or continues");
+        return true;
     }
 
     /// A quasi-Newton method may stop short; what a fresh start gains tells, and once what the gradient promises.
@@ -207,6 +230,7 @@ private:
         guard_.tell_event(text(method_->name, " ended after ", guard_.evaluations, " evaluations at ", value, " (",
                                found.reason, "); slsqp polishes"));
         guard_.wants_gradient = true;
+        guard_.border = {};  // all over the box no plane parts what fails
         Sample sample;
         if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
         guard_.scale = objective_scale(guard_);

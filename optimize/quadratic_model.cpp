@@ -66,6 +66,17 @@ VectorXd solve(LeastDistance& p) {
 
 }  // namespace
 
+void QuadraticModel::add_inequality(const VectorXd& slope, double value) {
+    const Eigen::Index rows = constraints.size(), first = num_inequalities;
+    VectorXd all(rows + 1);
+    all << constraints.head(first), value, constraints.tail(rows - first);
+    MatrixXd slopes(rows + 1, slope.size());
+    slopes << jacobian.topRows(first), slope.transpose(), jacobian.bottomRows(rows - first);
+    constraints = std::move(all);
+    jacobian = std::move(slopes);
+    ++num_inequalities;
+}
+
 VectorXd solve_model(const QuadraticModel& model) {
     const Eigen::Index n = model.gradient.size(), rows = model.constraints.size(), ineq = model.num_inequalities;
     // The unit of the objective must not matter to SLSQP's tolerances.

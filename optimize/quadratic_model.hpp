@@ -13,6 +13,9 @@ struct QuadraticModel {
     Eigen::VectorXd constraints;
     Eigen::MatrixXd jacobian;  ///< rows x n
     int num_inequalities = 0;
+
+    /// One more: value + slope.d <= 0.
+    void add_inequality(const Eigen::VectorXd& slope, double value);
 };
 
 /// The step d. Where the linearized constraints cannot all be met within the bounds, their violation is reduced as far

@@ -62,6 +62,12 @@ private:
                                                 : "the objective changes by less than the tolerance");
     }
 
+    Eigen::MatrixXd metric() const {
+        const Eigen::MatrixXd& known = guard_.program.metric;
+        const Eigen::Index n = guard_.best_x.size();
+        return known.size() > 0 ? known : Eigen::MatrixXd::Identity(n, n);
+    }
+
     void recentre() {
         if (!lagrangian_)
             centre_ = guard_.best_x;
@@ -85,6 +91,10 @@ private:
     bool shrink(const Level& before) {
         const Level now = level();
         in_a_row_ = now.value < before.value || now.feasible != before.feasible ? 1 : in_a_row_ + 1;
+        end_.is_at_border = guard_.border.cut(guard_.best_x, metric()).has_value();
+        if (end_.is_at_border)
+            return end(MinimizeStop::blocked,
+                       text("evaluations fail beyond a border; the last failure: ", guard_.failure));
         if (in_a_row_ > options_.max_shrinks || end_.shrinks >= 4 * options_.max_shrinks)
             return end(MinimizeStop::blocked, text("evaluations fail next to the best point even after ", end_.shrinks,
                                                    " halvings of the step; the last failure: ", guard_.failure));

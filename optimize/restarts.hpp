@@ -8,10 +8,11 @@ struct SearchEnd {
     MinimizeStop stop = MinimizeStop::failed;
     std::string reason;
     int shrinks = 0;
-    double radius = 0;     ///< slsqp: of the trust region
-    Eigen::VectorXd x;     ///< where the algorithm ended, which need not be feasible
-    Sample at;             ///< with a Lagrangian: values there
-    bool is_final = true;  ///< false: the guard's limit of evaluations, which may be for a part of the search only
+    double radius = 0;          ///< slsqp: of the trust region
+    Eigen::VectorXd x;          ///< where the algorithm ended, which need not be feasible
+    Sample at;                  ///< with a Lagrangian: values there
+    bool is_at_border = false;  ///< of what fails; a search that knows it may go on
+    bool is_final = true;       ///< false: the guard's limit of evaluations, which may be for a part of the search only
 };
 
 struct RestartOptions {

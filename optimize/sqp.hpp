@@ -7,8 +7,8 @@
 /// it is restarted. Here NLopt's SLSQP solves the quadratic model of each step, and the globalization is ours: the
 /// Hessian starts as what the program knows of it, else as a multiple of the metric, and learns by damped BFGS updates
 /// (Powell); a step is no longer than the trust region in the metric; directions that have become soft are found
-/// before they are tried; an evaluation that fails halves the region and costs nothing else; and a merit function
-/// (objective + penalty * violations) decides about the rest.
+/// before they are tried; an evaluation that fails halves the region, and from the second on steps go along the border
+/// of what fails (failure_border.hpp); and a merit function (objective + penalty * violations) decides about the rest.
 namespace strake {
 
 struct SqpEnd {
@@ -18,6 +18,7 @@ struct SqpEnd {
     double radius;            ///< of the trust region at the end
     Eigen::MatrixXd hessian;  ///< the model at the end
     int softenings;           ///< directions that were found longer than the metric knew
+    bool is_at_border;        ///< of what fails; up to it the model promises next to nothing more
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

@@ -45,12 +45,8 @@ class FailingHalfSpace : public testing::TestWithParam<Method> {};
 
 TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations) {
     const Method method = GetParam();
-    // Along the border the step-shortening methods get 93 to 99.9 % of what is attainable; all of it where the optimum
-    // lies inside.
-    const auto least_share = [&](double beyond) {
-        if (method == Method::crs2) return 0.99;
-        return beyond < 1 ? 0.999 : 0.92;
-    };
+    // Within 1e-3 of what is attainable (crs2: 1e-2); along the border one or two of the eighteen stay a little short.
+    int short_of_it = 0;
     for (const int n : {2, 4, 6})
         for (const double beyond : {0.7, 1.3, 2.0})
             for (const unsigned seed : {1u, 2u, 3u}) {
@@ -67,12 +63,15 @@ TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations)
                     std::cout << "TELL " << method_facts(method).name << " " << n << " " << beyond << " " << seed
                               << ": " << 1 - share << " after " << r.evaluations << " (" << clean.evaluations << "), "
                               << r.reason << "\n";
-                EXPECT_GE(share, least_share(beyond))
+                const double wanted = method == Method::crs2 ? 0.99 : 0.999;
+                if (beyond > 1 && share < wanted) ++short_of_it;
+                EXPECT_GE(share, beyond > 1 ? wanted - 0.003 : wanted)
                     << r.evaluations << " (clean: " << clean.evaluations << "): " << r.reason;
                 if (r.failures > 0) {
                     EXPECT_NE(r.reason.find("fail"), std::string::npos) << r.reason;
                 }
             }
+    EXPECT_LE(short_of_it, 2);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, FailingHalfSpace,

@@ -1,0 +1,121 @@
+#pragma once
+#include "optimize/first_order.hpp"
+#include "optimize/quadratic_model.hpp"
+#include "optimize/sqp.hpp"
+
+/// The search behind minimize_by_sqp(): steps in sqp.cpp, ends and failures in sqp_ends.cpp. Internal.
+namespace strake {
+
+class SqpSearch {
+public:
+    SqpSearch(Guard& guard, double least_curvature)
+        : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best), least_curvature_(least_curvature) {
+        if (p_.metric.size() == 0) p_.metric = Eigen::MatrixXd::Identity(x_.size(), x_.size());
+    }
+
+    SqpEnd run();
+
+private:
+    static constexpr int restorations = 3;  ///< evaluations spent at the end on meeting the constraints
+
+    double tolerance() const { return guard_.options.constraint_tolerance; }
+    /// A hair inside of the inequalities, so that round-off and curvature do not leave the last point a hair outside.
+    Eigen::VectorXd tightened(Eigen::VectorXd constraints) const;
+    double merit(const Sample& s) const {
+        return s.objective + guard_.penalty * total_violation(p_, tightened(s.constraints));
+    }
+
+    Eigen::VectorXd lagrangian_gradient() const {
+        return at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
+    }
+
+    /// B = beta metric, so that the first step has the length of the first radius, or less where more is known.
+    void start_hessian();
+
+    /// Somebody knows of something better than what this model still expects.
+    bool is_outpaced();
+
+    void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
+
+    QuadraticModel model(const Eigen::VectorXd& constraints, double damping) const {
+        return model(constraints, damping, border_.cut());
+    }
+    QuadraticModel model(const Eigen::VectorXd& constraints, double damping,
+                         const std::optional<FailureCut>& cut) const;
+
+    /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.
+    Eigen::VectorXd model_step(const Eigen::VectorXd& constraints);
+
+    /// The model's step. Where the present metric finds it too long (a direction has become soft), the metric learns of
+    /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
+    Eigen::VectorXd careful_step();
+
+    /// Evaluates x; false with the guard's cause set when there is no value.
+    bool evaluate(const Eigen::VectorXd& x, bool gradient, Sample& sample);
+
+    /// One step. True: the end.
+    bool step();
+
+    /// A second-order correction: the same model with the curvature that the trial met added to the constraints.
+    bool correct(Sample& trial, Eigen::VectorXd& d);
+
+    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease);
+
+    /// Powell's damped BFGS update.
+    void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
+
+    /// The model promises nothing more: converged, if nothing but the tolerances keeps it from a longer step.
+    bool is_at_rest(const Eigen::VectorXd& d, double predicted);
+
+    /// What a rejected step tells for nothing: the Lagrangian's curvature along d, where it is more than the model's.
+    /// No more than makes the model's own step along d as long as the radius: a wall further out is not curvature here.
+    void stiffen(const Sample& trial, const Eigen::VectorXd& d);
+
+    bool failed_at(const Eigen::VectorXd& d);
+
+    /// Without the border the step would be another one.
+    bool is_cut_off(const Eigen::VectorXd& d) const;
+    /// The decrease that the model promises on this side of the cut.
+    double promised(const std::optional<FailureCut>& cut) const;
+
+    double so_far() const { return guard_.highest - at_.objective; }
+
+    /// Up to the border nothing is left to gain. It is believed when steps along it fail, too.
+    bool end_at_border();
+
+    /// What the model promises when the border lies as far out as it may.
+    double border_gain() const { return promised(border_.furthest(x_, p_.metric)); }
+
+    bool rejected(double length);
+
+    bool model_failed();
+
+    bool ended_by_guard();
+
+    bool needs_restoration() const {
+        return p_.num_inequalities + p_.num_equalities > 0 && largest_violation(p_, at_.constraints) > tolerance();
+    }
+
+    /// Steps onto the constraints from the last point, where that is better than the best feasible one.
+    void restore();
+
+    bool end(MinimizeStop stop, const std::string& reason);
+    void tell(const std::string& event) const {
+        if (guard_.options.on_event) guard_.options.on_event(event);
+    }
+
+    Guard& guard_;
+    NonlinearProgram p_;  ///< its metric may be renewed
+    Eigen::VectorXd x_;
+    Sample at_;  ///< at x_, with gradients
+    Eigen::MatrixXd B_;
+    double radius_ = guard_.options.first_step;
+    double least_curvature_;
+    BorderWatch border_{guard_.border};
+    bool is_limited_ = false;
+    int accepted_ = 0;
+    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
+    SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false};
+};
+
+}  // namespace strake

@@ -81,6 +81,30 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const LineThicknessEnt
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const SectionAreaEntry& area) {
     return shortening(section_area(entry.name, start_.mesh, area.section, case_.symmetry));
 }
+Quantity ProblemBuilder::make(const QuantityEntry& entry, const MadeQuantity& made) {
+    const auto marks = [&](const Reference& region) {
+        std::vector<char> is_in(static_cast<std::size_t>(start_.mesh.num_triangles()), 0);
+        for (const int t : triangles(region)) is_in[static_cast<std::size_t>(t)] = 1;
+        return is_in;
+    };
+    try {
+        return shortening(made.make(entry.name, {start_.mesh, start_.diagonal, case_.symmetry, marks}));
+    } catch (const InputError& error) {
+        throw InvalidInput(error.what());
+    }
+}
+/// It has sensitivities where all its parts have.
+Quantity ProblemBuilder::make(const QuantityEntry&, const FormulaEntry& formula) {
+    Quantity quantity;
+    quantity.combination = Combination{formula.of, formula.value};
+    quantity.evaluate = [](const QuantityRequest&) { return QuantityResult{}; };
+    quantity.failing_shortens_step = true;
+    for (const Quantity& other : out_.problem.quantities)
+        for (const std::string& name : other.names)
+            if (std::find(formula.of.begin(), formula.of.end(), name) != formula.of.end())
+                quantity.has_sensitivities &= other.has_sensitivities;
+    return quantity;
+}
 std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const ExternalEntry& program) const {
     try {
         NumberedPoints rest = read_points(program.gradient_points);

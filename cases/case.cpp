@@ -11,7 +11,11 @@ namespace {
 /// Built-in quantities that are used without an entry get one.
 void add_built_in(Case& c) {
     const auto used = [&](const std::string& name) {
-        return c.objective.name == name ||
+        const auto holds = [&](const QuantityEntry& quantity) {
+            const auto* formula = std::get_if<FormulaEntry>(&quantity.what);
+            return formula && std::find(formula->of.begin(), formula->of.end(), name) != formula->of.end();
+        };
+        return c.objective.name == name || std::any_of(c.quantities.begin(), c.quantities.end(), holds) ||
                std::any_of(c.constraints.begin(), c.constraints.end(),
                            [&](const auto& entry) { return entry.constraint.quantity == name; });
     };
@@ -23,8 +27,16 @@ void add_built_in(Case& c) {
             if (entry.constraint.quantity == name) return entry.place;
         return c.objective.place;
     };
-    if (used("volume") && !declared("volume")) c.quantities.push_back({"volume", place("volume"), VolumeEntry{}});
-    if (used("area") && !declared("area")) c.quantities.push_back({"area", place("area"), AreaEntry{}});
+    // Before the formulas, which may hold them.
+    const auto add = [&](const std::string& name, auto entry) {
+        if (!used(name) || declared(name)) return;
+        const auto formula = std::find_if(c.quantities.begin(), c.quantities.end(), [](const QuantityEntry& quantity) {
+            return std::holds_alternative<FormulaEntry>(quantity.what);
+        });
+        c.quantities.insert(formula, {name, place(name), entry});
+    };
+    add("volume", VolumeEntry{});
+    add("area", AreaEntry{});
 }
 
 std::string quoted(const std::string& text) {
@@ -170,6 +182,7 @@ Case load_case(const std::filesystem::path& file, Purpose purpose, const std::fi
     name_after_file(source->root, file);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
+    set_formulas(the_case, errors);
     cross_check(source->root, purpose, the_case, errors);
     errors.throw_if_any();
     add_built_in(the_case);

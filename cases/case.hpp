@@ -1,5 +1,6 @@
 #pragma once
 #include "cases/diagnostics.hpp"
+#include "cases/made_quantity.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell.hpp"
 #include "core/remesh/remesh.hpp"
@@ -68,12 +69,6 @@ struct Region {
     std::variant<BoxShape, SphereShape, HalfSpace, SolidShape, ComponentShape, PatchShape, TriangleFile> shape;
     Place place;        ///< of the name
     Place shape_place;  ///< of the shape's key
-};
-
-/// A name used somewhere, and where.
-struct Reference {
-    std::string name;
-    Place place;
 };
 
 struct LoadEntry {
@@ -188,13 +183,19 @@ struct ExternalEntry {
     std::filesystem::path cache;  ///< empty: none
     std::vector<std::filesystem::path> cache_files;
 };
+/// A formula of other values.
+struct FormulaEntry {
+    Reference text;                    ///< as written
+    std::vector<std::string> of = {};  ///< values and own variables in it
+    std::function<double(const Eigen::VectorXd&, Eigen::VectorXd*)> value = {};
+};
 struct VolumeEntry {};
 struct AreaEntry {};
 struct QuantityEntry {
     std::string name;
     Place place;
     std::variant<VolumeEntry, AreaEntry, TargetShapeEntry, MeasuredPointsEntry, LineThicknessEntry, SectionAreaEntry,
-                 ExternalEntry>
+                 ExternalEntry, MadeQuantity, FormulaEntry>
         what;
     std::vector<std::string> value_names() const;
 };

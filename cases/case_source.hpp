@@ -14,6 +14,9 @@ struct Case::Source {
 /// Fills the structs from the checked tree; whatever was refused is left out.
 void read_case(const Value& root, const std::filesystem::path& case_dir, Case& the_case, Diagnostics& errors);
 
+/// Reads the formulas and puts them behind all other quantities. Before `cross_check`.
+void set_formulas(Case& the_case, Diagnostics& errors);
+
 /// What the table cannot say: references, exclusive keys, limits of methods, programs.
 void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics& errors);
 

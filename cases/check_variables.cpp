@@ -34,9 +34,12 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
     std::set<std::string> taken;
     for (const QuantityEntry& quantity : c.quantities) {
         const auto* external = std::get_if<ExternalEntry>(&quantity.what);
-        if (!external) continue;
-        if (!external->depends_on) taken.insert(names.begin(), names.end());
-        for (const Reference& name : external->depends_on.value_or(std::vector<Reference>())) {
+        const auto* made = std::get_if<MadeQuantity>(&quantity.what);
+        if (external && !external->depends_on) taken.insert(names.begin(), names.end());
+        if (const auto* formula = std::get_if<FormulaEntry>(&quantity.what))
+            taken.insert(formula->of.begin(), formula->of.end());
+        const std::vector<Reference> none;
+        for (const Reference& name : external ? external->depends_on.value_or(none) : made ? made->variables : none) {
             taken.insert(name.name);
             if (is_own_variable(c, name.name)) continue;
             const std::string near = nearest(name.name, names);
@@ -51,7 +54,9 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
         if (std::find(values.begin(), values.end(), name) != values.end())
             errors.add(entry.place, text("variables.", name, ": a quantity is called the same"));
         else if (!c.objective.name.empty() && !taken.count(name))
-            errors.add(entry.place, text("variables.", name, ": no quantity depends on it; programs (command) can"));
+            errors.add(entry.place,
+                       text("variables.", name,
+                            ": no quantity depends on it; programs (command), formulas and angles of quantities can"));
     }
     for (const Entry& own : root.entries)
         if (own.key == "variables" && !c.fit.empty())

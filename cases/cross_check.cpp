@@ -139,6 +139,8 @@ std::string program_error(const QuantityEntry& quantity, const ExternalEntry& en
 
 void check_quantities(const Value* list, const Case& c, Diagnostics& errors) {
     for (const QuantityEntry& quantity : c.quantities) {
+        if (const auto* made = std::get_if<MadeQuantity>(&quantity.what))
+            for (const Reference& region : made->regions) check_region(c, region, errors);
         const auto* external = std::get_if<ExternalEntry>(&quantity.what);
         const Entry* entry = entry_of(list, quantity.name);
         const Value* command = entry ? entry->value.find("command") : nullptr;
@@ -166,6 +168,8 @@ const QuantityEntry* quantity_of(const Case& c, const std::string& value) {
 
 void check_gradients(const Case& c, const Reference& value, Diagnostics& errors) {
     const QuantityEntry* quantity = quantity_of(c, value.name);
+    if (const auto* formula = quantity ? std::get_if<FormulaEntry>(&quantity->what) : nullptr)
+        for (const std::string& part : formula->of) check_gradients(c, {part, value.place}, errors);
     const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
     if (!external || external->has_gradients || c.optimize.finite_differences) return;
     if (!method_facts(c.optimize.method).needs_gradients) return;
@@ -294,6 +298,8 @@ std::vector<std::string> QuantityEntry::value_names() const {
     std::vector<std::string> names;
     if (const auto* external = std::get_if<ExternalEntry>(&what))
         for (const std::string& value : external->gives) names.push_back(name + "." + value);
+    if (const auto* made = std::get_if<MadeQuantity>(&what))
+        for (const std::string& value : made->gives) names.push_back(name + "." + value);
     const auto* along = std::get_if<LineThicknessEntry>(&what);
     if (along && along->values == ThicknessValues::each)
         for (std::size_t i = 1; i <= along->lines.size(); ++i) names.push_back(text(name, ".", i));

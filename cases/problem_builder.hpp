@@ -82,6 +82,8 @@ private:
     Quantity make(const QuantityEntry& entry, const LineThicknessEntry& along);
     Quantity make(const QuantityEntry& entry, const SectionAreaEntry& area);
     Quantity make(const QuantityEntry& entry, const ExternalEntry& program);
+    Quantity make(const QuantityEntry& entry, const MadeQuantity& made);
+    Quantity make(const QuantityEntry& entry, const FormulaEntry& formula);
     Quantity make_plugin(const QuantityEntry& entry, const ExternalEntry& program) const;
     std::shared_ptr<const ProgramPoints> program_points(const ExternalEntry& program) const;
 };

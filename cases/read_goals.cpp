@@ -1,4 +1,5 @@
 #include "cases/case_reader.hpp"
+#include "cases/made_quantity.hpp"
 
 #include <algorithm>
 
@@ -8,6 +9,8 @@ void CaseReader::read_built_in(const std::string& type, const Value& map, Quanti
     const Value* file = map.find("file");
     const std::filesystem::path path = file ? dir_ / file->text : "";
     const std::string shown = "quantities." + printable(quantity.name);
+    if (auto made = read_aero(type, map, shown, errors_)) quantity.what = std::move(*made);
+    if (auto made = read_form(type, map, shown, dir_, errors_)) quantity.what = std::move(*made);
     if (type == "area") quantity.what = AreaEntry{};
     if (type == "target_shape") {
         const Value* match = map.find("match");
@@ -18,6 +21,7 @@ void CaseReader::read_built_in(const std::string& type, const Value& map, Quanti
     if (type == "section_area") {
         SectionAreaEntry entry;
         const Value *plane = map.find("plane"), *wanted = map.find("wanted");
+        if (!plane) errors_.add(map.place, shown + ".plane is missing");
         const auto normal = direction_of(plane ? plane->find("normal") : nullptr, shown + ".plane.normal", errors_);
         const Value* at = plane ? plane->find("at") : nullptr;
         if (normal) entry.section.normal = *normal;
@@ -107,9 +111,11 @@ void CaseReader::read_quantity(const Entry& entry) {
     const auto says = [&](const char* key) {
         return std::any_of(map.entries.begin(), map.entries.end(), [&](auto& e) { return e.key == key; });
     };
-    if (map.form == Value::Form::map && says("type") + says("command") + says("plugin") != 1)
-        errors_.add(entry.key_place,
-                    text("quantities.", printable(entry.key), " must have exactly one of type, command, plugin"));
+    if (map.form == Value::Form::map && says("type") + says("command") + says("plugin") + says("expression") != 1)
+        errors_.add(entry.key_place, text("quantities.", printable(entry.key),
+                                          " must have exactly one of type, command, plugin, expression"));
+    if (const Value* formula = map.find("expression"))
+        quantity.what = FormulaEntry{{formula->text, formula->place}, {}, {}};
     if (type) read_built_in(type->text, map, quantity);
     if (map.find("command") || map.find("plugin")) quantity.what = read_external(map, quantity.name);
     case_.quantities.push_back(std::move(quantity));

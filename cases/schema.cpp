@@ -1,5 +1,6 @@
 #include "cases/schema_parts.hpp"
 
+#include <algorithm>
 #include <sstream>
 
 namespace strake {
@@ -30,6 +31,12 @@ const std::vector<Key>& schema() {
         for (const auto& part : {surface_keys(), mending_keys(), shell_keys(), parameter_keys(), given_keys(),
                                  variable_keys(), goal_keys(), run_keys()})
             all.insert(all.end(), part.begin(), part.end());
+        // Those of the families of quantities stand with the other keys of quantities.
+        const auto objective =
+            std::find_if(all.begin(), all.end(), [](const Key& key) { return key.path == "objective"; });
+        std::vector<Key> families = form_keys();
+        for (const Key& key : aero_keys()) families.push_back(key);
+        all.insert(objective, families.begin(), families.end());
         return all;
     }();
     return keys;

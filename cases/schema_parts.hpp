@@ -11,6 +11,8 @@ std::vector<Key> parameter_keys();  ///< parameters
 std::vector<Key> given_keys();      ///< parameters.given
 std::vector<Key> variable_keys();   ///< variables
 std::vector<Key> goal_keys();       ///< quantities, objective, fit, constraints
+std::vector<Key> aero_keys();       ///< quantities.* of the aerodynamic types
+std::vector<Key> form_keys();       ///< quantities.* of the geometric types
 std::vector<Key> run_keys();        ///< optimize, output
 
 inline constexpr double no_limit = std::numeric_limits<double>::infinity();

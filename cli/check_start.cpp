@@ -82,7 +82,8 @@ void print_quantity(const StartAnswer::Quantity& quantity) {
             fmt::print("gradient of norm {:.4g}, largest {:.4g} at vertex {}\n", value.gradient_norm,
                        value.largest_gradient, value.largest_vertex);
         else
-            fmt::print("{}\n", quantity.was_asked_for_gradients ? "no gradient came" : "no gradient asked for");
+            fmt::print("{}\n", quantity.was_asked_for_gradients && value.is_gradient_needed ? "no gradient came"
+                                                                                            : "no gradient asked for");
         for (const auto& [name, derivative] : value.by_variable)
             if (std::isfinite(derivative))
                 fmt::print("            by {}: {:.6g}\n", name, derivative);

@@ -1,6 +1,7 @@
 #include "objectives/finite.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 
 #include <cmath>
 
@@ -36,6 +37,39 @@ QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv
         if (dJ_dv.rows() > 0) result.dJ_dv.push_back(std::move(dJ_dv));
     }
     return result;
+}
+
+Quantity checked_quantity(const std::string& name, std::vector<std::string> names, const TriMesh& start,
+                          std::function<QuantityResult(const QuantityRequest&)> measure) {
+    if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
+    // Fifth powers of lengths must stay inside of a double's range, or a value is zero that is not.
+    const double diagonal = box_diagonal(start);
+    if (!(diagonal >= 1e-50 && diagonal <= 1e50))
+        throw InvalidInput(text(name, ": the surface's diagonal ", diagonal, " must be in [1e-50, 1e50]"));
+    Quantity quantity;
+    quantity.names = std::move(names);
+    quantity.evaluate = [name, names = quantity.names, nv = start.num_vertices(), nt = start.num_triangles(),
+                         measure = std::move(measure)](const QuantityRequest& request) {
+        const auto undefined = [](const std::string& why) { return QuantityResult{{}, {}, Failure{"undefined", why}}; };
+        require_same_counts(name, request.surface, nv, nt);
+        if (auto failure = vertices_finite(name, request.surface)) return QuantityResult{{}, {}, failure};
+        QuantityResult result;
+        try {
+            result = measure(request);
+        } catch (const InvalidInput& error) {
+            return undefined(error.what());
+        }
+        for (std::size_t i = 0; i < result.values.size(); ++i)
+            if (!std::isfinite(result.values[i])) return undefined(text(names[i], " = ", result.values[i]));
+        for (std::size_t i = 0; i < result.dJ_dv.size(); ++i)
+            if (const int k = first_non_finite_row(result.dJ_dv[i]); k >= 0)
+                return undefined(text(names[i], ": the sensitivity to vertex ", k, " is not finite"));
+        for (std::size_t i = 0; i < result.dJ_down.size(); ++i)
+            if (!result.dJ_down[i].allFinite())
+                return undefined(text(names[i], ": a derivative by the case's variables is not finite"));
+        return result;
+    };
+    return quantity;
 }
 
 void require_same_counts(const std::string& quantity, const TriMesh& surface, int num_vertices, int num_triangles) {

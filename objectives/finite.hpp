@@ -11,6 +11,11 @@ std::optional<Failure> vertices_finite(const std::string& quantity, const TriMes
 /// where either is not finite.
 QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv);
 
+/// A quantity of the surfaces that have the counts of `start`: `measure` is asked about finite ones only, what it
+/// throws as InvalidInput is a failure of kind `undefined`, and so is a value or sensitivity that is not finite.
+Quantity checked_quantity(const std::string& name, std::vector<std::string> names, const TriMesh& start,
+                          std::function<QuantityResult(const QuantityRequest&)> measure);
+
 /// @throws InvalidInput when `surface` has not the counts of the surface the quantity was made for.
 void require_same_counts(const std::string& quantity, const TriMesh& surface, int num_vertices, int num_triangles);
 

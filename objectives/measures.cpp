@@ -1,8 +1,8 @@
 #include "objectives/measures.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 
 #include <cmath>
@@ -14,16 +14,6 @@ using Eigen::Vector3d;
 
 constexpr double on_plane_rel = 1e-6;      // of the diagonal, DESIGN section 4 (Symmetry)
 constexpr double zero_volume_rel = 1e-12;  // of area times diagonal: what round-off leaves of a flat surface
-
-/// Triangles that run through edge e from its smaller to its larger vertex, minus those that run the other way.
-/// Zero at every edge is what the divergence theorem needs, also where more than two triangles meet.
-int imbalance(const TriMesh& mesh, const Adjacency& adjacent, int e) {
-    int sum = 0;
-    for (const int t : adjacent.edge_triangles[e])
-        for (int k = 0; k < 3; ++k)
-            if (adjacent.triangle_edges(t, k) == e) sum += mesh.triangles(t, k) == adjacent.edges[e][0] ? 1 : -1;
-    return sum;
-}
 
 std::string at(const TriMesh& mesh, int v) {
     return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
@@ -88,19 +78,11 @@ std::vector<char> boundary_vertices(const TriMesh& mesh, const std::optional<Sym
                                     double diagonal) {
     const Adjacency adjacent = adjacency(mesh);
     std::vector<char> boundary(mesh.num_vertices(), 0);
-    std::vector<int> open;
-    for (int e = 0; e < adjacent.num_edges(); ++e) {
-        if (imbalance(mesh, adjacent, e) == 0) continue;
-        bool on_plane = symmetry.has_value() && adjacent.edge_triangles[e].size() == 1;
-        for (const int v : adjacent.edges[e])
-            on_plane = on_plane && std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset) <=
-                                       on_plane_rel * diagonal;
-        if (!on_plane)
-            open.push_back(e);
-        else
-            for (const int v : adjacent.edges[e]) boundary[v] = 1;
-    }
+    const std::vector<int> open = open_edges(mesh, adjacent, symmetry);
     if (!open.empty()) refuse_open(mesh, adjacent, open, symmetry, diagonal);
+    for (int e = 0; e < adjacent.num_edges(); ++e)
+        if (edge_imbalance(mesh, adjacent, e) != 0)
+            for (const int v : adjacent.edges[e]) boundary[v] = 1;
     return boundary;
 }
 

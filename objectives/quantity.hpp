@@ -54,11 +54,15 @@ struct QuantityRequest {
     /// Asked then: true: nobody will come back for the answer, so that jobs in a queue are cancelled, too.
     std::function<bool()> is_given_up = {};
     std::string surface_hash = {};  ///< of `surface`; empty: not known
+    /// With want_sensitivities, per value whether its own are wanted; empty: all. A quantity may give more.
+    std::vector<char> wanted = {};
+
+    bool wants(std::size_t value) const { return want_sensitivities && (wanted.empty() || wanted[value]); }
 };
 
 struct QuantityResult {
     std::vector<double> values;  ///< one per name; empty after a failure
-    std::vector<Points> dJ_dv;   ///< n x 3 per value; empty when not asked for
+    std::vector<Points> dJ_dv;   ///< n x 3 per value, 0 rows where not wanted; empty when not asked for
     std::optional<Failure> failure;
     /// dJ/d(own variable) per value, at fixed shape, in the order of `QuantityRequest::own`; empty: depends on the
     /// shape alone. NaN where it is not known: by differences, if these are allowed, else a failure.
@@ -81,6 +85,13 @@ struct Residuals {
 /// where there are no residuals or one is not finite.
 using ResidualFunction = std::function<Residuals(const TriMesh& surface, const TriMesh& matched)>;
 
+/// How a value follows from other values of the same evaluation.
+struct Combination {
+    std::vector<std::string> of;  ///< values of quantities further up in the list, or own variables
+    /// At these values, in the order of `of`; `gradient` (maybe null) becomes the derivatives by them.
+    std::function<double(const Eigen::VectorXd& values, Eigen::VectorXd* gradient)> value;
+};
+
 struct Quantity {
     std::vector<std::string> names;  ///< one per value: "volume", or "aero.drag", "aero.lift"
     std::function<QuantityResult(const QuantityRequest&)> evaluate;
@@ -97,6 +108,8 @@ struct Quantity {
     int parallel = 1;  ///< of a program: so many evaluations of it may run at the same time, each in its own thread
     std::filesystem::path cache = {};  ///< folder of answers that several runs share; empty: none
     std::string cache_key = {};        ///< what an answer depends on beside surface and variables
+    /// Instead of `evaluate`: the one value is made of others.
+    std::optional<Combination> combination = {};
 };
 
 }  // namespace strake

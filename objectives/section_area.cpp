@@ -1,8 +1,8 @@
 #include "objectives/section_area.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 #include "objectives/residuals.hpp"
 
@@ -16,7 +16,6 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double on_plane_rel = 1e-6;    // of the diagonal, DESIGN section 4 (Symmetry)
 constexpr double zero_area_rel = 1e-12;  // of the outline's length squared: what round-off leaves
 
 class Cut {
@@ -44,15 +43,6 @@ private:
     std::vector<std::array<int, 2>> open_;  ///< edges that a section must not cut
 };
 
-/// Triangles that run through the edge one way minus those that run the other way: zero where the cut goes on.
-int imbalance(const TriMesh& mesh, const Adjacency& adjacent, int e) {
-    int sum = 0;
-    for (const int t : adjacent.edge_triangles[e])
-        for (int k = 0; k < 3; ++k)
-            if (adjacent.triangle_edges(t, k) == e) sum += mesh.triangles(t, k) == adjacent.edges[e][0] ? 1 : -1;
-    return sum;
-}
-
 /// A point of the plane near the surface's centre; with a plane of symmetry on that one, too, where the two meet: then
 /// what closes a half's outline runs through it and adds nothing.
 Vector3d measuring_point(const TriMesh& start, const Vector3d& n, double offset,
@@ -69,14 +59,7 @@ Vector3d measuring_point(const TriMesh& start, const Vector3d& n, double offset,
 Cut::Cut(std::string name, const TriMesh& start, const Section& section, const std::optional<SymmetryPlane>& symmetry)
     : name_(std::move(name)), n_(section.normal.stableNormalized()), offset_(section.offset) {
     const Adjacency adjacent = adjacency(start);
-    const double limit = on_plane_rel * box_diagonal(start);
-    for (int e = 0; e < adjacent.num_edges(); ++e) {
-        if (imbalance(start, adjacent, e) == 0) continue;
-        bool on_plane = symmetry.has_value() && adjacent.edge_triangles[e].size() == 1;
-        for (const int v : adjacent.edges[e])
-            on_plane = on_plane && std::abs(symmetry->normal.dot(start.vertices.row(v)) - symmetry->offset) <= limit;
-        if (!on_plane) open_.push_back(adjacent.edges[e]);
-    }
+    for (const int e : open_edges(start, adjacent, symmetry)) open_.push_back(adjacent.edges[e]);
     o_ = measuring_point(start, n_, offset_, symmetry);
     for (int t = 0; t < start.num_triangles(); ++t)
         if (const auto s = segment(start, t)) start_length_ += ((*s)[1].p - (*s)[0].p).norm();

@@ -5,10 +5,11 @@
 namespace strake {
 
 DesignCalls::DesignCalls(const std::vector<Quantity>& quantities, std::shared_ptr<const Facts> facts,
-                         std::vector<char> gradients, Maker make)
+                         std::vector<char> gradients, std::vector<std::vector<char>> wanted, Maker make)
     : quantities_(quantities),
       facts_(std::move(facts)),
       gradients_(std::move(gradients)),
+      wanted_(std::move(wanted)),
       make_(std::move(make)),
       calls_(quantities.size()) {}
 
@@ -16,7 +17,8 @@ DesignCalls::~DesignCalls() { stop(true); }
 
 QuantityRequest DesignCalls::request(std::size_t q) const {
     const Facts& f = *facts_;
-    return {f.surface, gradients_[q] != 0, f.number, f.level, f.variables, f.own, f.stop_wanted, {}, f.hash};
+    return {f.surface, gradients_[q] != 0, f.number, f.level, f.variables,
+            f.own,     f.stop_wanted,      {},       f.hash,  wanted_[q]};
 }
 
 void DesignCalls::run(std::size_t q, Call& call) {

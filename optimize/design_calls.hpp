@@ -19,10 +19,11 @@ public:
     };
     using Maker = std::function<QuantityResult(const Quantity&, const QuantityRequest&)>;
 
-    /// Nothing is called yet. @param gradients per quantity: its sensitivities are wanted.
+    /// Nothing is called yet. @param gradients per quantity: its sensitivities are wanted, those of the values that
+    /// `wanted` marks.
     /// @param make a call; of a program in a thread of its own.
     DesignCalls(const std::vector<Quantity>& quantities, std::shared_ptr<const Facts> facts,
-                std::vector<char> gradients, Maker make);
+                std::vector<char> gradients, std::vector<std::vector<char>> wanted, Maker make);
     ~DesignCalls();  ///< stops and gives up what runs
     DesignCalls(const DesignCalls&) = delete;
     DesignCalls& operator=(const DesignCalls&) = delete;
@@ -65,6 +66,7 @@ private:
     const std::vector<Quantity>& quantities_;
     std::shared_ptr<const Facts> facts_;
     std::vector<char> gradients_;
+    std::vector<std::vector<char>> wanted_;
     Maker make_;
     std::shared_ptr<Stop> stop_ = std::make_shared<Stop>();
     std::vector<Call> calls_;

@@ -52,8 +52,10 @@ ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const Res
     : problem_(problem),
       rest_(std::move(rest)),
       guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry}),
-      names_(value_names(problem)) {
+      names_(value_names(problem)),
+      combinations_(problem.quantities, problem.own) {
     for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));
+    needed_ = combinations_.with_parts(differentiated_);
     set_gradient_calls();
     for (const Quantity& quantity : problem.quantities)
         if (!quantity.program.empty()) parallel_ = std::max(parallel_, quantity.parallel);

@@ -1,4 +1,5 @@
 #pragma once
+#include "optimize/combinations.hpp"
 #include "optimize/design_calls.hpp"
 #include "optimize/response_metric.hpp"
 #include "optimize/validity.hpp"
@@ -130,6 +131,9 @@ private:
     bool take_gradients(ShapeEvaluation& result);
     /// Per differentiated value its derivative along `direction` at these vertices.
     std::optional<Eigen::VectorXd> slopes_along(const Points& vertices, const Points& direction) const;
+    /// Which of the quantity's values need sensitivities.
+    std::vector<char> wanted_of(std::size_t quantity) const;
+    bool combine(const Quantity& quantity, const std::vector<double>& own, ShapeEvaluation& result);
     bool own_sensitivities_usable(int i, Eigen::VectorXd& dJ_down, ShapeEvaluation& result) const;
 
     const Problem& problem_;
@@ -137,6 +141,8 @@ private:
     ValidityGuard guard_;
     std::vector<std::string> names_;
     std::vector<int> differentiated_;  ///< indices into names_
+    Combinations combinations_;
+    std::vector<int> needed_;  ///< differentiated ones and what they are made of
     /// As the problem's quantities: what those are asked that differentiate separately; the others nothing.
     std::vector<Quantity> gradient_calls_;
     DesignSpace space_;

@@ -10,6 +10,12 @@
 namespace strake {
 namespace {
 
+std::vector<double> numbers(const std::vector<std::pair<std::string, double>>& named) {
+    std::vector<double> all;
+    for (const auto& [name, value] : named) all.push_back(value);
+    return all;
+}
+
 /// What `measure` gives; an exception that a quantity may throw is its failure.
 template <class Measure>
 QuantityResult or_failure(const Measure& measure) {
@@ -71,10 +77,13 @@ std::shared_ptr<const DesignCalls::Facts> ShapeEvaluator::facts_of(const Eigen::
 std::unique_ptr<DesignCalls> ShapeEvaluator::calls_of(const std::vector<Quantity>& quantities,
                                                       std::shared_ptr<const DesignCalls::Facts> facts) const {
     std::vector<char> gradients;
-    for (std::size_t q = 0; q < quantities.size(); ++q)
+    std::vector<std::vector<char>> wanted;
+    for (std::size_t q = 0; q < quantities.size(); ++q) {
+        wanted.push_back(wanted_of(q));
         gradients.push_back(&quantities == &gradient_calls_ || (wants_gradients_of(q) && !are_gradients_apart(q)));
+    }
     return std::make_unique<DesignCalls>(
-        quantities, std::move(facts), std::move(gradients),
+        quantities, std::move(facts), std::move(gradients), std::move(wanted),
         [this](const Quantity& quantity, const QuantityRequest& request) { return call(quantity, request); });
 }
 
@@ -83,7 +92,7 @@ bool ShapeEvaluator::wants_gradients_of(std::size_t quantity) const {
     int first = 0;
     for (std::size_t q = 0; q < quantity; ++q) first += static_cast<int>(problem_.quantities[q].names.size());
     const int next = first + static_cast<int>(problem_.quantities[quantity].names.size());
-    return std::any_of(differentiated_.begin(), differentiated_.end(), [&](int i) { return first <= i && i < next; });
+    return std::any_of(needed_.begin(), needed_.end(), [&](int i) { return first <= i && i < next; });
 }
 
 bool ShapeEvaluator::are_gradients_apart(std::size_t quantity) const {
@@ -128,12 +137,42 @@ QuantityResult ShapeEvaluator::taken(DesignCalls& calls, std::size_t q, bool wan
     return measured;
 }
 
+std::vector<char> ShapeEvaluator::wanted_of(std::size_t quantity) const {
+    int first = 0;
+    for (std::size_t q = 0; q < quantity; ++q) first += static_cast<int>(problem_.quantities[q].names.size());
+    std::vector<char> wanted(problem_.quantities[quantity].names.size(), 0);
+    for (const int i : needed_)
+        if (i >= first && i - first < static_cast<int>(wanted.size())) wanted[static_cast<std::size_t>(i - first)] = 1;
+    return wanted;
+}
+
+/// The value of a combination; where it is not finite (a formula's logarithm of a negative number) the step is too far.
+bool ShapeEvaluator::combine(const Quantity& quantity, const std::vector<double>& own, ShapeEvaluation& result) {
+    Measured& m = last_measured_;
+    const double value = combinations_.value(static_cast<int>(m.values.size()), m.values, own);
+    if (!std::isfinite(value)) {
+        result.status = EvaluationStatus::quantity_failed;
+        result.may_go_on = true;
+        result.reason = text(quantity.names[0], ": undefined: the formula gives ", value);
+        return false;
+    }
+    m.values.push_back(value);
+    m.known_dJ_dv.emplace_back();
+    m.known_dJ_down.emplace_back();
+    return true;
+}
+
 void ShapeEvaluator::measure(Design& design) {
     ShapeEvaluation& result = design.result;
     Measured& m = last_measured_;
     m = {};
     m.own = design.x.tail(space_.num_own());
+    const std::vector<double> own = numbers(design.calls->facts()->own);
     for (std::size_t q = 0; q < problem_.quantities.size(); ++q) {
+        if (problem_.quantities[q].combination) {
+            if (!combine(problem_.quantities[q], own, result)) return;
+            continue;
+        }
         m.has_gradients_to_come |= are_gradients_apart(q);
         QuantityResult measured = taken(*design.calls, q, true, result);
         if (measured.failure) return;
@@ -177,6 +216,7 @@ bool ShapeEvaluator::ask_for_gradients(ShapeEvaluation& result) {
 bool ShapeEvaluator::take_gradients(ShapeEvaluation& result) {
     Measured& m = last_measured_;
     const int n = rest_->surface.num_vertices();
+    combinations_.differentiate(needed_, m.values, numbers(m.facts->own), m.known_dJ_dv, m.known_dJ_down);
     for (const int i : differentiated_) {
         if (m.known_dJ_dv[i].rows() != n || !m.known_dJ_dv[i].allFinite()) {
             result.status = EvaluationStatus::quantity_failed;
@@ -219,15 +259,17 @@ std::optional<Eigen::VectorXd> ShapeEvaluator::slopes_along(const Points& vertic
     Eigen::VectorXd slopes(static_cast<Eigen::Index>(differentiated_.size()));
     const TriMesh surface = with_vertices(rest_->surface, vertices);
     int first = 0;
-    for (const Quantity& quantity : problem_.quantities) {
+    for (std::size_t q = 0; q < problem_.quantities.size(); ++q) {
+        const Quantity& quantity = problem_.quantities[q];
         const int next = first + static_cast<int>(quantity.names.size());
         std::optional<QuantityResult> known;
         for (std::size_t i = 0; i < differentiated_.size(); ++i) {
             if (differentiated_[i] < first || differentiated_[i] >= next) continue;
-            if (!quantity.program.empty()) return {};
+            if (!quantity.program.empty() || quantity.combination) return {};
             if (!known)
                 known = or_failure([&] {
-                    return quantity.evaluate({surface, true, 0, space_.level, {}, {}, stop_wanted_});
+                    return quantity.evaluate(
+                        {surface, true, 0, space_.level, {}, {}, stop_wanted_, {}, {}, wanted_of(q)});
                 });
             if (known->failure) return {};
             slopes[static_cast<Eigen::Index>(i)] =

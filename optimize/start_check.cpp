@@ -18,6 +18,7 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 void take_gradients(const QuantityResult& result, const QuantityRequest& request, StartAnswer::Quantity& told) {
     for (std::size_t i = 0; i < told.values.size(); ++i) {
         StartAnswer::Value& value = told.values[i];
+        value.is_gradient_needed = request.wants(i);
         value.has_gradient = i < result.dJ_dv.size() && result.dJ_dv[i].rows() > 0;
         if (!value.has_gradient) continue;
         value.gradient_norm = result.dJ_dv[i].norm();
@@ -34,6 +35,7 @@ Quantity watched(const Quantity& quantity, StartAnswer::Quantity& told) {
     copy.cache.clear();  // it is the program that is tried
     told.is_program = !quantity.program.empty();
     for (const std::string& name : quantity.names) told.values.emplace_back().name = name;
+    if (quantity.combination) return copy;
     copy.evaluate = [&told, ask = quantity.evaluate](const QuantityRequest& request) {
         const auto begin = std::chrono::steady_clock::now();
         told.was_asked_for_gradients = request.want_sensitivities;
@@ -104,6 +106,10 @@ StartAnswer check_start(const Problem& problem) {
     evaluator.enter(space);
     ShapeEvaluation at = evaluator.evaluate(Eigen::VectorXd::Zero(space.size()), 1);
     if (at.status == EvaluationStatus::ok && at.has_gradients_to_come) evaluator.differentiate(at);
+    for (std::size_t i = 0; i < copy.quantities.size(); ++i)
+        if (copy.quantities[i].combination && !at.values.empty())
+            answer.quantities[i].values[0].value =
+                at.values[static_cast<std::size_t>(evaluator.index_of(copy.quantities[i].names[0]))];
     answer.status = to_string(at.status);
     answer.reason = at.reason;
     answer.level = space.level;

@@ -8,7 +8,7 @@ struct StartAnswer {
     struct Value {
         std::string name;
         double value = std::numeric_limits<double>::quiet_NaN();
-        bool has_gradient = false;
+        bool has_gradient = false, is_gradient_needed = true;
         double gradient_norm = 0;     ///< of dJ/dv, Euclidean
         double largest_gradient = 0;  ///< of one vertex
         int largest_vertex = -1;

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Makes the surfaces of the example cases where they are missing: examples.sh CASES_FOLDER BIN [WING [BODY]]
-# CASES_FOLDER holds wing/, lifting_body/ and external/; BIN holds strake and make_surface; WING and BODY: numbers of triangles.
+# CASES_FOLDER holds the folders of the cases; BIN holds strake and make_surface; WING and BODY: numbers of triangles.
 set -euo pipefail
 cases=$1 bin=$2 wing_triangles=${3:-22000} body_triangles=${4:-30000}
 wing=$cases/wing/generated body=$cases/lifting_body/generated
@@ -15,23 +15,25 @@ if [ ! -e "$body/lifting_body.stl" ]; then
     "$bin/make_surface" lifting_body --triangles "$body_triangles" -o "$body/part.stl"
     mv "$body/part.stl" "$body/lifting_body.stl"
 fi
-# Those of the cases with OpenFOAM.
-solver_surface() {  # FOLDER NAME SURFACE TRIANGLES
-    local folder=$cases/external/$1/generated
-    mkdir -p "$folder"
-    [ -e "$folder/$2" ] && return
-    "$bin/make_surface" "$3" --triangles "$4" -o "$folder/part.obj"
-    mv "$folder/part.obj" "$folder/$2"
+surface() {  # FILE SURFACE TRIANGLES
+    mkdir -p "$(dirname "$1")"
+    [ -e "$1" ] && return
+    "$bin/make_surface" "$2" --triangles "$3" -o "${1%/*}/part.obj"
+    mv "${1%/*}/part.obj" "$1"
 }
-solver_surface openfoam_drag body.obj bluff_body 4000
-solver_surface openfoam_supersonic body.obj ellipsoid 3000
-solver_surface openfoam_wing wing.obj wing 5000
+surface "$cases/wave_drag/generated/wavy_body.obj" wavy_body 5000
+surface "$cases/nacelle/generated/nacelle.obj" nacelle 5000
+surface "$cases/nacelle/generated/engine.obj" engine 2000
+# Those of the cases with OpenFOAM.
+surface "$cases/external/openfoam_drag/generated/body.obj" bluff_body 4000
+surface "$cases/external/openfoam_supersonic/generated/body.obj" ellipsoid 3000
+surface "$cases/external/openfoam_wing/generated/wing.obj" wing 5000
 # Those of the hand-over to SU2 and Cart3D, whose programs are played by scripts.
-solver_surface su2 body.obj ellipsoid 600
+surface "$cases/external/su2/generated/body.obj" ellipsoid 600
 if [ ! -e "$cases/external/su2/generated/mesh.su2" ]; then
     "$cases/external/su2/fake_su2.py" mesh "$cases/external/su2/generated/body.obj" "$cases/external/su2/generated"
 fi
-solver_surface cart3d body.obj ellipsoid 600
+surface "$cases/external/cart3d/generated/body.obj" ellipsoid 600
 if [ ! -e "$cases/external/cart3d/generated/body.tri" ]; then
     "$cases/external/cart3d/fake_cart3d.py" components "$cases/external/cart3d/generated/body.obj" \
         "$cases/external/cart3d/generated/body.tri"

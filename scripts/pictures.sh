@@ -60,6 +60,15 @@ if [ -n "$body" ]; then
     picture lifting_body.png cases/lifting_body/generated/lifting_body.stl "$body"/best.stl \
         --view=-1,-1,0.8 --titles "before|after: more volume within the area allowed" --size 800,560
 fi
+glide=$(newest lifting_body-glide) wave=$(newest wave_drag-case)
+if [ -n "$glide" ]; then
+    picture glide.png cases/lifting_body/generated/lifting_body.stl "$glide"/best.stl \
+        --view=-1,-1,0.8 --titles "before|after: a longer glide, trimmed, same volume" --size 800,560
+fi
+if [ -n "$wave" ]; then
+    /usr/bin/python3 scripts/plot_radius.py cases/wave_drag/generated/wavy_body.obj "$wave"/best.obj $out/wave_drag.svg
+    echo "$out/wave_drag.svg"
+fi
 # The runs of docs/external/openfoam.md, into runs/openfoam_*.
 external=cases/external
 solver() {  # PICTURE START RUN TITLES and the arguments of render.py

@@ -1,5 +1,6 @@
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
+#include "cases/geometry/slender_body.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
 #include "core/mesh/io.hpp"
@@ -25,6 +26,13 @@ struct Kind {
     int triangles;
     TriMesh (*make)(int triangles);
 };
+/// What has to stay inside of the nacelle: a drum of round edges.
+TriMesh engine(int triangles) {
+    TriMesh mesh = strake::example::superellipsoid(triangles, {{1.1, 0.45, 0.45}, 4});
+    mesh.vertices.col(0).array() += 2.1;
+    return mesh;
+}
+
 const std::map<std::string, Kind> kinds{
     {"wing", {22'000, [](int n) { return strake::example::wing(n); }}},
     {"lifting_body", {30'000, [](int n) { return strake::example::lifting_body(n); }}},
@@ -35,6 +43,13 @@ const std::map<std::string, Kind> kinds{
           return strake::example::superellipsoid(n, {{0.5, 0.1, 0.1}, 2});
       }}},
     {"naca0012", {10'000, naca_wing_of}},
+    {"nacelle",
+     {5'000,
+      [](int n) {
+          return strake::example::tube(n, {4, 0.7, 0.7});
+      }}},
+    {"engine", {2'000, engine}},
+    {"wavy_body", {6'000, [](int n) { return strake::example::wavy_body(n); }}},
 };
 
 }  // namespace
@@ -43,13 +58,15 @@ int main(int argc, char** argv) {
     CLI::App app{"Makes an example surface from its definition", "make_surface"};
     std::string name, file;
     int triangles = 0;
-    app.add_option(
-           "surface", name,
-           "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid (closed), naca0012 (open ends)")
+    app.add_option("surface", name,
+                   "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid, wavy_body, nacelle, engine "
+                   "(closed), "
+                   "naca0012 (open ends)")
         ->required()
         ->check(CLI::IsMember(kinds));
     app.add_option("--triangles", triangles,
-                   "wanted number; defaults: wing 22000, lifting_body 30000, naca0012 10000, others 5000")
+                   "wanted number; defaults: wing 22000, lifting_body 30000, naca0012 10000, wavy_body 6000, engine "
+                   "2000, others 5000")
         ->check(CLI::Range(1, 5'000'000));
     app.add_option("-o,--out", file, "surface file: .stl .obj .ply .off .tri")->required();
     CLI11_PARSE(app, argc, argv);

@@ -209,9 +209,10 @@ TEST_F(CaseErrors, QuantitiesOfLinesPointsAndPlanes) {
     const auto quantity = [&](const std::string& map, const std::string& rest = "") {
         return errors("case: wing\nsurface: {file: wing.obj}\nquantities: {q: " + map + "}\n" + rest);
     };
-    EXPECT_EQ(quantity("{type: thicknes, at: lines.csv}"),
-              "case.yaml:3:24: quantities.q.type = thicknes must be one of volume, area, target_shape, "
-              "measured_points, thickness, section_area; did you mean 'thickness'?");
+    const std::string misspelt = quantity("{type: thicknes, at: lines.csv}");
+    EXPECT_TRUE(misspelt.starts_with("case.yaml:3:24: quantities.q.type = thicknes must be one of volume, area, ") &&
+                misspelt.ends_with("; did you mean 'thickness'?"))
+        << misspelt;
     EXPECT_EQ(quantity("{type: thickness}"), "case.yaml:3:17: quantities.q.at is missing");
     EXPECT_EQ(quantity("{type: measured_points}"), "case.yaml:3:17: quantities.q.file is missing");
     EXPECT_EQ(quantity("{type: section_area}"), "case.yaml:3:17: quantities.q.plane is missing");

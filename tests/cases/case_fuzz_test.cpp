@@ -109,7 +109,28 @@ optimize: {loss: cauchy, loss_scale: 0.2%, associations: 2}
 output: {paraview: none}
 )";
 
-const char* seeds[] = {optimization, ties_and_starts, robust_fit};
+const char* goals = R"(surface: {file: wing.obj}
+regions: {nose: {box: [[0, 0, 0], [1, 1, 1]]}}
+variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
+quantities:
+  aero: {type: newtonian, mach: 6, alpha: {variable: alpha}, beta: 2deg, lee: prandtl_meyer, about: [0, 0, 1],
+         gamma: 1.3, shadows: false, up: [0, 0, 1], reference_area: 2, reference_length: 3}
+  blunt: {type: newtonian, cp_max: 2}
+  wave: {type: wave_drag, mach: 1.4, stations: 12, angles: 3, base: nose, forward: [1, 0, 0]}
+  skin: {type: friction, reynolds: 1e6, layer: laminar, wall_temperature: 2, temperature: 220}
+  span: {type: extent, direction: [0, 1, 0], smoothing: 1%}
+  wall: {type: wall_thickness, region: nose, sharpness: 20}
+  sharp: {type: creases, angle: 20deg}
+  keep: {type: clearance, file: wing.obj, side: keep_in, smoothing: 0.1%}
+  edge: {type: edge_radius, region: nose, plane: {normal: [0, 0, 1], at: 0.1}}
+  ld: {expression: 'aero.lift / (aero.drag + skin) ^ 2 - softmin(0.1, wave, alpha)'}
+objective: {maximize: 'ld - 2 * min(wave, keep)'}
+constraints:
+  ld: {min: 1}
+  span.length: {equals: 1, relative: true}
+)";
+
+const char* seeds[] = {optimization, ties_and_starts, robust_fit, goals};
 
 const char* pieces[] = {"{",    "}",   "[",    "]",    ":",   ": ",    "- ",  "&a ", "*a ",  "<<: ", "!x ",   "'",
                         "\"",   "\t",  "\n",   "# ",   "|\n", ">\n",   "? ",  "%",   "deg",  "mm",   "1e999", "-",

@@ -61,8 +61,7 @@ TEST_F(Parallel, AKilledRunPaysForNothingTwiceAndAnInterruptedOneLeavesNothingRu
     expect_same("whole", "a");
     for (const int number : calls()) EXPECT_TRUE(number == 3 || calls().count(number) == 1) << number;
 
-    mark("sleep-2");
-    mark("sleep-3");
+    for (const char* what : {"sleep-2", "sleep-3", "long-2", "long-3"}) mark(what);
     fs::remove(folder / "sleeping");
     const Started other(folder, {"run", file, "--out", path("b"), "-q"});
     while (!fs::exists(folder / "sleeping")) pause_ms(5);
@@ -70,7 +69,7 @@ TEST_F(Parallel, AKilledRunPaysForNothingTwiceAndAnInterruptedOneLeavesNothingRu
     const auto begin = std::chrono::steady_clock::now();
     other.send(SIGTERM);
     EXPECT_EQ(other.wait(), 75) << other.messages();
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3));
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(25));
     fs::remove(folder / "sleep-2");
     fs::remove(folder / "sleep-3");
     EXPECT_EQ(run_strake({"resume", path("b"), "-q"}).status, 0);
@@ -82,10 +81,11 @@ TEST_F(Parallel, AFailureThatEndsTheRunEndsTheOthersAndItsNeighboursAreKept) {
     fs::remove(folder / "calls");
     mark("fail-3");
     mark("sleep-4");
+    mark("long-4");
     const auto begin = std::chrono::steady_clock::now();
     const ProgramRun run = run_strake({"run", values_case(", parallel: 4"), "--out", path("a"), "-q"});
     EXPECT_EQ(run.status, 5) << run.err;
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::milliseconds(3800)) << "nobody waits for 4";
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(25)) << "nobody waits for 4";
     EXPECT_NE(run.err.find("licence server is down"), std::string::npos) << run.err;
     fs::remove(folder / "fail-3");
     fs::remove(folder / "sleep-4");

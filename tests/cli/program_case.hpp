@@ -74,7 +74,7 @@ if asked("sleep"):
         import signal
         signal.signal(signal.SIGTERM, signal.SIG_IGN)
     open(here + "/sleeping", "w").close()
-    time.sleep(4)
+    time.sleep(30 if asked("long") else 4)
 if os.path.exists(here + "/jitter"):
     time.sleep(int.from_bytes(os.urandom(1), "little") / 1500)
 if asked("fail"):

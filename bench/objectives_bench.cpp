@@ -1,0 +1,99 @@
+#include "cases/geometry/closed_body.hpp"
+#include "cases/geometry/lifting_body.hpp"
+#include "core/mesh/geometry.hpp"
+#include "objectives/area_distribution.hpp"
+#include "objectives/bending.hpp"
+#include "objectives/clearance.hpp"
+#include "objectives/edge_radius.hpp"
+#include "objectives/extent.hpp"
+#include "objectives/friction.hpp"
+#include "objectives/mass_properties.hpp"
+#include "objectives/measures.hpp"
+#include "objectives/newtonian.hpp"
+#include "objectives/projected_area.hpp"
+#include "objectives/shape_change.hpp"
+#include "objectives/wall_thickness.hpp"
+#include "objectives/wave_drag.hpp"
+
+#include <benchmark/benchmark.h>
+#include <map>
+#include <numbers>
+
+/// A value of each quantity on a lifting body, alone and with its gradient: objectives_bench [triangles is 131 000].
+namespace {
+
+const strake::TriMesh& body() {
+    static const strake::TriMesh mesh = strake::example::lifting_body(131'000);
+    return mesh;
+}
+
+std::vector<char> nose() {
+    const strake::Points centroids = strake::triangle_centroids(body());
+    std::vector<char> marks;
+    for (int t = 0; t < body().num_triangles(); ++t) marks.push_back(centroids(t, 0) < 0.4);
+    return marks;
+}
+
+std::map<std::string, strake::Quantity> quantities() {
+    using namespace strake;
+    NewtonianFlow plain;
+    plain.stream.alpha.value = 0.14;
+    plain.shadows = false;
+    NewtonianFlow shadows = plain;
+    shadows.shadows = true;
+    NewtonianFlow lee = plain;
+    lee.lee = LeeSide::prandtl_meyer;
+    WaveDrag oblique;
+    oblique.mach = 1.4;
+    FrictionFlow plates;
+    plates.reynolds_per_length = 1e6;
+    TriMesh inside = example::superellipsoid(2000, {{1, 0.3, 0.2}, 2});
+    inside.vertices.col(0).array() += 5;
+    const Eigen::Vector3d x = Eigen::Vector3d::UnitX();
+    return {{"volume", volume(body())},
+            {"area", area()},
+            {"newtonian", newtonian("q", body(), shadows)},
+            {"newtonian_without_shadows", newtonian("q", body(), plain)},
+            {"newtonian_prandtl_meyer", newtonian("q", body(), lee)},
+            {"wave_drag_mach_1", wave_drag("q", body(), {})},
+            {"wave_drag_8_angles", wave_drag("q", body(), oblique)},
+            {"friction", friction("q", body(), plates)},
+            {"projected_area", projected_area("q", body(), {})},
+            {"mass_properties", mass_properties("q", body())},
+            {"extent", extent("q", body(), x, 0.01)},
+            {"section_areas", section_areas("q", body(), x, 20)},
+            {"wall_thickness", wall_thickness("q", body())},
+            {"bending_energy", bending_energy("q", body())},
+            {"fairness", fairness("q", body())},
+            {"creases", creases("q", body(), 30 * std::numbers::pi / 180)},
+            {"clearance", clearance("q", body(), inside, {"inside", Side::keep_out, 0.01, {}})},
+            {"planarity", planarity("q", body())},
+            {"symmetry_error", symmetry_error("q", body(), {Eigen::Vector3d::UnitY(), 0})},
+            {"edge_radius", edge_radius("q", body(), nose())},
+            {"displacement", displacement("q", body())}};
+}
+
+void evaluate(benchmark::State& state, const strake::Quantity& quantity, bool gradient) {
+    strake::QuantityRequest request{body(), gradient, 1, 0, {}};
+    request.wanted.assign(quantity.names.size(), 0);
+    request.wanted[0] = 1;
+    for (auto _ : state) {
+        const strake::QuantityResult result = quantity.evaluate(request);
+        if (result.failure) state.SkipWithError(result.failure->message.c_str());
+        benchmark::DoNotOptimize(result.values.data());
+    }
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    benchmark::Initialize(&argc, argv);
+    const auto all = quantities();
+    for (const auto& [name, quantity] : all)
+        for (const bool gradient : {false, true})
+            benchmark::RegisterBenchmark(
+                (name + (gradient ? "/gradient" : "/value")).c_str(),
+                [&quantity = quantity, gradient](benchmark::State& state) { evaluate(state, quantity, gradient); })
+                ->Unit(benchmark::kMillisecond);
+    benchmark::RunSpecifiedBenchmarks();
+}

@@ -1,0 +1,70 @@
+#include "cases/case_source.hpp"
+#include "objectives/expression.hpp"
+
+#include <algorithm>
+
+/// Formulas of other values: `quantities.NAME.expression`, and an objective that is none of the values.
+namespace strake {
+namespace {
+
+constexpr const char* name_of_goal = "goal";
+
+/// The objective's own formula becomes a quantity, so that it is logged like the others.
+void take_objective(Case& c, Diagnostics& errors) {
+    const std::string& written = c.objective.name;
+    const std::vector<std::string> known = known_values(c);
+    if (std::find(known.begin(), known.end(), written) != known.end()) return;
+    if (written.find_first_of("+-*/^() \t\n,") == std::string::npos) return;
+    if (std::find(known.begin(), known.end(), name_of_goal) != known.end()) {
+        errors.add(c.objective.place, text("the formula's value is to be called '", name_of_goal,
+                                           "', and so is a quantity; give that another name"));
+        return;
+    }
+    c.quantities.push_back({name_of_goal, c.objective.place, FormulaEntry{{written, c.objective.place}, {}, {}}});
+    c.objective.name = name_of_goal;
+}
+
+/// What a formula holds must stand above it; formulas stand below all other quantities.
+void parse(Case& c, QuantityEntry& entry, FormulaEntry& formula, const std::vector<std::string>& known,
+           Diagnostics& errors) {
+    std::vector<std::string> names = known;
+    for (const OwnVariableEntry& own : c.variables) names.push_back(own.variable.name);
+    try {
+        const Expression expression(formula.text.name, names);
+        formula.of = expression.names();
+        const auto is_value = [&](const std::string& name) {
+            return std::find(known.begin(), known.end(), name) != known.end();
+        };
+        if (std::none_of(formula.of.begin(), formula.of.end(), is_value))
+            errors.add(formula.text.place, "a formula must hold at least one value of a quantity");
+        formula.value = [expression](const Eigen::VectorXd& at, Eigen::VectorXd* gradient) {
+            return expression.value(at, gradient);
+        };
+    } catch (const InvalidInput& error) {
+        const std::string shown = entry.name == name_of_goal ? "" : text("quantities.", printable(entry.name), ": ");
+        errors.add(formula.text.place, shown + error.what());
+    }
+}
+
+}  // namespace
+
+void set_formulas(Case& c, Diagnostics& errors) {
+    take_objective(c, errors);
+    const auto is_formula = [](const QuantityEntry& q) { return std::holds_alternative<FormulaEntry>(q.what); };
+    std::stable_partition(c.quantities.begin(), c.quantities.end(), [&](auto& q) { return !is_formula(q); });
+    // The built-in ones without an entry may stand in formulas, too.
+    std::vector<std::string> known;
+    for (const QuantityEntry& quantity : c.quantities)
+        if (!is_formula(quantity))
+            for (const std::string& name : quantity.value_names()) known.push_back(name);
+    for (const char* built_in : {"volume", "area"})
+        if (std::find(known.begin(), known.end(), built_in) == known.end()) known.push_back(built_in);
+    for (QuantityEntry& quantity : c.quantities) {
+        auto* formula = std::get_if<FormulaEntry>(&quantity.what);
+        if (!formula) continue;
+        parse(c, quantity, *formula, known, errors);
+        known.push_back(quantity.name);
+    }
+}
+
+}  // namespace strake

@@ -28,15 +28,14 @@ surface "$cases/nacelle/generated/engine.obj" engine 2000
 surface "$cases/external/openfoam_drag/generated/body.obj" bluff_body 4000
 surface "$cases/external/openfoam_supersonic/generated/body.obj" ellipsoid 3000
 surface "$cases/external/openfoam_wing/generated/wing.obj" wing 5000
-# Those of the hand-over to SU2 and Cart3D, whose programs are played by scripts.
+# Those of the hand-over to SU2 and Cart3D, whose programs are played by scripts: nothing for machines without Python.
 surface "$cases/external/su2/generated/body.obj" ellipsoid 600
-if [ ! -e "$cases/external/su2/generated/mesh.su2" ]; then
-    "$cases/external/su2/fake_su2.py" mesh "$cases/external/su2/generated/body.obj" "$cases/external/su2/generated"
-fi
 surface "$cases/external/cart3d/generated/body.obj" ellipsoid 600
-if [ ! -e "$cases/external/cart3d/generated/body.tri" ]; then
-    "$cases/external/cart3d/fake_cart3d.py" components "$cases/external/cart3d/generated/body.obj" \
-        "$cases/external/cart3d/generated/body.tri"
+if command -v python3 >/dev/null; then
+    fakes=$(cd "$(dirname "$0")/../cases/external" && pwd)
+    su2=$cases/external/su2/generated cart3d=$cases/external/cart3d/generated
+    [ -e "$su2/mesh.su2" ] || python3 "$fakes/su2/fake_su2.py" mesh "$su2/body.obj" "$su2"
+    [ -e "$cart3d/body.tri" ] || python3 "$fakes/cart3d/fake_cart3d.py" components "$cart3d/body.obj" "$cart3d/body.tri"
 fi
 # The shape that cases/wing/fit.yaml is to recover.
 if [ ! -e "$wing/target.obj" ] || [ "$cases/wing/target.yaml" -nt "$wing/target.obj" ] ||

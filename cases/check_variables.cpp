@@ -19,6 +19,11 @@ bool is_column(const std::string& name) {
     return std::find(columns.begin(), columns.end(), name) != columns.end();
 }
 
+bool is_angle(const Case& c, const std::string& name) {
+    return std::any_of(c.variables.begin(), c.variables.end(),
+                       [&](const auto& v) { return v.variable.name == name && v.variable.is_angle; });
+}
+
 }  // namespace
 
 /// Nobody reads a variable in vain, and no name means two things in a history.
@@ -41,7 +46,13 @@ void check_own_variables(const Value& root, const Case& c, Diagnostics& errors) 
         const std::vector<Reference> none;
         for (const Reference& name : external ? external->depends_on.value_or(none) : made ? made->variables : none) {
             taken.insert(name.name);
-            if (is_own_variable(c, name.name)) continue;
+            if (is_own_variable(c, name.name)) {
+                if (made && !is_angle(c, name.name))
+                    errors.add(name.place, text("variable '", name.name, "' is a number, and quantities.",
+                                                printable(quantity.name), " takes it for an angle; write it as one: ",
+                                                "{start: 3deg, min: 0deg, max: 6deg}"));
+                continue;
+            }
             const std::string near = nearest(name.name, names);
             errors.add(name.place,
                        text("variable '", name.name, "' is not declared",

@@ -57,8 +57,11 @@ void set_formulas(Case& c, Diagnostics& errors) {
     for (const QuantityEntry& quantity : c.quantities)
         if (!is_formula(quantity))
             for (const std::string& name : quantity.value_names()) known.push_back(name);
+    const auto is_taken = [&](const char* name) {
+        return std::any_of(c.quantities.begin(), c.quantities.end(), [&](const auto& q) { return q.name == name; });
+    };
     for (const char* built_in : {"volume", "area"})
-        if (std::find(known.begin(), known.end(), built_in) == known.end()) known.push_back(built_in);
+        if (!is_taken(built_in)) known.push_back(built_in);
     for (QuantityEntry& quantity : c.quantities) {
         auto* formula = std::get_if<FormulaEntry>(&quantity.what);
         if (!formula) continue;

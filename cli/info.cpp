@@ -157,7 +157,7 @@ std::string shares(const Histogram& h, const char* unit) {
     std::string words;
     for (std::size_t i = 0; i < h.counts.size(); ++i)
         if (h.counts[i] > 0)
-            words += fmt::format("{}{:g}-{:g}{}: {:.2g} %", words.empty() ? "" : ", ", h.limits[i], h.limits[i + 1],
+            words += fmt::format("{}{:g}-{:g}{}: {:.3g} %", words.empty() ? "" : ", ", h.limits[i], h.limits[i + 1],
                                  unit, 100 * h.counts[i] / total);
     return words;
 }

@@ -44,6 +44,17 @@ void require_closed(const std::string& name, const TriMesh& mesh, const std::opt
                             open.size(), "; close it there, or say symmetry: for a half model"));
 }
 
+void require_oriented(const std::string& name, const TriMesh& mesh) {
+    const Adjacency adjacent = adjacency(mesh);
+    for (int e = 0; e < static_cast<int>(adjacent.edges.size()); ++e) {
+        if (adjacent.edge_triangles[e].size() != 2 || edge_imbalance(mesh, adjacent, e) == 0) continue;
+        const auto [a, b] = adjacent.edges[e];
+        throw InvalidInput(text(name, ": the triangles at the edge from vertex ", a, " (", mesh.vertices.row(a),
+                                ") to vertex ", b, " (", mesh.vertices.row(b),
+                                ") disagree in orientation; repair: {orient: true} mends that"));
+    }
+}
+
 TriMesh whole_of(const TriMesh& half, const SymmetryPlane& symmetry) {
     const int nv = half.num_vertices(), nt = half.num_triangles();
     TriMesh whole;

@@ -20,6 +20,9 @@ std::vector<int> open_edges(const TriMesh& mesh, const Adjacency& adjacent,
 /// @throws InvalidInput naming `name` and the first open edge with the remedy.
 void require_closed(const std::string& name, const TriMesh& mesh, const std::optional<SymmetryPlane>& symmetry);
 
+/// @throws InvalidInput naming `name` and the first edge whose two triangles disagree in orientation.
+void require_oriented(const std::string& name, const TriMesh& mesh);
+
 /// Half a model and its mirror image behind it, vertices and triangles twice as many, oriented alike.
 TriMesh whole_of(const TriMesh& half, const SymmetryPlane& symmetry);
 /// What derivatives by the vertices of the whole (2n x 3) are by those of the half (n x 3).

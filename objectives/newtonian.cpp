@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 #include "objectives/pressure.hpp"
 #include "objectives/visible_area.hpp"
@@ -158,6 +159,7 @@ void check(const std::string& name, const TriMesh& start, const NewtonianFlow& f
     require(flow.reference_area > 0, "reference_area", flow.reference_area, "> 0");
     require(flow.reference_length > 0, "reference_length", flow.reference_length, "> 0");
     require(flow.about.allFinite(), "about", flow.about.sum(), "finite");
+    require_oriented(name, start);
     const double V = enclosed_volume(start), d = box_diagonal(start);
     if (V < -1e-6 * d * d * d)
         throw InvalidInput(text(name, ": the surface is turned inside out (volume ", V, "); orient it outward"));

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 #include "objectives/ray_tree.hpp"
 
@@ -56,6 +57,7 @@ void check(const std::string& name, const TriMesh& start, const WallThickness& w
     if (!what.region.empty() && static_cast<int>(what.region.size()) != start.num_triangles())
         throw InvalidInput(text(name, ": ", what.region.size(), " marks for ", start.num_triangles(), " triangles"));
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
+    require_oriented(name, start);
     const double V = enclosed_volume(start), d = box_diagonal(start);
     if (V < -1e-6 * d * d * d)
         throw InvalidInput(text(name, ": the surface is turned inside out (volume ", V, "); orient it outward"));

@@ -28,7 +28,7 @@ void loops_that_remain(const Checkup& after, const RepairOptions& options, int r
     if (larger > 0)
         list.push_back(
             text(larger, " open loop(s): ",
-                 options.holes ? text("larger than the limit; --holes ", largest, " would close the largest")
+                 options.holes ? text("larger than the limit; --holes ", 1.001 * largest, " would close the largest")
                                : text("not asked for; --holes SIZE closes them, the largest is ", largest, " across")));
     if (refused_fills > 0)
         list.push_back(text(refused_fills, " open loop(s): what would close them passes through the surface"));

@@ -128,6 +128,13 @@ TEST_F(Goals, ErrorsNameThePlace) {
         contains(one("{expression: 2 * volum}"),
                  "quantities.q: formula '2 * volum', column 5: 'volum' is not known; there are: volume, area, a"));
     EXPECT_TRUE(contains(one("{expression: q + volume}"), "'q' is not known"));
+    EXPECT_TRUE(contains(error(with("  area: {expression: 2 * area}\n", "area + a")), "'area' is not known"));
+    EXPECT_TRUE(
+        contains(error(with("  area: {expression: 2 * volume}\n  volume: {expression: area + 1}\n", "area + a")),
+                 "'volume' is not known"));
+    std::string plain = with("  q: {type: newtonian, mach: 5, alpha: {variable: a}}\n", "q.drag");
+    plain.replace(plain.find("{start: 3deg, min: 0, max: 6deg}"), 32, "{start: 3, min: 0, max: 6}");
+    EXPECT_TRUE(contains(error(plain), "variable 'a' is a number, and quantities.q takes it for an angle"));
     EXPECT_TRUE(contains(one("{expression: 2 * a}"), "a formula must hold at least one value of a quantity"));
     EXPECT_TRUE(contains(one("{type: area}", "q +"), "formula 'q +', column 4"));
     EXPECT_TRUE(contains(one("{type: area}", "p"), "quantity 'p' is not known"));

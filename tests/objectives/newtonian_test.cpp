@@ -200,4 +200,7 @@ TEST(Newtonian, WhatCannotBeIsRefused) {
     TriMesh turned = mesh;
     turned.triangles.col(0).swap(turned.triangles.col(1));
     EXPECT_TRUE(has(refusal([&] { newtonian("aero", turned, {}); }), "inside out"));
+    TriMesh mixed = mesh;
+    std::swap(mixed.triangles(7, 0), mixed.triangles(7, 1));
+    EXPECT_TRUE(has(refusal([&] { newtonian("aero", mixed, {}); }), "disagree in orientation; repair: {orient: true}"));
 }

@@ -26,8 +26,7 @@ bool orthogonalize(VectorXd& v, const std::vector<VectorXd>& basis) {
 std::vector<VectorXd> border_probes(const NonlinearProgram& p, const VectorXd& x, const Sample& sample,
                                     const MatrixXd& hessian, double gain, int pairs) {
     const Eigen::Index n = x.size();
-    const MatrixXd metric = p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(n, n));
-    const Eigen::LLT<MatrixXd> llt(metric);
+    const Eigen::LLT<MatrixXd> llt(metric_of(p));
     const VectorXd lambda = multipliers(p, sample);
     VectorXd g = sample.gradient;
     if (lambda.size() > 0) g += sample.jacobian.transpose() * lambda;

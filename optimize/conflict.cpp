@@ -1,5 +1,6 @@
 #include "optimize/conflict.hpp"
 
+#include "optimize/first_order.hpp"
 #include "optimize/quadratic_model.hpp"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ public:
         QuadraticModel m;
         const Eigen::Index n = x_.size();
         m.gradient = VectorXd::Zero(n);
-        m.hessian = p_.metric.size() > 0 ? p_.metric : MatrixXd(MatrixXd::Identity(n, n));
+        m.hessian = metric_of(p_);
         m.lower = p_.lower - x_;
         m.upper = p_.upper - x_;
         m.constraints = s_.constraints(rows);

@@ -91,10 +91,7 @@ std::optional<FailureCut> FailureBorder::cut(const VectorXd& x, const MatrixXd& 
         if (plane.normal.size() == 0) continue;
         FailureCut cut;
         cut.normal = U.transpose() * plane.normal;
-        const double at = cut.normal.dot(x);
-        cut.sound = at + (plane.normal.transpose() * inside).maxCoeff();
-        cut.failed = at + (plane.normal.transpose() * outside).minCoeff();
-        cut.limit = at + plane.limit;
+        cut.limit = cut.normal.dot(x) + plane.limit;
         return cut;
     }
     return {};

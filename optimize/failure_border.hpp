@@ -13,8 +13,6 @@ namespace strake {
 struct FailureCut {
     Eigen::VectorXd normal;  ///< of length 1 in the dual metric
     double limit = 0;
-    double sound = 0;   ///< largest normal . x of a point that gave values
-    double failed = 0;  ///< least of a point that failed; sound < limit < failed
 };
 
 class FailureBorder {

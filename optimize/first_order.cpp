@@ -20,6 +20,10 @@ MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
 
 }  // namespace
 
+MatrixXd metric_of(const NonlinearProgram& p) {
+    return p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(p.start.size(), p.start.size()));
+}
+
 VectorXd multipliers(const NonlinearProgram& p, const Sample& sample) {
     const Eigen::Index rows = sample.constraints.size();
     VectorXd result = VectorXd::Zero(rows);

@@ -14,6 +14,8 @@ bool leaves_bounds(const NonlinearProgram& program, const Eigen::VectorXd& x, Ei
 /// Where a first step would lead: -metric^-1 (gradient + jacobian^T multipliers), without what the bounds forbid.
 Eigen::VectorXd descent_direction(const NonlinearProgram& program, const Eigen::VectorXd& x, const Sample& sample);
 
+/// The program's metric, n x n: the identity where it names none.
+Eigen::MatrixXd metric_of(const NonlinearProgram& program);
 /// sqrt(d.metric.d), and its dual sqrt(g.metric^-1.g).
 double metric_norm(const NonlinearProgram& program, const Eigen::VectorXd& d);
 double dual_norm(const NonlinearProgram& program, const Eigen::VectorXd& g);

@@ -102,8 +102,9 @@ Sample Guard::count_and_evaluate(const Eigen::VectorXd& x) {
     Sample s = sample_of(x);
     if (s.failure.empty())
         border.add_sound(x);
-    else
+    else if (!s.is_of_step)
         border.add_failed(x);
+    failed_on_the_way = s.is_of_step;
     return s;
 }
 

@@ -58,6 +58,7 @@ public:
     std::exception_ptr exception;
     std::string failure;
     Eigen::VectorXd failed_x;
+    bool failed_on_the_way = false;  ///< the last failure says nothing of where others fail (`Sample::is_of_step`)
     int evaluations = 0, failures = 0;
     FailureBorder border;
 

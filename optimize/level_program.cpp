@@ -130,6 +130,8 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
         current_rank_ = rank;
     } else {
         sample.failure = current_.reason;
+        sample.is_of_step =
+            current_.status == EvaluationStatus::not_converged || current_.status == EvaluationStatus::unstable;
         sample.is_fatal = current_.status == EvaluationStatus::quantity_failed && !current_.may_go_on;
         quantity_failed_ |= sample.is_fatal;
     }

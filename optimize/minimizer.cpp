@@ -192,8 +192,7 @@ private:
                         ? gained_at_border(before)
                         : sqp.stop == MinimizeStop::converged && wants_confirmation(before, feasible_before, doubtful);
             // A fresh model of about the same size has nothing to relearn; one that is doubted starts from nothing.
-            const MatrixXd& metric = guard_.program.metric;
-            const double size = metric.size() > 0 ? metric.trace() : static_cast<double>(guard_.best_x.size());
+            const double size = metric_of(guard_.program).trace();
             curvature = doubtful ? 0 : fresh_share * sqp.hessian.trace() / size;
         }
     }

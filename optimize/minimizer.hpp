@@ -18,6 +18,9 @@ struct Sample {
     Eigen::MatrixXd jacobian;  ///< constraints x variables
     std::string failure;       ///< not empty: there is no value, and why
     bool is_fatal = false;     ///< with a failure: end instead of shrinking the step
+    /// With a failure: it tells of the way to this x rather than of x (a solve that did not converge from where it
+    /// began), and so nothing of where others fail.
+    bool is_of_step = false;
 };
 
 struct NonlinearProgram {

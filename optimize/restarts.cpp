@@ -62,12 +62,6 @@ private:
                                                 : "the objective changes by less than the tolerance");
     }
 
-    Eigen::MatrixXd metric() const {
-        const Eigen::MatrixXd& known = guard_.program.metric;
-        const Eigen::Index n = guard_.best_x.size();
-        return known.size() > 0 ? known : Eigen::MatrixXd::Identity(n, n);
-    }
-
     void recentre() {
         if (!lagrangian_)
             centre_ = guard_.best_x;
@@ -91,7 +85,8 @@ private:
     bool shrink(const Level& before) {
         const Level now = level();
         in_a_row_ = now.value < before.value || now.feasible != before.feasible ? 1 : in_a_row_ + 1;
-        end_.is_at_border = guard_.border.cut(guard_.best_x, metric()).has_value();
+        end_.is_at_border =
+            !guard_.failed_on_the_way && guard_.border.cut(guard_.best_x, metric_of(guard_.program)).has_value();
         if (end_.is_at_border)
             return end(MinimizeStop::blocked,
                        text("evaluations fail beyond a border; the last failure: ", guard_.failure));

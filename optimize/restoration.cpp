@@ -15,7 +15,7 @@ VectorXd shortest_step(const Guard& guard, const VectorXd& x, const VectorXd& co
     const NonlinearProgram& p = guard.program;
     QuadraticModel m;
     m.gradient = VectorXd::Zero(x.size());
-    m.hessian = p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(x.size(), x.size()));
+    m.hessian = metric_of(p);
     m.lower = (p.lower - x).cwiseMax(-radius);
     m.upper = (p.upper - x).cwiseMin(radius);
     m.constraints = constraints;

@@ -39,14 +39,14 @@ bool SqpSearch::is_at_rest(const VectorXd& d, double predicted) {
 bool SqpSearch::failed_at(const VectorXd& d) {
     if (guard_.cause != Cause::failure) return ended_by_guard();
     guard_.cause = Cause::none;
-    border_.has_failed(x_, p_.metric);
-    const bool knows_border = border_.cut().has_value();
+    if (!guard_.failed_on_the_way) border_.has_failed(x_, p_.metric);
+    const bool knows_border = !guard_.failed_on_the_way && border_.cut().has_value();
     if (knows_border && border_gain() <= border_share * so_far()) return end_at_border();
     ++failures_;
     // To learn where the border lies takes failures, the more the more variables there are.
     const int row = guard_.options.max_shrinks +
                     (knows_border ? std::min(4 * static_cast<int>(x_.size()), failures_in_row_at_border) : 0);
-    const int all = guard_.options.max_failures + accepted_ + (knows_border ? failures_at_border : 0);
+    const int all = guard_.options.max_failures + (knows_border ? accepted_ + failures_at_border : 0);
     if (knows_border && failures_ == row && end_.shrinks < all) return end_at_border();
     if (failures_ > row || end_.shrinks >= all)
         return end(MinimizeStop::blocked,

@@ -10,7 +10,7 @@ class SqpSearch {
 public:
     SqpSearch(Guard& guard, double least_curvature)
         : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best), least_curvature_(least_curvature) {
-        if (p_.metric.size() == 0) p_.metric = Eigen::MatrixXd::Identity(x_.size(), x_.size());
+        p_.metric = metric_of(p_);
     }
 
     SqpEnd run();

@@ -155,9 +155,9 @@ TEST_F(Queue, GradientCommandsAreJobsThatAreFollowedToo) {
 
 /// Twenty evaluations as jobs of a real Slurm, one cancelled by hand, and a restart in the middle.
 TEST(RealSlurm, EachEvaluationIsPaidOnce) {
-    if (!std::getenv("STRAKE_SLURM")) GTEST_SKIP() << "run by ./test.sh --slurm (needs slurm-wlm and munge)";
+    if (!std::getenv("STRAKE_SLURM")) GTEST_SKIP() << "run by ./test.sh --slurm";  // starts a cluster of its own
     if (std::system("command -v slurmctld sbatch munged /usr/sbin/slurmctld /usr/sbin/munged > /dev/null") >> 8 == 127)
-        GTEST_SKIP() << "slurm-wlm and munge are not installed";
+        GTEST_SKIP() << "slurm-wlm and munge are not installed";  // large, for this test alone
     class Real : public ProgramCase {
     public:
         void TestBody() override {

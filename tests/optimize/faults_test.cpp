@@ -199,21 +199,35 @@ TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
         });
     const double start = sound.evaluate(sound.start).objective;
     const double least = minimize(sound, tight_options(Method::slsqp, 1000)).best.objective;
-    for (const Method method : {Method::slsqp, Method::mma, Method::ccsaq, Method::lbfgs, Method::tnewton}) {
-        SCOPED_TRACE(method_facts(method).name);
+    for (const auto& [method, is_of_step] : std::vector<std::pair<Method, bool>>{{Method::slsqp, false},
+                                                                                 {Method::slsqp, true},
+                                                                                 {Method::mma, false},
+                                                                                 {Method::ccsaq, false},
+                                                                                 {Method::lbfgs, false},
+                                                                                 {Method::lbfgs, true},
+                                                                                 {Method::tnewton, false}}) {
+        SCOPED_TRACE(text(method_facts(method).name, is_of_step ? ", told as the step's" : ""));
         NonlinearProgram p = sound;
         VectorXd best = p.start;
         double lowest = start;
-        p.evaluate = [&](const VectorXd& x) {
+        p.evaluate = [&, of_step = is_of_step](const VectorXd& x) {
             Sample s = sound.evaluate(x);
+            s.is_of_step = of_step;
             if ((x - best).norm() > 0.5)
                 s.failure = "buckled";
             else if (s.objective < lowest && s.constraints[0] <= 1e-6)
                 lowest = s.objective, best = x;
             return s;
         };
-        const MinimizeResult r = minimize(p, tight_options(method, 1000));
+        std::vector<std::string> told;
+        MinimizeOptions o = tight_options(method, 1000);
+        o.on_event = [&](const std::string& words) { told.push_back(words); };
+        const MinimizeResult r = minimize(p, o);
         EXPECT_TRUE(r.is_feasible);
+        for (const std::string& words : told)
+            EXPECT_FALSE(is_of_step && (words.find("plane between") != std::string::npos ||
+                                        words.find("along their border") != std::string::npos))
+                << words;
         EXPECT_GT(start - r.best.objective, 0.999 * (start - least)) << r.reason;
     }
 }

@@ -83,7 +83,7 @@ MadeQuantity read_friction(const Value& map, const std::string& shown, Diagnosti
     if (const Value* v = map.find("wall_temperature")) flow.wall_temperature = v->number;
     if (const Value* v = map.find("layer")) flow.turbulent = v->text == "turbulent";
     made.make = [flow](const std::string& name, const QuantityGround& ground) {
-        return friction(name, ground.start, flow);
+        return friction(name, ground.start, flow, ground.symmetry);
     };
     return made;
 }

@@ -50,16 +50,19 @@ std::vector<char> marks(const QuantityGround& ground, const RegionNames& region)
 
 /// Types without options but a region.
 bool read_by_region(Form& form) {
-    using Make = Quantity (*)(const std::string&, const TriMesh&, const std::vector<char>&);
-    const std::pair<const char*, Make> simple[] = {{"bending_energy", bending_energy},
-                                                   {"fairness", fairness},
-                                                   {"planarity", planarity},
-                                                   {"displacement", displacement}};
+    using Marks = std::vector<char>;
+    using Make = std::function<Quantity(const std::string&, const QuantityGround&, const Marks&)>;
+    const std::pair<const char*, Make> simple[] = {
+        {"bending_energy",
+         [](auto& name, auto& on, auto& marks) { return bending_energy(name, on.start, marks, on.symmetry); }},
+        {"fairness", [](auto& name, auto& on, auto& marks) { return fairness(name, on.start, marks, on.symmetry); }},
+        {"planarity", [](auto& name, auto& on, auto& marks) { return planarity(name, on.start, marks); }},
+        {"displacement", [](auto& name, auto& on, auto& marks) { return displacement(name, on.start, marks); }}};
     for (const auto& [type, make] : simple)
         if (form.type == type)
             form.made.make = [make = make, region = form.made.regions](const std::string& name,
                                                                        const QuantityGround& ground) {
-                return make(name, ground.start, marks(ground, region));
+                return make(name, ground, marks(ground, region));
             };
     return static_cast<bool>(form.made.make);
 }
@@ -136,7 +139,7 @@ std::optional<MadeQuantity> read_form(const std::string& type, const Value& map,
         form.made.gives = wall_thickness_values;
         form.made.make = [p = form.number("sharpness", 60), region](const std::string& name,
                                                                     const QuantityGround& ground) {
-            return wall_thickness(name, ground.start, {p, marks(ground, region)});
+            return wall_thickness(name, ground.start, {p, marks(ground, region)}, ground.symmetry);
         };
     }
     if (!form.made.make && !read_by_region(form)) return {};

@@ -134,8 +134,7 @@ Quantity section_areas(const std::string& name, const TriMesh& start, const Vect
     if (count < 1 || count > 1000) throw InvalidInput(text(name, ": stations = ", count, " must be in [1, 1000]"));
     AreaCuts cuts;
     cuts.axis = cuts.m = direction.stableNormalized();
-    if (symmetry && std::abs(symmetry->normal.dot(cuts.axis)) > 1e-9)
-        throw InvalidInput(text(name, ": the direction crosses the plane of symmetry"));
+    require_along(name, "direction", direction, symmetry);
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     require_closed(name, start, symmetry);
     const double V = enclosed_volume(start), d = box_diagonal(start);

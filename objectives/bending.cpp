@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 
 #include <Eigen/Geometry>
@@ -17,25 +18,35 @@ namespace {
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-/// Vertices that count: inside, with all triangles marked.
-std::vector<char> inner(const std::string& name, const TriMesh& start, const std::vector<char>& region) {
+/// Vertices that count: inside, with all triangles marked. In the plane of symmetry only vectors in it are the whole
+/// body's: across, those of the mirror image take them away.
+struct Inner {
+    std::vector<char> counts, in_plane;
+    Vector3d normal = Vector3d::Zero();
+
+    Vector3d seen(int v, const Vector3d& g) const { return in_plane[v] ? Vector3d(g - normal * normal.dot(g)) : g; }
+};
+
+Inner inner(const std::string& name, const TriMesh& start, const std::vector<char>& region,
+            const std::optional<SymmetryPlane>& symmetry) {
     if (!region.empty() && static_cast<int>(region.size()) != start.num_triangles())
         throw InvalidInput(text(name, ": ", region.size(), " marks for ", start.num_triangles(), " triangles"));
     for (int t = 0; t < start.num_triangles(); ++t)
         if (!(area_vector(start, t).norm() > 0)) throw InvalidInput(text(name, ": triangle ", t, " has area 0"));
-    std::vector<char> counts(start.num_vertices(), 0);
+    std::vector<char> counts(start.num_vertices(), 0), in_plane = counts;
     for (int t = 0; t < start.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) counts[start.triangles(t, k)] = 1;
     const Adjacency adjacent = adjacency(start);
+    const std::vector<char> closes = plane_edges(start, adjacent, symmetry);
     for (int e = 0; e < adjacent.num_edges(); ++e)
         if (adjacent.edge_triangles[e].size() == 1)
-            for (const int v : adjacent.edges[e]) counts[v] = 0;
+            for (const int v : adjacent.edges[e]) (closes[e] ? in_plane[v] : counts[v]) = closes[e];
     for (int t = 0; t < start.num_triangles(); ++t)
         if (!region.empty() && !region[t])
             for (int k = 0; k < 3; ++k) counts[start.triangles(t, k)] = 0;
     if (std::find(counts.begin(), counts.end(), 1) == counts.end())
         throw InvalidInput(text(name, ": no inner vertex has all of its triangles in the region"));
-    return counts;
+    return {std::move(counts), std::move(in_plane), symmetry ? symmetry->normal : Vector3d(Vector3d::Zero())};
 }
 
 struct Facet {
@@ -67,7 +78,7 @@ void first_variation(const TriMesh& mesh, Points& g, VectorXd& a) {
     }
 }
 
-double willmore(const TriMesh& mesh, const std::vector<char>& counts, Points* dJ_dv) {
+double willmore(const TriMesh& mesh, const Inner& inside, Points* dJ_dv) {
     Points g;
     VectorXd a;
     first_variation(mesh, g, a);
@@ -75,10 +86,11 @@ double willmore(const TriMesh& mesh, const std::vector<char>& counts, Points* dJ
     Points y = Points::Zero(mesh.num_vertices(), 3);   // dW/dg
     VectorXd z = VectorXd::Zero(mesh.num_vertices());  // dW/da
     for (int v = 0; v < mesh.num_vertices(); ++v) {
-        if (!counts[v]) continue;
-        const double g2 = g.row(v).squaredNorm();
+        if (!inside.counts[v]) continue;
+        const Vector3d seen = inside.seen(v, g.row(v));
+        const double g2 = seen.squaredNorm();
         sum += g2 / (4 * a[v]);
-        y.row(v) = g.row(v) / (2 * a[v]);
+        y.row(v) = seen / (2 * a[v]);
         z[v] = -g2 / (4 * a[v] * a[v]);
     }
     if (!dJ_dv) return sum;
@@ -118,24 +130,27 @@ Eigen::SparseMatrix<double> cotangents(const TriMesh& mesh) {
 
 }  // namespace
 
-Quantity bending_energy(const std::string& name, const TriMesh& start, const std::vector<char>& region) {
+Quantity bending_energy(const std::string& name, const TriMesh& start, const std::vector<char>& region,
+                        const std::optional<SymmetryPlane>& symmetry) {
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
-    const std::vector<char> counts = inner(name, start, region);
+    const Inner inside = inner(name, start, region, symmetry);
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         Points dJ_dv;
-        const double W = willmore(request.surface, counts, request.wants(0) ? &dJ_dv : nullptr);
+        const double W = willmore(request.surface, inside, request.wants(0) ? &dJ_dv : nullptr);
         return one_value(name, W, std::move(dJ_dv));
     });
 }
 
-Quantity fairness(const std::string& name, const TriMesh& start, const std::vector<char>& region) {
+Quantity fairness(const std::string& name, const TriMesh& start, const std::vector<char>& region,
+                  const std::optional<SymmetryPlane>& symmetry) {
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
-    const std::vector<char> counts = inner(name, start, region);
+    const Inner inside = inner(name, start, region, symmetry);
     const auto L = std::make_shared<const Eigen::SparseMatrix<double>>(cotangents(start));
     VectorXd weight = vertex_areas(start);
-    for (int v = 0; v < start.num_vertices(); ++v) weight[v] = counts[v] ? 1 / weight[v] : 0;
+    for (int v = 0; v < start.num_vertices(); ++v) weight[v] = inside.counts[v] ? 1 / weight[v] : 0;
     return checked_quantity(name, {name}, start, [=, rest = start.vertices](const QuantityRequest& request) {
-        const Points bent = *L * (request.surface.vertices - rest);
+        Points bent = *L * (request.surface.vertices - rest);
+        for (int v = 0; v < bent.rows(); ++v) bent.row(v) = inside.seen(v, bent.row(v));
         const Points weighted = weight.asDiagonal() * bent;
         const double sum = bent.cwiseProduct(weighted).sum();
         return one_value(name, sum, request.wants(0) ? Points(2 * (L->transpose() * weighted)) : Points());

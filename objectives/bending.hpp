@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "objectives/quantity.hpp"
 
 /// Curvature of the surface as an energy.
@@ -7,15 +8,19 @@ namespace strake {
 /// Willmore energy int H^2 dA, H the mean of the principal curvatures; without unit, 4 pi for every sphere:
 ///   W = sum over vertices |g_k|^2 / (4 a_k),   g_k = dA/dv_k,   a_k a third of the areas of the triangles at k
 /// (g_k / a_k is twice H times the normal, by the cotangent formula). Boundary vertices do not count. `region`: only
-/// vertices all of whose triangles are marked; empty: all.
+/// vertices all of whose triangles are marked; empty: all. With `symmetry` half of what the whole body has: vertices of
+/// the plane count, with the part of g_k in the plane.
 /// Depends on the mesh by O(edge^2) where triangles are even, by O(1) where they are not; gradients are exact.
 /// @throws InvalidInput for a triangle of area zero, or when no vertex is left.
-Quantity bending_energy(const std::string& name, const TriMesh& start, const std::vector<char>& region = {});
+Quantity bending_energy(const std::string& name, const TriMesh& start, const std::vector<char>& region = {},
+                        const std::optional<SymmetryPlane>& symmetry = {});
 
 /// Fairness relative to the start: int |Laplacian of the displacement|^2 dA over the start surface, without unit:
 ///   sum_k |(L d)_k|^2 / a_k,   L the cotangent matrix of the start, d the displacements
 /// Zero for every translation (and every affine motion of a flat part), large for short waves: keeps what is bumpy at
-/// the start as it is, and adds no bumps. Quadratic in the vertices. Boundary vertices and regions as above.
-Quantity fairness(const std::string& name, const TriMesh& start, const std::vector<char>& region = {});
+/// the start as it is, and adds no bumps. Quadratic in the vertices. Boundary vertices, regions and
+/// symmetry as above.
+Quantity fairness(const std::string& name, const TriMesh& start, const std::vector<char>& region = {},
+                  const std::optional<SymmetryPlane>& symmetry = {});
 
 }  // namespace strake

@@ -10,7 +10,23 @@ namespace {
 
 constexpr double on_plane_rel = 1e-6;  // of the diagonal, DESIGN section 4 (Symmetry)
 
+bool in_plane(const TriMesh& mesh, const Adjacency& adjacent, int e, const SymmetryPlane& symmetry, double limit) {
+    if (adjacent.edge_triangles[e].size() != 1) return false;
+    for (const int v : adjacent.edges[e])
+        if (!(std::abs(symmetry.normal.dot(mesh.vertices.row(v)) - symmetry.offset) <= limit)) return false;
+    return true;
+}
+
 }  // namespace
+
+std::vector<char> plane_edges(const TriMesh& mesh, const Adjacency& adjacent,
+                              const std::optional<SymmetryPlane>& symmetry) {
+    std::vector<char> marked(static_cast<std::size_t>(adjacent.num_edges()), 0);
+    if (!symmetry) return marked;
+    const double limit = on_plane_rel * box_diagonal(mesh);
+    for (int e = 0; e < adjacent.num_edges(); ++e) marked[e] = in_plane(mesh, adjacent, e, *symmetry, limit);
+    return marked;
+}
 
 int edge_imbalance(const TriMesh& mesh, const Adjacency& adjacent, int e) {
     int sum = 0;
@@ -22,15 +38,10 @@ int edge_imbalance(const TriMesh& mesh, const Adjacency& adjacent, int e) {
 
 std::vector<int> open_edges(const TriMesh& mesh, const Adjacency& adjacent,
                             const std::optional<SymmetryPlane>& symmetry) {
-    const double limit = on_plane_rel * box_diagonal(mesh);
+    const std::vector<char> closes = plane_edges(mesh, adjacent, symmetry);
     std::vector<int> open;
-    for (int e = 0; e < adjacent.num_edges(); ++e) {
-        if (edge_imbalance(mesh, adjacent, e) == 0) continue;
-        bool on_plane = symmetry.has_value() && adjacent.edge_triangles[e].size() == 1;
-        for (const int v : adjacent.edges[e])
-            on_plane = on_plane && std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset) <= limit;
-        if (!on_plane) open.push_back(e);
-    }
+    for (int e = 0; e < adjacent.num_edges(); ++e)
+        if (edge_imbalance(mesh, adjacent, e) != 0 && !closes[e]) open.push_back(e);
     return open;
 }
 
@@ -53,6 +64,12 @@ void require_oriented(const std::string& name, const TriMesh& mesh) {
                                 ") to vertex ", b, " (", mesh.vertices.row(b),
                                 ") disagree in orientation; repair: {orient: true} mends that"));
     }
+}
+
+void require_along(const std::string& name, const char* shown, const Eigen::Vector3d& direction,
+                   const std::optional<SymmetryPlane>& symmetry) {
+    if (symmetry && std::abs(symmetry->normal.dot(direction.stableNormalized())) > 1e-9)
+        throw InvalidInput(text(name, ": the ", shown, " crosses the plane of symmetry"));
 }
 
 TriMesh whole_of(const TriMesh& half, const SymmetryPlane& symmetry) {

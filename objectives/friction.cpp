@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 
 #include <Eigen/Geometry>
@@ -45,42 +46,64 @@ struct Begin {
     double t;
 };
 
-/// @param along, across coordinates of the start's vertices.
-std::vector<Begin> leading_line(const VectorXd& along, const VectorXd& across, double edge) {
+/// Vertices as the flow sees them: those of half a model once more as their mirror images, where `vertex` is the one
+/// that is mirrored (the flow does not cross the plane, so that `along` is the same).
+struct Seen {
+    VectorXd along, across;
+    int vertex(int i) const { return i % count; }
+    int count;               ///< of the model itself
+    std::vector<char> used;  ///< by a triangle
+};
+
+std::vector<char> used_vertices(const TriMesh& mesh) {
+    std::vector<char> used(static_cast<std::size_t>(mesh.num_vertices()), 0);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) used[mesh.triangles(t, k)] = 1;
+    return used;
+}
+
+std::vector<Begin> leading_line(const Seen& seen, double edge) {
+    const VectorXd &along = seen.along, &across = seen.across;
     const double low = across.minCoeff(), high = across.maxCoeff();
-    const int strips = std::max(1, static_cast<int>((high - low) / (2 * edge)));
-    const double width = (high - low) / strips;
-    const auto strip = [&](Eigen::Index v) {
-        return width > 0 ? std::clamp(static_cast<int>((across[v] - low) / width), 0, strips - 1) : 0;
+    // An odd number, counted from the middle: what is alike on both sides is divided alike.
+    const int side = static_cast<int>((high - low) / (4 * edge));
+    const double width = (high - low) / (2 * side + 1), middle = 0.5 * (low + high);
+    const auto strip = [&](int v) {
+        const double from_middle = width > 0 ? (across[v] - middle) / width : 0;
+        const int k = std::min(side, static_cast<int>(std::abs(from_middle) + 0.5 + 1e-9));
+        return static_cast<std::size_t>(from_middle < 0 ? side - k : side + k);
     };
-    std::vector<int> foremost(static_cast<std::size_t>(strips), -1), line;
-    for (Eigen::Index v = 0; v < along.size(); ++v) {
-        int& first = foremost[static_cast<std::size_t>(strip(v))];
-        if (first < 0 || along[v] < along[first]) first = static_cast<int>(v);
+    std::vector<int> foremost(static_cast<std::size_t>(2 * side + 1), -1), line;
+    for (int v = 0; v < along.size(); ++v) {
+        if (!seen.used[seen.vertex(v)]) continue;
+        int& first = foremost[strip(v)];
+        if (first < 0 || along[v] < along[first]) first = v;
     }
     for (const int v : foremost)
         if (v >= 0) line.push_back(v);
     std::vector<Begin> begins;
-    for (Eigen::Index v = 0; v < along.size(); ++v) {
+    for (int v = 0; v < seen.count; ++v) {
         const auto next =
             std::upper_bound(line.begin(), line.end(), across[v], [&](double y, int w) { return y < across[w]; });
         const int b = next == line.end() ? line.back() : *next, a = next == line.begin() ? b : *(next - 1);
         const double gap = across[b] - across[a];
-        begins.push_back({a, b, gap > 0 ? (across[v] - across[a]) / gap : 0});
+        begins.push_back({seen.vertex(a), seen.vertex(b), gap > 0 ? (across[v] - across[a]) / gap : 0});
     }
     return begins;
 }
 
 class Plates {
 public:
-    Plates(const TriMesh& start, const FrictionFlow& flow) : flow_(flow), law_(plate_law(flow)) {
+    Plates(const TriMesh& start, const FrictionFlow& flow, const std::optional<SymmetryPlane>& symmetry)
+        : flow_(flow), law_(plate_law(flow)) {
         Stream level = flow.stream;
         level.alpha = level.beta = {};
         const StreamState at = stream_state("friction", level, {});
-        const VectorXd along = start.vertices * at.x, across = start.vertices * at.y;
+        const Points vertices = symmetry ? whole_of(start, *symmetry).vertices : start.vertices;
+        const Seen seen{vertices * at.x, vertices * at.y, start.num_vertices(), used_vertices(start)};
         const double edge = std::sqrt(2.3 * surface_area(start) / std::max(1, start.num_triangles()));
-        begins_ = leading_line(along, across, edge);
-        rounded_ = rounded_rel * (along.maxCoeff() - along.minCoeff());
+        begins_ = leading_line(seen, edge);
+        rounded_ = rounded_rel * (seen.along.maxCoeff() - seen.along.minCoeff());
     }
 
     /// @param dJ_dv, by_axis may be null; by_axis is dJ / d(direction of the stream).
@@ -169,11 +192,13 @@ PlateLaw plate_law(const FrictionFlow& flow) {
     return {scale / hot * std::pow(hot * viscosity, exponent), exponent};
 }
 
-Quantity friction(const std::string& name, const TriMesh& start, const FrictionFlow& flow) {
+Quantity friction(const std::string& name, const TriMesh& start, const FrictionFlow& flow,
+                  const std::optional<SymmetryPlane>& symmetry) {
     check(name, flow);
+    require_along(name, "flow", flow.stream.forward, symmetry);
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     if (start.num_triangles() == 0) throw InvalidInput(text(name, ": the surface has no triangles"));
-    const auto plates = std::make_shared<const Plates>(start, flow);
+    const auto plates = std::make_shared<const Plates>(start, flow, symmetry);
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         const TriMesh& mesh = request.surface;
         const StreamState at = stream_state(name, flow.stream, request.own);

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "objectives/stream.hpp"
 
 namespace strake {
@@ -21,10 +22,11 @@ struct FrictionFlow {
 /// line that joins the foremost vertices of the start surface in strips across (some 2 edges wide, seen from above); it
 /// moves with these vertices. l is rounded off below 1e-4 of the length: (l + sqrt(l^2 + l0^2)) / 2. On integration the
 /// laminar plate has 1.328 Re^(-1/2), the turbulent one 0.074 Re^(-1/5); near the leading edge the seven points leave
-/// an error of order (edge / length)^(1/2) or ^(4/5). All of the surface counts, a base too. A half model's is that of
-/// the half. Cost: one pass over the triangles. Kinks: none but those of the area (triangles of area zero). @throws
-/// InvalidInput: numbers outside of their limits.
-Quantity friction(const std::string& name, const TriMesh& start, const FrictionFlow& flow);
+/// an error of order (edge / length)^(1/2) or ^(4/5). All of the surface counts, a base too. With `symmetry` half
+/// of the whole body's. Cost: one pass over the triangles. Kinks: none but those of the area (triangles of area zero).
+/// @throws InvalidInput: numbers outside of their limits, a plane of symmetry that the flow crosses.
+Quantity friction(const std::string& name, const TriMesh& start, const FrictionFlow& flow,
+                  const std::optional<SymmetryPlane>& symmetry = {});
 
 /// cf at the local Reynolds number `reynolds` is scale * reynolds^-exponent; compressibility is in the scale.
 struct PlateLaw {

@@ -19,10 +19,11 @@ struct Ray {
     RayHit hit;
 };
 
-std::vector<Ray> rays(const TriMesh& mesh, const std::vector<char>& region) {
+/// From the first `count` triangles.
+std::vector<Ray> rays(const TriMesh& mesh, int count, const std::vector<char>& region) {
     const RayTree tree(mesh);
     std::vector<Ray> all;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
+    for (int t = 0; t < count; ++t) {
         if (!region.empty() && !region[t]) continue;
         const Vector3d s = area_vector(mesh, t);
         const double area = s.norm();
@@ -51,28 +52,32 @@ void add_gradient(const TriMesh& mesh, const Ray& ray, double weight, Points& dJ
     }
 }
 
-void check(const std::string& name, const TriMesh& start, const WallThickness& what) {
+void check(const std::string& name, const TriMesh& start, const WallThickness& what,
+           const std::optional<SymmetryPlane>& symmetry) {
     if (!(what.sharpness >= 1 && what.sharpness <= 1000))
         throw InvalidInput(text(name, ": sharpness = ", what.sharpness, " must be in [1, 1000]"));
     if (!what.region.empty() && static_cast<int>(what.region.size()) != start.num_triangles())
         throw InvalidInput(text(name, ": ", what.region.size(), " marks for ", start.num_triangles(), " triangles"));
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     require_oriented(name, start);
-    const double V = enclosed_volume(start), d = box_diagonal(start);
+    const TriMesh whole = symmetry ? whole_of(start, *symmetry) : start;
+    const double V = enclosed_volume(whole), d = box_diagonal(whole);
     if (V < -1e-6 * d * d * d)
         throw InvalidInput(text(name, ": the surface is turned inside out (volume ", V, "); orient it outward"));
-    if (rays(start, what.region).empty())
+    if (rays(whole, start.num_triangles(), what.region).empty())
         throw InvalidInput(text(name, ": no ray from the region against its normals meets the surface"));
 }
 
 }  // namespace
 
-Quantity wall_thickness(const std::string& name, const TriMesh& start, const WallThickness& what) {
-    check(name, start, what);
+Quantity wall_thickness(const std::string& name, const TriMesh& start, const WallThickness& what,
+                        const std::optional<SymmetryPlane>& symmetry) {
+    check(name, start, what, symmetry);
     const std::vector<std::string> names{name + ".smooth", name + ".smallest"};
     return checked_quantity(name, names, start, [=](const QuantityRequest& request) {
-        const TriMesh& mesh = request.surface;
-        const std::vector<Ray> all = rays(mesh, what.region);
+        const TriMesh whole = symmetry ? whole_of(request.surface, *symmetry) : TriMesh();
+        const TriMesh& mesh = symmetry ? whole : request.surface;
+        const std::vector<Ray> all = rays(mesh, request.surface.num_triangles(), what.region);
         if (all.empty()) throw InvalidInput(text(name, ": no ray meets the surface"));
         std::size_t thinnest = 0;
         for (std::size_t i = 0; i < all.size(); ++i)
@@ -93,6 +98,9 @@ Quantity wall_thickness(const std::string& name, const TriMesh& start, const Wal
             result.dJ_dv[1] = Points::Zero(mesh.num_vertices(), 3);
             add_gradient(mesh, all[thinnest], 1, result.dJ_dv[1]);
         }
+        if (symmetry)
+            for (Points& g : result.dJ_dv)
+                if (g.rows() > 0) g = folded(g, *symmetry);
         return result;
     });
 }

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "objectives/quantity.hpp"
 
 namespace strake {
@@ -14,9 +15,11 @@ struct WallThickness {
 /// name.smallest is the minimum itself (tie: the smallest number), with kinks. Rays that meet nothing do not count.
 /// The gradient is exact for the triangles that are met; where a ray passes from one to the next across an edge t is
 /// continuous, across the rim of a part it jumps. At sharp edges the thickness goes to zero: leave them out by region.
+/// With `symmetry` rays start from the half and meet its mirror image, too.
 /// Cost: O(n log n). @throws InvalidInput: numbers outside of their limits; no ray meets anything at the start; a
 /// surface that is turned inside out.
-Quantity wall_thickness(const std::string& name, const TriMesh& start, const WallThickness& what = {});
+Quantity wall_thickness(const std::string& name, const TriMesh& start, const WallThickness& what = {},
+                        const std::optional<SymmetryPlane>& symmetry = {});
 
 inline const std::vector<std::string> wall_thickness_values{"smooth", "smallest"};
 

@@ -80,8 +80,7 @@ void check(const std::string& name, const TriMesh& start, const WaveDrag& flow,
         refuse("reference_area", flow.reference_area, "> 0 and finite");
     if (!flow.base.empty() && static_cast<int>(flow.base.size()) != start.num_triangles())
         refuse("marks of the base", static_cast<double>(flow.base.size()), "one for each triangle");
-    if (symmetry && std::abs(symmetry->normal.dot(flow.forward.stableNormalized())) > 1e-9)
-        throw InvalidInput(text(name, ": the flow crosses the plane of symmetry"));
+    require_along(name, "flow", flow.forward, symmetry);
 }
 
 }  // namespace

@@ -1,5 +1,8 @@
 #include "surfaces.hpp"
 
+#include "core/mesh/geometry.hpp"
+#include "core/mesh/weld.hpp"
+
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <array>
@@ -72,6 +75,35 @@ TriMesh box_surface(const Eigen::Vector3d& size, int cells) {
                         soup.push_back({a, c, b}), soup.push_back({a, d, c});
                 }
     return welded(soup);
+}
+
+TriMesh half_above(const TriMesh& mesh, double at) {
+    TriMesh half = mesh;
+    const Points centroids = triangle_centroids(mesh);
+    int count = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (centroids(t, 1) > at) half.triangles.row(count++) = mesh.triangles.row(t);
+    half.triangles.conservativeResize(count, 3);
+    return half;
+}
+
+HalfAndWhole crooked_box(int cells) {
+    TriMesh box = box_surface({3, 2, 1}, cells);
+    for (int v = 0; v < box.num_vertices(); ++v) {
+        const double x = box.vertices(v, 0), y = box.vertices(v, 1) - 1, z = box.vertices(v, 2);
+        box.vertices.row(v) += Eigen::RowVector3d(0.4 * y * y + 0.2 * std::sin(2 * z), 0.1 * y * std::cos(x),
+                                                  0.3 * std::sin(x) + 0.2 * y * y * x);
+    }
+    const TriMesh half = half_above(box, 1);
+    TriMesh both = half;
+    const int nv = half.num_vertices(), nt = half.num_triangles();
+    both.vertices.conservativeResize(2 * nv, 3);
+    both.triangles.conservativeResize(2 * nt, 3);
+    both.vertices.bottomRows(nv) = half.vertices;
+    both.vertices.col(1).tail(nv) = 2 - half.vertices.col(1).array();
+    for (int t = 0; t < nt; ++t)
+        both.triangles.row(nt + t) << nv + half.triangles(t, 0), nv + half.triangles(t, 2), nv + half.triangles(t, 1);
+    return {half, welded(both)};
 }
 
 TriMesh refined(const TriMesh& mesh) {

@@ -35,6 +35,17 @@ inline double order(const Quantity& quantity, const TriMesh& mesh, double factor
     return taylor_order(J, flat(mesh.vertices), factor * g, p, h);
 }
 
+/// The same for a half model, along directions that keep the vertices of the plane y = at in it.
+inline double order_in_plane(const Quantity& quantity, const TriMesh& half, double at, double factor = 1,
+                             std::size_t i = 0, double h = 1e-3) {
+    const auto J = [&](const Eigen::VectorXd& x) { return value(quantity, with_vertices(half, points(x)), i); };
+    const Points g = ask(quantity, half, true).dJ_dv.at(i);
+    Points p = points(0.3 * random_vector(g.size(), 7)) + 0.5 / g.cwiseAbs().maxCoeff() * g;
+    for (int v = 0; v < half.num_vertices(); ++v)
+        if (std::abs(half.vertices(v, 1) - at) < 1e-9) p(v, 1) = 0;
+    return taylor_order(J, flat(half.vertices), factor * flat(g), flat(p), h);
+}
+
 /// Order of the remainder of the residuals |r(v + hp) - r(v) - h dr/dv p|.
 inline double residual_order(const Quantity& quantity, const TriMesh& mesh, double factor = 1, double h = 1e-3) {
     const Eigen::VectorXd x = flat(mesh.vertices), p = random_vector(x.size(), 5);

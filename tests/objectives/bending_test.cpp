@@ -66,6 +66,31 @@ TEST(Fairness, SeesBumpsAndNoTranslation) {
     EXPECT_NEAR(taylor_order(J, flat(other.vertices), 1.5 * g, p, 1e-6), 1, 0.1);
 }
 
+TEST(BendingEnergy, AHalfModelHasHalfOfTheWholes) {
+    const auto [half, whole] = crooked_box(6);
+    const SymmetryPlane plane{Eigen::Vector3d::UnitY(), 1};
+    const double W = value(bending_energy("b", whole), whole);
+    const Quantity bent = bending_energy("b", half, {}, plane);
+    EXPECT_NEAR(value(bent, half), 0.5 * W, 1e-10 * W);
+    EXPECT_GT(std::abs(value(bending_energy("b", half), half) - 0.5 * W), 0.01 * W);  // the plane as a border
+    EXPECT_NEAR(order_in_plane(bent, half, 1, 1, 0, 1e-5), 2, 0.1);
+    EXPECT_NEAR(order_in_plane(bent, half, 1, 1.1, 0, 1e-5), 1, 0.1);
+
+    const auto waved = [](TriMesh mesh) {
+        for (int v = 0; v < mesh.num_vertices(); ++v) {
+            const double y = mesh.vertices(v, 1) - 1;
+            mesh.vertices.row(v) += 0.1 * Eigen::RowVector3d(std::cos(2 * y), y, std::sin(3 * mesh.vertices(v, 0)));
+        }
+        return mesh;
+    };
+    const Quantity fair = fairness("f", half, {}, plane);
+    const double F = value(fairness("f", whole), waved(whole));
+    EXPECT_NEAR(value(fair, waved(half)), 0.5 * F, 1e-10 * F);
+    const TriMesh other = waved(half);
+    EXPECT_NEAR(order_in_plane(fair, other, 1, 1, 0, 1e-3), 2, 0.1);
+    EXPECT_NEAR(order_in_plane(fair, other, 1, 1.5, 0, 1e-6), 1, 0.1);
+}
+
 TEST(BendingEnergy, WhatCannotBeIsRefused) {
     const TriMesh two = hinge(1, 1);
     EXPECT_TRUE(has(refusal([&] { bending_energy("b", two); }), "b: no inner vertex"));

@@ -72,6 +72,24 @@ TEST(Friction, DerivativesAreExact) {
     EXPECT_NEAR(at(0.1).dJ_down[0][0], (at(0.1 + 1e-6).values[0] - at(0.1 - 1e-6).values[0]) / 2e-6, 1e-6);
 }
 
+TEST(Friction, AHalfModelHasHalfOfTheWholes) {
+    const auto [half, whole] = crooked_box(6);
+    const SymmetryPlane plane{Eigen::Vector3d::UnitY(), 1};
+    for (const bool turbulent : {false, true}) {
+        FrictionFlow flow = flow_of(turbulent, 1e5);
+        flow.stream.alpha.value = 0.1;
+        const double all = value(friction("f", whole, flow), whole);
+        const Quantity of_half = friction("f", half, flow, plane);
+        EXPECT_NEAR(value(of_half, half), 0.5 * all, 1e-12 * all) << turbulent;
+        EXPECT_NEAR(order_in_plane(of_half, half, 1, 1, 0, 1e-6), 2, 0.3) << turbulent;
+        EXPECT_NEAR(order_in_plane(of_half, half, 1, 1.1, 0, 1e-6), 1, 0.1) << turbulent;
+    }
+    EXPECT_TRUE(has(refusal([&] {
+                        friction("f", half, flow_of(true), SymmetryPlane{Eigen::Vector3d::UnitX(), 0});
+                    }),
+                    "f: the flow crosses the plane of symmetry"));
+}
+
 TEST(Friction, WhatCannotBeIsRefused) {
     const TriMesh mesh = icosphere(1);
     FrictionFlow flow;

@@ -35,17 +35,6 @@ TriMesh moved(TriMesh mesh, double scale, const Eigen::RowVector3d& shift) {
     return mesh;
 }
 
-/// The triangles whose centroid has y > at.
-TriMesh half_above(const TriMesh& mesh, double at) {
-    TriMesh half = mesh;
-    int count = 0;
-    const Points centroids = triangle_centroids(mesh);
-    for (int t = 0; t < mesh.num_triangles(); ++t)
-        if (centroids(t, 1) > at) half.triangles.row(count++) = mesh.triangles.row(t);
-    half.triangles.conservativeResize(count, 3);
-    return half;
-}
-
 /// The message of the InvalidInput that `make` throws, or "" when it throws none.
 template <class Make>
 std::string refusal(const Make& make) {

@@ -13,17 +13,6 @@ namespace {
 
 const Eigen::Vector3d tilted(0.2, 1, 0.3);
 
-/// The triangles whose centroid has y > at.
-TriMesh half_above(const TriMesh& mesh, double at) {
-    TriMesh half = mesh;
-    int count = 0;
-    const Points centroids = triangle_centroids(mesh);
-    for (int t = 0; t < mesh.num_triangles(); ++t)
-        if (centroids(t, 1) > at) half.triangles.row(count++) = mesh.triangles.row(t);
-    half.triangles.conservativeResize(count, 3);
-    return half;
-}
-
 }  // namespace
 
 TEST(SectionArea, ClosedForms) {

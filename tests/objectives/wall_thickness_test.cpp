@@ -1,6 +1,7 @@
 #include "objectives/wall_thickness.hpp"
 
 #include "ask.hpp"
+#include "core/mesh/geometry.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -34,6 +35,25 @@ TEST(WallThickness, TheNearestWallCounts) {
         shell.triangles.row(nt + t) << nv + shell.triangles(t, 0), nv + shell.triangles(t, 2),
             nv + shell.triangles(t, 1);
     EXPECT_NEAR(value(wall_thickness("w", shell), shell, 1), 0.1, 0.01);
+}
+
+TEST(WallThickness, AHalfModelMeetsItsMirrorImage) {
+    // Side walls see each other across the plane.
+    const auto [half, whole] = crooked_box(6);
+    const SymmetryPlane plane{Eigen::Vector3d::UnitY(), 1};
+    const auto sides = [](const TriMesh& mesh) {
+        std::vector<char> marks(mesh.num_triangles());
+        for (int t = 0; t < mesh.num_triangles(); ++t) marks[t] = std::abs(area_vector(mesh, t).normalized().y()) > 0.9;
+        return marks;
+    };
+    const Quantity all = wall_thickness("w", whole, {8, sides(whole)});
+    const Quantity part = wall_thickness("w", half, {8, sides(half)}, plane);
+    EXPECT_NEAR(value(part, half, 1), value(all, whole, 1), 1e-12);
+    EXPECT_NEAR(value(part, half, 0), value(all, whole, 0) * std::pow(2, 1.0 / 8), 1e-12);  // half as many rays
+    for (std::size_t i = 0; i < 2; ++i) {
+        EXPECT_NEAR(order_in_plane(part, half, 1, 1, i, 1e-5), 2, 0.15) << i;
+        EXPECT_NEAR(order_in_plane(part, half, 1, 1.2, i, 1e-5), 1, 0.1) << i;
+    }
 }
 
 TEST(WallThickness, DerivativesAreExact) {

@@ -26,16 +26,6 @@ double series(double a, double b) {
     return sum;
 }
 
-TriMesh half_of(const TriMesh& mesh) {
-    TriMesh half = mesh;
-    int count = 0;
-    const Points centroids = triangle_centroids(mesh);
-    for (int t = 0; t < mesh.num_triangles(); ++t)
-        if (centroids(t, 1) > 0) half.triangles.row(count++) = mesh.triangles.row(t);
-    half.triangles.conservativeResize(count, 3);
-    return half;
-}
-
 /// Body of revolution of the same sectional areas as the circles, from a point (x, 0) on, with a flat base.
 TriMesh lathe(const std::vector<Eigen::Vector2d>& meridian, int facets) {
     const int rings = static_cast<int>(meridian.size()) - 1, last = rings * facets + 1;
@@ -150,7 +140,7 @@ TEST(WaveDrag, DerivativesAreExact) {
 }
 
 TEST(WaveDrag, AHalfModelHasHalfOfItAndScales) {
-    const TriMesh mesh = example::wavy_body(2000, {4, 0.4, 0.2, 1.5}), even = half_of(mesh);
+    const TriMesh mesh = example::wavy_body(2000, {4, 0.4, 0.2, 1.5}), even = half_above(mesh);
     WaveDrag flow;
     flow.mach = 1.6;
     const SymmetryPlane symmetry{Eigen::Vector3d::UnitY(), 0};
@@ -179,6 +169,6 @@ TEST(WaveDrag, WhatCannotBeIsRefused) {
     flow = {};
     flow.stations = 2;
     EXPECT_TRUE(has(refusal([&] { wave_drag("w", mesh, flow); }), "stations"));
-    EXPECT_TRUE(has(refusal([&] { wave_drag("w", half_of(mesh), {}); }), "w: the surface is open"));
+    EXPECT_TRUE(has(refusal([&] { wave_drag("w", half_above(mesh), {}); }), "w: the surface is open"));
     EXPECT_TRUE(has(refusal([&] { wave_drag("w", mesh, {}, SymmetryPlane{Eigen::Vector3d::UnitX(), 0}); }), "crosses"));
 }

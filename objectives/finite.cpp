@@ -9,6 +9,7 @@ namespace strake {
 namespace {
 
 int first_non_finite_row(const Points& rows) {
+    if (rows.allFinite()) return -1;
     for (int k = 0; k < static_cast<int>(rows.rows()); ++k)
         if (!rows.row(k).allFinite()) return k;
     return -1;

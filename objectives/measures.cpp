@@ -5,6 +5,7 @@
 #include "objectives/closed.hpp"
 #include "objectives/finite.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace strake {
@@ -108,34 +109,37 @@ struct VolumeOf {
         return {u[1] * w[2] - u[2] * w[1], u[2] * w[0] - u[0] * w[2], u[0] * w[1] - u[1] * w[0]};
     }
 
-    double value(const TriMesh& mesh) const {
-        double sum = 0;
-        for (int t = 0; t < mesh.num_triangles(); ++t) {
-            const Vector3d p = mesh.vertices.row(mesh.triangles(t, 0)), a = p - o;
-            const Vector3d n =
-                normal(p, mesh.vertices.row(mesh.triangles(t, 1)), mesh.vertices.row(mesh.triangles(t, 2)));
-            // Written out: the order of the sum must not depend on Eigen's reductions.
-            sum += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6;
-        }
-        return sign * sum;
-    }
+    /// Of half a model: its fans are open along the plane.
+    bool has_boundary() const { return std::find(boundary.begin(), boundary.end(), 1) != boundary.end(); }
 
     /// dV/da = 1/6 sum over the fan of a of (b - o) x (c - o) = 1/6 sum [n_t + (a - o) x (c - b)]; the second part
     /// telescopes to zero around a closed fan and is left out there.
-    Points gradient(const TriMesh& mesh) const {
-        Points dV_dv = Points::Zero(mesh.num_vertices(), 3), link = Points::Zero(mesh.num_vertices(), 3);
+    double value(const TriMesh& mesh, Points* dV_dv = nullptr) const {
+        double sum = 0;
+        if (dV_dv) *dV_dv = Points::Zero(mesh.num_vertices(), 3);
         for (int t = 0; t < mesh.num_triangles(); ++t) {
-            const Vector3d p[3] = {mesh.vertices.row(mesh.triangles(t, 0)), mesh.vertices.row(mesh.triangles(t, 1)),
-                                   mesh.vertices.row(mesh.triangles(t, 2))};
-            const Vector3d share = normal(p[0], p[1], p[2]) / 6;
-            for (int k = 0; k < 3; ++k) {
-                dV_dv.row(mesh.triangles(t, k)) += share;
-                link.row(mesh.triangles(t, k)) += p[(k + 2) % 3] - p[(k + 1) % 3];
-            }
+            const auto v = mesh.triangles.row(t);
+            const Vector3d p = mesh.vertices.row(v[0]), a = p - o;
+            const Vector3d n = normal(p, mesh.vertices.row(v[1]), mesh.vertices.row(v[2]));
+            // Written out: the order of the sum must not depend on Eigen's reductions.
+            sum += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6;
+            if (!dV_dv) continue;
+            const Vector3d share = sign / 6 * n;
+            for (int k = 0; k < 3; ++k) dV_dv->row(v[k]) += share;
         }
+        if (dV_dv && has_boundary()) add_boundary(mesh, *dV_dv);
+        return sign * sum;
+    }
+
+    void add_boundary(const TriMesh& mesh, Points& dV_dv) const {
+        Points link = Points::Zero(mesh.num_vertices(), 3);
+        for (int t = 0; t < mesh.num_triangles(); ++t)
+            for (int k = 0; k < 3; ++k)
+                link.row(mesh.triangles(t, k)) += mesh.vertices.row(mesh.triangles(t, (k + 2) % 3)) -
+                                                  mesh.vertices.row(mesh.triangles(t, (k + 1) % 3));
         for (int v = 0; v < mesh.num_vertices(); ++v)
-            if (boundary[v]) dV_dv.row(v) += (Vector3d(mesh.vertices.row(v)) - o).cross(Vector3d(link.row(v))) / 6;
-        return sign * dV_dv;
+            if (boundary[v])
+                dV_dv.row(v) += sign / 6 * (Vector3d(mesh.vertices.row(v)) - o).cross(Vector3d(link.row(v)));
     }
 };
 
@@ -157,8 +161,9 @@ Quantity volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmet
     quantity.evaluate = [of, nv = start.num_vertices(), nt = start.num_triangles()](const QuantityRequest& request) {
         require_same_counts("volume", request.surface, nv, nt);
         if (auto failure = vertices_finite("volume", request.surface)) return QuantityResult{{}, {}, failure};
-        return one_value("volume", of.value(request.surface),
-                         request.want_sensitivities ? of.gradient(request.surface) : Points());
+        Points dV_dv;
+        const double V = of.value(request.surface, request.want_sensitivities ? &dV_dv : nullptr);
+        return one_value("volume", V, std::move(dV_dv));
     };
     return quantity;
 }

@@ -98,7 +98,7 @@ std::optional<FailureCut> FailureBorder::cut(const VectorXd& x, const MatrixXd& 
 }
 
 void BorderWatch::look(const VectorXd& x, const MatrixXd& metric) {
-    const double caution = std::pow(2.0, failed_ > 0 ? failed_ - 1 : 1 - moved_);
+    const double caution = failed_ > 0 ? std::pow(3.0, failed_ - 1) : std::pow(2.0, 1 - moved_);
     cut_ = border_.cut(x, metric, std::clamp(caution, 1 / most_caution, most_caution));
 }
 

@@ -183,6 +183,7 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
     x_ = x;
     at_ = trial;
     failures_ = rejections_ = 0;
+    has_probed_ = false;
     ++accepted_;
     border_.has_moved(x_, p_.metric);
     if (calm_ >= calm_steps) return end(MinimizeStop::converged, "the objective changes by less than the tolerance");

@@ -47,7 +47,13 @@ bool SqpSearch::failed_at(const VectorXd& d) {
     const int row = guard_.options.max_shrinks +
                     (knows_border ? std::min(4 * static_cast<int>(x_.size()), failures_in_row_at_border) : 0);
     const int all = guard_.options.max_failures + (knows_border ? accepted_ + failures_at_border : 0);
-    if (knows_border && failures_ == row && end_.shrinks < all) return end_at_border();
+    if (knows_border && failures_ == row && end_.shrinks < all) {
+        if (end_at_border()) return true;
+        // Where steps have been made the probes have turned the plane, and others along it may do.
+        if (!has_probed_ && accepted_ > 0) failures_ /= 2;
+        has_probed_ = true;
+        return false;
+    }
     if (failures_ > row || end_.shrinks >= all)
         return end(MinimizeStop::blocked,
                    text("evaluations keep failing next to the best point (", end_.shrinks + 1, " of ",

@@ -115,6 +115,7 @@ private:
     bool is_limited_ = false;
     int accepted_ = 0;
     int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
+    bool has_probed_ = false;  ///< the border, since the last accepted step
     SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false};
 };
 

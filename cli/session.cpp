@@ -3,6 +3,7 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/report_subject.hpp"
 #include "cli/signals.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
@@ -173,8 +174,22 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {
         journal.reset();
-        if (!has_evaluated) folder.discard();
+        if (!has_evaluated)
+            folder.discard();
+        else if (the_case.output.report)
+            make_report(built, the_case, folder.folder());
         throw;
+    }
+}
+
+/// report.html beside the other records. What keeps it from being made is told, and changes nothing else.
+void make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
+    try {
+        ReportSubject subject = report_subject(the_case, &built);
+        subject.is_over = true;
+        write_report(folder, subject, folder / "report.html");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "warning: report.html is not written: {}\n", error.what());
     }
 }
 
@@ -182,7 +197,10 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
 void conclude(const BuiltProblem& built, const RunResult& result, const RunRequest& request) {
     RunFolder& folder = *request.folder;
     const bool is_fit = request.is_fit;
+    const bool wants_report = request.the_case.output.report && result.status != "waiting";
+    if (wants_report) folder.tell("report.html");
     folder.finish(result);
+    if (wants_report) make_report(built, request.the_case, folder.folder());
     if (request.json)
         print_json(result, folder);
     else if (result.status == "waiting")

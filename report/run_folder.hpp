@@ -40,6 +40,9 @@ public:
     /// A file that others keep there: not told among the files, but removed by `discard`.
     std::filesystem::path aside(const std::string& name);
 
+    /// A file that others write after the end: told among the files, and removed by `discard`.
+    void tell(const std::string& name) { remember(name); }
+
     /// Completes series and run.json.
     void finish(const RunResult& result);
     /// Removes what was written and the folders that were made, before the first design: as if there had been no run.

@@ -160,8 +160,8 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         progress.evaluation(record), folder.add(record);
     };
     events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
-    events.sensitivities = [&](int evaluation, const Points& vertices, const Points& dJ_dv) {
-        folder.add_sensitivities(evaluation, vertices, dJ_dv);
+    events.sensitivities = [&](int evaluation, const Points&, const Points& dJ_dv) {
+        folder.add_sensitivities(evaluation, dJ_dv);
     };
     events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
     events.note = [&](const std::string& words) { progress.note(words); };

@@ -145,6 +145,17 @@ std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_cas
                            {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
 }
 
+/// report.html beside the other records. What keeps it from being made is told, and changes nothing else.
+void make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
+    try {
+        ReportSubject subject = report_subject(the_case, &built);
+        subject.is_over = true;
+        write_report(folder, subject, folder / "report.html");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "warning: report.html is not written: {}\n", error.what());
+    }
+}
+
 /// Runs the search and writes its records. A run that fails before its first evaluation leaves no folder behind, so
 /// that the corrected one can go there.
 /// @param journal of a run that goes on; without it a new one is made.
@@ -179,17 +190,6 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         else if (the_case.output.report)
             make_report(built, the_case, folder.folder());
         throw;
-    }
-}
-
-/// report.html beside the other records. What keeps it from being made is told, and changes nothing else.
-void make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
-    try {
-        ReportSubject subject = report_subject(the_case, &built);
-        subject.is_over = true;
-        write_report(folder, subject, folder / "report.html");
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "warning: report.html is not written: {}\n", error.what());
     }
 }
 

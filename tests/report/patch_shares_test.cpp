@@ -2,6 +2,8 @@
 
 #include "surfaces.hpp"
 
+#include <Eigen/Geometry>
+
 #include <gtest/gtest.h>
 
 namespace strake {

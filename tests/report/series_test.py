@@ -15,7 +15,7 @@ STRAKE, MAKE_SURFACE = sys.argv[1:3]
 CASE = """
 case: body
 surface: {file: body.obj}
-regions: {root: {box: [[-9, -9, -9], [0.05, 9, 9]]}}
+regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}}
 fixed: [root]
 parameters: {levels: auto, patches_per_level: [3, 8], variables: [load_normal], max_displacement: 4%}
 objective: {maximize: volume}
@@ -77,7 +77,7 @@ def main():
             return 77
     with tempfile.TemporaryDirectory() as name:
         folder = pathlib.Path(name)
-        subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "700", "-o", folder / "body.obj"], check=True,
+        subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1500", "-o", folder / "body.obj"], check=True,
                        capture_output=True)
         for policy in ("every_accepted", "best"):
             (folder / "case.yaml").write_text(CASE.replace("POLICY", policy))

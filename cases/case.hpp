@@ -242,6 +242,7 @@ struct Case {
     struct Output {
         std::filesystem::path dir;  ///< may be set by the program before the problem is built
         ParaView paraview = ParaView::every_accepted;
+        bool report = false;   ///< report.html at the end
         bool goes_on = false;  ///< the folder is that of a run which goes on
         bool by_hand = false;  ///< programs are not run: their folders are handed out (`strake step`)
     } output;

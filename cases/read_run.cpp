@@ -43,6 +43,7 @@ void CaseReader::read_output(const Value& map) {
         case_.output.paraview = v->text == "best"   ? ParaView::best
                                 : v->text == "none" ? ParaView::none
                                                     : ParaView::every_accepted;
+    if (const Value* v = map.find("report")) case_.output.report = v->text == "true";
 }
 
 }  // namespace strake

@@ -138,6 +138,11 @@ std::vector<Key> run_keys() {
          .doc = "Shapes written for ParaView.",
          .fallback = "every_accepted",
          .words = {"every_accepted", "best", "none"}},
+        {.path = "output.report",
+         .type = Type::flag,
+         .doc = "Whether report.html is written at the end, however the run ends: a page for the browser (`strake "
+                "report` makes it at any time).",
+         .fallback = "false"},
     };
 }
 

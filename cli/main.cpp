@@ -40,6 +40,7 @@ int main(int argc, char** argv) {
     cli::add_status(app);
     cli::add_history(app);
     cli::add_apply(app);
+    cli::add_report(app);
     try {
         app.parse(argc, argv);
         return cli::done;

@@ -3,6 +3,7 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/report_subject.hpp"
 #include "cli/signals.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
@@ -144,6 +145,17 @@ std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_cas
                            {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
 }
 
+/// report.html beside the other records. What keeps it from being made is told, and changes nothing else.
+void make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
+    try {
+        ReportSubject subject = report_subject(the_case, &built);
+        subject.is_over = true;
+        write_report(folder, subject, folder / "report.html");
+    } catch (const std::exception& error) {
+        fmt::print(stderr, "warning: report.html is not written: {}\n", error.what());
+    }
+}
+
 /// Runs the search and writes its records. A run that fails before its first evaluation leaves no folder behind, so
 /// that the corrected one can go there.
 /// @param journal of a run that goes on; without it a new one is made.
@@ -159,8 +171,8 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         progress.evaluation(record), folder.add(record);
     };
     events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
-    events.sensitivities = [&](int evaluation, const Points& vertices, const Points& dJ_dv) {
-        folder.add_sensitivities(evaluation, vertices, dJ_dv);
+    events.sensitivities = [&](int evaluation, const Points&, const Points& dJ_dv) {
+        folder.add_sensitivities(evaluation, dJ_dv);
     };
     events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
     events.note = [&](const std::string& words) { progress.note(words); };
@@ -173,7 +185,10 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {
         journal.reset();
-        if (!has_evaluated) folder.discard();
+        if (!has_evaluated)
+            folder.discard();
+        else if (the_case.output.report)
+            make_report(built, the_case, folder.folder());
         throw;
     }
 }
@@ -182,7 +197,10 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
 void conclude(const BuiltProblem& built, const RunResult& result, const RunRequest& request) {
     RunFolder& folder = *request.folder;
     const bool is_fit = request.is_fit;
+    const bool wants_report = request.the_case.output.report && result.status != "waiting";
+    if (wants_report) folder.tell("report.html");
     folder.finish(result);
+    if (wants_report) make_report(built, request.the_case, folder.folder());
     if (request.json)
         print_json(result, folder);
     else if (result.status == "waiting")

@@ -260,6 +260,17 @@ std::vector<int> Journal::cached() const {
     return numbers;
 }
 
+std::vector<ProgramCost> Journal::program_costs() const {
+    Statement rows(db_, file_,
+                   "SELECT quantity, COUNT(*), SUM(failure <> ''), SUM(remarks LIKE '%is taken from the cache%'), "
+                   "SUM(seconds) FROM calls GROUP BY quantity ORDER BY quantity");
+    std::vector<ProgramCost> costs;
+    while (rows.step())
+        costs.push_back({rows.words(0), static_cast<int>(rows.integer(1)), static_cast<int>(rows.integer(2)),
+                         static_cast<int>(rows.integer(3)), rows.number(4)});
+    return costs;
+}
+
 void Journal::set_limits(int max_evaluations, double max_seconds) {
     if (limits().evaluations == max_evaluations && limits().seconds == max_seconds) return;
     const RunLimits next{static_cast<int>(evaluations_.size()), max_evaluations, max_seconds};

@@ -60,6 +60,13 @@ struct JournalCall {
     double seconds = 0;
 };
 
+/// What calls of a program cost, all together.
+struct ProgramCost {
+    std::string quantity;  ///< as in JournalCall
+    int calls = 0, failed = 0, cached = 0;
+    double seconds = 0;
+};
+
 class Journal {
 public:
     /// Makes a new one. @throws OutputError with path and reason.
@@ -89,6 +96,7 @@ public:
     void drop_calls_from(int evaluation);
     /// Evaluations for which a call was answered by a cache.
     std::vector<int> cached() const;
+    std::vector<ProgramCost> program_costs() const;  ///< by name
     /// From now on; the run goes on under them.
     void set_limits(int max_evaluations, double max_seconds);
     void set_case(const std::string& yaml);

@@ -5,6 +5,7 @@
 #include "optimize/own_variables.hpp"
 #include "optimize/stored_design.hpp"
 #include "report/json_number.hpp"
+#include "report/paraview_script.hpp"
 
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -190,38 +191,54 @@ void RunFolder::add(const AcceptedDesign& design) {
         write("levels/best.design", design_bytes(stored_design(design)));
     }
     const bool wanted = policy_ == SeriesPolicy::every_accepted || (policy_ == SeriesPolicy::best && steps_.empty());
-    if (wanted) add_to_series(design.record.evaluation, design.vertices, design.dJ_dv);
+    if (wanted) add_to_series(design.record.evaluation, data_set(design));
+    if (policy_ == SeriesPolicy::best) last_best_ = data_set(design);
 }
 
-void RunFolder::add_sensitivities(int evaluation, const Points& vertices, const Points& dJ_dv) {
-    if (!steps_.empty() && steps_.back().first == evaluation && evaluation >= best_from_)
-        write_data_set(steps_.back().second, vertices, dJ_dv);
+void RunFolder::add_sensitivities(int evaluation, const Points& dJ_dv) {
+    last_best_.dJ_dv = dJ_dv;
+    if (steps_.empty() || steps_.back().first != evaluation) return;
+    last_.dJ_dv = dJ_dv;
+    if (evaluation >= best_from_) write_data_set(steps_.back().second, last_);
 }
 
-void RunFolder::write_data_set(const std::string& name, const Points& vertices, const Points& dJ_dv) const {
-    std::vector<Field> points{{"displacement", Points(vertices - problem_->surface.vertices)}};
-    if (dJ_dv.rows() > 0) points.push_back({"objective_sensitivity", dJ_dv});
+RunFolder::DataSet RunFolder::data_set(const AcceptedDesign& design) {
+    DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label};
+    const Points force = demand(design.space, design.x).loads.force;
+    if (force.rows() == 0) return out;
+    const Eigen::VectorXd& area = design.space.rest->vertex_area;
+    out.load = force.array().colwise() * area.array().max(std::numeric_limits<double>::min()).inverse();
+    return out;
+}
+
+void RunFolder::write_data_set(const std::string& name, const DataSet& design) const {
+    std::vector<Field> points{{"displacement", Points(design.vertices - problem_->surface.vertices)}};
+    if (design.dJ_dv.rows() > 0) points.push_back({"objective_sensitivity", design.dJ_dv});
+    if (design.load.rows() > 0) points.push_back({"load", design.load});
     std::vector<Field> cells;
+    if (!design.patch.empty()) cells.push_back({"patch", design.patch});
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
         cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
-    write_vtp(folder_ / name, with_vertices(problem_->surface, vertices), points, cells);
+    write_vtp(folder_ / name, with_vertices(problem_->surface, design.vertices), points, cells);
 }
 
-void RunFolder::add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv) {
+void RunFolder::add_to_series(int evaluation, DataSet design) {
     std::ostringstream name;
     name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
     make_folder(folder_ / "series");
     // What a replay comes past has been written, whole and with the same bytes.
-    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str())) write_data_set(name.str(), vertices, dJ_dv);
+    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str())) write_data_set(name.str(), design);
+    last_ = std::move(design);
     steps_.emplace_back(evaluation, name.str());
     write_pvd(folder_ / "series.pvd", steps_);
     remember("series.pvd");
+    if (steps_.size() == 1) write("series.py", paraview_script());
 }
 
 void RunFolder::finish(const RunResult& result) {
     const bool is_over = result.status != "interrupted" && result.status != "waiting";
     if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
-        add_to_series(result.best_evaluation, result.vertices, {});
+        add_to_series(result.best_evaluation, last_best_);
     if (is_over) history_->finish();
     remember("run.json");
     write("run.json", run_json(result, files_) + "\n");

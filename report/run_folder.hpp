@@ -7,8 +7,8 @@
 #include <memory>
 #include <optional>
 
-/// The folder of a run (DESIGN section 7): case.yaml, history.csv, levels/, series.pvd + series/*.vtp, best.<format>,
-/// run.json. Everything but history.csv, which grows row by row, is written atomically.
+/// The folder of a run (DESIGN section 7): case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
+/// best.<format>, run.json. Everything but history.csv, which grows row by row, is written atomically.
 namespace strake {
 
 enum class SeriesPolicy { every_accepted, best, none };
@@ -33,12 +33,15 @@ public:
     /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
     /// Into the design's data set, if it has one.
-    void add_sensitivities(int evaluation, const Points& vertices, const Points& dJ_dv);
+    void add_sensitivities(int evaluation, const Points& dJ_dv);
     /// Of a run that is replayed: the best design of evaluations before this one has been replaced already, and is not
     /// written again.
     void begin_best_at(int evaluation) { best_from_ = evaluation; }
     /// A file that others keep there: not told among the files, but removed by `discard`.
     std::filesystem::path aside(const std::string& name);
+
+    /// A file that others write after the end: told among the files, and removed by `discard`.
+    void tell(const std::string& name) { remember(name); }
 
     /// Completes series and run.json.
     void finish(const RunResult& result);
@@ -52,8 +55,15 @@ public:
 private:
     void make_folder(const std::filesystem::path& folder);  ///< with those above it
     void write(const std::string& name, const std::string& bytes);
-    void write_data_set(const std::string& name, const Points& vertices, const Points& dJ_dv) const;
-    void add_to_series(int evaluation, const Points& vertices, const Points& dJ_dv);
+    /// One design as ParaView shows it.
+    struct DataSet {
+        Points vertices, dJ_dv;
+        Points load;             ///< traction at the vertices, n x 3, 1/length; empty: none
+        std::vector<int> patch;  ///< of each triangle, on the level of the design; empty: not known
+    };
+    static DataSet data_set(const AcceptedDesign& design);
+    void write_data_set(const std::string& name, const DataSet& design) const;
+    void add_to_series(int evaluation, DataSet design);
     void remember(const std::string& name);
 
     std::filesystem::path folder_;
@@ -65,6 +75,7 @@ private:
     SurfaceFormat format_ = SurfaceFormat::stl_binary;
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;
+    DataSet last_, last_best_;  ///< of steps_; of the best design so far, where the series has only that
     std::vector<std::string> files_, aside_;
     std::vector<std::filesystem::path> made_;  ///< folders that did not exist, the deepest first
 };

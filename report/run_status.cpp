@@ -34,12 +34,12 @@ std::vector<std::string> files_in(const fs::path& folder) {
 
 }  // namespace
 
-RunStatus run_status(const fs::path& folder) {
+RunStatus run_status(const fs::path& folder, bool is_over) {
     std::error_code ignored;
     if (!fs::exists(folder / "journal.sqlite", ignored))
         throw InputError(text(folder.string(), ": holds no run (there is no journal.sqlite)"));
     RunStatus status;
-    status.holder = lock_holder(folder);
+    if (!is_over) status.holder = lock_holder(folder);
     const auto journal = Journal::look(folder / "journal.sqlite");
     status.evaluations = static_cast<int>(journal->evaluations().size());
     status.max_evaluations = journal->limits().evaluations;

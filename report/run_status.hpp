@@ -20,7 +20,8 @@ struct RunStatus {
 };
 
 /// @throws InputError: the folder holds no run, or its journal cannot be read.
-RunStatus run_status(const std::filesystem::path& folder);
+/// @param is_over whoever holds the lock has come to the end of its run, and says so.
+RunStatus run_status(const std::filesystem::path& folder, bool is_over = false);
 /// {status, reason, level, evaluations, objective, best, max_violation, files, ...} as `run_json`.
 std::string status_json(const RunStatus& status);
 

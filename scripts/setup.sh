@@ -5,7 +5,10 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 kinds=${*:-run}
 
-wanted=$(awk -v kinds=" $kinds " '!/^#/ && NF == 2 && index(kinds, " " $2 " ") {print $1}' scripts/packages.txt)
+wanted=$(awk -v kinds=" $kinds " '!/^#/ && NF >= 2 && index(kinds, " " $2 " ") {print $1, $3}' scripts/packages.txt |
+    while read -r package command; do
+        [ -n "$command" ] && command -v "$command" >/dev/null || echo "$package"
+    done)
 [ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, pictures, slurm, openfoam" >&2; exit 2; }
 if ! command -v dpkg-query >/dev/null; then
     echo "setup.sh: this is no Debian; going on with what is installed (needed: $(echo $wanted))" >&2

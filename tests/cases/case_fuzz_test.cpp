@@ -41,7 +41,7 @@ constraints:
   volume: {min: 1.0, relative: true}
   aero.lift: {equals: 0.3}
 optimize: {method: slsqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%, promise_below: 0.2%}}
-output: {dir: runs/wing, paraview: best}
+output: {dir: runs/wing, paraview: best, report: true}
 )";
 
 const char* ties_and_starts = R"(case: body

@@ -1,0 +1,127 @@
+#include "cli/report_subject.hpp"
+
+#include "core/mesh/geometry.hpp"
+#include "optimize/methods.hpp"
+
+#include <fmt/core.h>
+#include <cmath>
+#include <numbers>
+
+namespace strake::cli {
+namespace {
+
+std::string number(double value) { return fmt::format("{:.6g}", value); }
+
+std::string length(const Length& l, const std::string& units) {
+    return l.is_relative_to_diagonal ? number(100 * l.value) + " % of the diagonal" : number(l.value) + " " + units;
+}
+
+std::string limit_words(const Constraint& c) {
+    const std::string of_start = c.relative ? " × start" : "";
+    std::vector<std::string> words;
+    if (c.equals) words.push_back("= " + number(*c.equals) + of_start);
+    if (c.min) words.push_back("≥ " + number(*c.min) + of_start);
+    if (c.max) words.push_back("≤ " + number(*c.max) + of_start);
+    return joined(words, " and ");
+}
+
+std::string names(const std::vector<Reference>& references) {
+    std::vector<std::string> words;
+    for (const Reference& reference : references) words.push_back(reference.name);
+    return joined(words);
+}
+
+const char* word_of(VariableKind kind) {
+    switch (kind) {
+        case VariableKind::load:
+            return "loads";
+        case VariableKind::load_normal:
+            return "loads along the normals";
+        case VariableKind::strain:
+            return "rigid motions";
+        case VariableKind::stiffness:
+            return "stiffness";
+        case VariableKind::own:
+            break;
+    }
+    return "own";
+}
+
+std::string goal_words(const Case& c) {
+    if (!c.fit.empty()) return "fit " + names(c.fit);
+    if (c.objective.name.empty()) return "";
+    return (c.maximize ? "maximize " : "minimize ") + c.objective.name;
+}
+
+std::string variable_words(const Case& c) {
+    std::vector<std::string> kinds;
+    for (const VariableKind kind : c.parameters.variables) kinds.push_back(word_of(kind));
+    for (const GivenEntry& given : c.parameters.given) kinds.push_back(given.name);
+    return joined(kinds) + ", each moving the surface by up to " + length(c.parameters.max_displacement, c.units);
+}
+
+std::string level_words(const Case& c) {
+    std::vector<std::string> words;
+    for (const double angle : c.parameters.levels_deg) words.push_back(number(angle) + "°");
+    if (!words.empty()) return "creases above " + joined(words);
+    for (const int patches : c.parameters.patches_per_level) words.push_back(std::to_string(patches));
+    return words.empty() ? "automatic" : "automatic, about " + joined(words) + " patches";
+}
+
+std::string own_words(const OwnVariable& v) {
+    const double unit = v.is_angle ? 180 / std::numbers::pi : 1;
+    const char* sign = v.is_angle ? "°" : "";
+    return fmt::format("{} from {}{} within {}{} and {}{}", v.name, number(unit * v.start), sign, number(unit * v.min),
+                       sign, number(unit * v.max), sign);
+}
+
+std::string budget_words(const OptimizeOptions& o) {
+    return fmt::format("{} evaluations{}", o.max_evaluations,
+                       o.max_seconds > 0 ? fmt::format(", {} s", number(o.max_seconds)) : "");
+}
+
+std::string symmetry_words(const SymmetryPlane& plane) {
+    for (int axis = 0; axis < 3; ++axis)
+        if (std::abs(plane.normal[axis]) == 1)
+            return fmt::format("about {} = {}", "xyz"[axis], number(plane.offset * plane.normal[axis]));
+    return fmt::format("about the plane normal to ({}, {}, {}) at {}", number(plane.normal.x()),
+                       number(plane.normal.y()), number(plane.normal.z()), number(plane.offset));
+}
+
+}  // namespace
+
+ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
+    ReportSubject subject;
+    subject.title = c.name;
+    subject.units = c.units;
+    subject.maximize = c.maximize;
+    const auto ask = [&](const std::string& heading, const std::string& words) {
+        if (!words.empty()) subject.asked.emplace_back(heading, words);
+    };
+    ask("Goal", goal_words(c));
+    for (const ConstraintEntry& entry : c.constraints) {
+        const Constraint& limit = entry.constraint;
+        subject.limits[limit.quantity] = {limit_words(limit), limit.equals ? limit.equals : limit.min,
+                                          limit.equals ? limit.equals : limit.max, limit.relative};
+        ask("Constraint", limit.quantity + " " + limit_words(limit));
+    }
+    ask("Surface", c.surface.filename().string() + (c.repair ? ", repaired" : "") + (c.remesh ? ", remeshed" : ""));
+    ask("Held", names(c.fixed));
+    if (c.symmetry) ask("Symmetry", symmetry_words(*c.symmetry));
+    ask("Shape variables", variable_words(c));
+    ask("Levels", level_words(c));
+    for (const OwnVariableEntry& entry : c.variables) ask("Own variable", own_words(entry.variable));
+    if (c.fit.empty()) ask("Method", method_facts(c.optimize.method).name);
+    ask("Budget", budget_words(c.optimize));
+    if (built) {
+        subject.surface = built->problem.surface;
+        subject.tree = built->problem.tree;
+    }
+    return subject;
+}
+
+void write_report(const std::filesystem::path& folder, const ReportSubject& subject, const std::filesystem::path& out) {
+    write_atomically(out, report_html(folder, subject));
+}
+
+}  // namespace strake::cli

@@ -1,0 +1,42 @@
+// Start and design where a plane cuts them, to the same scale.
+
+import { h } from './dom.js';
+import { number } from './format.js';
+
+const space = 'http://www.w3.org/2000/svg';
+
+function svg(tag, attributes, ...children) {
+  const element = document.createElementNS(space, tag);
+  for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
+  element.append(...children);
+  return element;
+}
+
+const path = (parts) => parts.map(([a, b, c, d]) => `M${a.toPrecision(6)} ${(-b).toPrecision(6)}L${c.toPrecision(6)} ${(-d).toPrecision(6)}`).join('');
+
+export class SectionPlot {
+  constructor() {
+    this.drawing = svg('svg', { class: 'section-plot', role: 'img', 'aria-label': 'Section of start and design' });
+    this.words = h('p', { class: 'hint' });
+    this.element = h('figure', {}, this.drawing, h('figcaption', {},
+      h('span', { class: 'key start' }, 'start (dashed)'), ' ', h('span', { class: 'key design' }, 'design'), ' ', this.words));
+  }
+
+  show(start, design, { names, center, units }) {
+    const all = [...start, ...design];
+    this.words.textContent = all.length === 0 ? 'The plane misses both.' : '';
+    if (all.length === 0) return this.drawing.replaceChildren();
+    const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
+    for (const part of all)
+      part.forEach((v, k) => { low[k % 2] = Math.min(low[k % 2], v); high[k % 2] = Math.max(high[k % 2], v); });
+    const size = Math.max(high[0] - low[0], high[1] - low[1], 1e-30), pad = 0.03 * size;
+    const width = high[0] - low[0] + 2 * pad, height = high[1] - low[1] + 2 * pad;
+    this.drawing.setAttribute('viewBox', `${low[0] - pad} ${-high[1] - pad} ${width} ${height}`);
+    this.drawing.style.aspectRatio = `${width} / ${Math.max(height, 0.05 * width)}`;
+    this.drawing.replaceChildren(
+      svg('path', { d: path(start), class: 'start' }), svg('path', { d: path(design), class: 'design' }));
+    this.words.textContent = `${names[0]} from ${number(low[0] + center[0], 4)} to ${number(high[0] + center[0], 4)}, `
+      + `${names[1]} from ${number(low[1] + center[1], 4)} to ${number(high[1] + center[1], 4)} ${units}`;
+    return undefined;
+  }
+}

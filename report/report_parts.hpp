@@ -1,0 +1,49 @@
+#pragma once
+#include "optimize/journal.hpp"
+#include "report/run_report.hpp"
+#include "report/run_status.hpp"
+
+#include <nlohmann/json.hpp>
+
+/// What report.html is made of, each part as JSON. Internal.
+namespace strake::page {
+
+using Json = nlohmann::ordered_json;
+
+/// A run's folder as read for the report.
+struct RunFiles {
+    std::filesystem::path folder;
+    std::unique_ptr<Journal> journal;
+    RunStatus status;
+    Json end;  ///< run.json, or an empty object
+    int num_values() const { return static_cast<int>(journal->facts().values.size()); }
+};
+
+/// One of levels/variables_K.csv or levels/best.csv.
+struct VariableTable {
+    std::vector<std::string> names, kinds;
+    std::vector<double> x, lower, upper, unit;
+};
+/// Empty where the file is missing or is no such table.
+VariableTable read_variables(const std::filesystem::path& file);
+
+/// The folder's own name, also of "." and "runs/a/".
+std::string folder_name(const std::filesystem::path& folder);
+
+/// A text of several lines from outside: valid UTF-8 without control characters.
+std::string clean_lines(const std::string& bytes);
+
+Json history_json(const RunFiles& run);
+Json levels_json(const RunFiles& run);
+Json values_json(const RunFiles& run, const ReportSubject& subject);
+Json failures_json(const RunFiles& run);
+Json cost_json(const RunFiles& run);
+std::vector<std::string> advice(const RunFiles& run, const ReportSubject& subject);
+
+/// Named arrays for the page, packed.
+using Blobs = std::vector<std::pair<std::string, std::string>>;
+
+/// {surface, frames, tree, ...} and the arrays they name; null without shapes.
+Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs);
+
+}  // namespace strake::page

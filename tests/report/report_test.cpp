@@ -1,0 +1,128 @@
+#include "cli/program_case.hpp"
+
+/// `strake report` and `output: {report: true}`, without a browser (browser_test.py has one).
+namespace strake {
+namespace {
+
+const char* const with_report = "output: {report: true}\n";
+
+class Report : public ProgramCase {
+protected:
+    /// Of a page: what its element `data` holds.
+    static Json data_of(const std::string& html) {
+        const std::string begin = "<script type=\"application/json\" id=\"data\">";
+        const std::size_t from = html.find(begin) + begin.size();
+        return Json::parse(html.substr(from, html.find("</script>", from) - from));
+    }
+    std::string small_case(const std::string& tail) {
+        return folder.write("case.yaml", body + built_in + "optimize: {budget: {evaluations: 6}}\n" + tail).string();
+    }
+};
+
+TEST_F(Report, IsWrittenAtTheEndAndTellsTheRun) {
+    const ProgramRun run = run_strake({"run", small_case(with_report), "--out", path("run"), "--json", "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Json end = Json::parse(run.out);
+    const std::string html = bytes_of(path("run/report.html"));
+    const Json data = data_of(html);
+    EXPECT_EQ(data["end"]["status"], end["status"]);
+    EXPECT_EQ(data["end"]["reason"], end["reason"]);
+    EXPECT_EQ(data["end"]["evaluations"], end["evaluations"]);
+    EXPECT_EQ(data["end"]["objective"], end["objective"]);
+    EXPECT_EQ(data["end"]["objective_start"], end["objective_start"]);
+    EXPECT_EQ(data["history"]["objective"].size(), end["evaluations"].get<std::size_t>());
+    EXPECT_EQ(data["asked"][0], Json({"Goal", "maximize volume"}));
+    EXPECT_EQ(data["quantities"]["values"][1]["name"], "area");
+    EXPECT_NEAR(data["quantities"]["values"][1]["max"].get<double>(),
+                1.02 * data["quantities"]["values"][1]["start"].get<double>(), 1e-12);
+    EXPECT_EQ(data["shapes"]["surface"]["triangles"], 320);
+    EXPECT_GE(data["shapes"]["frames"].size(), 2U);
+    EXPECT_GE(data["shapes"]["tree"].size(), 2U);
+    EXPECT_NE(std::find(end["files"].begin(), end["files"].end(), path("run/report.html")), end["files"].end());
+    EXPECT_EQ(html.find("NaN,"), std::string::npos);
+}
+
+TEST_F(Report, OfAFinishedRunIsTheSameBytes) {
+    ASSERT_EQ(run_strake({"run", small_case(with_report), "--out", path("run"), "-q"}).status, 0);
+    const ProgramRun again = run_strake({"report", path("run"), "-o", path("again.html")});
+    ASSERT_EQ(again.status, 0) << again.err;
+    EXPECT_EQ(again.out, path("again.html") + "\n");
+    EXPECT_EQ(bytes_of(path("again.html")), bytes_of(path("run/report.html")));
+}
+
+TEST_F(Report, IsNotWrittenUnlessAskedFor) {
+    ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
+    EXPECT_FALSE(fs::exists(path("run/report.html")));
+    ASSERT_EQ(run_strake({"report", path("run")}).status, 0);
+    EXPECT_TRUE(fs::exists(path("run/report.html")));
+}
+
+TEST_F(Report, TellsOfFailuresWithTheirLogs) {
+    folder.write("fail-2", "");
+    const std::string file = external_case("", budget + with_report);
+    const ProgramRun run = run_strake({"run", file, "--out", path("run"), "-q"});
+    ASSERT_EQ(run.status, 5) << run.err;
+    const Json data = data_of(bytes_of(path("run/report.html")));
+    EXPECT_EQ(data["end"]["status"], "evaluation_failed");
+    EXPECT_EQ(data["failures"]["count"], 1);
+    const Json& row = data["failures"]["rows"][0];
+    EXPECT_EQ(row["evaluation"], 2);
+    EXPECT_TRUE(row["ends_run"]);
+    EXPECT_NE(row["logs"].dump().find("licence server is down"), std::string::npos) << row.dump(2);
+    EXPECT_FALSE(data["next"].empty());
+    EXPECT_EQ(data["cost"]["programs"][0]["failed"], 1);
+}
+
+TEST_F(Report, NothingInItEndsTheElementThatHoldsIt) {
+    const std::string evil = "<script>window.broken = 1<!-- & .obj";
+    write_surface(folder / evil, ellipsoid({1, 0.6, 0.4}, 2), SurfaceFormat::obj);
+    std::string text = body + built_in + "optimize: {budget: {evaluations: 3}}\n" + with_report;
+    text.replace(text.find("s.obj"), 5, "\"" + evil + "\"");
+    folder.write("case.yaml", text);
+    const ProgramRun run = run_strake({"run", path("case.yaml"), "--out", path("run"), "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const std::string html = bytes_of(path("run/report.html"));
+    EXPECT_EQ(html.find(evil), std::string::npos);
+    EXPECT_NE(data_of(html)["yaml"].get<std::string>().find(evil), std::string::npos);
+}
+
+TEST_F(Report, WithoutASeriesTheShapesComeFromTheCase) {
+    ASSERT_EQ(run_strake({"run", small_case("output: {paraview: none}\n"), "--out", path("run"), "-q"}).status, 0);
+    ASSERT_EQ(run_strake({"report", path("run")}).status, 0);
+    Json data = data_of(bytes_of(path("run/report.html")));
+    EXPECT_EQ(data["shapes"]["surface"]["triangles"], 320);
+    EXPECT_TRUE(data["shapes"]["frames"].empty());
+    // The surface has gone: the page tells, and has the rest.
+    fs::remove(folder / "s.obj");
+    ASSERT_EQ(run_strake({"report", path("run")}).status, 0);
+    data = data_of(bytes_of(path("run/report.html")));
+    EXPECT_TRUE(data["shapes"].is_null());
+    EXPECT_FALSE(data["notes"].empty());
+    EXPECT_EQ(data["history"]["objective"].size(), 6U);
+}
+
+TEST_F(Report, DamagedFilesTakeAwayOnlyWhatTheyHeld) {
+    ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
+    folder.write("run/series/design_000001.vtp", "<VTKFile");
+    folder.write("run/run.json", "{\"levels\": [{\"level\": \"one\"}, 3], \"variables\": 7}");
+    folder.write("run/levels/variables_1.csv", "name,kind\n,,,\nx,y,z,nan,1,2,3,4\n");
+    const ProgramRun run = run_strake({"report", path("run")});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Json data = data_of(bytes_of(path("run/report.html")));
+    EXPECT_TRUE(data["shapes"].is_null());
+    EXPECT_NE(data["notes"].dump().find("design_000001.vtp"), std::string::npos);
+    EXPECT_EQ(data["end"]["status"], "killed");  // nothing tells of an end
+    EXPECT_EQ(data["history"]["objective"].size(), 6U);
+}
+
+TEST_F(Report, NeedsARunAndAPlace) {
+    const ProgramRun none = run_strake({"report", path("nothing")});
+    EXPECT_EQ(none.status, 2);
+    EXPECT_NE(none.err.find("holds no run"), std::string::npos) << none.err;
+    ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
+    EXPECT_EQ(run_strake({"report", path("run"), "-o", path("no/such/folder/r.html")}).status, 4);
+    EXPECT_EQ(run_strake({"report", path("run"), "-o", path("run/journal.sqlite")}).status, 2);
+}
+
+}  // namespace
+}  // namespace strake

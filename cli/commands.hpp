@@ -37,5 +37,8 @@ void add_step(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
 void add_apply(CLI::App& app);
+void add_explain(CLI::App& app);
+void add_completion(CLI::App& app);
+void add_man(CLI::App& app);
 
 }  // namespace strake::cli

@@ -2,8 +2,8 @@
 #include "cases/scalars.hpp"
 #include "cli/check_start.hpp"
 #include "cli/commands.hpp"
+#include "cli/held_check.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/primo/held.hpp"
 #include "optimize/methods.hpp"
 #include "optimize/shell_setup.hpp"
 
@@ -53,21 +53,6 @@ std::string limits_text(const Constraint& c) {
     std::string out = c.min ? fmt::format("{:.10g}{} <= ", *c.min, unit) : "";
     out += c.quantity;
     return c.max ? out + fmt::format(" <= {:.10g}{}", *c.max, unit) : out;
-}
-
-/// A part that nothing holds would stop the run: told here. @throws UnheldPart.
-std::vector<std::string> check_shell(const Case& the_case, const Problem& problem) {
-    const ShellSetup setup = shell_setup(problem);
-    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
-    if (is_search && has(problem, VariableKind::strain)) return setup.warnings;  // strain cores hold, too
-    const Eigen::VectorXd spring =
-        setup.loads.spring.size() > 0 ? setup.loads.spring : Eigen::VectorXd::Zero(problem.surface.num_vertices());
-    try {
-        check_held(rest_state(problem.surface, setup.options), spring);
-    } catch (const UnheldPart& e) {
-        throw UnheldPart(fmt::format("{}: {}", printable(the_case.file.string(), 400), e.what()));
-    }
-    return setup.warnings;
 }
 
 /// What `parallel` cannot do with this method is said before anybody waits for it.

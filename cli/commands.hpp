@@ -21,6 +21,7 @@ struct ExitStatus {
     int status;
 };
 
+void add_init(CLI::App& app);
 void add_info(CLI::App& app);
 void add_remesh(CLI::App& app);
 void add_repair(CLI::App& app);

@@ -26,6 +26,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
     app.set_version_flag("--version", "strake 0.1.0");
     app.require_subcommand(1);
+    cli::add_init(app);
     cli::add_info(app);
     cli::add_repair(app);
     cli::add_remesh(app);

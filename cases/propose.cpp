@@ -144,7 +144,13 @@ std::vector<std::string> sentences(const Mended& surface, const std::vector<Prop
         found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
     if (half) found.push_back(text("half a model, open at ", axis_letter(half->normal), " = ", half->offset));
     if (mirror) found.push_back("the body is its own mirror image; so are the variables");
-    for (const ProposedRegion& region : regions) found.push_back(text("held: ", region.name, ", ", region.why));
+    std::size_t parts = 0;
+    for (const ProposedRegion& region : regions)
+        if (region.name.starts_with("part_"))
+            ++parts;
+        else
+            found.push_back(text("held: ", region.name, ", ", region.why));
+    if (parts > 0) found.push_back(text("held as they are: ", parts, " separate parts"));
     if (surface.couple) found.push_back("edges of more than two triangles are left; their sheets are coupled");
     found.push_back(has_volume ? "objective: the volume, to be replaced"
                                : "objective: the area, to be replaced; nothing encloses a volume");

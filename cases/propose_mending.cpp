@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/repair/repair.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 namespace strake::proposing {
@@ -15,6 +16,7 @@ public:
     explicit Needs(double diagonal) : diagonal_(diagonal) {}
 
     void add(const std::string& key, const std::string& why) {
+        if (std::find(result.keys.begin(), result.keys.end(), key) != result.keys.end()) return;
         result.keys.push_back(key);
         result.why.push_back(why);
     }
@@ -86,10 +88,15 @@ Mended mended(const std::filesystem::path& file, TriMesh mesh) {
     needs.topology(found);
     needs.holes(found);
     Mended& result = needs.result;
-    if (!result.keys.empty()) {
-        RepairResult done = repair(mesh, needs.options);
+    // A repair may bring to light what another one has to mend: then both from the start.
+    TriMesh before = std::move(mesh);
+    mesh = before;
+    for (std::size_t asked = 0; asked < result.keys.size();) {
+        asked = result.keys.size();
+        RepairResult done = repair(before, needs.options);
         mesh = std::move(done.mesh);
         found = std::move(done.after);
+        needs.topology(found);
     }
     const TopologyFacts& left = found.facts;
     if (!left.degenerate_triangles.empty() || !left.duplicate_triangles.empty())

@@ -61,7 +61,7 @@ std::string man_page(const CLI::App& app) {
     return out +
            ".SH FILES\n.TP\n.I case.yaml\nA case; \\fBstrake explain\\fR and \\fBstrake schema\\fR tell its keys.\n"
            ".TP\n.I journal.sqlite\nEvery evaluation of a run, in the run's folder.\n.SH ENVIRONMENT\n.TP\n.B "
-           "NO_COLOR, "
+           ""
            "TERM=dumb\nPlain lines in place of the progress bar.\n";
 }
 

@@ -42,4 +42,21 @@ const std::vector<Key>& schema() {
     return keys;
 }
 
+const SchemaIndex& schema_index() {
+    static const SchemaIndex index = [] {
+        SchemaIndex built;
+        for (const Key& key : schema()) {
+            built.rows[key.path].push_back(&key);
+            const std::size_t dot = key.path.rfind('.');
+            const std::string parent = dot == std::string::npos ? "" : key.path.substr(0, dot);
+            const std::string name = dot == std::string::npos ? key.path : key.path.substr(dot + 1);
+            if (name.ends_with("[]")) continue;
+            auto& names = built.children[parent];
+            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
+        }
+        return built;
+    }();
+    return index;
+}
+
 }  // namespace strake

@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <limits>
+#include <map>
 #include <string>
 #include <vector>
 
@@ -63,11 +64,23 @@ Condition parse_condition(const std::string& when);
 
 const std::vector<Key>& schema();
 
+/// The table by path, and the names below each path in the table's order ("*" among them; "" is the top).
+struct SchemaIndex {
+    std::map<std::string, std::vector<const Key*>> rows;
+    std::map<std::string, std::vector<std::string>> children;
+};
+const SchemaIndex& schema_index();
+
 /// Checks `root` against the table, converts every scalar, and adds the defaults to the tree. Refused values keep
 /// `accepted == nullptr`. `case_dir`: for files.
 void validate(Value& root, const std::filesystem::path& case_dir, Diagnostics& errors);
 
 /// The text of docs/cases.md.
 std::string schema_reference();
+
+/// The table as a JSON Schema (draft 2020-12), by which editors complete and check case files. Everything that the
+/// loader accepts is valid; what only the loader can know (files, names that belong together, "exactly one of") is not
+/// in it.
+std::string schema_json();
 
 }  // namespace strake

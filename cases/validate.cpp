@@ -6,29 +6,6 @@
 namespace strake {
 namespace {
 
-/// The table by path, and the keys of each map in the table's order.
-struct Index {
-    std::map<std::string, std::vector<const Key*>> rows;
-    std::map<std::string, std::vector<std::string>> children;
-};
-
-const Index& schema_index() {
-    static const Index index = [] {
-        Index built;
-        for (const Key& key : schema()) {
-            built.rows[key.path].push_back(&key);
-            const std::size_t dot = key.path.rfind('.');
-            const std::string parent = dot == std::string::npos ? "" : key.path.substr(0, dot);
-            const std::string name = dot == std::string::npos ? key.path : key.path.substr(dot + 1);
-            if (name.ends_with("[]")) continue;
-            auto& names = built.children[parent];
-            if (std::find(names.begin(), names.end(), name) == names.end()) names.push_back(name);
-        }
-        return built;
-    }();
-    return index;
-}
-
 /// Keys of the design that this version does not have yet: a better answer than "unknown".
 const std::vector<std::string> later_keys{"shell.solver", "output.keep"};
 

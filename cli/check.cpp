@@ -1,9 +1,11 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/check_facts.hpp"
 #include "cli/check_start.hpp"
 #include "cli/commands.hpp"
+#include "cli/held_check.hpp"
+#include "cli/outputs.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/primo/held.hpp"
 #include "optimize/methods.hpp"
 #include "optimize/shell_setup.hpp"
 
@@ -20,6 +22,7 @@ using Json = nlohmann::ordered_json;
 struct CheckArguments {
     std::string case_file, out;
     bool json = false, print_resolved = false, evaluate = false;
+    CheckWishes wishes;
 };
 
 bool has(const Problem& problem, VariableKind kind) {
@@ -53,21 +56,6 @@ std::string limits_text(const Constraint& c) {
     std::string out = c.min ? fmt::format("{:.10g}{} <= ", *c.min, unit) : "";
     out += c.quantity;
     return c.max ? out + fmt::format(" <= {:.10g}{}", *c.max, unit) : out;
-}
-
-/// A part that nothing holds would stop the run: told here. @throws UnheldPart.
-std::vector<std::string> check_shell(const Case& the_case, const Problem& problem) {
-    const ShellSetup setup = shell_setup(problem);
-    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
-    if (is_search && has(problem, VariableKind::strain)) return setup.warnings;  // strain cores hold, too
-    const Eigen::VectorXd spring =
-        setup.loads.spring.size() > 0 ? setup.loads.spring : Eigen::VectorXd::Zero(problem.surface.num_vertices());
-    try {
-        check_held(rest_state(problem.surface, setup.options), spring);
-    } catch (const UnheldPart& e) {
-        throw UnheldPart(fmt::format("{}: {}", printable(the_case.file.string(), 400), e.what()));
-    }
-    return setup.warnings;
 }
 
 /// What `parallel` cannot do with this method is said before anybody waits for it.
@@ -127,7 +115,7 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
 }
 
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
-                 const std::vector<int>& pin) {
+                 const std::vector<int>& pin, const CheckFacts& facts) {
     const Problem& problem = built.problem;
     fmt::print("case        {} ({})\n", problem.name, printable(args.case_file, 400));
     fmt::print("surface     {}: {} vertices, {} triangles, diagonal {:.6g}{}{}\n",
@@ -152,20 +140,26 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("objective   {} {}\n", problem.maximize ? "maximize" : "minimize", problem.objective);
     if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));
     for (const Constraint& c : problem.constraints) fmt::print("constraint  {}\n", limits_text(c));
+    print_facts(facts);
+    if (!args.wishes.modes.empty()) fmt::print("wrote       {}\n", printable(args.wishes.modes, 400));
     fmt::print("no errors\n");
 }
 
 void check(const CheckArguments& args) {
     const Case the_case = load_case(args.case_file);
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
+    check_outputs({args.wishes.modes}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_problem(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
     add_serial_warning(built.problem, warnings);
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
+    const CheckFacts facts =
+        args.print_resolved && !args.json ? CheckFacts{} : check_facts(the_case, built, args.wishes);
     if (args.json) {
         Json j = as_json(built, warnings, pin);
+        add_facts(j, facts);
         if (args.print_resolved) j["resolved"] = resolved;
         fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
         return;
@@ -174,7 +168,7 @@ void check(const CheckArguments& args) {
     if (args.print_resolved)
         fmt::print("{}", resolved);
     else
-        print_words(args, the_case, built, pin);
+        print_words(args, the_case, built, pin, facts);
 }
 
 void print_errors(const CaseError& error) {
@@ -198,6 +192,10 @@ void add_check(CLI::App& app) {
     command->add_option("--out", args->out, "keep the folders of that evaluation here")->needs(evaluate);
     command->add_flag("--print-resolved", args->print_resolved, "the case with every default filled in")
         ->excludes(evaluate);
+    command->add_flag("--quick", args->wishes.quick, "without what takes a factorization: variables, start, cost");
+    command->add_option("--level", args->wishes.level, "level whose variables are looked at (default: 1)");
+    command->add_option("--modes", args->wishes.modes, "displacement by each variable at x = 1, for ParaView (.vtp)")
+        ->excludes("--quick");
     command->callback([args] {
         try {
             check(*args);

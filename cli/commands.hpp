@@ -21,6 +21,7 @@ struct ExitStatus {
     int status;
 };
 
+void add_init(CLI::App& app);
 void add_info(CLI::App& app);
 void add_remesh(CLI::App& app);
 void add_repair(CLI::App& app);
@@ -38,5 +39,8 @@ void add_status(CLI::App& app);
 void add_history(CLI::App& app);
 void add_apply(CLI::App& app);
 void add_report(CLI::App& app);
+void add_explain(CLI::App& app);
+void add_completion(CLI::App& app);
+void add_man(CLI::App& app);
 
 }  // namespace strake::cli

@@ -1,7 +1,9 @@
+#include "cli/command_table.hpp"
 #include "cli/commands.hpp"
 #include "cli/errors.hpp"
 
 #include <malloc.h>
+#include <algorithm>
 #include <cstdio>
 #include <exception>
 
@@ -24,6 +26,7 @@ int main(int argc, char** argv) {
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
     app.set_version_flag("--version", "strake 0.1.0");
     app.require_subcommand(1);
+    cli::add_init(app);
     cli::add_info(app);
     cli::add_repair(app);
     cli::add_remesh(app);
@@ -41,11 +44,17 @@ int main(int argc, char** argv) {
     cli::add_history(app);
     cli::add_apply(app);
     cli::add_report(app);
+    cli::add_explain(app);
+    cli::add_completion(app);
+    cli::add_man(app);
+    app.footer("\n" + cli::exit_help());
     try {
         app.parse(argc, argv);
         return cli::done;
     } catch (const CLI::ParseError& e) {
-        return app.exit(e) == 0 ? cli::done : cli::usage;
+        if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
+        std::fprintf(stderr, "%s\n", cli::usage_words(app, e, {argv + std::min(argc, 1), argv + argc}).c_str());
+        return cli::usage;
     } catch (...) {
         const cli::ProgramEnd end = cli::end_of(std::current_exception());
         if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());

@@ -3,6 +3,7 @@
 #include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
 #include "cli/commands.hpp"
+#include "cli/progress.hpp"
 #include "cli/report_subject.hpp"
 #include "cli/signals.hpp"
 #include "core/mesh/file.hpp"
@@ -13,7 +14,6 @@
 #include "report/run_folder.hpp"
 
 #include <fmt/core.h>
-#include <chrono>
 #include <csignal>
 #include <cstring>
 #include <nlohmann/json.hpp>
@@ -32,44 +32,6 @@ SeriesPolicy series_policy(ParaView wanted) {
     }
     return SeriesPolicy::every_accepted;
 }
-
-/// The lines on stderr while it runs.
-class Progress {
-public:
-    Progress(bool quiet, double diagonal, bool is_fit) : quiet_(quiet), is_fit_(is_fit), diagonal_(diagonal) {}
-
-    void warning(const std::string& words) const { fmt::print(stderr, "warning: {}\n", words); }
-    void note(const std::string& words) const {
-        if (!quiet_) fmt::print(stderr, "{}\n", words);
-    }
-    void level(const LevelStart& start) {
-        patches_ = static_cast<int>(start.space.patches().patches.size());
-        variables_ = start.space.size();
-        if (!quiet_ && !std::exchange(has_header_, true))
-            fmt::print(stderr, "level  patches  vars  eval  {:>16}  violation  moved     time_s\n",
-                       is_fit_ ? "rms distance" : "objective");
-    }
-    void evaluation(const EvaluationRecord& r) const {
-        if (quiet_ || r.is_replayed) return;
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin_).count();
-        if (r.status == "ok")
-            fmt::print(stderr, "{:5}  {:7}  {:4}  {:4}  {:16.9e}  {:9.1e}  {:5.2f} %  {:7.1f}{}\n", r.level, patches_,
-                       variables_, r.evaluation, is_fit_ ? std::sqrt(r.objective) : r.objective, r.max_violation,
-                       100 * r.max_displacement / diagonal_, seconds, r.accepted ? "  best" : "");
-        else
-            fmt::print(stderr, "{:5}  {:7}  {:4}  {:4}  {}: {}\n", r.level, patches_, variables_, r.evaluation,
-                       r.status, r.reason);
-    }
-    void level_end(const LevelSummary& s) const {
-        if (!quiet_) fmt::print(stderr, "level {}: {} after {} evaluations\n", s.level, s.stop, s.evaluations);
-    }
-
-private:
-    bool quiet_, is_fit_, has_header_ = false;
-    double diagonal_;
-    int patches_ = 0, variables_ = 0;
-    std::chrono::steady_clock::time_point begin_ = std::chrono::steady_clock::now();
-};
 
 std::string percent(double from, double to) {
     return from != 0 ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from)) : "from zero";
@@ -259,11 +221,16 @@ std::map<std::string, std::string> file_hashes(const Case& the_case) {
 void carry_out(RunRequest request) {
     const Case& the_case = request.the_case;
     const BuiltProblem built = build_problem(the_case, request.is_fit ? Purpose::fit : Purpose::run);
-    Progress progress(request.quiet, box_diagonal(built.problem.surface), request.is_fit);
+    const RunLimits limits =
+        request.journal ? request.journal->limits()
+                        : RunLimits{0, built.problem.optimize.max_evaluations, built.problem.optimize.max_seconds};
+    Progress progress(request.quiet, request.is_fit, box_diagonal(built.problem.surface), limits.evaluations,
+                      limits.seconds);
     for (const std::string& words : built.warnings) progress.warning(words);
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;
     const RunResult result = search(built, the_case, folder, progress, request.is_fit, std::move(request.journal));
+    progress.end();
     conclude(built, result, request);
 }
 

@@ -1,17 +1,25 @@
 #include "cli/commands.hpp"
+#include "cli/progress.hpp"
+#include "core/error.hpp"
 #include "optimize/history.hpp"
 #include "report/run_status.hpp"
 
 #include <fmt/core.h>
+#include <unistd.h>
 #include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstring>
 #include <memory>
+#include <thread>
 
 namespace strake::cli {
 namespace {
 
 struct StatusArguments {
     std::string folder;
-    bool json = false;
+    bool json = false, watch = false;
+    double every = 1;
 };
 
 void status(const StatusArguments& args) {
@@ -25,6 +33,38 @@ void status(const StatusArguments& args) {
     if (s.best_evaluation > 0)
         fmt::print("best         {:.9g}, violation {:.2e}, evaluation {}\n", s.objective, s.max_violation,
                    s.best_evaluation);
+}
+
+ProgressFacts progress_of(const RunStatus& s) {
+    ProgressFacts facts;
+    facts.level = s.level;
+    facts.evaluations = s.evaluations;
+    facts.max_evaluations = s.max_evaluations;
+    facts.objective = s.last_objective;
+    facts.best = s.objective;
+    facts.violation = s.max_violation;
+    facts.seconds_each = s.seconds_each;
+    if (s.max_seconds > 0) facts.seconds_left = std::max(0.0, s.max_seconds - s.seconds);
+    return facts;
+}
+
+/// Until the run ends: one line that is written anew on a terminal, a line for every change elsewhere.
+void watch(const StatusArguments& args) {
+    constexpr int log_width = 200;
+    const int width = terminal_width(STDOUT_FILENO);
+    std::string before;
+    for (RunStatus s = run_status(args.folder); s.status == "running"; s = run_status(args.folder)) {
+        const std::string line = progress_line(progress_of(s), width > 1 ? width - 1 : log_width);
+        if (width > 0)
+            fmt::print("\r{}\x1b[K", line);
+        else if (line != before)
+            fmt::print("{}\n", line);
+        if (std::fflush(stdout) != 0) throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+        before = line;
+        std::this_thread::sleep_for(std::chrono::duration<double>(args.every));
+    }
+    if (width > 0 && !before.empty()) fmt::print("\r\x1b[K");
+    status(args);
 }
 
 struct HistoryArguments {
@@ -62,7 +102,13 @@ void add_status(CLI::App& app) {
     CLI::App* command = app.add_subcommand("status", "how far a run has come, also while it goes on");
     command->add_option("folder", args->folder, "folder of the run")->required();
     command->add_flag("--json", args->json, "as JSON");
-    command->callback([args] { status(*args); });
+    CLI::Option* json = command->get_option("--json");
+    CLI::Option* watching = command->add_flag("--watch", args->watch, "looks again and again until the run ends");
+    watching->excludes(json);
+    command->add_option("--every", args->every, "seconds between two looks (default: 1)")
+        ->needs(watching)
+        ->check(CLI::Range(0.1, 3600.0));
+    command->callback([args] { args->watch ? watch(*args) : status(*args); });
 }
 
 void add_history(CLI::App& app) {

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/given.hpp"
+#include "optimize/rest_shell.hpp"
 
 namespace strake {
 namespace {
@@ -93,8 +94,8 @@ void set(Responses& responses, int j, const ResponseCache::Column& column, doubl
     responses.swept.col(j) = scale * column.swept;
 }
 
-/// The shell at rest with the pins of the space. Springs and pins belong to the rest state, given loads and motions do
-/// not.
+}  // namespace
+
 PrimoShell shell_at_rest(const DesignSpace& space) {
     const RestFacts& rest = *space.rest;
     ShellOptions options = rest.setup.options;
@@ -108,6 +109,8 @@ PrimoShell shell_at_rest(const DesignSpace& space) {
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
     return shell;
 }
+
+namespace {
 
 /// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, and of each given load, at x = 1.
 Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {

@@ -94,15 +94,19 @@ std::vector<StartAnswer::Row> rows_of(const Problem& problem, const ShapeEvaluat
 }  // namespace
 
 StartAnswer check_start(const Problem& problem) {
+    const auto rest = rest_facts(problem);
+    return check_start(problem, rest, design_space(rest, 1));
+}
+
+StartAnswer check_start(const Problem& problem, std::shared_ptr<const RestFacts> rest, const DesignSpace& space) {
     StartAnswer answer;
     answer.quantities.resize(problem.quantities.size());
     Problem copy = problem;
     for (std::size_t i = 0; i < copy.quantities.size(); ++i)
         copy.quantities[i] = watched(problem.quantities[i], answer.quantities[i]);
-    const auto rest = rest_facts(copy);
-    ShapeEvaluator evaluator(copy, rest, differentiated(problem));
-    const DesignSpace space = design_space(rest, 1);
-    if (space.size() == 0) throw InvalidInput("no variable of level 1 moves anything; is all of it fixed?");
+    ShapeEvaluator evaluator(copy, std::move(rest), differentiated(problem));
+    if (space.size() == 0)
+        throw InvalidInput(text("no variable of level ", space.level, " moves anything; is all of it fixed?"));
     evaluator.enter(space);
     ShapeEvaluation at = evaluator.evaluate(Eigen::VectorXd::Zero(space.size()), 1);
     if (at.status == EvaluationStatus::ok && at.has_gradients_to_come) evaluator.differentiate(at);
@@ -117,6 +121,26 @@ StartAnswer check_start(const Problem& problem) {
     answer.remarks = at.remarks;
     if (at.status == EvaluationStatus::ok) answer.constraints = rows_of(problem, evaluator, at.values);
     return answer;
+}
+
+Problem without_programs(const Problem& problem) {
+    Problem copy = problem;
+    std::vector<std::string> known;
+    for (const OwnVariable& own : problem.own) known.push_back(own.name);
+    const auto is_known = [&](const std::string& name) {
+        return std::find(known.begin(), known.end(), name) != known.end();
+    };
+    copy.quantities.clear();
+    for (const Quantity& quantity : problem.quantities) {
+        const bool is_free = quantity.combination ? std::all_of(quantity.combination->of.begin(),
+                                                                quantity.combination->of.end(), is_known)
+                                                  : quantity.program.empty();
+        if (!is_free) continue;
+        copy.quantities.push_back(quantity);
+        known.insert(known.end(), quantity.names.begin(), quantity.names.end());
+    }
+    std::erase_if(copy.constraints, [&](const Constraint& c) { return !is_known(c.quantity); });
+    return copy;
 }
 
 }  // namespace strake

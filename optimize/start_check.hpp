@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/problem.hpp"
+#include "optimize/design_space.hpp"
 
 /// One evaluation at the start design, and what was understood of each quantity's answer.
 namespace strake {
@@ -36,5 +36,11 @@ struct StartAnswer {
 /// Evaluates `problem` once at the start of its first level, with gradients where the method takes them and the
 /// quantities have them. Failing is a result. @throws InvalidInput: no variable moves anything.
 StartAnswer check_start(const Problem& problem);
+/// The same in a space that is there already. @throws InvalidInput: it has no variables.
+StartAnswer check_start(const Problem& problem, std::shared_ptr<const RestFacts> rest, const DesignSpace& space);
+
+/// The problem with those quantities and constraints only whose values need no program: what can be known of the start
+/// for nothing.
+Problem without_programs(const Problem& problem);
 
 }  // namespace strake

@@ -5,6 +5,7 @@
 #include "report/json_number.hpp"
 
 #include <algorithm>
+#include <deque>
 #include <nlohmann/json.hpp>
 
 namespace strake {
@@ -43,7 +44,12 @@ RunStatus run_status(const fs::path& folder, bool is_over) {
     const auto journal = Journal::look(folder / "journal.sqlite");
     status.evaluations = static_cast<int>(journal->evaluations().size());
     status.max_evaluations = journal->limits().evaluations;
+    status.max_seconds = journal->limits().seconds;
+    std::deque<double> ends;
     for (const JournalEvaluation& e : journal->evaluations()) {
+        ends.push_back(e.elapsed);
+        if (ends.size() > 11) ends.pop_front();
+        if (e.status == "ok") status.last_objective = e.objective;
         status.level = e.level;
         status.seconds = e.elapsed;
         if (!e.accepted) continue;
@@ -51,6 +57,7 @@ RunStatus run_status(const fs::path& folder, bool is_over) {
         status.objective = e.objective;
         status.max_violation = e.max_violation;
     }
+    if (ends.size() > 3) status.seconds_each = (ends.back() - ends.front()) / static_cast<double>(ends.size() - 1);
     status.files = files_in(folder);
     read_end(folder / "run.json", status);
     if (status.holder) {
@@ -77,6 +84,7 @@ std::string status_json(const RunStatus& s) {
     j["best_evaluation"] = s.best_evaluation;
     j["max_evaluations"] = s.max_evaluations;
     j["seconds"] = json_number(s.seconds);
+    j["seconds_each"] = json_number(s.seconds_each);
     if (s.holder) j["running"] = {{"process", s.holder->process}, {"host", s.holder->host}};
     return j.dump(2, ' ', false, Json::error_handler_t::replace);
 }

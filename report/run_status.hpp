@@ -14,8 +14,11 @@ struct RunStatus {
     double max_violation = std::numeric_limits<double>::quiet_NaN();
     int best_evaluation = 0;
     int max_evaluations = 0;
-    double seconds = 0;              ///< of the run, in all its starts
-    std::vector<std::string> files;  ///< that are there, with the folder's path
+    double seconds = 0;                                                ///< of the run, in all its starts
+    double max_seconds = 0;                                            ///< 0: no limit
+    double last_objective = std::numeric_limits<double>::quiet_NaN();  ///< of the last evaluation that has one
+    double seconds_each = std::numeric_limits<double>::quiet_NaN();    ///< of the last ten; NaN: fewer than three
+    std::vector<std::string> files;                                    ///< that are there, with the folder's path
     std::optional<LockHolder> holder;
 };
 

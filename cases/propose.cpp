@@ -1,0 +1,189 @@
+#include "cases/propose.hpp"
+
+#include "cases/diagnostics.hpp"
+#include "cases/propose_parts.hpp"
+#include "core/error.hpp"
+#include "core/mesh/io.hpp"
+#include "optimize/mirror.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using namespace proposing;
+
+/// A path or name as a YAML scalar. @throws InputError: bytes that cannot stand in one line of UTF-8 text.
+std::string yaml_text(const std::string& words) {
+    if (printable(words, words.size() + 1) != words)
+        throw InputError(
+            text(printable(words, 400), ": this name cannot stand in a case file; rename or link the file"));
+    const bool is_plain = !words.empty() && std::all_of(words.begin(), words.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/';
+    }) && (std::isalpha(static_cast<unsigned char>(words[0])) || words[0] == '.' || words[0] == '/');
+    if (is_plain) return words;
+    std::string out = "'";
+    for (const char c : words) out += c == '\'' ? "''" : std::string(1, c);
+    return out + "'";
+}
+
+std::string name_of_case(const std::filesystem::path& file) {
+    std::string name = file.filename().string();
+    name = name.substr(0, name.find('.', 1));
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
+    return name.empty() ? "surface" : name.substr(0, 100);
+}
+
+std::string path_from(const std::filesystem::path& file, const std::filesystem::path& case_file) {
+    const auto whole = [](const std::filesystem::path& p) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(p));
+    };
+    const std::filesystem::path folder = whole(case_file).parent_path();
+    // The name as it was given, links and all, where it is near; far away an absolute one reads better.
+    const std::filesystem::path given = std::filesystem::absolute(file).lexically_normal();
+    const std::filesystem::path relative = given.lexically_relative(folder);
+    const auto ups = std::count(relative.begin(), relative.end(), "..");
+    return relative.empty() || ups > 3 ? given.string() : relative.string();
+}
+
+/// `rows` of the key and its comment, the comments below each other.
+std::string padded(const std::string& row, const std::string& why) {
+    return row + std::string(row.size() < 62 ? 62 - row.size() : 1, ' ') + "# " + why + "\n";
+}
+
+std::string surface_text(const std::string& path, const std::string& units, const Checkup& c) {
+    std::string out = "surface:\n  file: " + yaml_text(path) + "\n";
+    if (!units.empty()) return out + padded("  units: " + units, "as the file says");
+    return out +
+           "  # units: m     the file does not say; needed only where a length of this case carries a unit\n"
+           "  #              (the body is " +
+           text(c.box.max.x() - c.box.min.x()) + " x " + text(c.box.max.y() - c.box.min.y()) + " x " +
+           text(c.box.max.z() - c.box.min.z()) + " in the file's unit)\n";
+}
+
+std::string repair_text(const Mended& surface) {
+    if (surface.keys.empty()) return "";
+    std::string out =
+        "\n# What the surface needs before it can be deformed; the list of repairs goes into the run's "
+        "folder.\nrepair:\n";
+    for (std::size_t i = 0; i < surface.keys.size(); ++i) out += padded("  " + surface.keys[i], surface.why[i]);
+    return out;
+}
+
+std::string regions_text(const std::vector<ProposedRegion>& regions) {
+    std::string out =
+                    "\n# What does not move. Look at the picture, and move these borders to where your part is "
+                    "held.\nregions:\n",
+                names;
+    for (const ProposedRegion& region : regions) {
+        out += padded("  " + region.name + ": {" + region.shape + "}", region.why);
+        names += (names.empty() ? "" : ", ") + region.name;
+    }
+    return out + "fixed: [" + names + "]\n";
+}
+
+std::string symmetry_text(const SymmetryPlane& plane) {
+    const char axis = axis_letter(plane.normal);
+    return "\n# Half a model: its open edges lie on this plane, and the mirror image is taken into account. If that "
+           "opening is\n"
+           "# no symmetry plane, delete this line.\nsymmetry: {plane: " +
+           std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + "}\n";
+}
+
+std::string angles_text(const CreaseAngles& angles) {
+    std::string out = "  # Edges by the angle between their faces:";
+    for (std::size_t k = 0; k < angles.shares.size(); ++k)
+        if (angles.shares[k] >= 0.0005)
+            out += text(" ", angles.limits_deg[k], "-", angles.limits_deg[k + 1], "deg ",
+                        std::round(1000 * angles.shares[k]) / 10, "%,");
+    out.back() = '\n';
+    out += "  # Creases alone would give";
+    for (const auto& [angle, count] : angles.patches) out += text(" ", count, " patches at ", angle, "deg,");
+    out.back() = '.';
+    return out + "\n";
+}
+
+std::string parameters_text(const Mended& surface, const std::optional<SymmetryPlane>& mirror) {
+    const CreaseAngles angles = crease_angles(surface.mesh, surface.checkup.adjacent);
+    const int triangles = surface.mesh.num_triangles();
+    const char* counts = triangles < 2000 ? "[2, 6]" : triangles < 10000 ? "[4, 12]" : "[4, 12, 32]";
+    std::string out =
+        "\n# The design variables: each patch inflates or deflates by at most max_displacement, on patches that get "
+        "finer.\nparameters:\n";
+    out += angles_text(angles);
+    out += padded("  levels: auto", "or crease angles, as [40deg, 20deg]");
+    out += padded(text("  patches_per_level: ", counts), "about so many, level by level");
+    out +=
+        padded(text("  sharp_angle: ", angles.sharp_deg, "deg"), "from here on an edge is a crease: few lie near it");
+    out += padded("  variables: [load_normal]", "also load, strain, stiffness: strake explain variables");
+    out += padded("  max_displacement: 3%", "of the diagonal");
+    if (mirror) out += padded("  mirror: true", "the body is symmetric, and stays so");
+    return out;
+}
+
+std::string goal_text(bool has_volume) {
+    std::string out =
+        "\n# REPLACE THIS by what you want: a built-in quantity (docs/objectives.md) or your own program "
+        "(docs/external.md).\n"
+        "# It is here so that the case runs as it is.\n";
+    if (has_volume)
+        return out + "objective: {maximize: volume}\nconstraints:\n" +
+               padded("  area: {max: 1.01, relative: true}", "at most one percent more than at the start");
+    return out + padded("objective: {minimize: area}", "nothing here encloses a volume");
+}
+
+double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
+
+std::vector<std::string> sentences(const Mended& surface, const std::vector<ProposedRegion>& regions,
+                                   const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
+                                   bool has_volume) {
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < surface.keys.size(); ++i)
+        found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
+    if (half) found.push_back(text("half a model, open at ", axis_letter(half->normal), " = ", half->offset));
+    if (mirror) found.push_back("the body is its own mirror image; so are the variables");
+    std::size_t parts = 0;
+    for (const ProposedRegion& region : regions)
+        if (region.name.starts_with("part_"))
+            ++parts;
+        else
+            found.push_back(text("held: ", region.name, ", ", region.why));
+    if (parts > 0) found.push_back(text("held as they are: ", parts, " separate parts"));
+    if (surface.couple) found.push_back("edges of more than two triangles are left; their sheets are coupled");
+    found.push_back(has_volume ? "objective: the volume, to be replaced"
+                               : "objective: the area, to be replaced; nothing encloses a volume");
+    return found;
+}
+
+}  // namespace
+
+ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
+                          const ProposalOptions& options) {
+    if (options.evaluations < 1) throw InvalidInput(text("evaluations = ", options.evaluations, " must be >= 1"));
+    const Mended surface = mended(file, read_surface(file).mesh);
+    const auto half = half_plane(surface.checkup);
+    const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
+    const auto mirror = whole && surface.checkup.facts.components == 1 ? whole : std::nullopt;
+    ProposedCase proposal;
+    const auto regions = held_regions(surface, half, mirror, proposal.down);
+    proposal.has_volume = encloses_volume(surface, half);
+    proposal.plane = half ? half : mirror;
+    proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume);
+    const std::string shown = case_file.filename().string();
+    proposal.yaml = "# Proposed by strake init from the surface alone. Next: strake check " + yaml_text(shown) +
+                    ", strake run " + yaml_text(shown) +
+                    ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
+                    surface_text(path_from(file, case_file), stated_units(file), surface.checkup) +
+                    repair_text(surface) + regions_text(regions) + (half ? symmetry_text(*half) : "") +
+                    "\n# The elastic skin: a thicker one bends less.\nshell:\n" +
+                    padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
+                    (surface.couple ? padded("  nonmanifold: couple", "edges of more than two triangles") : "") +
+                    parameters_text(surface, mirror) + goal_text(proposal.has_volume) + "\noptimize:\n" +
+                    padded(text("  budget: {evaluations: ", options.evaluations, "}"),
+                           "strake resume --evaluations +50 gives more");
+    return proposal;
+}
+
+}  // namespace strake

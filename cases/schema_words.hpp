@@ -1,0 +1,13 @@
+#pragma once
+#include "cases/schema.hpp"
+
+/// A row of the table in words, as docs/cases.md and `strake explain` show it.
+namespace strake {
+
+std::string type_name(Type type);          ///< "length", "true or false", ...
+std::string shape_of(const Key& key);      ///< type, legal words, count of a list
+std::string limits_of(const Key& key);     ///< "> 0", "[0, 100%)"; empty: none
+std::string default_of(const Key& key);    ///< "required", the default, or nothing
+std::string condition_of(const Key& key);  ///< " Only with ...": Key::when; empty: none
+
+}  // namespace strake

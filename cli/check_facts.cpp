@@ -1,0 +1,108 @@
+#include "cli/check_facts.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/vtp.hpp"
+#include "optimize/shell_setup.hpp"
+
+#include <sys/resource.h>
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+
+namespace strake::cli {
+namespace {
+
+/// An evaluation by its rest solve, with its gradients: Newton steps reuse factors of designs before. Between 1.5 and 4
+/// on the examples; the estimate is told as "about".
+constexpr double solves_each = 2.5;
+
+std::vector<HeldPart> held_parts(const BuiltProblem& built, const Adjacency& adjacent) {
+    const Problem& problem = built.problem;
+    const std::vector<int> part = edge_components(problem.surface, adjacent);
+    std::vector<HeldPart> parts(
+        part.empty() ? 0 : 1 + static_cast<std::size_t>(*std::max_element(part.begin(), part.end())));
+    std::vector<char> is_fixed(part.size(), 0);
+    const std::vector<int> pin = shell_setup(problem).options.pin;
+    for (std::size_t t = 0; t < part.size(); ++t) {
+        HeldPart& one = parts[static_cast<std::size_t>(part[t])];
+        ++one.triangles;
+        one.held += !pin.empty() && pin[t] != free_prism;
+    }
+    for (const RegionTriangles& region : built.regions)
+        for (const int t : region.triangles) {
+            auto& by = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(t)])].by;
+            if (!pin.empty() && pin[static_cast<std::size_t>(t)] != free_prism &&
+                std::find(by.begin(), by.end(), region.name) == by.end())
+                by.push_back(region.name);
+        }
+    return parts;
+}
+
+double resident_bytes() {
+    struct rusage used {};
+    ::getrusage(RUSAGE_SELF, &used);
+    return 1024.0 * static_cast<double>(used.ru_maxrss);
+}
+
+/// Displacements at x = 1, vector by vector, and what no variable moves.
+void write_modes(const std::string& file, const Problem& problem, const SpaceFacts& facts, std::vector<Field> fields) {
+    std::vector<int> moves(facts.moves.begin(), facts.moves.end());
+    fields.push_back({"moves", moves});
+    const PatchLevel& level = problem.tree.levels[static_cast<std::size_t>(facts.level)];
+    write_vtp(file, problem.surface, fields, {{"patch", level.label}});
+}
+
+RunCost cost_of(const Problem& problem, double rest_seconds, double measured_seconds) {
+    RunCost cost;
+    cost.evaluations = problem.optimize.max_evaluations;
+    cost.seconds_each = solves_each * rest_seconds + measured_seconds;
+    for (const Quantity& quantity : problem.quantities)
+        if (!quantity.program.empty()) cost.programs.push_back(quantity.names.front());
+    cost.memory_bytes = 1.2 * resident_bytes();
+    return cost;
+}
+
+/// The start without programs, and the seconds that its quantities took.
+double look_at_start(const Problem& problem, const std::shared_ptr<const RestFacts>& rest, const DesignSpace& space,
+                     CheckFacts& facts) {
+    const Problem free = without_programs(problem);
+    for (const Constraint& c : problem.constraints)
+        if (std::none_of(free.constraints.begin(), free.constraints.end(),
+                         [&](const Constraint& other) { return other.quantity == c.quantity; }))
+            facts.unknown.push_back(c.quantity);
+    if (free.quantities.empty()) return 0;
+    facts.start = check_start(free, rest, space);
+    double seconds = 0;
+    for (const auto& quantity : facts.start->quantities) seconds += quantity.seconds;
+    return seconds;
+}
+
+}  // namespace
+
+CheckFacts check_facts(const Case&, const BuiltProblem& built, const CheckWishes& wishes) {
+    const Problem& problem = built.problem;
+    CheckFacts facts;
+    facts.health = checkup(problem.surface);
+    facts.parts = held_parts(built, facts.health.adjacent);
+    const bool is_search = !problem.objective.empty() || !problem.fit.empty();
+    const int levels = static_cast<int>(problem.tree.levels.size()) - 1;
+    if (is_search && (wishes.level < 1 || wishes.level > levels))
+        throw InvalidInput(text("--level ", wishes.level, ": the case has levels 1 to ", levels));
+    if (!is_search && !wishes.modes.empty())
+        throw InvalidInput("--modes: the case has neither objective nor fit, and so no design variables");
+    if (wishes.quick || !is_search) return facts;
+    const auto rest = rest_facts(problem);
+    const DesignSpace space = design_space(rest, wishes.level);
+    std::vector<Field> modes;
+    const bool wants_modes = !wishes.modes.empty();
+    facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
+        if (wants_modes) modes.push_back({variable.name, dv});
+    });
+    if (wants_modes) write_modes(wishes.modes, problem, *facts.space, std::move(modes));
+    if (space.size() == 0) return facts;
+    const double seconds = look_at_start(problem, rest, space, facts);
+    facts.cost = cost_of(problem, facts.space->rest_seconds, seconds);
+    return facts;
+}
+
+}  // namespace strake::cli

@@ -1,0 +1,145 @@
+#include "cli/check_facts.hpp"
+
+#include "cases/diagnostics.hpp"
+#include "report/json_number.hpp"
+
+#include <fmt/core.h>
+#include <cmath>
+
+/// How `strake check` tells what it has found out.
+namespace strake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+bool is_met(const StartAnswer::Row& row) { return (row.is_equality ? std::abs(row.scaled) : row.scaled) <= 1e-6; }
+
+void print_health(const Checkup& c) {
+    const std::size_t crossing = c.pairs ? c.pairs->apart.size() + c.pairs->adjacent.size() : 0;
+    fmt::print("health      {}, {} part{}, {} open boundar{}, {}; angles from {:.3g} to {:.4g} degrees\n",
+               c.facts.closed ? "closed" : "open", c.facts.components, c.facts.components == 1 ? "" : "s",
+               c.loops.size(), c.loops.size() == 1 ? "y" : "ies",
+               !c.pairs       ? "intersections not looked for"
+               : crossing > 0 ? fmt::format("{} pairs of triangles that intersect", crossing)
+                              : "no intersections",
+               c.quality.angle_min_deg, c.quality.angle_max_deg);
+}
+
+void print_parts(const std::vector<HeldPart>& parts) {
+    constexpr std::size_t shown = 10;
+    for (std::size_t k = 0; k < parts.size() && k < shown && parts.size() > 1; ++k)
+        fmt::print("part {:<6} {} triangles, {} held{}{}\n", k, parts[k].triangles, parts[k].held,
+                   parts[k].by.empty() ? "" : " by ", joined(parts[k].by));
+    if (parts.size() > shown) fmt::print("            and {} more parts (all with --json)\n", parts.size() - shown);
+}
+
+void print_space(const SpaceFacts& s) {
+    fmt::print("variables   level {}: {} on {} patches", s.level, s.names.size(), s.patches);
+    if (!s.left_out.empty()) fmt::print(", {} left out because others do the same", s.left_out.size());
+    if (std::isfinite(s.condition)) fmt::print(", condition {:.3g}", s.condition);
+    fmt::print("\n");
+    if (s.condition > 1e8)
+        fmt::print(
+            "note        that is much: some directions hardly move the surface; fewer kinds of variables, or fewer "
+            "patches (strake explain parameters)\n");
+    for (const std::string& note : s.notes) fmt::print("note        {}\n", note);
+    const auto still = std::count(s.moves.begin(), s.moves.end(), 0);
+    fmt::print("still       {} of {} vertices ({:.3g} %) are moved by no variable{}\n", still, s.moves.size(),
+               s.moves.empty() ? 0.0 : 100.0 * static_cast<double>(still) / static_cast<double>(s.moves.size()),
+               s.changes_height ? " (but by stiffness, perhaps)" : "");
+}
+
+void print_start(const CheckFacts& facts) {
+    if (facts.start) {
+        if (facts.start->status != "ok") fmt::print("start       {}: {}\n", facts.start->status, facts.start->reason);
+        for (const auto& quantity : facts.start->quantities)
+            for (const auto& value : quantity.values)
+                if (std::isfinite(value.value)) fmt::print("start       {} = {:.10g}\n", value.name, value.value);
+        for (const auto& row : facts.start->constraints)
+            fmt::print("start       {} {} {:.6g}: {}\n", row.quantity,
+                       row.is_equality ? "="
+                       : row.scale < 0 ? ">="
+                                       : "<=",
+                       row.limit, is_met(row) ? "met" : fmt::format("violated, it is {:.6g}", row.value));
+    }
+    for (const std::string& name : facts.unknown)
+        fmt::print("start       {}: of a program; strake check --evaluate asks it\n", name);
+}
+
+void print_cost(const RunCost& cost) {
+    fmt::print("cost        at most {} evaluations of about {}: {}, about {:.2g} GB of memory\n", cost.evaluations,
+               duration_words(cost.seconds_each), duration_words(cost.evaluations * cost.seconds_each),
+               cost.memory_bytes / 1e9);
+    if (!cost.programs.empty())
+        fmt::print("            and what {} take{}; strake check --evaluate measures it\n", joined(cost.programs),
+                   cost.programs.size() == 1 ? "s" : "");
+}
+
+Json space_json(const SpaceFacts& s) {
+    Json still = Json::array();
+    for (std::size_t v = 0; v < s.moves.size(); ++v)
+        if (!s.moves[v]) still.push_back(v);
+    return {{"level", s.level},       {"patches", s.patches}, {"variables", s.names},
+            {"left_out", s.left_out}, {"notes", s.notes},     {"condition", json_number(s.condition)},
+            {"still_vertices", still}};
+}
+
+Json start_json(const StartAnswer& start) {
+    Json j{
+        {"status", start.status}, {"reason", start.reason}, {"values", Json::object()}, {"constraints", Json::array()}};
+    for (const auto& quantity : start.quantities)
+        for (const auto& value : quantity.values) j["values"][value.name] = json_number(value.value);
+    for (const auto& row : start.constraints)
+        j["constraints"].push_back({{"quantity", row.quantity},
+                                    {"value", json_number(row.value)},
+                                    {"limit", json_number(row.limit)},
+                                    {"scaled", json_number(row.scaled)},
+                                    {"equality", row.is_equality},
+                                    {"met", is_met(row)}});
+    return j;
+}
+
+}  // namespace
+
+std::string duration_words(double seconds) {
+    if (!(seconds >= 0)) return "an unknown time";
+    if (seconds < 9.95) return fmt::format("{:.2g} s", seconds);
+    const auto whole = static_cast<long>(std::min(seconds, 1e15) + 0.5);
+    if (whole < 60) return fmt::format("{} s", whole);
+    if (whole < 3600) return fmt::format("{} min {} s", whole / 60, whole % 60);
+    if (whole < 2 * 86400) return fmt::format("{} h {} min", whole / 3600, whole / 60 % 60);
+    return fmt::format("{:.3g} days", seconds / 86400);
+}
+
+void print_facts(const CheckFacts& facts) {
+    print_health(facts.health);
+    print_parts(facts.parts);
+    if (facts.space) print_space(*facts.space);
+    print_start(facts);
+    if (facts.cost) print_cost(*facts.cost);
+}
+
+void add_facts(Json& j, const CheckFacts& facts) {
+    const Checkup& c = facts.health;
+    j["health"] = {{"closed", c.facts.closed},
+                   {"components", c.facts.components},
+                   {"boundary_loops", c.loops.size()},
+                   {"intersections", c.pairs ? Json(c.pairs->apart.size() + c.pairs->adjacent.size()) : Json(nullptr)},
+                   {"smallest_angle_deg", json_number(c.quality.angle_min_deg)},
+                   {"mean_edge", json_number(c.quality.edge_mean)}};
+    j["parts"] = Json::array();
+    for (const HeldPart& part : facts.parts)
+        j["parts"].push_back({{"triangles", part.triangles}, {"held", part.held}, {"by", part.by}});
+    j["space"] = facts.space ? space_json(*facts.space) : Json(nullptr);
+    j["start"] = facts.start ? start_json(*facts.start) : Json(nullptr);
+    j["not_known_at_start"] = facts.unknown;
+    j["cost"] = nullptr;
+    if (facts.cost)
+        j["cost"] = {{"evaluations", facts.cost->evaluations},
+                     {"seconds_each", json_number(facts.cost->seconds_each)},
+                     {"seconds", json_number(facts.cost->evaluations * facts.cost->seconds_each)},
+                     {"memory_bytes", json_number(facts.cost->memory_bytes)},
+                     {"programs", facts.cost->programs}};
+}
+
+}  // namespace strake::cli

@@ -1,0 +1,40 @@
+#pragma once
+#include <CLI/CLI.hpp>
+
+#include <string>
+#include <vector>
+
+/// The command line as data, read off the parser itself: what completions, the man page and the answers to mistyped
+/// options are made from.
+namespace strake::cli {
+
+struct OptionRow {
+    std::vector<std::string> names;  ///< with dashes; of a positional its name
+    std::string doc;
+    std::vector<std::string> words;  ///< legal values, where the help names them as a|b|c
+    bool takes_value = false, is_positional = false, required = false;
+};
+struct CommandRow {
+    std::string name, doc;
+    std::vector<OptionRow> options;  ///< positionals first
+};
+
+std::vector<CommandRow> command_table(const CLI::App& app);
+
+struct ExitMeaning {
+    int status;
+    const char* words;
+};
+/// DESIGN section 7.
+const std::vector<ExitMeaning>& exit_meanings();
+std::string exit_help();  ///< the same as the end of --help
+
+/// Scripts for `shell`, one of bash, zsh, fish.
+std::string completion_script(const CLI::App& app, const std::string& shell);
+/// strake.1 in roff.
+std::string man_page(const CLI::App& app);
+
+/// What to tell of a command line that was not understood: one or two lines, with the nearest command or option.
+std::string usage_words(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& arguments);
+
+}  // namespace strake::cli

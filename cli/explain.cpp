@@ -1,0 +1,111 @@
+#include "cases/explain.hpp"
+
+#include "cases/schema.hpp"
+#include "cli/commands.hpp"
+
+#include <fmt/core.h>
+#include <algorithm>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// `strake explain`: a key of the case file, from the table that the loader uses.
+namespace strake::cli {
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json as_json(const KeyExplanation& told) {
+    Json j{{"key", told.path}, {"forms", Json::array()}, {"below", Json::array()}};
+    for (const KeyForm& form : told.forms)
+        j["forms"].push_back({{"form", form.form},
+                              {"limits", form.limits},
+                              {"required", form.required},
+                              {"default", form.fallback},
+                              {"meaning", form.doc},
+                              {"condition", form.condition}});
+    for (const KeyBelow& key : told.below) j["below"].push_back({{"key", key.name}, {"meaning", key.doc}});
+    if (!told.used_by.empty()) j["value_of"] = told.used_by;
+    return j;
+}
+
+/// The first sentence, for lists.
+std::string brief(const std::string& doc) {
+    const std::size_t end = doc.find(". ");
+    const std::string sentence = end == std::string::npos ? doc : doc.substr(0, end + 1);
+    return sentence.size() > 90 ? sentence.substr(0, 87) + "..." : sentence;
+}
+
+/// `doc` in lines of at most 76 characters, each after `margin`.
+std::string wrapped(const std::string& doc, const std::string& margin) {
+    std::string out, line;
+    for (std::size_t from = 0; from < doc.size();) {
+        const std::size_t space = std::min(doc.find(' ', from), doc.size());
+        const std::string word = doc.substr(from, space - from);
+        if (!line.empty() && line.size() + 1 + word.size() > 76) out += margin + line + "\n", line.clear();
+        line += (line.empty() ? "" : " ") + word;
+        from = space + 1;
+    }
+    return line.empty() ? out : out + margin + line + "\n";
+}
+
+void print_words(const KeyExplanation& told) {
+    fmt::print("{}\n", told.path);
+    for (const std::string& key : told.used_by) fmt::print("  is a value of {}\n", key);
+    if (!told.used_by.empty()) fmt::print("`strake explain {}` tells more\n", told.used_by.front());
+    for (const KeyForm& form : told.forms) {
+        fmt::print("  form     {}{}\n", form.form, form.limits.empty() ? "" : ", " + form.limits);
+        if (form.required) fmt::print("  default  none: it has to be there\n");
+        if (!form.fallback.empty()) fmt::print("  default  {}\n", form.fallback);
+        fmt::print("{}", wrapped(form.doc + form.condition, "    "));
+    }
+    std::size_t width = 0;
+    for (const KeyBelow& key : told.below) width = std::max(width, key.name.size());
+    if (!told.below.empty()) fmt::print("  keys below it:\n");
+    for (const KeyBelow& key : told.below)
+        fmt::print("    {:<{}}  {}\n", key.name == "*" ? "NAME" : key.name, width, brief(key.doc));
+}
+
+void list_all() {
+    std::size_t width = 0;
+    for (const std::string& path : key_paths()) width = std::max(width, path.size());
+    for (const std::string& path : key_paths())
+        if (!path.ends_with("[]"))
+            fmt::print("{:<{}}  {}\n", path, width, brief(schema_index().rows.at(path).front()->doc));
+}
+
+void explain_key(const std::string& key, bool json) {
+    if (key.empty() && !json) return list_all();
+    std::vector<KeyExplanation> told;
+    if (!key.empty())
+        told = explain(key);
+    else
+        for (const std::string& path : key_paths())
+            if (!path.ends_with("[]")) told.push_back(explain(path).front());
+    if (json) {
+        Json j = Json::array();
+        for (const KeyExplanation& one : told) j.push_back(as_json(one));
+        fmt::print("{}\n", j.dump(2));
+        return;
+    }
+    for (std::size_t i = 0; i < told.size(); ++i) {
+        if (i > 0) fmt::print("\n");
+        print_words(told[i]);
+    }
+}
+
+}  // namespace
+
+void add_explain(CLI::App& app) {
+    struct Arguments {
+        std::string key;
+        bool json = false;
+    };
+    auto args = std::make_shared<Arguments>();
+    CLI::App* command = app.add_subcommand("explain", "what a key of the case file means; without KEY all of them");
+    command->add_option("KEY", args->key, "as optimize.method, regions.tip.box, or the end of one, as method")
+        ->type_name("");
+    command->add_flag("--json", args->json, "a JSON array instead of words");
+    command->callback([args] { explain_key(args->key, args->json); });
+}
+
+}  // namespace strake::cli

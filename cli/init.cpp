@@ -1,0 +1,176 @@
+#include "cases/build_problem.hpp"
+#include "cases/propose.hpp"
+#include "cli/commands.hpp"
+#include "cli/held_check.hpp"
+#include "cli/outputs.hpp"
+#include "core/error.hpp"
+#include "core/mesh/file.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/mesh/vtp.hpp"
+#include "report/drawing.hpp"
+
+#include <fcntl.h>
+#include <fmt/core.h>
+#include <unistd.h>
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <cerrno>
+#include <cstring>
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// `strake init`: from a bare surface to a case that runs, and a picture of its patches.
+namespace strake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+struct InitArguments {
+    std::string surface, out = "case.yaml";
+    int evaluations = 60;
+    bool json = false, quiet = false;
+};
+
+/// The case file while it is being tried; goes away again unless it is kept.
+class NewFile {
+public:
+    NewFile(const fs::path& file, const std::string& words) : file_(file) {
+        const int handle = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
+        if (handle < 0 && errno == EEXIST)
+            throw InvalidInput(text("init: ", printable(file.string(), 400),
+                                    " is there already and is never overwritten; choose another name with -o"));
+        if (handle < 0) fail();
+        is_ours_ = true;
+        const bool written = ::write(handle, words.data(), words.size()) == static_cast<ssize_t>(words.size());
+        if (!written || ::fsync(handle) != 0 || ::close(handle) != 0) fail();
+    }
+    ~NewFile() {
+        if (is_ours_) ::unlink(file_.c_str());
+    }
+    void keep() { is_ours_ = false; }
+
+private:
+    [[noreturn]] void fail() {
+        const std::string why = std::strerror(errno);
+        if (is_ours_) ::unlink(file_.c_str());
+        throw OutputError(text(printable(file_.string(), 400), ": cannot write: ", why));
+    }
+    fs::path file_;
+    bool is_ours_ = false;
+};
+
+/// The finest level whose patches can still be told apart.
+int shown_level(const PatchHierarchy& tree) {
+    int level = 1;
+    while (level + 1 < static_cast<int>(tree.levels.size()) && tree.levels[level + 1].patches.size() <= 24) ++level;
+    return level;
+}
+
+/// Up is across the plane's body where it is thinner, away from what it stands on, else z.
+Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
+    const Box box = bounding_box(problem.surface);
+    const Eigen::Vector3d size = box.max - box.min;
+    if (!proposal.plane) return proposal.down.isZero() ? Eigen::Vector3d::UnitZ() : Eigen::Vector3d(-proposal.down);
+    int side = 1;
+    proposal.plane->normal.cwiseAbs().maxCoeff(&side);
+    int up = side == 2 ? 1 : 2;
+    const int other = 3 - side - up;
+    if (size[other] < size[up]) up = other;
+    return Eigen::Vector3d::Unit(up);
+}
+
+std::string picture(const Problem& problem, const ProposedCase& proposal) {
+    const int level = shown_level(problem.tree);
+    const PatchLevel& patches = problem.tree.levels[level];
+    std::vector<int> label = patches.label;
+    std::vector<Colour> colour;
+    for (const int k : label) colour.push_back(patch_colour(k));
+    const int held = static_cast<int>(patches.patches.size());
+    const Colour grey{150, 150, 150};
+    for (const int t : problem.fixed) label[t] = held, colour[t] = grey;
+    std::vector<std::string> names;
+    std::vector<LegendRow> legend;
+    for (const Patch& patch : patches.patches) {
+        names.push_back(patch.name);
+        legend.push_back(
+            {patch_colour(patch.id), fmt::format("{} ({} triangles)", patch.name, patch.triangles.size())});
+    }
+    names.push_back("held");
+    legend.push_back({grey, fmt::format("held ({} triangles)", problem.fixed.size())});
+    const Eigen::Vector3d up = up_of(problem, proposal);
+    const Eigen::Vector3d side = proposal.plane ? proposal.plane->normal : up.unitOrthogonal(), ahead = side.cross(up);
+    std::vector<Panel> panels;
+    for (const double sign : {1.0, -1.0}) {
+        const Eigen::Vector3d from = sign * (-0.7 * ahead - 0.7 * side + 0.6 * up);
+        Panel panel{draw_surface(problem.surface, colour, label, {from, up}, 560, 420), "", {}};
+        panel.title = sign > 0 ? "from above" : "from below, the other side";
+        panel.names = names_in(panel.drawing, label, names, 150);
+        panels.push_back(std::move(panel));
+    }
+    return svg_picture(fmt::format("{}: the {} patches of level {}", problem.name, held, level), panels, legend);
+}
+
+void write_patches(const fs::path& file, const Problem& problem) {
+    std::vector<Field> cells;
+    for (std::size_t l = 1; l < problem.tree.levels.size(); ++l)
+        cells.push_back({text("level_", l), problem.tree.levels[l].label});
+    std::vector<int> held(static_cast<std::size_t>(problem.surface.num_triangles()), 0);
+    for (const int t : problem.fixed) held[static_cast<std::size_t>(t)] = 1;
+    cells.push_back({"held", held});
+    write_vtp(file, problem.surface, {}, cells);
+}
+
+void init(const InitArguments& args) {
+    const fs::path case_file = args.out;
+    if (case_file.extension() != ".yaml" && case_file.extension() != ".yml")
+        throw InvalidInput(text("init: -o ", printable(args.out, 400), ": a case file ends in .yaml"));
+    const fs::path stem = case_file.parent_path() / case_file.stem();
+    const fs::path svg = stem.string() + "-patches.svg", vtp = stem.string() + "-patches.vtp";
+    std::error_code ignored;
+    for (const fs::path& file : {case_file, svg, vtp})
+        if (fs::symlink_status(file, ignored).type() != fs::file_type::not_found &&
+            fs::exists(fs::symlink_status(file, ignored)))
+            throw InvalidInput(text("init: ", printable(file.string(), 400),
+                                    " is there already and is never overwritten; choose another name with -o"));
+    const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations});
+    NewFile written(case_file, proposal.yaml);
+    const Case the_case = load_case(case_file, Purpose::run);
+    const BuiltProblem built = build_problem(the_case, Purpose::run);
+    const std::vector<std::string> notes = check_shell(the_case, built.problem);
+    write_atomically(svg, picture(built.problem, proposal));
+    write_patches(vtp, built.problem);
+    written.keep();
+    if (args.json) {
+        nlohmann::ordered_json j{{"case", case_file.string()},
+                                 {"picture", svg.string()},
+                                 {"paraview", vtp.string()},
+                                 {"found", proposal.found}};
+        j["warnings"] = built.warnings;
+        fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+        return;
+    }
+    if (args.quiet) return;
+    for (const std::string& line : proposal.found) fmt::print("{}\n", line);
+    for (const std::string& line : notes) fmt::print(stderr, "warning: {}\n", line);
+    fmt::print("wrote        {}, {} (open it in a browser), {} (ParaView)\n", printable(case_file.string(), 400),
+               printable(svg.string(), 400), printable(vtp.string(), 400));
+    fmt::print("next         strake check {0}; strake run {0}\n", printable(case_file.string(), 400));
+}
+
+}  // namespace
+
+void add_init(CLI::App& app) {
+    auto args = std::make_shared<InitArguments>();
+    CLI::App* command =
+        app.add_subcommand("init", "a case for a bare surface that runs as it is, with a picture of its patches");
+    command->add_option("SURFACE", args->surface, "a surface file, as for info")->required();
+    command->add_option("-o,--out,--output", args->out,
+                        "case file to be written, never over another (default: case.yaml)");
+    command->add_option("--evaluations", args->evaluations, "budget of the case (default: 60)")
+        ->check(CLI::Range(1, 1000000));
+    command->add_flag("--json", args->json, "one JSON object instead of words");
+    command->add_flag("-q,--quiet", args->quiet, "no words");
+    command->callback([args] { init(*args); });
+}
+
+}  // namespace strake::cli

@@ -1,0 +1,76 @@
+#include "cases/diagnostics.hpp"
+#include "cli/command_table.hpp"
+
+#include <fmt/format.h>
+
+namespace strake::cli {
+namespace {
+
+std::string suggestion(const std::string& word, const std::vector<std::string>& candidates) {
+    const std::string near = nearest(word, candidates);
+    return near.empty() ? "" : fmt::format("; did you mean '{}'?", near);
+}
+
+std::string unknown_command(const std::string& word, const std::vector<CommandRow>& table) {
+    std::vector<std::string> names;
+    for (const CommandRow& command : table) names.push_back(command.name);
+    const std::string near = suggestion(word, names);
+    return fmt::format("strake: there is no command '{}'{}", printable(word, 100),
+                       near.empty() ? "; commands: " + joined(names) : near);
+}
+
+/// The first argument that looks like an option of the command and is none.
+std::string unknown_option(const CommandRow& command, const std::vector<std::string>& arguments, std::size_t from) {
+    std::vector<std::string> names;
+    for (const OptionRow& option : command.options)
+        if (!option.is_positional) names.insert(names.end(), option.names.begin(), option.names.end());
+    for (std::size_t i = from; i < arguments.size() && arguments[i] != "--"; ++i) {
+        const std::string word = arguments[i].substr(0, arguments[i].find('='));
+        if (word.size() < 2 || word[0] != '-' || (word[1] >= '0' && word[1] <= '9') || word[1] == '.') continue;
+        bool known = std::find(names.begin(), names.end(), word) != names.end();
+        if (!word.starts_with("--")) known |= std::find(names.begin(), names.end(), word.substr(0, 2)) != names.end();
+        if (known) continue;
+        return fmt::format("strake: {}: there is no option '{}'{}", command.name, printable(word, 100),
+                           suggestion(word, names));
+    }
+    return "";
+}
+
+std::string positionals(const CommandRow& command) {
+    std::string out;
+    for (const OptionRow& option : command.options)
+        if (option.is_positional) out += " " + (option.required ? option.names[0] : "[" + option.names[0] + "]");
+    return out;
+}
+
+/// "--level: 3x" and the like of the parser, in our form.
+std::string other_words(const CommandRow& command, const CLI::ParseError& error) {
+    std::string words = error.what();
+    for (const OptionRow& option : command.options) {
+        const std::string& name = option.names.back();
+        if (words == name + " is required")
+            return option.is_positional
+                       ? fmt::format("strake: {}: {} is missing: {}", command.name, name, option.doc)
+                       : fmt::format("strake: {}: {} has to be given: {}", command.name, name, option.doc);
+    }
+    return fmt::format("strake: {}: {}", command.name, printable(words, 300));
+}
+
+}  // namespace
+
+std::string usage_words(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& arguments) {
+    const std::vector<CommandRow> table = command_table(app);
+    if (arguments.empty()) return app.help();
+    if (arguments[0].starts_with("-"))
+        return fmt::format("strake: there is no option '{}'{}\nsee `strake --help`", printable(arguments[0], 100),
+                           suggestion(arguments[0], {"--help", "--version"}));
+    const auto command =
+        std::find_if(table.begin(), table.end(), [&](const CommandRow& row) { return row.name == arguments[0]; });
+    if (command == table.end()) return unknown_command(arguments[0], table) + "\nsee `strake --help`";
+    std::string words = unknown_option(*command, arguments, 1);
+    if (words.empty()) words = other_words(*command, error);
+    return fmt::format("{}\nusage: strake {}{} [OPTIONS]; see `strake {} --help`", words, command->name,
+                       positionals(*command), command->name);
+}
+
+}  // namespace strake::cli

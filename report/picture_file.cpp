@@ -1,0 +1,107 @@
+#include "core/error.hpp"
+#include "report/drawing.hpp"
+
+#include <fmt/format.h>
+#include <zlib.h>
+
+namespace strake {
+namespace {
+
+void add_big_endian(std::string& out, std::uint32_t value) {
+    for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(value >> shift & 255);
+}
+
+void add_chunk(std::string& out, const std::string& kind, const std::string& data) {
+    add_big_endian(out, static_cast<std::uint32_t>(data.size()));
+    const std::string body = kind + data;
+    out += body;
+    add_big_endian(out, static_cast<std::uint32_t>(
+                            ::crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
+}
+
+std::string base64(const std::string& bytes) {
+    static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+    std::string out;
+    for (std::size_t i = 0; i < bytes.size(); i += 3) {
+        std::uint32_t group = 0;
+        for (std::size_t k = 0; k < 3; ++k)
+            group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
+        for (int k = 0; k < 4; ++k) out += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
+    }
+    return out;
+}
+
+std::string xml(const std::string& words) {
+    std::string out;
+    for (const char c : words)
+        out += c == '<' ? "&lt;" : c == '>' ? "&gt;" : c == '&' ? "&amp;" : c == '"' ? "&quot;" : std::string(1, c);
+    return out;
+}
+
+}  // namespace
+
+std::string png_bytes(const Drawing& drawing) {
+    std::string rows;
+    const std::size_t stride = 3 * static_cast<std::size_t>(drawing.width);
+    for (int y = 0; y < drawing.height; ++y) {
+        rows += '\1';  // each byte less that of the pixel to its left: packs well
+        const std::uint8_t* row = drawing.rgb.data() + y * stride;
+        for (std::size_t k = 0; k < stride; ++k) rows += static_cast<char>(row[k] - (k >= 3 ? row[k - 3] : 0));
+    }
+    uLongf size = ::compressBound(rows.size());
+    std::string packed(size, '\0');
+    if (::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
+                    rows.size(), 9) != Z_OK)
+        throw OutputError("drawing: cannot pack a PNG");
+    packed.resize(size);
+    std::string out = "\x89PNG\r\n\x1a\n", head;
+    add_big_endian(head, static_cast<std::uint32_t>(drawing.width));
+    add_big_endian(head, static_cast<std::uint32_t>(drawing.height));
+    head += std::string("\x08\x02\x00\x00\x00", 5);
+    add_chunk(out, "IHDR", head);
+    add_chunk(out, "IDAT", packed);
+    add_chunk(out, "IEND", "");
+    return out;
+}
+
+std::string svg_picture(const std::string& title, const std::vector<Panel>& panels,
+                        const std::vector<LegendRow>& legend) {
+    int width = 20, height = 0;
+    for (const Panel& panel : panels) {
+        width += panel.drawing.width + 20;
+        height = std::max(height, panel.drawing.height);
+    }
+    const int top = 78, per_row = std::max(1, (width - 40) / 190);
+    const int rows = (static_cast<int>(legend.size()) + per_row - 1) / per_row;
+    std::string out = fmt::format(
+        "<svg xmlns=\"http://www.w3.org/2000/svg\" xmlns:xlink=\"http://www.w3.org/1999/xlink\" width=\"{0}\" "
+        "height=\"{1}\" "
+        "viewBox=\"0 0 {0} {1}\" font-family=\"sans-serif\">\n<rect width=\"{0}\" height=\"{1}\" fill=\"white\"/>\n"
+        "<text x=\"20\" y=\"32\" font-size=\"20\">{2}</text>\n",
+        width, top + height + 24 + 22 * rows, xml(title));
+    int x = 20;
+    for (const Panel& panel : panels) {
+        out += fmt::format("<text x=\"{}\" y=\"62\" font-size=\"14\" fill=\"#444\">{}</text>\n", x, xml(panel.title));
+        out += fmt::format(
+            "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" xlink:href=\"data:image/png;base64,{}\"/>\n", x, top,
+            panel.drawing.width, panel.drawing.height, base64(png_bytes(panel.drawing)));
+        for (const Panel::Name& name : panel.names)
+            out += fmt::format(
+                "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"middle\" stroke=\"white\" "
+                "stroke-width=\"3\" paint-order=\"stroke\">{}</text>\n",
+                x + name.x, top + name.y + 4, xml(name.words));
+        x += panel.drawing.width + 20;
+    }
+    for (std::size_t i = 0; i < legend.size(); ++i) {
+        const int column = static_cast<int>(i) % per_row, row = static_cast<int>(i) / per_row;
+        const auto [r, g, b] = legend[i].colour;
+        out += fmt::format(
+            "<rect x=\"{}\" y=\"{}\" width=\"14\" height=\"14\" fill=\"#{:02x}{:02x}{:02x}\" stroke=\"#333\"/>"
+            "<text x=\"{}\" y=\"{}\" font-size=\"13\">{}</text>\n",
+            20 + 190 * column, top + height + 14 + 22 * row, r, g, b, 40 + 190 * column, top + height + 26 + 22 * row,
+            xml(legend[i].words));
+    }
+    return out + "</svg>\n";
+}
+
+}  // namespace strake

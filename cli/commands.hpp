@@ -37,5 +37,7 @@ void add_step(CLI::App& app);
 void add_status(CLI::App& app);
 void add_history(CLI::App& app);
 void add_apply(CLI::App& app);
+void add_mix(CLI::App& app);
+void add_compare(CLI::App& app);
 
 }  // namespace strake::cli

@@ -40,6 +40,8 @@ int main(int argc, char** argv) {
     cli::add_status(app);
     cli::add_history(app);
     cli::add_apply(app);
+    cli::add_mix(app);
+    cli::add_compare(app);
     try {
         app.parse(argc, argv);
         return cli::done;

@@ -43,6 +43,8 @@ int main(int argc, char** argv) {
     cli::add_status(app);
     cli::add_history(app);
     cli::add_apply(app);
+    cli::add_mix(app);
+    cli::add_compare(app);
     cli::add_report(app);
     cli::add_explain(app);
     cli::add_completion(app);

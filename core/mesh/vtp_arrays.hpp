@@ -21,6 +21,9 @@ struct Array {
     std::string_view inside;  ///< behind its tag (inline), or the appended data from its offset on
     bool is_text = false;     ///< numbers as words
     bool is_base64 = false;   ///< else raw bytes
+    bool is_appended = false;
+    std::string offset;                              ///< as written, where appended
+    std::size_t element_begin = 0, element_end = 0;  ///< where <DataArray ...> stands in the file, with its end
 };
 
 bool is_numeric(const std::string& type);

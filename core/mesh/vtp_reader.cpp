@@ -3,114 +3,17 @@
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/formats.hpp"
-#include "core/mesh/vtp_arrays.hpp"
-#include "core/mesh/xml_scanner.hpp"
+#include "core/mesh/vtk_document.hpp"
 
-#include <charconv>
 #include <cmath>
 
 namespace strake {
 namespace {
 
 using vtk::Array;
-
-/// Everything between the tags, before any array is decoded.
-struct Document {
-    vtk::Coding coding;
-    std::vector<Array> arrays;
-    std::vector<std::pair<std::size_t, std::string>> offsets;  ///< of appended arrays: number, offset
-    int pieces = 0;
-};
-
-std::uint64_t whole(const std::string& word, const XmlScanner& in, const char* what) {
-    std::uint64_t value = 0;
-    const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
-    if (error != std::errc() || end != word.data() + word.size())
-        in.fail(text(what, " '", printable(word, 60), "' is not a whole number"));
-    return value;
-}
-
-void read_head(const XmlScanner::Tag& tag, const XmlScanner& in, vtk::Coding& coding) {
-    if (tag.value("type") != "PolyData")
-        in.fail(text("holds '", printable(tag.value("type"), 60), "', must be PolyData (ParaView: Extract Surface)"));
-    coding.is_swapped = tag.value("byte_order") == "BigEndian";
-    coding.header_bytes = tag.value("header_type", "UInt32") == "UInt64" ? 8 : 4;
-    const std::string compressor = tag.value("compressor");
-    coding.is_compressed = compressor == "vtkZLibDataCompressor";
-    if (!compressor.empty() && !coding.is_compressed)
-        in.fail(text("compressed by '", printable(compressor, 60), "', known is vtkZLibDataCompressor"));
-}
-
-void add_array(const XmlScanner::Tag& tag, const std::string& section, XmlScanner& in, Document& out) {
-    Array array;
-    array.section = section;
-    array.name = tag.value("Name");
-    array.type = tag.value("type");
-    array.components = whole(tag.value("NumberOfComponents", "1"), in, "NumberOfComponents");
-    if (array.components == 0) array.components = 1;
-    const std::string format = tag.value("format", "ascii");
-    array.is_text = format == "ascii";
-    array.is_base64 = true;
-    if (format == "appended")
-        out.offsets.emplace_back(out.arrays.size(), tag.value("offset", "0"));
-    else if (!tag.is_empty)
-        array.inside = in.text_here();
-    out.arrays.push_back(std::move(array));
-}
-
-/// `in` stands behind <AppendedData>.
-void append_data(const XmlScanner::Tag& tag, const XmlScanner& in, Document& out) {
-    const std::string_view rest = in.rest();
-    const std::size_t mark = rest.find('_');
-    if (mark == std::string_view::npos) in.fail("appended data without the '_' that they begin with");
-    const std::string_view data = rest.substr(mark + 1);
-    for (const auto& [number, word] : out.offsets) {
-        const std::uint64_t offset = whole(word, in, "offset");
-        if (offset > data.size()) in.fail(text("offset ", offset, " is behind the end of the appended data"));
-        out.arrays[number].inside = data.substr(offset);
-        out.arrays[number].is_base64 = tag.value("encoding", "base64") == "base64";
-    }
-    out.offsets.clear();
-}
-
-Document scan(XmlScanner& in) {
-    Document out;
-    std::string section;
-    bool is_vtk = false;
-    for (XmlScanner::Tag tag = in.next(); !tag.name.empty(); tag = in.next()) {
-        if (tag.name == "VTKFile") is_vtk = true, read_head(tag, in, out.coding);
-        if (!is_vtk) in.fail("no VTK file: it does not begin with <VTKFile>");
-        if (tag.name == "Piece") ++out.pieces;
-        if (tag.name == "DataArray") add_array(tag, section, in, out);
-        for (const char* name : {"PointData", "CellData", "Points", "Verts", "Lines", "Strips", "Polys", "FieldData"})
-            if (tag.name == name) section = name;
-        if (tag.name == "AppendedData") {
-            append_data(tag, in, out);
-            break;  // bytes follow
-        }
-    }
-    if (!is_vtk) in.fail("no VTK file");
-    if (!out.offsets.empty()) in.fail("arrays are appended, but there is no <AppendedData>");
-    if (out.pieces != 1) in.fail(text(out.pieces, " pieces, must be one"));
-    return out;
-}
-
-std::vector<double> decoded(const Array& array, const Document& document, const XmlScanner& in) {
-    try {
-        std::vector<double> numbers = vtk::numbers(array, document.coding);
-        if (numbers.size() % array.components != 0)
-            throw std::runtime_error(text(numbers.size(), " numbers in rows of ", array.components));
-        return numbers;
-    } catch (const std::runtime_error& error) {
-        in.fail(text(array.section, " array '", printable(array.name, 60), "': ", error.what()));
-    }
-}
-
-const Array* find(const Document& document, const std::string& section, const std::string& name) {
-    for (const Array& array : document.arrays)
-        if (array.section == section && (name.empty() || array.name == name)) return &array;
-    return nullptr;
-}
+using vtk::decoded;
+using vtk::Document;
+using vtk::find;
 
 /// Corner lists of <Polys> or <Strips>.
 std::vector<std::vector<int>> cells(const Document& document, const std::string& section, int num_points,
@@ -158,7 +61,7 @@ void add_cells(const Document& document, const XmlScanner& in, formats::SurfaceB
 
 VtpFile parse_vtp(std::string_view bytes, const std::string& name) {
     XmlScanner in(bytes, name);
-    const Document document = scan(in);
+    const Document document = vtk::scan(in, "PolyData");
     formats::SurfaceBuilder builder;
     add_points(document, in, builder);
     const auto count = static_cast<std::size_t>(builder.num_vertices());

@@ -33,11 +33,13 @@ void XmlScanner::fail(const std::string& what) const {
     throw InputError(text(name_, ": byte ", position_, ": ", what));
 }
 
-std::string_view XmlScanner::text_here() {
-    const std::size_t end = std::min(text_.find('<', position_), text_.size());
-    const std::string_view found = text_.substr(position_, end - position_);
-    position_ = end;
-    return found;
+std::string_view XmlScanner::last_text(const std::string& name) {
+    const std::size_t end = text_.find("</" + name, position_), close = text_.find('>', std::min(end, text_.size()));
+    if (close == std::string_view::npos) fail(text("no </", name, ">"));
+    const std::size_t child = text_.rfind('>', end);
+    const std::size_t begin = std::max(position_, child == std::string_view::npos ? 0 : child + 1);
+    position_ = close + 1;
+    return text_.substr(begin, end - begin);
 }
 
 XmlScanner::Tag XmlScanner::next() {
@@ -54,6 +56,7 @@ XmlScanner::Tag XmlScanner::next() {
             position_ = end + close.size();
             continue;
         }
+        tag_begin_ = begin;
         Tag tag;
         tag.is_empty = inside.ends_with('/');
         if (tag.is_empty) inside.remove_suffix(1);

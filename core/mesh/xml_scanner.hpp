@@ -20,9 +20,12 @@ public:
     /// `name` of the file for messages; `text` outlives the scanner.
     XmlScanner(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
 
-    Tag next();                    ///< skips text, comments and declarations. @throws InputError
-    std::string_view text_here();  ///< up to the next tag
+    Tag next();  ///< skips text, comments and declarations. @throws InputError
+    /// The text in the element whose tag was the last, behind the elements in it; then behind its end.
+    std::string_view last_text(const std::string& name);
     std::string_view rest() const { return text_.substr(position_); }  ///< behind the last tag
+    std::size_t position() const { return position_; }                 ///< behind the last tag
+    std::size_t tag_begin() const { return tag_begin_; }               ///< of the last tag
     /// @throws InputError `NAME: byte N: what`.
     [[noreturn]] void fail(const std::string& what) const;
 
@@ -30,7 +33,7 @@ private:
     void read_attributes(std::string_view inside, Tag& tag) const;
     std::string_view text_;
     std::string name_;
-    std::size_t position_ = 0;
+    std::size_t position_ = 0, tag_begin_ = 0;
 };
 
 }  // namespace strake

@@ -1,6 +1,8 @@
 #include "cli/run_strake.hpp"
+#include "core/error.hpp"
 #include "core/mesh/io.hpp"
 #include "core/mesh/npy.hpp"
+#include "core/volume/volume_file.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -89,6 +91,175 @@ TEST_F(ApplyProgram, SensitivitiesGoTheOtherWay) {
         run_strake({"apply", run, path("fine.ply"), "--sensitivities", path("g.npy"), "-o", path("b.csv")});
     EXPECT_EQ(few.status, 3);
     EXPECT_NE(few.err.find("5 rows, OTHER has"), std::string::npos) << few.err;
+}
+
+/// An O-grid between the ellipsoid and a sphere of radius 6, as an SU2 mesh of wedges.
+std::string volume_about(const TriMesh& surface, int layers) {
+    std::string out = text("NDIME= 3\nNELEM= ", surface.num_triangles() * layers, "\n");
+    const int n = surface.num_vertices();
+    for (int l = 0; l < layers; ++l)
+        for (int t = 0; t < surface.num_triangles(); ++t) {
+            out += "13";
+            for (const int layer : {l, l + 1})
+                for (int k = 0; k < 3; ++k) out += text(" ", layer * n + surface.triangles(t, k));
+            out += "\n";
+        }
+    out += text("NPOIN= ", n * (layers + 1), "\n");
+    for (int l = 0; l <= layers; ++l)
+        for (int v = 0; v < n; ++v) {
+            const double s = std::pow(static_cast<double>(l) / layers, 2);
+            const Eigen::RowVector3d x = surface.vertices.row(v), p = (1 - s) * x + s * 6 * x.normalized();
+            char line[120];
+            std::snprintf(line, sizeof line, "%.17g %.17g %.17g %d\n", p[0], p[1], p[2], l * n + v);
+            out += line;
+        }
+    out += text("NMARK= 1\nMARKER_TAG= far\nMARKER_ELEMS= ", surface.num_triangles(), "\n");
+    for (int t = 0; t < surface.num_triangles(); ++t) {
+        out += "5";
+        for (int k = 0; k < 3; ++k) out += text(" ", layers * n + surface.triangles(t, k));
+        out += "\n";
+    }
+    return out;
+}
+
+TEST_F(ApplyProgram, TheMeshOfAVolumeMovesAndItsCellsAreChecked) {
+    const TriMesh start = read_surface(path("s.obj")).mesh;
+    const Points best = read_surface(run + "/best.obj").mesh.vertices;
+    folder->write("v.su2", volume_about(start, 6));
+    const ProgramRun applied = run_strake({"apply", run, path("v.su2"), "-o", path("w.su2"), "--json"});
+    ASSERT_EQ(applied.status, 0) << applied.err;
+    const auto told = nlohmann::json::parse(applied.out);
+    EXPECT_EQ(told["cells"]["checked"], 6 * start.num_triangles());
+    EXPECT_EQ(told["cells"]["newly_bad"], 0);
+    EXPECT_GT(told["cells"]["smallest_ratio"], 0.3);
+    const Points moved = read_volume(path("w.su2")).mesh.points;
+    EXPECT_EQ(moved.topRows(best.rows()), best) << "the wall is the surface";
+    const Points was = read_volume(path("v.su2")).mesh.points;
+    EXPECT_EQ(moved.bottomRows(best.rows()), was.bottomRows(best.rows())) << "the far boundary stays";
+}
+
+TEST_F(ApplyProgram, InvertedCellsAreRefusedUnlessForced) {
+    const TriMesh start = read_surface(path("s.obj")).mesh;
+    TriMesh far = start;
+    far.vertices.col(0).array() += 0.5;
+    write_surface(*folder / "far.obj", far, SurfaceFormat::obj);
+    folder->write("v.su2", volume_about(start, 6));
+    const std::vector<std::string> words{"apply", path("s.obj"), path("v.su2"), "--moved", path("far.obj"),
+                                         "-o",    path("x.su2"), "--reach",     "0.1",     "--json"};
+    const ProgramRun refused = run_strake(words);
+    EXPECT_EQ(refused.status, 1);
+    EXPECT_NE(refused.err.find("nothing was written"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("the worst is cell"), std::string::npos) << refused.err;
+    EXPECT_EQ(nlohmann::json::parse(refused.out)["status"], "inverted");
+    EXPECT_FALSE(std::filesystem::exists(path("x.su2")));
+    std::vector<std::string> forced = words;
+    forced.push_back("--force");
+    EXPECT_EQ(run_strake(forced).status, 0);
+    EXPECT_TRUE(std::filesystem::exists(path("x.su2")));
+}
+
+TEST_F(ApplyProgram, HeldBoundariesStayHoweverNear) {
+    const TriMesh start = read_surface(path("s.obj")).mesh;
+    TriMesh wide = start;
+    wide.vertices *= 1.05;
+    write_surface(*folder / "wide.obj", wide, SurfaceFormat::obj);
+    folder->write("v.su2", volume_about(start, 6));
+    const std::vector<std::string> base{"apply",   path("s.obj"), path("v.su2"), "--moved", path("wide.obj"),
+                                        "--reach", "9",           "--json",      "-o"};
+    auto words = base;
+    words.push_back(path("free.su2"));
+    ASSERT_EQ(run_strake(words).status, 0);
+    words = base;
+    words.insert(words.end(), {path("held.su2"), "--hold", "far"});
+    const ProgramRun held = run_strake(words);
+    ASSERT_EQ(held.status, 0) << held.err;
+    const Points was = read_volume(path("v.su2")).mesh.points, free = read_volume(path("free.su2")).mesh.points,
+                 stays = read_volume(path("held.su2")).mesh.points;
+    const int n = start.num_vertices();
+    EXPECT_GT((free.bottomRows(n) - was.bottomRows(n)).norm(), 0.01);
+    EXPECT_EQ(stays.bottomRows(n), was.bottomRows(n));
+    EXPECT_EQ(stays.topRows(n), wide.vertices);
+    words.back() = "fra";
+    const ProgramRun unknown = run_strake(words);
+    EXPECT_EQ(unknown.status, 2);
+    EXPECT_NE(unknown.err.find("it has: far"), std::string::npos) << unknown.err;
+}
+
+TEST_F(ApplyProgram, UndoGoesBackToTheStart) {
+    const TriMesh start = read_surface(path("s.obj")).mesh;
+    TriMesh bent = start;
+    for (int v = 0; v < bent.num_vertices(); ++v)
+        bent.vertices(v, 2) += 0.3 * bent.vertices(v, 0) * bent.vertices(v, 0);
+    write_surface(*folder / "bent.obj", bent, SurfaceFormat::obj);
+    folder->write("v.su2", volume_about(start, 6));
+    const auto apply = [&](const std::string& from, const std::string& to, bool back) {
+        std::vector<std::string> words{"apply", path("s.obj"), path(from), "--moved", path("bent.obj"), "-o", path(to)};
+        if (back) words.push_back("--undo");
+        return run_strake(words);
+    };
+    ASSERT_EQ(apply("v.su2", "there.su2", false).status, 0);
+    const ProgramRun back = apply("there.su2", "back.su2", true);
+    ASSERT_EQ(back.status, 0) << back.err;
+    const Points was = read_volume(path("v.su2")).mesh.points, there = read_volume(path("there.su2")).mesh.points,
+                 is = read_volume(path("back.su2")).mesh.points;
+    EXPECT_GT((there - was).cwiseAbs().maxCoeff(), 0.2);
+    EXPECT_LT((is - was).cwiseAbs().maxCoeff(), 1e-12);
+    EXPECT_EQ(is.topRows(start.num_vertices()), start.vertices) << "vertices get their very bits";
+}
+
+/// Both ways, with the place where it is largest.
+TEST_F(ApplyProgram, CompareTellsDistancesVolumesAndPatches) {
+    const ProgramRun own = run_strake({"compare", run, "--json", "--vtp", path("d.vtp")});
+    ASSERT_EQ(own.status, 0) << own.err;
+    const auto told = nlohmann::json::parse(own.out);
+    const Points start = read_surface(path("s.obj")).mesh.vertices,
+                 best = read_surface(run + "/best.obj").mesh.vertices;
+    EXPECT_NEAR(told["displacement"]["max"], (best - start).rowwise().norm().maxCoeff(), 1e-14);
+    EXPECT_LE(told["distance"]["max"], told["displacement"]["max"]);
+    EXPECT_GT(told["distance"]["max"], 0);
+    EXPECT_GT(told["volume"]["b"], told["volume"]["a"]);
+    EXPECT_GE(told["patches"].size(), 2U);
+    EXPECT_TRUE(std::filesystem::exists(path("d.vtp")));
+    TriMesh bigger = read_surface(path("s.obj")).mesh;
+    bigger.vertices *= 1.1;
+    write_surface(*folder / "bigger.stl", bigger, SurfaceFormat::stl_ascii);
+    const auto other = nlohmann::json::parse(run_strake({"compare", path("s.obj"), path("bigger.stl"), "--json"}).out);
+    EXPECT_NEAR(other["distance"]["b_to_a"]["max"], 0.1, 1e-3);
+    EXPECT_NEAR(std::abs(other["distance"]["b_to_a"]["at"][0].get<double>()), 1.1, 1e-6);
+    EXPECT_NEAR(other["volume"]["b"].get<double>() / other["volume"]["a"].get<double>(), 1.331, 1e-9);
+    EXPECT_EQ(run_strake({"compare", path("s.obj")}).status, 2);
+    EXPECT_EQ(run_strake({"compare", run}).status, 0);
+}
+
+TEST_F(ApplyProgram, MixIsAnEquilibriumBetweenDesigns) {
+    const std::string other = path("other");
+    std::string yaml = bytes_of(*folder / "case.yaml");
+    yaml.replace(yaml.find("evaluations: 4"), 14, "evaluations: 2");
+    ASSERT_EQ(run_strake({"run", folder->write("less.yaml", yaml).string(), "--out", other, "-q"}).status, 0);
+    const Points a = read_surface(run + "/best.obj").mesh.vertices, b = read_surface(other + "/best.obj").mesh.vertices;
+    const auto mix = [&](const std::string& w, const std::vector<std::string>& more = {}) {
+        std::vector<std::string> words{"mix", run, other, "--weight", w, "-o", path("mix.obj"), "--json"};
+        words.insert(words.end(), more.begin(), more.end());
+        const ProgramRun made = run_strake(words);
+        EXPECT_EQ(made.status, 0) << made.err;
+        return std::pair(nlohmann::json::parse(made.out), read_surface(path("mix.obj")).mesh.vertices);
+    };
+    EXPECT_EQ(mix("0").second, a);
+    EXPECT_EQ(mix("1").second, b);
+    const auto [told, third] = mix("0.3");
+    const Points straight = 0.7 * a + 0.3 * b;
+    EXPECT_EQ(told["kind"], "equilibrium");
+    EXPECT_LT((third - straight).norm(), 0.2 * (a - b).norm());
+    EXPECT_EQ(mix("1e-12").first["kind"], "equilibrium");
+    EXPECT_LT((mix("1e-12").second - a).cwiseAbs().maxCoeff(), 1e-6) << "demands at 0 are those of the design";
+    EXPECT_LT((mix("0.3", {"--linear"}).second - straight).cwiseAbs().maxCoeff(), 1e-15);
+    EXPECT_EQ(run_strake({"mix", run, path("s.obj"), "--weight", "nan", "-o", path("m.obj")}).status, 2);
+    TriMesh few = read_surface(path("s.obj")).mesh;
+    few.triangles.conservativeResize(few.num_triangles() - 1, 3);
+    write_surface(*folder / "few.obj", few, SurfaceFormat::obj);
+    const ProgramRun unlike = run_strake({"mix", run, path("few.obj"), "-o", path("m.obj")});
+    EXPECT_EQ(unlike.status, 2);
+    EXPECT_NE(unlike.err.find("other triangles"), std::string::npos) << unlike.err;
 }
 
 TEST_F(ApplyProgram, SaysWhatCannotBe) {

@@ -1,0 +1,64 @@
+#pragma once
+#include "core/volume/foam_file.hpp"
+#include "core/volume/volume_mesh.hpp"
+
+#include <filesystem>
+
+/// Files of volume meshes: their points are read and replaced, everything else stays as it is, byte for byte.
+namespace strake {
+
+enum class VolumeFormat {
+    open_foam,  ///< a folder polyMesh, or its file `points`
+    su2,        ///< .su2 with elements of three dimensions
+    vtu         ///< VTK's XML file of an unstructured grid
+};
+
+/// Where the points stand in a VTU file, and how.
+struct VtuPlace {
+    std::size_t begin = 0, end = 0;  ///< the element <DataArray>
+    std::size_t raw = 0;             ///< the first number, where numbers can be replaced in place; 0: they cannot
+    std::string name, offset;
+    bool is_text = false, is_swapped = false, is_compressed = false;
+    std::size_t header_bytes = 4;
+};
+
+struct VolumeFile {
+    VolumeFormat format = VolumeFormat::vtu;
+    VolumeMesh mesh;  ///< of a file `points` without the files of cells beside it: no cells
+    std::string bytes, name;
+    std::filesystem::path folder;  ///< OpenFOAM: polyMesh; empty for a file `points` on its own
+
+    foam::ListPlace list;                                     ///< OpenFOAM
+    std::vector<std::pair<std::size_t, std::size_t>> places;  ///< SU2: of each point's coordinates in `bytes`
+    VtuPlace array;                                           ///< VTU
+};
+
+/// Does the name, and of .su2 the content, say that this is the mesh of a volume?
+bool is_volume(const std::filesystem::path& path);
+
+/// A polyMesh folder (or the folder of a case with constant/polyMesh in it), its file `points`, also packed by gzip;
+/// .su2; .vtu as text, base64 or appended, compressed by zlib or not.
+/// @throws InputError `FILE: byte N: what` or `FILE:LINE: what`.
+VolumeFile read_volume(const std::filesystem::path& path);
+
+/// The same file with other points (P x 3). Those in single precision are written in double, but for OpenFOAM's
+/// files, whose header says how many bytes a number has.
+std::string with_points(const VolumeFile& file, const Points& points);
+
+/// Writes that. OpenFOAM: a folder gets `points` and copies of the other files of the mesh; a path that ends in
+/// `points` only that file. @throws InvalidInput where kind or extension are others than the input's; OutputError.
+void write_volume(const std::filesystem::path& out, const VolumeFile& file, const Points& points);
+/// Throws what `write_volume` would throw about the name alone.
+void check_volume_output(const std::filesystem::path& out, const std::filesystem::path& in);
+
+namespace volume {
+/// The single formats; internal.
+VolumeFile read_poly_mesh(const std::filesystem::path& path);
+VolumeFile read_su2(std::string bytes, const std::string& name);
+VolumeFile read_vtu(std::string bytes, const std::string& name);
+std::string vtu_with_points(const VolumeFile& file, const Points& points);
+/// @throws InputError when a face or cell names a point that there is none of.
+void check_corners(const VolumeMesh& mesh, const std::string& name);
+}  // namespace volume
+
+}  // namespace strake

@@ -1,7 +1,7 @@
 #include "cli/session.hpp"
 
-#include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/signals.hpp"
 #include "core/mesh/file.hpp"
@@ -240,7 +240,7 @@ std::map<std::string, std::string> file_hashes(const Case& the_case) {
 
 void carry_out(RunRequest request) {
     const Case& the_case = request.the_case;
-    const BuiltProblem built = build_problem(the_case, request.is_fit ? Purpose::fit : Purpose::run);
+    const BuiltProblem built = build_case(the_case, request.is_fit ? Purpose::fit : Purpose::run);
     Progress progress(request.quiet, box_diagonal(built.problem.surface), request.is_fit);
     for (const std::string& words : built.warnings) progress.warning(words);
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);

@@ -21,6 +21,11 @@ void ProblemBuilder::set_parameters() {
     p.mirror = entry.mirror;
     if (purpose_ == Purpose::deform) return;
     p.on = marked("parameters.on", entry.on);
+    if (!out_.problem.attached.empty()) {  // variables have nothing to move there
+        if (p.on.empty()) p.on.assign(start_.mesh.num_triangles(), 1);
+        for (const AttachedPart& part : out_.problem.attached)
+            for (const int t : part.triangles) p.on[t] = 0;
+    }
     p.frozen = marked("parameters.freeze", entry.freeze);
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
     set_given();

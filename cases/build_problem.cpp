@@ -16,6 +16,7 @@ BuiltProblem ProblemBuilder::build() {
     problem.couple_nonmanifold = case_.couple_nonmanifold;
     set_heights();
     set_pins();
+    set_attached();
     set_parameters();
     errors_.throw_if_any();
     set_springs();

@@ -89,6 +89,12 @@ struct StrainEntry {
     std::optional<Eigen::Vector3d> about;              ///< default: the region's area centroid
 };
 
+/// A part that goes with another one.
+struct AttachEntry {
+    Reference part, to;  ///< a region, a part that the surface file names, or the number of a connected component
+    AttachHow how = AttachHow::rigid;
+};
+
 struct ThicknessEntry {
     Reference region;
     Length height;
@@ -226,6 +232,7 @@ struct Case {
     bool couple_nonmanifold = false;
     std::vector<LoadEntry> loads;
     std::vector<StrainEntry> strains;
+    std::vector<AttachEntry> attach;
     ParameterEntry parameters;
     Place parameters_place;
     std::vector<OwnVariableEntry> variables;
@@ -246,6 +253,8 @@ struct Case {
         bool goes_on = false;  ///< the folder is that of a run which goes on
         bool by_hand = false;  ///< programs are not run: their folders are handed out (`strake step`)
     } output;
+    /// Asked while the surface is remeshed; true ends that by throwing Interrupted. May be set by the program.
+    std::function<bool()> stop_wanted;
     /// {case_dir} of commands; empty: the folder of the case file. A run that goes on reads another file than it began
     /// with.
     std::filesystem::path command_dir;

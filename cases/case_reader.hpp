@@ -28,6 +28,7 @@ private:
     void read_shell(const Value& map);
     void read_loads(const Value& list);
     void read_strains(const Value& list);
+    void read_attach(const Value& list);
     // read_parameters.cpp
     void read_parameters(const Value& map);
     void read_variables(const std::vector<std::string>& words);

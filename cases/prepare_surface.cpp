@@ -39,14 +39,16 @@ void mend(const RepairEntry& entry, PreparedSurface& surface) {
     surface.source_triangle = std::move(result.source_triangle);
 }
 
-void remesh(const RemeshEntry& entry, PreparedSurface& surface) {
+void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, PreparedSurface& surface) {
     RemeshOptions options = entry.options;
     const double diagonal = box_diagonal(surface.mesh);
     options.edge_length = length_in(entry.edge_length, diagonal);
     options.chord_error = length_in(entry.chord_error, diagonal);
     options.shortest_edge = length_in(entry.shortest_edge, diagonal);
     const int before = surface.mesh.num_triangles();
-    RemeshResult result = remesh(surface.mesh, options);
+    RemeshResult result =
+        remesh(surface.mesh, options, [&](const RemeshRecord&) { return !stop_wanted || !stop_wanted(); });
+    if (result.cancelled) throw Interrupted{};
     surface.mesh = std::move(result.mesh);
     surface.source_triangle.clear();
     surface.is_remeshed = true;
@@ -75,7 +77,7 @@ PreparedSurface prepare_surface(const Case& the_case) {
         errors.throw_if_any();
     };
     if (the_case.repair) at(the_case.repair->place, [&] { mend(*the_case.repair, surface); });
-    if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, surface); });
+    if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, the_case.stop_wanted, surface); });
     surface.is_changed = the_case.repair || the_case.remesh;
     return surface;
 }

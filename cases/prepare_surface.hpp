@@ -16,7 +16,8 @@ struct PreparedSurface {
     std::vector<std::string> notes;    ///< what was done and what is still wrong, in words
 };
 
-/// @throws InputError (surface file); CaseError where options do not fit the surface.
+/// @throws InputError (surface file); CaseError where options do not fit the surface; Interrupted where
+/// `Case::stop_wanted` ends the remeshing.
 PreparedSurface prepare_surface(const Case& the_case);
 
 }  // namespace strake

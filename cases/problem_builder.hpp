@@ -56,6 +56,10 @@ private:
     void check_symmetry(const Place& place, const std::string& shown, const GivenStrain& given);
     void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
                               const std::vector<char>& is_fixed);
+    // build_attach.cpp
+    void set_attached();
+    std::vector<int> part_triangles(const Reference& reference);
+    void check_loaded();
     // build_loads.cpp
     void set_springs();
     void set_tractions();

@@ -53,6 +53,7 @@ void CaseReader::read(const Value& root) {
     if (const Value* v = root.find("shell")) read_shell(*v);
     if (const Value* v = root.find("loads")) read_loads(*v);
     if (const Value* v = root.find("strains")) read_strains(*v);
+    if (const Value* v = root.find("attach")) read_attach(*v);
     if (const Value* v = root.find("parameters")) read_parameters(*v);
     if (const Value* v = root.find("variables"))
         for (const Entry& entry : v->entries) read_own_variable(entry);

@@ -56,4 +56,14 @@ void CaseReader::read_strains(const Value& list) {
     }
 }
 
+void CaseReader::read_attach(const Value& list) {
+    for (const Entry& entry : list.entries) {
+        const Value &map = entry.value, *part = map.find("part"), *to = map.find("to"), *how = map.find("how");
+        if (!map.accepted || !part || !to) continue;
+        AttachEntry attach{{part->text, part->place}, {to->text, to->place}};
+        if (how && how->text == "follow") attach.how = AttachHow::follow;
+        case_.attach.push_back(std::move(attach));
+    }
+}
+
 }  // namespace strake

@@ -6,7 +6,7 @@ namespace strake {
 
 std::vector<Key> surface_keys();    ///< case, surface, regions, fixed, symmetry
 std::vector<Key> mending_keys();    ///< repair, remesh
-std::vector<Key> shell_keys();      ///< shell, loads, strains
+std::vector<Key> shell_keys();      ///< shell, loads, strains, attach
 std::vector<Key> parameter_keys();  ///< parameters
 std::vector<Key> given_keys();      ///< parameters.given
 std::vector<Key> variable_keys();   ///< variables

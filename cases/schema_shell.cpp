@@ -79,6 +79,28 @@ std::vector<Key> shell_keys() {
          .doc = "Centre of the rotation; without it the area centroid of the region.",
          .element = Type::coordinate,
          .count = 3},
+        {.path = "attach",
+         .type = Type::list,
+         .doc = "Parts that nothing connects to the rest and that go with it: a nacelle under a wing. They are no part "
+                "of the skin, need no hold and carry no loads or variables; gradients go through them.",
+         .element = Type::map,
+         .may_be_empty = true},
+        {.path = "attach[]", .doc = "A part, and what it goes with; that may be attached itself."},
+        {.path = "attach[].part",
+         .type = Type::text,
+         .doc = "A region, a part that the surface file names, or the number of a connected component; whole connected "
+                "pieces.",
+         .required = true},
+        {.path = "attach[].to",
+         .type = Type::text,
+         .doc = "What it goes with: a region, a part that the surface file names, or the number of a component.",
+         .required = true},
+        {.path = "attach[].how",
+         .type = Type::word,
+         .doc = "rigid: as a whole, by the best-fit motion of what it goes with near it; follow: besides, each vertex "
+                "with what the closest places do beyond that motion.",
+         .fallback = "rigid",
+         .words = {"rigid", "follow"}},
     };
 }
 

@@ -1,5 +1,5 @@
-#include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/build_case.hpp"
 #include "cli/check_facts.hpp"
 #include "cli/check_start.hpp"
 #include "cli/commands.hpp"
@@ -149,7 +149,7 @@ void check(const CheckArguments& args) {
     const Case the_case = load_case(args.case_file);
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
     check_outputs({args.wishes.modes}, {args.case_file, the_case.surface});
-    const BuiltProblem built = build_problem(the_case);
+    const BuiltProblem built = build_case(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
     add_serial_warning(built.problem, warnings);

@@ -1,6 +1,6 @@
 #include "cli/check_start.hpp"
 
-#include "cases/build_problem.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/work_folder.hpp"
 #include "optimize/start_check.hpp"
@@ -115,7 +115,7 @@ void print_words(const StartAnswer& answer, const std::vector<SeenFile>& files) 
 void check_start_of(Case the_case, const std::string& out, bool json) {
     WorkFolder folder(out, "check");
     the_case.output.dir = folder.path();
-    const BuiltProblem built = build_problem(the_case);
+    const BuiltProblem built = build_case(the_case);
     const StartAnswer answer = check_start(built.problem);
     const std::vector<SeenFile> files = files_in(folder.path() / "evaluations");
     if (json)

@@ -1,4 +1,4 @@
-#include "cases/build_problem.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
@@ -75,7 +75,8 @@ void report(const DeformArguments& args, const Equilibrium& end, const std::stri
 }
 
 ValidityGuard guard_of(const Problem& problem) {
-    return {problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry}};
+    return {
+        problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry, attached_triangles(problem)}};
 }
 
 /// The equilibrium, which has to be a surface that can be handed on (DESIGN section 8).
@@ -109,7 +110,7 @@ Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell
 void deform_case(const DeformArguments& args) {
     const Case the_case = load_case(args.case_file, Purpose::deform);
     check_outputs({args.out, args.prisms}, {args.case_file, the_case.surface});
-    const BuiltProblem built = build_problem(the_case, Purpose::deform);
+    const BuiltProblem built = build_case(the_case, Purpose::deform);
     const TriMesh& mesh = built.problem.surface;
     const ShellSetup setup = shell_setup(built.problem);
     for (const auto* list : {&built.warnings, &setup.warnings})

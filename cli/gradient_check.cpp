@@ -1,6 +1,6 @@
 #include "optimize/gradient_check.hpp"
 
-#include "cases/build_problem.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/work_folder.hpp"
 #include "report/json_number.hpp"
@@ -67,7 +67,7 @@ void check_case(const GradientCheckArguments& args) {
     Case the_case = load_case(args.case_file);
     const WorkFolder folder(args.out, "gradient-check");
     the_case.output.dir = folder.path();
-    const BuiltProblem built = build_problem(the_case);
+    const BuiltProblem built = build_case(the_case);
     GradientCheckOptions options = args.options;
     options.at_start = args.at == "start";
     for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);

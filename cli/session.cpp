@@ -1,7 +1,7 @@
 #include "cli/session.hpp"
 
-#include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "cli/report_subject.hpp"
@@ -220,7 +220,7 @@ std::map<std::string, std::string> file_hashes(const Case& the_case) {
 
 void carry_out(RunRequest request) {
     const Case& the_case = request.the_case;
-    const BuiltProblem built = build_problem(the_case, request.is_fit ? Purpose::fit : Purpose::run);
+    const BuiltProblem built = build_case(the_case, request.is_fit ? Purpose::fit : Purpose::run);
     const RunLimits limits =
         request.journal ? request.journal->limits()
                         : RunLimits{0, built.problem.optimize.max_evaluations, built.problem.optimize.max_seconds};

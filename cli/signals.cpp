@@ -30,6 +30,14 @@ void watch_signals() {
     }
 }
 
+void leave_signals() {
+    for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
+        struct sigaction now {};
+        ::sigaction(number, nullptr, &now);
+        if (now.sa_handler == note) ::signal(number, SIG_DFL);
+    }
+}
+
 bool stop_wanted() { return noted.load() != 0; }
 int stop_signal() { return noted.load(); }
 

@@ -6,6 +6,8 @@ namespace strake::cli {
 /// From now on the first INT, TERM or HUP is only noted; the second ends the program at once with status 128 + its
 /// number. HUP stays ignored where it was (nohup).
 void watch_signals();
+/// Signals end the program as they did before watch_signals(); what has been noted stays so.
+void leave_signals();
 bool stop_wanted();
 int stop_signal();  ///< its number; 0: none
 

@@ -1,7 +1,7 @@
 #include "optimize/sweep.hpp"
 
-#include "cases/build_problem.hpp"
 #include "cases/scalars.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "report/json_number.hpp"
@@ -150,7 +150,7 @@ void sweep_case(const SweepArguments& args) {
     check_outputs({args.out}, {args.case_file, the_case.surface});
     const WorkFolder folder;
     the_case.output.dir = folder.path();
-    const BuiltProblem built = build_problem(the_case);
+    const BuiltProblem built = build_case(the_case);
     const SweepOptions options = options_of(args, built.problem);
     for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);
     int done_points = 0;

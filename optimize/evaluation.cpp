@@ -51,7 +51,7 @@ ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const Res
                                const std::vector<std::string>& differentiated)
     : problem_(problem),
       rest_(std::move(rest)),
-      guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry}),
+      guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry, attached_triangles(problem)}),
       names_(value_names(problem)),
       combinations_(problem.quantities, problem.own) {
     for (const std::string& name : differentiated) differentiated_.push_back(index_of(name));

@@ -137,6 +137,7 @@ struct Problem {
     Eigen::VectorXd prism_height;  ///< per vertex
     std::vector<int> fixed;        ///< triangles
     std::vector<GivenStrain> strains;
+    std::vector<AttachedPart> attached;  ///< go with their hosts; their triangles are under nothing else of this struct
     std::optional<SymmetryPlane> symmetry;
     bool couple_nonmanifold = false;
     Points given_traction;            ///< m x 3 background loads; empty: none

@@ -42,6 +42,19 @@ void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
             text("strain ", k + 1, ": ", fixed, " of its triangles are fixed as well and stay fixed"));
 }
 
+/// What is attached moves with its host and cannot be held or moved by anything else.
+void check_attached(ShellSetup& setup) {
+    if (!setup.options.attached) return;
+    const std::vector<int>& part = setup.options.attached->part_of();
+    for (std::size_t t = 0; t < part.size(); ++t) {
+        if (part[t] < 0) continue;
+        if (setup.options.pin[t] != free_prism)
+            throw InvalidInput(text("attach: triangle ", t, " is attached and also ",
+                                    setup.options.pin[t] == fixed_prism ? "fixed" : "moved by a strain or variable"));
+        setup.options.pin[t] = fixed_prism;  // no unknown, and in no core of strain variables
+    }
+}
+
 }  // namespace
 
 Eigen::VectorXd vertex_springs(const TriMesh& rest, const Eigen::VectorXd& spring_per_area) {
@@ -53,6 +66,13 @@ Eigen::VectorXd vertex_springs(const TriMesh& rest, const Eigen::VectorXd& sprin
     return spring;
 }
 
+std::vector<int> attached_triangles(const Problem& problem) {
+    std::vector<int> all;
+    for (const AttachedPart& part : problem.attached)
+        all.insert(all.end(), part.triangles.begin(), part.triangles.end());
+    return all;
+}
+
 ShellSetup shell_setup(const Problem& problem) {
     check_sizes(problem);
     ShellSetup setup;
@@ -60,6 +80,9 @@ ShellSetup shell_setup(const Problem& problem) {
     setup.options.symmetry = problem.symmetry;
     setup.options.couple_nonmanifold = problem.couple_nonmanifold;
     setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
+    if (!problem.attached.empty())
+        setup.options.attached =
+            std::make_shared<const Attachments>(problem.surface, problem.attached, problem.symmetry);
     for (const int t : problem.fixed) {
         check_index("fixed", t, problem.surface.num_triangles());
         setup.options.pin[t] = fixed_prism;
@@ -69,6 +92,7 @@ ShellSetup shell_setup(const Problem& problem) {
         setup.motions.push_back(problem.strains[k].motion);
     }
     place_given(problem, setup);
+    check_attached(setup);
     if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
     setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
     return setup;

@@ -15,10 +15,13 @@ struct ShellSetup {
 };
 
 /// Pins: fixed triangles, then the given strains, then what given variables move. A triangle that is fixed and strained
-/// is fixed (warning and count).
+/// is fixed (warning and count); so are attached ones, which may be under nothing else.
 /// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left, and
 /// as `place_given`.
 ShellSetup shell_setup(const Problem& problem);
+
+/// The triangles of all attached parts.
+std::vector<int> attached_triangles(const Problem& problem);
 
 /// lambda_k = sum over the triangles at k of lambda_A A_T / 3 (n), summed in triangle order. `spring_per_area` is m
 /// values in 1/length^2, or empty: empty result.

@@ -67,6 +67,7 @@ ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, con
       normal_(triangle_normals(rest)),
       area_(triangle_areas(rest)),
       height_(area_.size()) {
+    if (!options.attached.empty()) let_cuts_wander(rest, adjacent, options.attached);
     for (int t = 0; t < triangles_.rows(); ++t)
         height_[t] = smallest_height(rest.vertices, triangles_.row(t), area_[t]);
     for (int e = 0; e < adjacent.num_edges(); ++e) {
@@ -76,6 +77,15 @@ ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, con
         hinge_.push_back({a, b});
         hinge_edge_.push_back(adjacent.edges[e]);
     }
+}
+
+void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjacent, const std::vector<int>& attached) {
+    component_ = edge_components(rest, adjacent);
+    std::vector<char> is_attached(component_.size(), 0);
+    for (const int t : attached) is_attached.at(t) = 1;
+    for (const auto& [s, t] : tree_.at_rest().apart)
+        if (component_[s] != component_[t] && (is_attached[s] || is_attached[t]))
+            piercing_.insert(std::minmax(component_[s], component_[t]));
 }
 
 std::string ValidityGuard::defect(const Points& vertices, const Poses& poses) const {
@@ -141,7 +151,11 @@ std::string ValidityGuard::folded(const Points& vertices, const Points& normal) 
 }
 
 std::string ValidityGuard::intersection(const Points& vertices) const {
-    const std::vector<std::array<int, 2>> pairs = tree_.fresh(vertices);
+    std::vector<std::array<int, 2>> pairs = tree_.fresh(vertices);
+    if (!piercing_.empty())
+        std::erase_if(pairs, [&](const std::array<int, 2>& pair) {
+            return piercing_.contains(std::minmax(component_[pair[0]], component_[pair[1]]));
+        });
     if (pairs.empty()) return {};
     const auto [s, t] = pairs[0];
     return text("triangles ", s, " and ", t, " intersect (", pairs.size(), " pairs in all), ",

@@ -163,6 +163,10 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
     rest.height = options.prism_height;
     const int m = mesh.num_triangles();
     rest.pin = options.pin.empty() ? std::vector<int>(m, free_prism) : options.pin;
+    rest.attached = options.attached;
+    if (options.attached)
+        for (int t = 0; t < m; ++t)
+            if (options.attached->part_of().at(t) >= 0) rest.pin[t] = fixed_prism;
     rest.on_plane.assign(mesh.num_vertices(), 0);
     if (options.symmetry) {
         check_plane(*options.symmetry);

@@ -53,6 +53,7 @@ struct RestState {
     IntLists vertex_prisms;          ///< prisms that a vertex follows; none: it stays (fixed, or of no triangle)
     std::vector<char> fixed_vertex;  ///< copied from the start
     std::vector<char> on_plane;      ///< vertex on the symmetry plane: its motion is projected into it
+    std::shared_ptr<const Attachments> attached;  ///< null: none
     std::optional<SymmetryPlane> symmetry;
     Eigen::Matrix3d plane_projector = Eigen::Matrix3d::Identity();  ///< I - n n^T
 

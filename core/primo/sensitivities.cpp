@@ -198,6 +198,7 @@ std::vector<Points> PrimoShell::response(const std::vector<Points>& dF, double t
     for (const Points& field : dF) check_count(shell.rest, field, "a load change");
     shell.need_tangent();
     const auto turn = rotation_differences(shell.poses);
+    const Points at = shell.placed();
     std::vector<Points> rates;
     rates.reserve(dF.size());
     for (std::size_t first = 0; first < dF.size(); first += block_width) {
@@ -205,7 +206,10 @@ std::vector<Points> PrimoShell::response(const std::vector<Points>& dF, double t
         Eigen::MatrixXd B(6 * shell.rest.num_free(), count);
         for (std::size_t c = 0; c < count; ++c) B.col(c) = vertex_wrenches(shell.rest, turn, dF[first + c]);
         const Eigen::MatrixXd X = shell.solve_tangent(B, tolerance);
-        for (std::size_t c = 0; c < count; ++c) rates.push_back(vertex_rates(shell.rest, turn, X.col(c)));
+        for (std::size_t c = 0; c < count; ++c) {
+            rates.push_back(vertex_rates(shell.rest, turn, X.col(c)));
+            if (shell.rest.attached) shell.rest.attached->place_rates(at, rates.back());
+        }
     }
     return rates;
 }
@@ -215,6 +219,7 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
     const RestState& rest = shell.rest;
     shell.need_tangent();
     const auto turn = rotation_differences(shell.poses);
+    const Points at = shell.placed();
     std::vector<std::array<Points, 6>> rates(shell.motions.size());
     for (std::size_t m = 0; m < shell.motions.size(); ++m)
         for (int c = 0; c < 6; ++c) {
@@ -234,15 +239,19 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
                 v /= static_cast<double>(prisms.size());
                 rate.row(k) = rest.on_plane[k] ? Vector3d(rest.plane_projector * v) : v;
             }
+            if (rest.attached) rest.attached->place_rates(at, rate);
             rates[m][c] = rate;
         }
     return rates;
 }
 
-std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& dJ_dv) {
+std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& of_all) {
     Impl& shell = *impl_;
     const RestState& rest = shell.rest;
-    for (const Points& field : dJ_dv) check_count(rest, field, "dJ/dv");
+    for (const Points& field : of_all) check_count(rest, field, "dJ/dv");
+    std::vector<Points> dJ_dv = of_all;
+    if (rest.attached)
+        for (Points& field : dJ_dv) rest.attached->pull_back(shell.placed(), field);
     shell.need_tangent();
     const auto turn = rotation_differences(shell.poses);
     const Jumps jump = jumps(rest, shell.poses, turn);
@@ -296,6 +305,7 @@ Points PrimoShell::linear_response(const Loads& given, const std::vector<RigidMo
     Points v = rest.mesh.vertices;
     for (int k = 0; k < v.rows(); ++k)
         if (!rest.vertex_prisms[k].empty()) v.row(k) += jump.vertex.row(k) + rate.row(k);
+    if (rest.attached) rest.attached->place(v);
     return v;
 }
 

@@ -131,6 +131,7 @@ Points PrimoShell::Impl::vertices() const {
     Points v = rest.mesh.vertices;
     for (int k = 0; k < v.rows(); ++k)
         if (!rest.vertex_prisms[k].empty()) v.row(k) += jump.vertex.row(k);
+    if (rest.attached) rest.attached->place(v);
     return v;
 }
 
@@ -149,7 +150,15 @@ PrimoShell::PrimoShell(PrimoShell&&) noexcept = default;
 PrimoShell& PrimoShell::operator=(PrimoShell&&) noexcept = default;
 
 Points PrimoShell::vertices() const { return impl_->vertices(); }
-Poses PrimoShell::poses() const { return impl_->poses; }
+Poses PrimoShell::poses() const {
+    Poses poses = impl_->poses;
+    const RestState& rest = impl_->rest;
+    if (!rest.attached) return poses;
+    const std::vector<Eigen::Quaterniond> turned = rest.attached->rotations(impl_->vertices());
+    for (int t = 0; t < rest.num_prisms(); ++t)
+        if (const int part = rest.attached->part_of()[t]; part >= 0) poses.rotation[t] = turned[part];
+    return poses;
+}
 void PrimoShell::reset() { impl_->reset_poses(); }
 int PrimoShell::num_free_prisms() const { return impl_->rest.num_free(); }
 const std::vector<char>& PrimoShell::fixed_vertices() const { return impl_->rest.fixed_vertex; }
@@ -160,6 +169,9 @@ void PrimoShell::set_poses(const Poses& poses) {
         throw InvalidInput(text("shell: ", poses.rotation.size(), " poses for ", m, " prisms"));
     impl_->poses = poses;
     impl_->has_tangent = false;
+    if (!impl_->rest.attached) return;
+    for (int t = 0; t < m; ++t)
+        if (impl_->rest.attached->part_of()[t] >= 0) impl_->poses.rotation[t].setIdentity();
 }
 
 double PrimoShell::energy(const Loads& loads) const {

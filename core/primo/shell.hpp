@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/symmetry_plane.hpp"
+#include "core/primo/attachments.hpp"
 
 #include <Eigen/Geometry>
 #include <functional>
@@ -36,6 +37,9 @@ struct ShellOptions {
     std::vector<int> pin;                   ///< per triangle; empty: all free
     std::optional<SymmetryPlane> symmetry;  ///< couples boundary edges on the plane to their mirror images
     bool couple_nonmanifold = false;        ///< edges of more than two triangles: couple every pair, else refuse
+    /// Parts that go with others: no unknowns, held by nothing, loaded by nothing; empty: none. Their prisms count as
+    /// fixed, whatever `pin` says; their vertices are placed after the others', in all that is asked of the shell.
+    std::shared_ptr<const Attachments> attached;
 };
 
 struct Loads {
@@ -120,8 +124,9 @@ public:
 
     /// Vertices of the present poses, by the rule of DESIGN section 4 (*Vertices*). Fixed ones are copies.
     Points vertices() const;
+    /// Those of attached parts: the rotation of the part, no displacement.
     Poses poses() const;
-    void set_poses(const Poses& poses);  ///< any poses; pinned prisms are moved by the next `solve`
+    void set_poses(const Poses& poses);  ///< any poses; pinned prisms are moved by the next `solve`, attached ones stay
     void reset();                        ///< back to rest
 
     double energy(const Loads& loads = {}) const;  ///< at the present poses
@@ -146,7 +151,8 @@ public:
     TriMesh prism_surface() const;
 
     int num_free_prisms() const;
-    const std::vector<char>& fixed_vertices() const;  ///< per vertex: copied from the start, bit for bit
+    /// Per vertex: copied from the start, bit for bit, by this shell; attached ones go elsewhere after that.
+    const std::vector<char>& fixed_vertices() const;
 
     struct Impl;  ///< shell_impl.hpp
 

@@ -33,6 +33,9 @@ struct PrimoShell::Impl {
     /// H X = B at `poses`, to `tolerance` of each column or the round-off of H X. @pre need_tangent().
     Eigen::MatrixXd solve_tangent(const Eigen::MatrixXd& B, double tolerance = 1e-11);
     Points vertices() const;
+    Points placed() const {
+        return rest.attached ? vertices() : Points();
+    }  ///< where attached parts are differentiated
 };
 
 /// Preconditioned conjugate gradients on the shell's current H.

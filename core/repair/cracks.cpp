@@ -1,10 +1,12 @@
 #include "core/error.hpp"
 #include "core/mesh/point_tree.hpp"
+#include "core/repair/one_sided.hpp"
 #include "core/repair/open_vertices.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
 #include <map>
+#include <numeric>
 
 namespace strake::mending {
 namespace {
@@ -47,11 +49,12 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
     return junctions;
 }
 
-/// Cuts one side of a triangle at its junctions: a fan from the opposite corner.
-void cut_sides(Surface& surface, Junctions& junctions) {
+/// Cuts one side of a triangle at its junctions: a fan from the opposite corner. @return per triangle the one before.
+std::vector<int> cut_sides(Surface& surface, Junctions& junctions) {
     TriMesh& mesh = surface.mesh;
     std::vector<std::array<int, 3>> fresh;
-    std::vector<int> source, group;
+    std::vector<int> source, group, parent(static_cast<std::size_t>(mesh.num_triangles()));
+    std::iota(parent.begin(), parent.end(), 0);
     std::vector<char> is_cut(static_cast<std::size_t>(mesh.num_triangles()));
     for (auto& [side, on] : junctions) {
         const int t = side.first, k = side.second;
@@ -81,14 +84,40 @@ void cut_sides(Surface& surface, Junctions& junctions) {
         fresh.push_back(triangle(from, to));
         for (std::size_t i = 0; i < on.size(); ++i) {
             source.push_back(surface.source[t]);
+            parent.push_back(t);
             if (!mesh.group.empty()) group.push_back(mesh.group[t]);
         }
     }
     surface.append(fresh, source, group);
+    return parent;
+}
+
+TriMesh with_corners_onto(const TriMesh& mesh, const std::vector<int>& onto) {
+    TriMesh result = mesh;
+    for (int i = 0; i < result.triangles.size(); ++i) result.triangles.data()[i] = onto[result.triangles.data()[i]];
+    return result;
+}
+
+/// Takes back what would join the two sides of a sheet to one, as of two lids that lie side by side: no orientation
+/// would be left.
+void keep_two_sides(const TriMesh& mesh, const Adjacency& adjacent, std::vector<int>& onto) {
+    const Joined before(adjacent);
+    std::vector<int> parent(static_cast<std::size_t>(mesh.num_triangles()));
+    std::iota(parent.begin(), parent.end(), 0);
+    for (int round = 0; round < 10; ++round) {
+        const Adjacency after = adjacency(with_corners_onto(mesh, onto));
+        const std::vector<int> bad = before.one_sided(after, parent);
+        if (bad.empty()) return;
+        std::vector<char> is_end(onto.size());
+        for (const int e : bad)
+            for (const int v : after.edges[e]) is_end[v] = 1;
+        for (std::size_t v = 0; v < onto.size(); ++v)
+            if (is_end[onto[v]]) onto[v] = static_cast<int>(v);
+    }
 }
 
 /// Open vertices within the tolerance become one, unless an edge joins them: that would take triangles away.
-bool merge_vertices(Surface& surface, double tolerance) {
+void merge_vertices(Surface& surface, double tolerance) {
     TriMesh& mesh = surface.mesh;
     const Adjacency adjacent = adjacency(mesh);
     std::vector<int> onto = near_vertices(mesh.vertices, tolerance, open_vertices(mesh, adjacent).is_open);
@@ -101,25 +130,37 @@ bool merge_vertices(Surface& surface, double tolerance) {
     bool any = false;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         if (refused[v]) onto[v] = v;
+        any = any || onto[v] != v;
+    }
+    if (!any) return;
+    keep_two_sides(mesh, adjacent, onto);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
         if (onto[v] == v) continue;
-        any = true;
         const double apart = (mesh.vertices.row(v) - mesh.vertices.row(onto[v])).norm();
         surface.items.push_back({RepairKind::crack, surface.input_vertex(v), -1, mesh.vertices.row(onto[v]), apart, 0,
                                  text("vertex ", v, " onto vertex ", onto[v], ", ", apart, " apart")});
     }
-    for (int i = 0; i < mesh.triangles.size(); ++i) mesh.triangles.data()[i] = onto[mesh.triangles.data()[i]];
-    return any;
+    mesh = with_corners_onto(mesh, onto);
 }
 
 }  // namespace
 
 void close_cracks(Surface& surface, double tolerance) {
     merge_vertices(surface, tolerance);
+    std::vector<char> is_left;  // per triangle: cut, it would join the two sides of a sheet
     for (int round = 0; round < 20; ++round) {
         const Adjacency adjacent = adjacency(surface.mesh);
         Junctions junctions = find_junctions(surface.mesh, adjacent, tolerance);
+        is_left.resize(static_cast<std::size_t>(surface.mesh.num_triangles()));
+        std::erase_if(junctions, [&](const auto& item) { return is_left[item.first.first] != 0; });
         if (junctions.empty()) return;
-        cut_sides(surface, junctions);
+        Surface cut = surface;
+        const std::vector<int> parent = cut_sides(cut, junctions);
+        const Adjacency after = adjacency(cut.mesh);
+        const std::vector<int> bad = Joined(adjacent).one_sided(after, parent);
+        for (const int e : bad)
+            for (const int t : after.edge_triangles[e]) is_left[parent[t]] = 1;
+        if (bad.empty()) surface = std::move(cut);
     }
 }
 

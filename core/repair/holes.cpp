@@ -93,14 +93,27 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
     return loops;
 }
 
-/// Loops, by number, whose fill passes through the surface or another fill.
+constexpr double back_to_back = -1 + 1e-8;  ///< cosine between normals: folded by 179.99 degrees
+
+/// Loops, by number, whose fill passes through the surface or another fill, or lies back to back with what is beside
+/// it: the loop around a flat sheet is no hole.
 std::vector<char> passing_through(const TriMesh& mesh, const std::vector<int>& begin) {
     std::vector<char> is_bad(begin.size());
+    const auto note = [&](int t) {
+        if (t >= begin[0])
+            is_bad[static_cast<std::size_t>(std::upper_bound(begin.begin(), begin.end(), t) - begin.begin() - 1)] = 1;
+    };
+    const Adjacency adjacent = adjacency(mesh);
+    const Points normal = triangle_normals(mesh);
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        const auto pair = adjacent.edge_triangles[e];
+        if (adjacent.is_regular(e) && pair[0] < begin[0] && normal.row(pair[0]).dot(normal.row(pair[1])) < back_to_back)
+            note(pair[1]);
+    }
+    // Those alone at first: they may pass through fills that are good.
+    if (std::find(is_bad.begin(), is_bad.end(), 1) != is_bad.end()) return is_bad;
     for (const auto& pair : self_intersections(mesh))
-        for (const int t : pair)
-            if (t >= begin[0])
-                is_bad[static_cast<std::size_t>(std::upper_bound(begin.begin(), begin.end(), t) - begin.begin() - 1)] =
-                    1;
+        for (const int t : pair) note(t);
     return is_bad;
 }
 

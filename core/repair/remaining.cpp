@@ -31,7 +31,9 @@ void loops_that_remain(const Checkup& after, const RepairOptions& options, int r
                  options.holes ? text("larger than the limit; --holes ", 1.001 * largest, " would close the largest")
                                : text("not asked for; --holes SIZE closes them, the largest is ", largest, " across")));
     if (refused_fills > 0)
-        list.push_back(text(refused_fills, " open loop(s): what would close them passes through the surface"));
+        list.push_back(
+            text(refused_fills,
+                 " open loop(s): what would close them passes through the surface or lies back to back with it"));
     if (other > refused_fills)
         list.push_back(text(other - refused_fills,
                             " open loop(s): orientation faults or edges of more than two triangles beside them ",
@@ -49,7 +51,7 @@ std::vector<std::string> what_remains(const Checkup& after, const RepairOptions&
     };
     loops_that_remain(after, o, refused_fills, list);
     add(after.crack_vertices.size(), "vertices at cracks", o.cracks.has_value(), "--cracks",
-        "the tolerance is too small, or the two sides belong to one triangle");
+        "the tolerance is too small, the two sides belong to one triangle, or joined they would leave no orientation");
     if (!f.orientable)
         list.push_back(
             text("not orientable, like a Moebius strip: no way to turn the triangles makes all neighbours "

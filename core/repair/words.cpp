@@ -102,7 +102,7 @@ std::vector<std::string> advice(const Checkup& c) {
     add(!c.crack_vertices.empty(), "--cracks 1e-3%");
     add((!f.misoriented_edges.empty() && f.orientable) || c.inward_components > 0, "--orient");
     add(!f.nonmanifold_edges.empty() || !f.nonmanifold_vertices.empty(), "--split");
-    if (has_holes(c) && c.diagonal > 0) {
+    if (has_holes(c) && c.diagonal > 0 && f.orientable) {  // what closes a surface of one side passes through it
         double largest = 0;
         for (const BoundaryLoop& loop : c.loops)
             if (loop.symmetry_axis < 0) largest = std::max(largest, loop.size);
@@ -119,7 +119,9 @@ std::vector<std::string> advice(const Checkup& c) {
                                 ", at: ", loop.symmetry_at, "}"));
             break;
         }
-    if (!f.orientable) list.push_back("no repair makes a surface of one side orientable: cut it, or mend it by hand");
+    if (!f.orientable)
+        list.push_back(
+            "no repair makes a surface of one side orientable: cut it across, or use it as it is, without volume");
     if (c.pairs && !c.pairs->apart.empty())
         list.push_back("intersections stay: unite the parts in a modeller, or use them as separate components");
     else if ((c.pairs && !c.pairs->adjacent.empty()) || !c.inverted_triangles.empty())

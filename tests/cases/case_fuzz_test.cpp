@@ -29,6 +29,7 @@ loads:
   - {region: ball, displacement: 5%, direction: [0, 0, 1], spring: 2}
 strains:
   - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
+attach: [{part: nacelle, to: 0, how: follow}, {part: flap, to: nacelle, how: rigid}]
 parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}

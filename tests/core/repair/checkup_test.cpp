@@ -84,7 +84,8 @@ TEST(Checkup, AdviceNamesTheOptions) {
     ASSERT_EQ(flipped.size(), 1u);
     EXPECT_NE(flipped[0].find("--orient would mend 1 kind of defect"), std::string::npos) << flipped[0];
     const auto moebius = advice(checkup(twisted_band(24, 1)));
-    EXPECT_NE(moebius.back().find("orientable"), std::string::npos);
+    ASSERT_EQ(moebius.size(), 1u);  // nothing that would close it
+    EXPECT_NE(moebius.back().find("orientable: cut it across"), std::string::npos);
 }
 
 }  // namespace

@@ -161,6 +161,61 @@ TEST(Repair, AFlatHoleIsFilledInItsPlane) {
         }
 }
 
+TEST(Repair, AFlatSheetIsNotClosedByItsOwnBack) {
+    RepairOptions options;
+    options.holes = 100;
+    for (const HoleFill how : {HoleFill::planar, HoleFill::smooth}) {
+        options.fill = how;
+        const TriMesh sheet = strip(2, 1, 6, 4);
+        const RepairResult result = repair(sheet, options);
+        expect_same_bits(result.mesh, sheet);
+        ASSERT_FALSE(result.remaining.empty());
+        EXPECT_NE(result.remaining[0].find("lies back to back"), std::string::npos) << result.remaining[0];
+        // A hole inside of it is one.
+        const Eigen::Vector3d inside(2.5 / 3, 0.375, 0);
+        const RepairResult framed =
+            repair(without(sheet, [&](int t) { return (centroid(sheet, t) - inside).norm() < 0.15; }), options);
+        EXPECT_EQ(framed.count(RepairKind::hole), 1);
+        EXPECT_EQ(framed.after.facts.boundary_loops.size(), 1u);
+    }
+}
+
+TEST(Repair, CracksAreNotClosedToASurfaceOfOneSide) {
+    // A band turned half around, its ends a hair apart; with and without a vertex in the middle of one of them.
+    const TriMesh moebius = twisted_band(24, 1);
+    for (const bool has_junction : {false, true}) {
+        TriMesh band = moebius;
+        band.vertices.conservativeResize(50, 3);
+        for (int k = 0; k < 2; ++k)
+            band.vertices.row(48 + k) = moebius.vertices.row(k) + Eigen::RowVector3d(1e-7, -1e-7, 1e-7);
+        for (int t = 0; t < 2; ++t)
+            for (int k = 0; k < 3; ++k)
+                if (band.triangles(t, k) < 2) band.triangles(t, k) += 48;
+        if (has_junction) {
+            band.vertices.conservativeResize(51, 3);
+            band.vertices.row(50) = 0.5 * (band.vertices.row(48) + band.vertices.row(49));
+            const int apex = band.triangles(0, 1);
+            band.triangles.row(0) << 48, apex, 50;
+            add_triangle(band, apex, 49, 50);
+        }
+        RepairOptions options;
+        options.cracks = 1e-5;
+        options.orient = true;
+        ASSERT_TRUE(checkup(band).facts.orientable);
+        const RepairResult result = repair(band, options);
+        EXPECT_TRUE(result.after.facts.orientable);
+        EXPECT_TRUE(result.after.facts.misoriented_edges.empty());
+        // Turned once more, the sides agree and are joined.
+        TriMesh plain = twisted_band(24, 2);
+        plain.vertices.conservativeResize(50, 3);
+        for (int k = 0; k < 2; ++k) plain.vertices.row(48 + k) = plain.vertices.row(k);
+        for (int t = 0; t < 2; ++t)
+            for (int k = 0; k < 3; ++k)
+                if (plain.triangles(t, k) < 2) plain.triangles(t, k) += 48;
+        EXPECT_EQ(repair(plain, options).after.facts.boundary_loops.size(), 2u);
+    }
+}
+
 TEST(Repair, HalfModelsKeepTheirCut) {
     const TriMesh ball = icosphere(3);
     const TriMesh half = without(box_surface({1, 1, 1}, 4), [](int t) { return t < 32; });

@@ -22,7 +22,7 @@ class Example:
     def setUp(self):
         folder = tempfile.TemporaryDirectory()
         self.addCleanup(folder.cleanup)
-        for script in ("newton.py", "volume.py"):
+        for script in ("newton.py", "played.py", "volume.py"):
             shutil.copy(os.path.join(CASES, script), folder.name)
         self.case = os.path.join(folder.name, self.name)
         shutil.copytree(os.path.join(CASES, self.name), self.case, ignore=shutil.ignore_patterns("generated"))

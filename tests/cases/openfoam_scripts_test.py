@@ -1,5 +1,7 @@
 #!/usr/bin/python3
 """What the OpenFOAM examples compute by themselves, without OpenFOAM: openfoam_scripts_test.py FOLDER_OF_THE_SCRIPTS"""
+import contextlib
+import io
 import os
 import subprocess
 import sys
@@ -103,11 +105,17 @@ class Files(unittest.TestCase):
         path = self.write("coefficient.dat", "# Time Cd Cs\n1 0.5 0\n2 0.25 0\n")
         self.assertEqual(foam.read_columns(path).tolist(), [[1, 0.5, 0], [2, 0.25, 0]])
 
-    def test_stl_has_the_right_size(self):
+    def test_stl_comes_back(self):
         path = os.path.join(self.folder.name, "body.stl")
         vertices, triangles = sphere(6, 8)
         foam.write_stl(path, vertices, triangles)
         self.assertEqual(os.path.getsize(path), 84 + 50 * len(triangles))
+        corners, rows = foam.read_stl(path)
+        np.testing.assert_allclose(corners[rows], vertices[triangles], atol=1e-7)
+        with open(path, "ab") as file:
+            file.write(b"more")
+        with self.assertRaises(SystemExit), contextlib.redirect_stderr(io.StringIO()):
+            foam.read_stl(path)
 
 
 class Programs(unittest.TestCase):

@@ -5,7 +5,6 @@ Newton's impact theory in place of a flow.
     fake_cart3d.py autoInputs|cubes|mgPrep|flowCart [OPTIONS]   as the programs of these names
     fake_cart3d.py components SURFACE.obj OUT.tri               the example's surface with its three components
 """
-import hashlib
 import math
 import os
 import re
@@ -14,14 +13,10 @@ import sys
 sys.dont_write_bytecode = True  # no __pycache__ beside the case
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), ".."))
 from newton import force
+from played import mark_of, need, save, stop
 from volume import cross, dot, read_obj
 
 SURFACE = "Components.i.tri"
-
-
-def stop(message):
-    print(f"ERROR: {message}", file=sys.stderr)
-    sys.exit(1)
 
 
 def read_tri(name):
@@ -66,24 +61,9 @@ def write_tri(name, vertices, triangles, components):
         file.writelines(f"{k}\n" for k in components)
 
 
-def mark_of(name):
-    with open(name, "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
-
-
-def need(name, mark):
+def need_mesh(name):
     """A mesh of this example holds nothing but the mark of the surface that it was made about."""
-    try:
-        with open(name, encoding="ascii") as file:
-            if file.read() != mark:
-                stop(f"{name} was made about another surface")
-    except OSError as error:
-        stop(f"{name}: {error.strerror}")
-
-
-def save(name, mark):
-    with open(name, "w", encoding="ascii") as file:
-        file.write(mark)
+    need(name, mark_of(SURFACE), "another surface")
 
 
 def auto_inputs():
@@ -94,12 +74,12 @@ def auto_inputs():
 
 def cubes():
     read_tri(SURFACE)
-    need("input.c3d", mark_of(SURFACE))
+    need_mesh("input.c3d")
     save("Mesh.R.c3d", mark_of(SURFACE))
 
 
 def prepare_multigrid():
-    need("Mesh.R.c3d", mark_of(SURFACE))
+    need_mesh("Mesh.R.c3d")
     save("Mesh.mg.c3d", mark_of(SURFACE))
 
 
@@ -122,7 +102,7 @@ def control(key):
 
 def flow():
     vertices, triangles, components = read_tri(SURFACE)
-    need("Mesh.mg.c3d", mark_of(SURFACE))
+    need_mesh("Mesh.mg.c3d")
     names = labels()
     if set(components) != set(names):
         stop(f"{SURFACE} has the components {sorted(set(components))}, Config.xml {sorted(names)}")

@@ -155,9 +155,23 @@ def read_obj(path):
     return np.array(vertices), np.array(triangles)
 
 
+STL_RECORD = np.dtype([("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+
+
+def read_stl(path):
+    """Corners (3m x 3) and triangles (m x 3) of a binary STL: corners that coincide are not joined."""
+    with open(path, "rb") as file:
+        data = file.read()
+    count = int(np.frombuffer(data[80:84].ljust(4, b"\0"), "<u4")[0])
+    if len(data) != 84 + count * STL_RECORD.itemsize:
+        fail(f"{path}: {len(data)} bytes; a binary STL of {count} triangles has {84 + count * STL_RECORD.itemsize}")
+    corners = np.frombuffer(data, STL_RECORD, offset=84)["corners"].reshape(-1, 3).astype(float)
+    return corners, np.arange(3 * count).reshape(-1, 3)
+
+
 def write_stl(path, vertices, triangles):
     """Binary STL, in single precision as the format demands."""
-    record = np.zeros(len(triangles), dtype=[("normal", "<f4", 3), ("corners", "<f4", (3, 3)), ("rest", "<u2")])
+    record = np.zeros(len(triangles), dtype=STL_RECORD)
     record["corners"] = vertices[triangles]
     with open(path, "wb") as file:
         file.write(b"body".ljust(80) + np.uint32(len(triangles)).tobytes() + record.tobytes())

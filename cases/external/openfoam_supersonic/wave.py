@@ -1,29 +1,40 @@
 #!/usr/bin/python3
-"""Wave drag of a body in a supersonic stream without friction, by OpenFOAM's rhoCentralFoam on half of the space.
+"""Wave drag of a slender body in a supersonic stream without friction, by OpenFOAM's rhoCentralFoam on half of the space.
 
-    wave.py REQUEST RESULT            an evaluation for Strake, in the current folder
-    wave.py prepare SURFACE           builds mesh and start solution about the start shape, in generated/base
-    wave.py rebuild FACTOR SURFACE..  drag of surfaces on new meshes of FACTOR times the resolution, one line each,
-                                      begun from the flow in generated/base
+    wave.py REQUEST RESULT                  an evaluation for Strake, in the current folder
+    wave.py prepare SURFACE                 mesh and flow about the start shape, in generated/base
+    wave.py rebuild FACTOR SURFACE[:MACH]..  drag of surfaces on meshes of FACTOR times the resolution, one line each,
+                                            begun from the flow in generated/base
 
-The drag is that over dynamic pressure and the square of the unit of length; the stream comes along x at Mach 2.
+The drag is that of the whole body over dynamic pressure: an area in the square of the surface's unit. The stream comes along x at
+Mach 2, or at MACH. The mesh is the one of openfoam/around.py, made of the surface anew each time, with the same cells.
 """
 import json
+import math
 import os
+import re
+import shutil
 import sys
 
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, "../openfoam"))
+import around
 import flow
 import foam
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
-CELLS = {"cellsAlong": 36, "cellsAcross": 24, "cellsHigh": 12}  # of the wind tunnel, before refinement
-OUTSIDE = {"inlet": "fixed", "outlet": "fixed", "symmetry": "symmetryPlane"}
+CELLS = {"along": 60, "wake": 8, "around": 6, "outward": 20}
+MACH = 2.0
 FIELDS = ["U", "p", "T"]
-MEAN = 100       # steps: the limiter leaves a ripple of 1e-4, which the mean takes out
+MEAN = 100       # steps: the limiter leaves a ripple of 1e-3, which the mean takes out
 STEADY = 5e-3    # largest difference between the means of the last steps and those before
+
+
+def layout(surface, sizes, mach):
+    """The outer cone is a little wider than that of a weak wave."""
+    x = surface[0][:, 0]
+    return around.Layout(sizes, (x.min(), x.max()), 1.15 / math.sqrt(mach * mach - 1))
 
 
 def solve(folder, steps):
@@ -37,32 +48,57 @@ def solve(folder, steps):
     return float(last)
 
 
+def check(folder):
+    """The number of cells of a mesh that is good enough."""
+    flow.steps(folder, 1)
+    told = foam.run(folder, "checkMesh", "-constant")
+    if "Mesh OK" not in told:
+        foam.fail(f"the mesh about this shape is not good; see {folder}/log.checkMesh")
+    return int(re.search(r"cells:\s+(\d+)", told)[1])
+
+
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
-        request = json.load(file)
-    flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=2)
-    result = {"value": solve("case", 350)}
+        surface = foam.read_obj(json.load(file)["surface"])
+    if not os.path.exists(os.path.join(BASE, "0/U")):
+        foam.fail(f"{BASE}: no mesh yet; run prepare.sh of this folder first")
+    shutil.rmtree("case", ignore_errors=True)
+    flow.clone(BASE, "case")
+    os.remove("case/constant/polyMesh/points")  # the base's
+    foam.write_points("case/constant/polyMesh", layout(surface, CELLS, MACH).points(surface))
+    check("case")
     with open(result_file, "w", encoding="ascii") as file:
-        json.dump(result, file)
+        json.dump({"value": solve("case", 300)}, file)
     flow.clean("case")
+
+
+def build(folder, surface, sizes, mach):
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(TEMPLATE, folder)
+    with open(os.path.join(folder, "system/stream"), "w", encoding="ascii") as file:
+        file.write(f"mach {mach!r};\n")
+    cells = layout(surface, sizes, mach)
+    points, mesh = cells.points(surface), os.path.join(folder, "constant/polyMesh")
+    around.write_topology(mesh, cells, points)
+    foam.write_points(mesh, points)
+    return check(folder)
 
 
 def prepare(file):
     """The flow about the start shape is where every evaluation starts."""
-    surface = foam.read_obj(file)
-    cells = flow.build(TEMPLATE, BASE, surface, CELLS)
-    distance = flow.save_map(BASE, surface)
-    drag = solve(BASE, 1000)
+    cells = build(BASE, foam.read_obj(file), CELLS, MACH)
+    drag = solve(BASE, 900)
     flow.start_from(BASE, FIELDS)
-    print(f"{cells} cells, boundary within {distance:.1e} of the diagonal from the surface, drag {drag:.6f}")
+    print(f"{cells} cells, drag {drag:.6f}")
 
 
 def rebuild(factor, files):
     sizes = flow.refined(CELLS, factor)
-    for file in files:
-        cells = flow.build(TEMPLATE, "rebuilt", foam.read_obj(file), sizes)
+    for name in files:
+        file, _, mach = name.partition(":")
+        cells = build("rebuilt", foam.read_obj(file), sizes, float(mach or MACH))
         flow.start_near(BASE, "rebuilt")
-        print(f"{file}: {cells} cells, drag {solve('rebuilt', round(250 * float(factor))):.6f}", flush=True)
+        print(f"{name}: {cells} cells, drag {solve('rebuilt', round(400 * float(factor))):.6f}", flush=True)
         flow.clean("rebuilt")
 
 

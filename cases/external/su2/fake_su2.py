@@ -8,7 +8,6 @@ impact theory in place of a flow.
 The mesh has three shells of points, the body's and two around it, and prisms between them. Its points are numbered shell by
 shell within each column, so that those of the body are not the first ones: as in any real mesh.
 """
-import hashlib
 import math
 import os
 import re
@@ -17,15 +16,11 @@ import sys
 sys.dont_write_bytecode = True  # no __pycache__ beside the case
 sys.path.insert(0, os.path.join(os.path.dirname(os.path.realpath(__file__)), ".."))
 from newton import force
+from played import mark_of, need, save, stop
 from volume import cross, dot, minus, read_obj
 
 SHELLS = (1.0, 1.6, 4.0)  # about the origin
 OBJECTIVES = {"DRAG": "cd", "LIFT": "cl"}
-
-
-def stop(message):
-    print(f"Error: {message}", file=sys.stderr)
-    sys.exit(1)
 
 
 def read_config(name):
@@ -161,24 +156,9 @@ def coefficient(config, mesh, name):
     return value / area, [tuple(x / area for x in row) for row in gradient]
 
 
-def mark_of(config):
-    """A file of a solution holds this: of the mesh that it belongs to."""
-    with open(config["MESH_FILENAME"], "rb") as file:
-        return hashlib.sha256(file.read()).hexdigest()
-
-
-def need(name, mark):
-    try:
-        with open(name, encoding="ascii") as file:
-            if file.read() != mark:
-                stop(f"{name} is of another mesh")
-    except OSError as error:
-        stop(f"{name}: {error.strerror}")
-
-
-def save(name, mark):
-    with open(name, "w", encoding="ascii") as file:
-        file.write(mark)
+def needs_solution(name, config):
+    """The files of solutions hold the mark of the mesh that they belong to."""
+    need(name, mark_of(config["MESH_FILENAME"]), "another mesh")
 
 
 def flow(config):
@@ -190,18 +170,18 @@ def flow(config):
     with open(config["CONV_FILENAME"] + ".csv", "w", encoding="ascii") as file:
         file.write('"Time_Iter","Outer_Iter","Inner_Iter",     "rms[Rho]"     ,       "CD"       ,       "CL"       \n')
         file.write(f"          0,           0,         499,  -1.0e+01, {values[0]!r}, {values[1]!r}\n")
-    save(config["RESTART_FILENAME"] + ".dat", mark_of(config))
+    save(config["RESTART_FILENAME"] + ".dat", mark_of(config["MESH_FILENAME"]))
 
 
 def adjoint(config):
     if config["MATH_PROBLEM"] != "DISCRETE_ADJOINT":
         stop("MATH_PROBLEM has to be DISCRETE_ADJOINT")
-    need(config["SOLUTION_FILENAME"] + ".dat", mark_of(config))
-    save(f"{config['RESTART_ADJ_FILENAME']}_{OBJECTIVES[config['OBJECTIVE_FUNCTION']]}.dat", mark_of(config))
+    needs_solution(config["SOLUTION_FILENAME"] + ".dat", config)
+    save(f"{config['RESTART_ADJ_FILENAME']}_{OBJECTIVES[config['OBJECTIVE_FUNCTION']]}.dat", mark_of(config["MESH_FILENAME"]))
 
 
 def project(config):
-    need(f"{config['SOLUTION_ADJ_FILENAME']}_{OBJECTIVES[config['OBJECTIVE_FUNCTION']]}.dat", mark_of(config))
+    needs_solution(f"{config['SOLUTION_ADJ_FILENAME']}_{OBJECTIVES[config['OBJECTIVE_FUNCTION']]}.dat", config)
     mesh, (tag,) = Mesh.read(config["MESH_FILENAME"]), words(config["DV_MARKER"])
     _, gradient = coefficient(config, mesh, config["OBJECTIVE_FUNCTION"])
     normals = [(0.0, 0.0, 0.0)] * len(mesh.points)

@@ -1,6 +1,7 @@
 #include "optimize/mixed_design.hpp"
 
 #include "core/error.hpp"
+#include "optimize/shell_setup.hpp"
 #include "optimize/validity.hpp"
 
 namespace strake {
@@ -83,7 +84,8 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
     out.end = shell.solve(wanted.loads, wanted.motions);
     out.vertices = shell.vertices();
     if (out.end.status != SolveStatus::converged) return out;
-    const ValidityGuard guard(one.rest->surface, one.rest->adjacent, {a.problem.fixed, a.problem.symmetry});
+    const ValidityGuard guard(one.rest->surface, one.rest->adjacent,
+                              {a.problem.fixed, a.problem.symmetry, attached_triangles(a.problem)});
     out.defect = guard.defect(out.vertices, shell.poses());
     return out;
 }

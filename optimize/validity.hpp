@@ -10,7 +10,7 @@ namespace strake {
 struct ValidityOptions {
     std::vector<int> fixed;                 ///< triangles whose vertices must not move by a bit
     std::optional<SymmetryPlane> symmetry;  ///< closes what is open on it
-    std::vector<int> attached;              ///< triangles that go with others (core/primo/attachments.hpp)
+    std::vector<int> attached = {};         ///< triangles that go with others (core/primo/attachments.hpp)
 };
 
 /// What is refused, in the order of the tests:

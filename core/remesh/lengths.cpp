@@ -52,8 +52,13 @@ public:
         const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
         Foot foot{mesh_.pos[b], mesh_.foot[b], 0};
         if (moves) foot = project(*mesh_.base, 0.5 * (mesh_.pos[a] + mesh_.pos[b]), mesh_.foot[b], mesh_.size[b]);
-        if (!shorter(a, b, foot.point) || (moves && !shorter(b, b, foot.point))) return false;
-        if (!faces(a, b, h, foot, moves)) return false;
+        if (!fits_at(a, b, h, foot, moves)) {
+            // Cut out of long needles, vertices lie off the surface by as much as they are apart: at first they join,
+            // and smoothing takes them to it.
+            if (!moves || !(foot.distance2 > 0.25 * mesh_.length2(h))) return false;
+            foot.point = 0.5 * (mesh_.pos[a] + mesh_.pos[b]);
+            if (!fits_at(a, b, h, foot, moves)) return false;
+        }
         mesh_.collapse(h, a);
         mesh_.pos[b] = foot.point;
         mesh_.foot[b] = foot.triangle;
@@ -61,6 +66,9 @@ public:
     }
 
 private:
+    bool fits_at(int a, int b, int h, const Foot& foot, bool moves) {
+        return shorter(a, b, foot.point) && (!moves || shorter(b, b, foot.point)) && faces(a, b, h, foot, moves);
+    }
     bool vanishes(int t, int h) const { return t == h / 3 || (mesh_.twin[h] >= 0 && t == mesh_.twin[h] / 3); }
 
     /// No edge of v gets too long when v goes to x, where it is b; or none longer than it was.
@@ -114,8 +122,8 @@ private:
             fits = false;
         try_at(a);
         if (moves) try_at(b);
-        fits = fits && after.quality >= std::min(0.3, before.quality) && after.quality > 1e-4 &&
-               after.dot >= allowed_dot(guard_, before.dot);
+        fits = fits && after.quality >= std::min(0.3, before.quality) &&
+               after.quality > std::min(1e-4, before.quality) && after.dot >= allowed_dot(guard_, before.dot);
         if (!fits) mesh_.normal[b] = normal_before;
         return fits;
     }

@@ -10,6 +10,8 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr int most_tries = 12;  ///< of a vertex in a sweep: where hundreds of thin triangles meet, all would ask for it
+
 class Polish {
 public:
     Polish(WorkingMesh& mesh, const Guard& guard) : mesh_(mesh), guard_(guard) {}
@@ -20,6 +22,8 @@ public:
         std::vector<int> look;
         for (int t = 0; t < mesh_.num_triangles(); ++t)
             if (mesh_.is_alive(t) && mesh_.quality(t) < below) look.push_back(t);
+        const auto is_hopeless = [&](int t) { return mesh_.quality(t) < 0.02; };
+        if (4 * std::count_if(look.begin(), look.end(), is_hopeless) > mesh_.num_triangles()) return 0;  // wires
         const std::size_t most = mesh_.num_triangles() / 2;  // it is a finish, and takes its time
         if (look.size() > most) {
             std::stable_sort(look.begin(), look.end(),
@@ -27,8 +31,12 @@ public:
             look.resize(most);
         }
         for (int sweep = 0; sweep < 4 && !look.empty(); ++sweep) {
+            std::vector<int> tries(mesh_.num_vertices(), 0);
             for (const int t : look)
-                for (int k = 0; k < 3; ++k) count += improve(mesh_.corner[3 * t + k], below);
+                for (int k = 0; k < 3; ++k) {
+                    const int v = mesh_.corner[3 * t + k];
+                    if (++tries[v] <= most_tries) count += improve(v, below);
+                }
             std::erase_if(look, [&](int t) { return mesh_.quality(t) >= below; });
         }
         return count;

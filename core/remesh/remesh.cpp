@@ -176,7 +176,9 @@ private:
     /// Where the shape asks for shorter edges than wanted; not before the first ones have found their places, and
     /// not so late that nothing can follow.
     void note_limits(int i) {
+        if (!takes_limits_) return;
         int count = 0;
+        std::vector<double> before = mesh_.limit;
         const bool is_much = mesh_.num_triangles() > 12 * most_expected_;  // thin places everywhere: it would not end
         if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
         if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
@@ -184,6 +186,26 @@ private:
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
+        if (count == 0 || expected_triangles() < 6 * most_expected_) return;
+        // Wires, thin all over, would become surfaces of a hundred thousand triangles and still be thin.
+        mesh_.limit = std::move(before);
+        takes_limits_ = false;
+        update_sizes(mesh_, sizing_);
+    }
+    /// How many it would become at the wanted lengths.
+    double expected_triangles() const {
+        double sum = 0;
+        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+            if (!mesh_.is_alive(t)) continue;
+            double longest = 0, wanted = 0;
+            for (int h = 3 * t; h < 3 * t + 3; ++h) {
+                longest = std::max(longest, std::sqrt(mesh_.length2(h)));
+                wanted += mesh_.size[mesh_.corner[h]] / 3;
+            }
+            const double height = longest > 0 ? mesh_.area_vector2(t).norm() / longest : 0;
+            sum += std::max(1.0, longest / wanted) * std::max(1.0, height / wanted);
+        }
+        return sum;
     }
 
     /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
@@ -232,6 +254,7 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     const BaseSurface base_;
     Sizing sizing_;
+    bool takes_limits_ = true;  ///< thin places may still ask for shorter edges
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     Guard firm_, loose_;        ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;

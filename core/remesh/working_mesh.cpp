@@ -82,6 +82,14 @@ void WorkingMesh::find_foot(int m, int h) {
         foot[m] = foot[a_tells ? a : b];
         const Vector3d sum = (a_tells ? normal[a] : Vector3d::Zero()) + (b_tells ? normal[b] : Vector3d::Zero());
         normal[m] = sum.squaredNorm() > 0.5 ? Vector3d(sum.normalized()) : base->normal[foot[m]];
+        // Across a bend, or half a wing away, neither end tells what the surface does in the middle.
+        const bool both_tell = a_tells && b_tells;
+        if (both_tell ? normal[a].dot(normal[b]) > 0.97 : (pos[m] - pos[a]).squaredNorm() < size[m] * size[m]) return;
+        const Foot below = project(*base, pos[m], foot[m], size[m]);
+        const Vector3d there = normal_at(*base, below.triangle, below.point);
+        if (there.dot(normal[m]) < 0) return;  // the other side of a thin part
+        foot[m] = below.triangle;
+        normal[m] = there;
         return;
     }
     double near2 = std::numeric_limits<double>::infinity();  // a bound from what lies beside makes the search short

@@ -119,6 +119,54 @@ TEST(Remesh, NeedlesOfAStructuredWingGo) {
     EXPECT_LT(hausdorff(mesh, result.mesh), 2e-3 * box_diagonal(mesh));
 }
 
+/// As CAD programs hand out wings: two cells along the span, 350 points on each side of the section, crowded at its
+/// nose, a knife edge, and ends that are fans of needles from it: 4 196 triangles, hardly one of a quality above 1e-2.
+TriMesh wing_of_needles() {
+    constexpr int n = 350, cells = 2, m = 2 * n;
+    TriMesh mesh;
+    mesh.vertices.resize((cells + 1) * m, 3);
+    mesh.triangles.resize(2 * cells * m + 2 * (m - 2), 3);
+    const auto half = [](double x) {  // NACA 0012, closed
+        return 0.6 * (0.2969 * std::sqrt(x) - x * (0.1260 + x * (0.3516 - x * (0.2843 - 0.1036 * x))));
+    };
+    for (int s = 0; s <= cells; ++s)
+        for (int i = 0; i < m; ++i) {
+            const double x = 0.5 * (1 + std::cos(std::numbers::pi * i / n)), y = 4.0 * s / cells, chord = 1 - 0.1 * y;
+            const double z = i == 0 ? 0 : (i <= n ? 1 : -1) * half(std::max(0.0, x));
+            mesh.vertices.row(s * m + i) << 0.15 * y + chord * x, y, chord * z;
+        }
+    int t = 0;
+    for (int s = 0; s < cells; ++s)
+        for (int i = 0; i < m; ++i) {
+            const int a = s * m + i, b = s * m + (i + 1) % m;
+            mesh.triangles.row(t++) << a, b + m, b;
+            mesh.triangles.row(t++) << a, a + m, b + m;
+        }
+    for (int i = 1; i + 1 < m; ++i) {
+        mesh.triangles.row(t++) << 0, i, i + 1;
+        mesh.triangles.row(t++) << cells * m, cells * m + i + 1, cells * m + i;
+    }
+    return mesh;
+}
+
+TEST(Remesh, AWingOfNeedlesBecomesOneOfGoodTriangles) {
+    const TriMesh wing = wing_of_needles();
+    ASSERT_EQ(wing.num_triangles(), 4196);
+    EXPECT_LT(shape_of(wing).mean, 0.01);
+    RemeshOptions options;
+    options.edge_length = 0.0258;
+    options.threads = 1;
+    const RemeshResult result = remesh(wing, options);
+    EXPECT_EQ(result.new_intersections, 0);
+    EXPECT_EQ(result.frozen_triangles, 0);
+    EXPECT_GT(result.mesh.num_triangles(), 20000);
+    EXPECT_LT(result.mesh.num_triangles(), 30000);
+    const Shape shape = shape_of(result.mesh);
+    EXPECT_GT(shape.mean, 0.97);
+    EXPECT_GT(shape.smallest, 0.3);
+    EXPECT_NEAR(surface_area(result.mesh), surface_area(wing), 3e-3 * surface_area(wing));
+}
+
 TEST(Remesh, TinyAndHugeLengthsEndWell) {
     const TriMesh tetrahedron = [] {
         TriMesh t;

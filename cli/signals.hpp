@@ -6,6 +6,11 @@ namespace strake::cli {
 /// From now on the first INT, TERM or HUP is only noted; the second ends the program at once with status 128 + its
 /// number. HUP stays ignored where it was (nohup).
 void watch_signals();
+
+/// INT, TERM and HUP end the program at once with status 75 (nothing has been written, and it may simply be run again).
+/// @param words for stderr, with static lifetime.
+void end_on_signals(const char* words);
+
 bool stop_wanted();
 int stop_signal();  ///< its number; 0: none
 

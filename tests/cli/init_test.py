@@ -105,7 +105,7 @@ def torn(text):
 def never_overwrites():
     with tempfile.TemporaryDirectory() as where:
         folder = pathlib.Path(where)
-        surface = made("wing", 400, "wing.obj")(folder)
+        surface = made("wing", 1200, "wing.obj")(folder)
         init(folder, surface)
         before = {f.name: f.read_bytes() for f in folder.iterdir()}
         again = run(folder, STRAKE, "init", surface, "-o", "new.yaml", status=2)
@@ -128,7 +128,7 @@ def odd_names():
     with tempfile.TemporaryDirectory() as where:
         folder = pathlib.Path(where)
         name = "it's a $(wing) #1: [new].obj"
-        made("wing", 400, name)(folder)
+        made("wing", 1200, name)(folder)
         _, text = init(folder, name)
         run(folder, STRAKE, "check", "new.yaml", "--quick")
         head = "# units: mm\n" + (folder / name).read_text()

@@ -23,6 +23,7 @@ struct BuiltProblem {
     bool is_prepared = false;  ///< repair or remesh made the surface another one than the file's
     std::string repairs_csv;   ///< every single repair; empty without
     std::vector<RegionTriangles> regions;
+    std::vector<std::string> notes;  ///< what repair and remesh did
     std::vector<std::string> warnings;
 };
 

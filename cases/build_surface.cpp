@@ -14,7 +14,8 @@ void ProblemBuilder::read_start() {
     out_.format = prepared.format;
     out_.is_prepared = prepared.is_changed;
     out_.repairs_csv = std::move(prepared.repairs_csv);
-    for (std::string& words : prepared.notes) out_.warnings.push_back(std::move(words));
+    out_.notes = std::move(prepared.notes);
+    for (std::string& words : prepared.warnings) out_.warnings.push_back(std::move(words));
     start_.mesh = std::move(prepared.mesh);
     start_.file_triangles = prepared.file_triangles;
     start_.is_remeshed = prepared.is_remeshed;

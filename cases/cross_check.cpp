@@ -261,17 +261,19 @@ void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostic
     const Entry *objective = entry_of(&root, "objective"), *fit = entry_of(&root, "fit");
     if (objective && fit)
         errors.add(fit->key_place, "objective and fit exclude each other");
-    else if (purpose == Purpose::run && !objective)
-        errors.add(root.place,
-                   fit ? "objective is missing; this case is one for 'strake fit'" : "objective is missing");
-    else if (purpose == Purpose::fit && !fit)
-        errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'" : "fit is missing");
+    else if (purpose == Purpose::run && !objective && !errors.suggests("objective"))
+        errors.add(root.place, fit ? "objective is missing; this case is one for 'strake fit'"
+                                   : "objective is missing; say what to optimize, as objective: {maximize: volume}");
+    else if (purpose == Purpose::fit && !fit && !errors.suggests("fit"))
+        errors.add(root.place, objective ? "fit is missing; this case is one for 'strake run'"
+                                         : "fit is missing; say what to fit, as fit: [match]");
     else if (fit)
         check_fit(root, c, errors);
     else if (objective)
         check_run(root, errors);
     if (const Entry* constraints = entry_of(&root, "constraints"); constraints && !objective && !fit)
-        errors.add(constraints->key_place, "constraints without an objective");
+        if (!errors.suggests("objective") && !errors.suggests("fit"))
+            errors.add(constraints->key_place, "constraints without an objective");
 }
 
 }  // namespace

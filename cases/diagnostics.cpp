@@ -40,6 +40,12 @@ void Diagnostics::add(const Place& place, const std::string& message) {
     found_.push_back(std::move(diagnostic));
 }
 
+bool Diagnostics::suggests(const std::string& key) const {
+    const std::string hint = "did you mean '" + key + "'?";
+    return std::any_of(found_.begin(), found_.end(),
+                       [&](const Diagnostic& d) { return d.message.find(hint) != std::string::npos; });
+}
+
 void Diagnostics::throw_if_any() const {
     if (found_.empty()) return;
     std::vector<Diagnostic> sorted = found_;

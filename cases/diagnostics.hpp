@@ -34,6 +34,7 @@ public:
     /// The same message at the same place is kept once.
     void add(const Place& place, const std::string& message);
     bool empty() const { return found_.empty(); }
+    bool suggests(const std::string& key) const;  ///< some message asks "did you mean" this key: it is not missing
     const std::string& file() const { return file_; }
     const std::vector<std::string>& lines() const { return lines_; }
     void throw_if_any() const;  ///< @throws CaseError sorted by line and column

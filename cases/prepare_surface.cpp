@@ -33,7 +33,7 @@ void mend(const RepairEntry& entry, PreparedSurface& surface) {
         if (const int count = result.count(static_cast<RepairKind>(k)); count > 0)
             counts += text(counts.empty() ? "" : ", ", count, " ", name_of(static_cast<RepairKind>(k)));
     surface.notes.push_back("repair: " + (counts.empty() ? "nothing to mend of what is asked for" : counts));
-    for (const std::string& words : result.remaining) surface.notes.push_back("repair: still there: " + words);
+    for (const std::string& words : result.remaining) surface.warnings.push_back("repair: still there: " + words);
     surface.repairs_csv = repair_csv(result);
     surface.mesh = std::move(result.mesh);
     surface.source_triangle = std::move(result.source_triangle);
@@ -55,7 +55,7 @@ void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, 
     surface.notes.push_back(text("remesh: ", before, " triangles became ", surface.mesh.num_triangles(),
                                  " of edge length ", result.edge_length));
     if (result.new_intersections > 0)
-        surface.notes.push_back(
+        surface.warnings.push_back(
             text("remesh: ", result.new_intersections, " pairs of triangles intersect that did not"));
 }
 
@@ -63,6 +63,7 @@ void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, 
 
 PreparedSurface prepare_surface(const Case& the_case) {
     SurfaceFile file = read_surface(the_case.surface);
+    check_coordinates(the_case.surface, file.mesh);
     PreparedSurface surface;
     surface.mesh = std::move(file.mesh);
     surface.format = file.format;

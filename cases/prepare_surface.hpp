@@ -11,9 +11,10 @@ struct PreparedSurface {
     int file_triangles = 0;
     bool is_changed = false;  ///< repair or remesh is stated
     bool is_remeshed = false;
-    std::vector<int> source_triangle;  ///< of a surface that was mended but not remeshed: number in the file, -1: new
-    std::string repairs_csv;           ///< every single repair, as `strake repair --list`
-    std::vector<std::string> notes;    ///< what was done and what is still wrong, in words
+    std::vector<int> source_triangle;   ///< of a surface that was mended but not remeshed: number in the file, -1: new
+    std::string repairs_csv;            ///< every single repair, as `strake repair --list`
+    std::vector<std::string> notes;     ///< what was done, in words
+    std::vector<std::string> warnings;  ///< what is still wrong
 };
 
 /// @throws InputError (surface file); CaseError where options do not fit the surface; Interrupted where

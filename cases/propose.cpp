@@ -162,7 +162,9 @@ std::vector<std::string> sentences(const Mended& surface, const std::vector<Prop
 ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
                           const ProposalOptions& options) {
     if (options.evaluations < 1) throw InvalidInput(text("evaluations = ", options.evaluations, " must be >= 1"));
-    const Mended surface = mended(file, read_surface(file).mesh);
+    SurfaceFile read = read_surface(file);
+    check_coordinates(file, read.mesh);
+    const Mended surface = mended(file, std::move(read.mesh));
     const auto half = half_plane(surface.checkup);
     const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
     const auto mirror = whole && surface.checkup.facts.components == 1 ? whole : std::nullopt;

@@ -133,12 +133,15 @@ private:
 
 /// The coordinate direction at whose end most of the area is flat; zero where there is none. A plane counts from a
 /// hundredth of the area on; what is only nearly flat, as a belly, has to be more where there is something better.
-Eigen::Vector3d flat_end(const Holder& holder, bool has_middle) {
+/// What is held of a body that mirrors itself does so, too.
+Eigen::Vector3d flat_end(const Holder& holder, const std::optional<SymmetryPlane>& mirror) {
+    const bool has_middle = mirror && axis_letter(mirror->normal);
     Eigen::Vector3d best = Eigen::Vector3d::Zero();
     double most = 1;
     for (int axis = 0; axis < 3; ++axis)
         for (const double sign : {1.0, -1.0}) {
             const Eigen::Vector3d normal = sign * Eigen::Vector3d::Unit(axis);
+            if (mirror && std::abs(normal.dot(mirror->normal)) > 1e-6) continue;
             const double plane = holder.flat_share(normal, 0.9995, 1e-3), near = holder.flat_share(normal, 0.9, 0.02);
             const double score = std::max(plane / 0.01, near / (has_middle ? 0.04 : 0.01));
             if (score > most && near < 0.3) most = score, best = normal;
@@ -187,7 +190,7 @@ std::vector<ProposedRegion> held_regions(const Mended& surface, const std::optio
                     "the band beside the symmetry plane");
     }
     if (!holder.holds_anything()) {
-        const Eigen::Vector3d end = flat_end(holder, mirror && axis_letter(mirror->normal));
+        const Eigen::Vector3d end = flat_end(holder, mirror);
         down = end;
         if (!end.isZero())
             holder.hold("base", holder.band(end), "the flattest end of the body");

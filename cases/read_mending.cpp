@@ -23,6 +23,8 @@ void CaseReader::read_repair(const Value& map) {
     entry.weld = optional_length(map, "weld");
     entry.cracks = optional_length(map, "cracks");
     entry.holes = optional_length(map, "holes");
+    if (const Value* v = map.find("holes"); v && v->text == "all")
+        entry.holes = Length{std::numeric_limits<double>::infinity(), false};
     RepairOptions& options = entry.options;
     options.duplicates = is_set(map, "duplicates");
     options.degenerate = is_set(map, "degenerate");

@@ -82,7 +82,9 @@ std::string read_length(const std::string& text, const ScalarContext& context, b
                    : strake::text("has the unknown unit '", printable(unit), "'; units: ", units,
                                   may_be_relative ? ", %" : "");
     }
-    if (context.units.empty()) return "carries a unit, but surface.units does not say which one the surface has";
+    if (context.units.empty())
+        return "carries a unit, but surface.units does not say which one the surface has; state it, or leave the unit "
+               "out";
     if (unit != context.units) value.number = value.number * length_factor(unit) / length_factor(context.units);
     return error;
 }
@@ -123,6 +125,19 @@ std::string read_name(const std::string& text) {
     return "";
 }
 
+/// What a mistyped name may have meant, among the files of its folder.
+std::string similar_file(const std::filesystem::path& path) {
+    constexpr int most = 1000;  // a folder of results may hold a million
+    std::vector<std::string> names;
+    std::error_code error;
+    const std::filesystem::path folder = path.has_parent_path() ? path.parent_path() : std::filesystem::path(".");
+    for (std::filesystem::directory_iterator at(folder, error), end; !error && at != end; at.increment(error))
+        if (names.size() < most) names.push_back(at->path().filename().string());
+    std::sort(names.begin(), names.end());  // the folder's order is nobody's
+    const std::string near = nearest(path.filename().string(), names);
+    return near.empty() ? "" : text("; did you mean '", printable(near, 200), "'?");
+}
+
 /// Whether a file can be used is said before anything runs.
 std::string check_file(const std::string& name, const std::filesystem::path& case_dir) {
     if (name.empty()) return "must name a file";
@@ -130,7 +145,7 @@ std::string check_file(const std::string& name, const std::filesystem::path& cas
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found)
-        return text("does not exist (", printable(path.string(), 300), ")");
+        return text("does not exist (", printable(path.string(), 300), ")", similar_file(path));
     if (error) return text("cannot be read: ", error.message());
     if (!std::filesystem::is_regular_file(status)) return "is not a regular file";
     return "";
@@ -254,6 +269,9 @@ const std::vector<std::string>& length_units() {
 }
 
 std::string convert_scalar(Value& value, Type type, const Key& key, const ScalarContext& context) {
+    if (type == key.type && type != Type::word && !value.quoted &&
+        std::find(key.words.begin(), key.words.end(), value.text) != key.words.end())
+        return "";
     std::string error = convert(value, type, key, context);
     if (error.empty() && !std::isfinite(value.number)) error = "is outside of what a double can hold";
     if (error.empty() && type != Type::word) error = check_limits(value, type, key.limits);

@@ -43,7 +43,7 @@ struct Key {
     std::string fallback = "";  ///< default as it would be written; empty: none
     bool required = false;
     Limits limits = {};
-    std::vector<std::string> words = {};
+    std::vector<std::string> words = {};    ///< legal ones; of other types than word: accepted in place of a value
     std::vector<std::string> aliases = {};  ///< other spellings, one a word in their order, or none at all
     Type element = Type::map;               ///< of lists of scalars
     int count = 0;                          ///< of lists: exact length; 0: any, at least one

@@ -147,6 +147,8 @@ private:
         Json j = key.type == Type::map    ? keys(key.path)
                  : key.type == Type::list ? list(key)
                                           : scalar_schema(key.type, key);
+        if (key.type != Type::word && !key.words.empty() && key.type != Type::list)
+            j = any_of({Json{{"enum", key.words}}, j});
         j["description"] = key.doc + condition_of(key);
         if (!key.fallback.empty() && key.fallback != "{}" && key.fallback.find('{') == std::string::npos)
             j["default"] = default_json(parse_yaml(key.fallback, "default"));

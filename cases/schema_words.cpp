@@ -55,7 +55,7 @@ std::string type_name(Type type) {
 
 std::string shape_of(const Key& key) {
     if (key.type == Type::word) return words_of(key);
-    if (key.type != Type::list) return type_name(key.type);
+    if (key.type != Type::list) return type_name(key.type) + (key.words.empty() ? "" : " or " + words_of(key));
     const std::string element = key.element == Type::word ? words_of(key) : type_name(key.element);
     const std::string count = key.count ? text(key.count, " x ") : "";
     return "list: " + count + element;

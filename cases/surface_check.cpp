@@ -121,7 +121,7 @@ void report_volume(const StartSurface& start, const SurfaceDemands& demands, con
     const std::vector<int> open = free_edges(start, demands.symmetry);
     report.edges(open, text("open edge", demands.symmetry ? " off the symmetry plane" : ""),
                  text("open edges", demands.symmetry ? " off the symmetry plane" : "", " in ",
-                      facts.boundary_loops.size(), " boundary loops"),
+                      plural(facts.boundary_loops.size(), "boundary loop", "boundary loops")),
                  text("volume needs a closed surface; close the holes (repair: {holes: SIZE})",
                       demands.symmetry ? "" : ", state symmetry for a half model", ", or do without volume"));
 }

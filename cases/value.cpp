@@ -52,7 +52,8 @@ public:
     }
     void OnAlias(const YAML::Mark& mark, YAML::anchor_t anchor) override {
         const auto found = anchors_.find(anchor);
-        if (found == anchors_.end()) stop(mark, "this alias stands for a value that contains it");
+        if (found == anchors_.end())
+            stop(mark, "this alias stands for a value that contains it; write the value out instead");
         values_ += count_values(found->second, max_case_values);
         count(mark);
         if (static_cast<int>(stack_.size()) + depth_of(found->second) > max_case_depth) too_deep(mark);

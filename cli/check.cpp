@@ -110,6 +110,7 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
     j["fit"] = problem.fit;
     j["constraints"] = Json::array();
     for (const Constraint& c : problem.constraints) j["constraints"].push_back(limits_text(c));
+    j["notes"] = built.notes;
     j["warnings"] = warnings;
     return j;
 }
@@ -164,6 +165,7 @@ void check(const CheckArguments& args) {
         fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
         return;
     }
+    for (const std::string& note : built.notes) fmt::print(stderr, "note: {}\n", note);
     for (const std::string& warning : warnings) fmt::print(stderr, "warning: {}\n", warning);
     if (args.print_resolved)
         fmt::print("{}", resolved);

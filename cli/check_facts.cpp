@@ -87,7 +87,8 @@ CheckFacts check_facts(const Case&, const BuiltProblem& built, const CheckWishes
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     const int levels = static_cast<int>(problem.tree.levels.size()) - 1;
     if (is_search && (wishes.level < 1 || wishes.level > levels))
-        throw InvalidInput(text("--level ", wishes.level, ": the case has levels 1 to ", levels));
+        throw InvalidInput(text("--level ", wishes.level, ": the case has ",
+                                levels > 1 ? text("levels 1 to ", levels) : "level 1 only"));
     if (!is_search && !wishes.modes.empty())
         throw InvalidInput("--modes: the case has neither objective nor fit, and so no design variables");
     if (wishes.quick || !is_search) return facts;

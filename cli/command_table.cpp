@@ -7,12 +7,17 @@
 namespace strake::cli {
 namespace {
 
-/// "planar|smooth" as its words.
-std::vector<std::string> words_in(const std::string& type) {
+/// "planar|smooth", or "TEXT:{random,start}" as the parser's own check writes it, as its words.
+std::vector<std::string> words_in(std::string type) {
+    char between = '|';
+    if (const std::size_t open = type.find(":{"); open != std::string::npos && type.ends_with('}')) {
+        type = type.substr(open + 2, type.size() - open - 3);
+        between = ',';
+    }
     std::vector<std::string> words;
-    if (type.find('|') == std::string::npos) return words;
+    if (type.find(between) == std::string::npos) return words;
     std::size_t from = 0;
-    for (std::size_t bar; (bar = type.find('|', from)) != std::string::npos; from = bar + 1)
+    for (std::size_t bar; (bar = type.find(between, from)) != std::string::npos; from = bar + 1)
         words.push_back(type.substr(from, bar - from));
     words.push_back(type.substr(from));
     return words;

@@ -92,7 +92,7 @@ void add_gradient_check(CLI::App& app) {
     auto args = std::make_shared<GradientCheckArguments>();
     CLI::App* command = app.add_subcommand(
         "gradient-check", "Taylor test of the gradients of objective, constraints and fitted values of a case");
-    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command->add_option("--at", args->at, "point of the test: random (default) or start")
         ->check(CLI::IsMember({"random", "start"}));
     command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");

@@ -25,6 +25,7 @@ struct Report {
 
 Report examine(const std::string& file) {
     Report r{.surface = read_surface(file), .found = {}};
+    check_coordinates(file, r.surface.mesh);
     r.found = checkup(r.surface.mesh);
     return r;
 }

@@ -16,6 +16,9 @@ namespace {
 constexpr std::size_t rated = 10;  ///< evaluations from which the rate is taken
 constexpr double silent = 3;       ///< seconds after which the bar says that an evaluation takes its time
 
+/// The rest, as the end of a program's log, stands in the last message.
+std::string first_line(const std::string& words) { return words.substr(0, words.find('\n')); }
+
 std::string bar_of(double share, int width) {
     const int full = static_cast<int>(std::clamp(share, 0.0, 1.0) * width);
     return "[" + std::string(static_cast<std::size_t>(full), '#') +
@@ -39,12 +42,12 @@ std::string progress_line(const ProgressFacts& f, int width) {
         std::string words;
         int keep;
     };
-    std::vector<Part> parts{{bar_of(share, 20), 3}, {fmt::format("{}/{}", f.evaluations, f.max_evaluations), 9}};
-    parts.push_back({fmt::format("level {}", f.level), 8});
+    std::vector<Part> parts{{bar_of(share, 20), 5}, {fmt::format("{}/{}", f.evaluations, f.max_evaluations), 9}};
+    if (f.level > 0) parts.push_back({fmt::format("level {}", f.level), 8});
     if (f.patches > 0) parts.push_back({fmt::format("{} patches, {} variables", f.patches, f.variables), 1});
-    if (std::isfinite(f.objective)) parts.push_back({fmt::format("now {:.6g}", f.objective), 4});
+    if (std::isfinite(f.objective)) parts.push_back({fmt::format("now {:.6g}", f.objective), 3});
     if (std::isfinite(f.best)) parts.push_back({fmt::format("best {:.6g}", f.best), 7});
-    if (std::isfinite(f.violation)) parts.push_back({fmt::format("violation {:.1e}", f.violation), 5});
+    if (std::isfinite(f.violation)) parts.push_back({fmt::format("violation {:.1e}", f.violation), 4});
     if (std::isfinite(f.seconds_each)) parts.push_back({fmt::format("{} each", duration_words(f.seconds_each)), 2});
     if (const std::string left = time_left(f); !left.empty()) parts.push_back({left, 6});
     if (f.seconds_since >= silent) parts.push_back({fmt::format("since {}", duration_words(f.seconds_since)), 0});
@@ -168,11 +171,11 @@ void Progress::evaluation(const EvaluationRecord& r) {
                          seconds, r.accepted ? "  best" : ""));
     else
         line(fmt::format("{:5}  {:7}  {:4}  {:4}  {}: {}", r.level, facts_.patches, facts_.variables, r.evaluation,
-                         r.status, r.reason));
+                         r.status, first_line(r.reason)));
 }
 
 void Progress::level_end(const LevelSummary& s) {
-    note(fmt::format("level {}: {} after {} evaluations", s.level, s.stop, s.evaluations));
+    note(fmt::format("level {}: {} after {} evaluations", s.level, first_line(s.stop), s.evaluations));
 }
 
 }  // namespace strake::cli

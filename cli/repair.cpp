@@ -2,6 +2,7 @@
 
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "cli/signals.hpp"
 #include "core/error.hpp"
 #include "core/mesh/io.hpp"
 
@@ -185,8 +186,11 @@ void repair_file(const Options& options) {
         throw InvalidInput(
             "repair: nothing is asked for; --all, or some of --weld, --duplicates, --degenerate, --cracks, "
             "--orient, --split, --holes, --components, --isolated");
+    end_on_signals("strake: repair: interrupted; nothing is written\n");
     const TriMesh mesh = read_surface(options.surface).mesh;
+    check_coordinates(options.surface, mesh);
     const RepairResult result = repair(mesh, resolved(options, box_diagonal(mesh)));
+    watch_signals();  // from here on what is begun is written
     write_surface(options.out, result.mesh, format);
     if (!options.list.empty()) write_atomically(options.list, repair_csv(result));
     if (options.json)
@@ -215,14 +219,20 @@ void add_repair(CLI::App& app) {
     command->add_flag("--split", options->repair.split, "separate what meets in a vertex or an edge only");
     command->add_option("--holes", options->holes,
                         "close open loops at most this far across: a length, a percentage, all");
-    command->add_option("--fill", options->fill, "planar: no new vertices (default); smooth: refined and curved");
+    command->add_option("--fill", options->fill, "planar: no new vertices (default); smooth: refined and curved")
+        ->type_name("planar|smooth");
     command->add_option("--components", options->components,
                         "keep: largest=N, min_area=1% (of the area), min_triangles=N, separated by commas");
     command->add_flag("--isolated", options->repair.isolated, "remove vertices that no triangle uses");
     command->add_option("--list", options->list, "every single repair as CSV");
     command->add_flag("-q,--quiet", options->quiet, "no summary");
     command->add_flag("--json", options->json, "one JSON object instead of words");
-    command->callback([options] { repair_file(*options); });
+    command->callback([options, command] {
+        if (command->count("--fill") > 0 && options->holes.empty() && !options->all)
+            throw InvalidInput(
+                text("--fill ", options->fill, ": goes only with --holes or --all, which make holes to fill"));
+        repair_file(*options);
+    });
 }
 
 }  // namespace strake::cli

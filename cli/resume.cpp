@@ -57,7 +57,9 @@ void resume(const ResumeArguments& args) {
     std::error_code ignored;
     if (!std::filesystem::exists(dir / "journal.sqlite", ignored))
         throw InvalidInput(
-            text(printable(args.folder, 400), ": holds no run that could go on (there is no journal.sqlite)"));
+            text(printable(args.folder, 400), !std::filesystem::exists(dir, ignored)
+                                                  ? ": there is no such folder"
+                                                  : ": holds no run that could go on (there is no journal.sqlite)"));
     RunRequest request;
     request.folder = std::make_unique<RunFolder>(dir, true);
     request.journal = Journal::open(dir / "journal.sqlite");
@@ -89,7 +91,7 @@ void resume(const ResumeArguments& args) {
 void add_resume(CLI::App& app) {
     auto args = std::make_shared<ResumeArguments>();
     CLI::App* command = app.add_subcommand("resume", "goes on with a run that was interrupted, killed, or has ended");
-    command->add_option("folder", args->folder, "folder of the run")->required();
+    command->add_option("RUN", args->folder, "folder of the run")->required();
     command->add_option("--evaluations", args->evaluations, "budget of the whole run, as 100; or +50 for more");
     command->add_option("--time", args->time, "time of the whole run, as 2h; or +30min for more");
     command->add_flag("--json", args->json, "results as JSON on standard output");

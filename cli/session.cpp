@@ -226,6 +226,7 @@ void carry_out(RunRequest request) {
                         : RunLimits{0, built.problem.optimize.max_evaluations, built.problem.optimize.max_seconds};
     Progress progress(request.quiet, request.is_fit, box_diagonal(built.problem.surface), limits.evaluations,
                       limits.seconds);
+    for (const std::string& words : built.notes) progress.note(words);
     for (const std::string& words : built.warnings) progress.warning(words);
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;

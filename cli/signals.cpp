@@ -1,8 +1,11 @@
 #include "cli/signals.hpp"
 
+#include "cli/commands.hpp"
+
 #include <unistd.h>
 #include <atomic>
 #include <csignal>
+#include <cstring>
 
 namespace strake::cli {
 namespace {
@@ -15,20 +18,30 @@ extern "C" void note(int number) {
     if (!noted.compare_exchange_strong(none, number)) ::_exit(128 + number);
 }
 
-}  // namespace
+/// Set once, before the handler is.
+const char* last_words = "";
 
-void watch_signals() {
+extern "C" void end_now(int) {
+    [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, last_words, std::strlen(last_words));
+    ::_exit(interrupted);
+}
+
+void handle(void (*handler)(int)) {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
         struct sigaction before {};
         ::sigaction(number, nullptr, &before);
         if (number == SIGHUP && before.sa_handler == SIG_IGN) continue;
         struct sigaction ours {};
-        ours.sa_handler = note;
+        ours.sa_handler = handler;
         ours.sa_flags = SA_RESTART;
         sigemptyset(&ours.sa_mask);
         ::sigaction(number, &ours, nullptr);
     }
 }
+
+}  // namespace
+
+void watch_signals() { handle(note); }
 
 void leave_signals() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {
@@ -36,6 +49,11 @@ void leave_signals() {
         ::sigaction(number, nullptr, &now);
         if (now.sa_handler == note) ::signal(number, SIG_DFL);
     }
+}
+
+void end_on_signals(const char* words) {
+    last_words = words;
+    handle(end_now);
 }
 
 bool stop_wanted() { return noted.load() != 0; }

@@ -8,6 +8,11 @@ namespace strake::cli {
 void watch_signals();
 /// Signals end the program as they did before watch_signals(); what has been noted stays so.
 void leave_signals();
+
+/// INT, TERM and HUP end the program at once with status 75 (nothing has been written, and it may simply be run again).
+/// @param words for stderr, with static lifetime.
+void end_on_signals(const char* words);
+
 bool stop_wanted();
 int stop_signal();  ///< its number; 0: none
 

@@ -100,7 +100,7 @@ void history(const HistoryArguments& args) {
 void add_status(CLI::App& app) {
     auto args = std::make_shared<StatusArguments>();
     CLI::App* command = app.add_subcommand("status", "how far a run has come, also while it goes on");
-    command->add_option("folder", args->folder, "folder of the run")->required();
+    command->add_option("RUN", args->folder, "folder of the run")->required();
     command->add_flag("--json", args->json, "as JSON");
     CLI::Option* json = command->get_option("--json");
     CLI::Option* watching = command->add_flag("--watch", args->watch, "looks again and again until the run ends");
@@ -114,7 +114,7 @@ void add_status(CLI::App& app) {
 void add_history(CLI::App& app) {
     auto args = std::make_shared<HistoryArguments>();
     CLI::App* command = app.add_subcommand("history", "all evaluations of a run, also while it goes on");
-    command->add_option("folder", args->folder, "folder of the run")->required();
+    command->add_option("RUN", args->folder, "folder of the run")->required();
     command->add_flag("--csv", args->csv, "as history.csv, with all digits");
     command->callback([args] { history(*args); });
 }

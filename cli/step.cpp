@@ -43,7 +43,7 @@ void add_step(CLI::App& app) {
     auto args = std::make_shared<SessionArguments>();
     CLI::App* command = app.add_subcommand(
         "step", "hands out the evaluations that are needed next, and goes on with those that have been answered");
-    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command->add_option("--out", args->out,
                         "run folder: new, or that of the steps before (default: output.dir of the case)");
     command->add_flag("--json", args->json, "results as JSON on standard output");

@@ -173,7 +173,7 @@ void add_sweep(CLI::App& app) {
     auto args = std::make_shared<SweepArguments>();
     CLI::App* command =
         app.add_subcommand("sweep", "objective and all quantities along one or more design variables of a case");
-    command->add_option("case", args->case_file, "case file (YAML)")->required();
+    command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     // One argument each: "--from -1" must not take what follows.
     command->add_option("--variable", args->variables, "design variable; several make a grid")
         ->required()

@@ -53,6 +53,20 @@ std::string other_words(const CommandRow& command, const CLI::ParseError& error)
                        ? fmt::format("strake: {}: {} is missing: {}", command.name, name, option.doc)
                        : fmt::format("strake: {}: {} has to be given: {}", command.name, name, option.doc);
     }
+    for (const OptionRow& option : command.options)
+        for (const std::string& name : option.names) {
+            if (words.starts_with(name + ": At Most ") || words.starts_with(name + ": 1 required but received"))
+                return fmt::format("strake: {}: {} may be given once only", command.name, name);
+            if (words.starts_with(name + ": 1 required"))
+                return fmt::format("strake: {}: {} needs a value: {}", command.name, name, option.doc);
+        }
+    const std::string not_expected = words.substr(words.rfind(' ') + 1);
+    if (words.starts_with("The following argument"))
+        return fmt::format("strake: {}: one argument too many, '{}'", command.name, printable(not_expected, 100));
+    const std::string unreadable = "Could not convert: ";
+    if (words.starts_with(unreadable))
+        return fmt::format("strake: {}: {} must be a number", command.name,
+                           printable(words.substr(unreadable.size()), 200));
     return fmt::format("strake: {}: {}", command.name, printable(words, 300));
 }
 

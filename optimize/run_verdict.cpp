@@ -96,7 +96,10 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             break;
         default:
             r.status = "budget";
-            r.reason = text(words, " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
+            r.reason = text(end.level.stop == MinimizeStop::evaluations
+                                ? text("the limit of evaluations is reached (", r.evaluations, ")")
+                                : words,
+                            " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
                             "; raise optimize.budget to go on", notes);
     }
 }

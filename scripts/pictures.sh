@@ -26,6 +26,10 @@ start=cases/wing/generated/wing.obj
 patches $start wing 2,6,16
 patches cases/lifting_body/generated/lifting_body.stl body 4,12,32
 
+# What strake init draws by itself: no VTK here.
+"$bin/make_surface" wing --triangles 4000 -o "$work/wing.obj"
+"$bin/strake" init "$work/wing.obj" -o "$work/init.yaml" --quiet
+cp "$work/init-patches.svg" $out/init.svg
 picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$work/wing.vtp:level_3" \
     --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
 picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_2" "$work/body.vtp:level_3" \

@@ -234,6 +234,16 @@ SurfaceFile read_surface(const std::filesystem::path& file) {
     }
 }
 
+void check_coordinates(const std::filesystem::path& file, const TriMesh& mesh) {
+    constexpr double limit = 1e100;
+    for (int v = 0; v < mesh.num_vertices(); ++v)
+        for (int c = 0; c < 3; ++c)
+            if (!(std::abs(mesh.vertices(v, c)) <= limit))
+                throw InputError(text(printable(file.native()), ": vertex ", v, ": ", "xyz"[c], " = ",
+                                      mesh.vertices(v, c), " is beyond what can be computed with, ", limit,
+                                      "; scale the surface"));
+}
+
 void write_surface(const std::filesystem::path& file, const TriMesh& mesh, SurfaceFormat format) {
     write_atomically(file, surface_bytes(mesh, format, printable(file.native())));
 }

@@ -27,6 +27,10 @@ struct SurfaceFile {
 /// @throws InputError `FILE:LINE: …` or `FILE: byte N …`, for whatever is not a finite, indexed surface.
 SurfaceFile read_surface(const std::filesystem::path& file);
 
+/// Areas and volumes of coordinates beyond 1e100 are no numbers any more. @throws InputError with the vertex and the
+/// limit.
+void check_coordinates(const std::filesystem::path& file, const TriMesh& mesh);
+
 /// What `write_surface` would write. @throws OutputError beyond single precision where the format has no more.
 std::string surface_bytes(const TriMesh& mesh, SurfaceFormat format, const std::string& name_for_messages);
 

@@ -87,11 +87,13 @@ void check_held(const RestState& rest, const Eigen::VectorXd& spring) {
     }
     if (loose == 0) return;
     const Part& part = parts[first];
-    throw UnheldPart(text(
-        "deform: ", loose, " of ", count, " connected parts of the surface can move freely; the first has ",
-        part.triangles, " triangles (", first, " to ", part.last, ", centre ", part.centre.x(), ", ", part.centre.y(),
-        ", ", part.centre.z(), ") and ", motions, " free rigid motions; fix a region of it, or give it springs",
-        rest.symmetry ? " (the symmetry plane stops three of six)" : ""));
+    // Round-off of a centre at the origin says nothing to anybody.
+    const Eigen::Vector3d centre = (part.centre.array().abs() < 1e-9 * part.size).select(0, part.centre);
+    throw UnheldPart(text("deform: ", loose, " of ", count,
+                          " connected parts of the surface can move freely; the first has ", part.triangles,
+                          " triangles (", first, " to ", part.last, ", centre ", centre.x(), ", ", centre.y(), ", ",
+                          centre.z(), ") and ", motions, " free rigid motions; fix a region of it, or give it springs",
+                          rest.symmetry ? " (the symmetry plane stops three of six)" : ""));
 }
 
 }  // namespace strake

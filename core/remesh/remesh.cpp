@@ -40,6 +40,9 @@ public:
         // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
         const double longest = 0.985 * result_.edge_length;
         const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
+        if (shortest > longest)
+            throw InvalidInput(
+                text("remesh: shortest edge = ", shortest, " must be at most the edge length, ", longest));
         sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
         const double turn = options.turn_deg * radians;
         const int threads =

@@ -66,7 +66,10 @@ std::string read_handed_over(const std::filesystem::path& folder, const std::str
     const std::string shown = printable(name);
     // O_NONBLOCK: opening a FIFO must not wait for its writer.
     const int fd = ::open((folder / name).c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
-    if (fd < 0 && errno == ENOENT) refuse("no_result", text("'", shown, "' was not written"));
+    if (fd < 0 && errno == ENOENT)
+        refuse("no_result", text("'", shown, "' was not written",
+                                 name.ends_with(".json") ? ": the program ended without writing to {result}"
+                                                         : "; result.json names it"));
     if (fd < 0 && errno == ELOOP) refuse("unreadable", text("'", shown, "' is a link, must be a file of its own"));
     if (fd < 0) refuse("unreadable", text("'", shown, "': ", std::strerror(errno)));
     struct Closer {

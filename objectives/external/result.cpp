@@ -44,7 +44,8 @@ using nlohmann::json;
     const std::string what = error.what();  // "[json.exception…] parse error at line 1, column 3: syntax error …"
     const std::size_t reason = what.find("syntax error");
     refuse_at("unreadable", bytes, last,
-              reason == std::string::npos ? "not JSON" : printable(std::string_view(what).substr(reason)));
+              text("is not JSON, as {\"value\": 0.5}: ",
+                   reason == std::string::npos ? "" : printable(std::string_view(what).substr(reason))));
 }
 
 json parse(const std::string& bytes) {

@@ -90,8 +90,9 @@ const Broken broken[] = {
     {"root: 4%", "roto: 4%",
      "case.yaml:9:34: region 'roto' is not declared; did you mean 'root'? Regions: root, tip, flap"},
     {"file: wing.obj, units", "file: wnig.obj, units",
-     "case.yaml:2:17: surface.file = wnig.obj does not exist (wnig.obj)"},
-    {"flap.txt", "falp.txt", "case.yaml:6:21: regions.flap.triangles = falp.txt does not exist (falp.txt)"},
+     "case.yaml:2:17: surface.file = wnig.obj does not exist (wnig.obj); did you mean 'wing.obj'?"},
+    {"flap.txt", "falp.txt",
+     "case.yaml:6:21: regions.flap.triangles = falp.txt does not exist (falp.txt); did you mean 'flap.txt'?"},
     {"{minimize: match}", "{minimize: mach}",
      "case.yaml:17:23: quantity 'mach' is not known; did you mean 'match'? Quantities: match, volume, area"},
     {"{minimize: match}", "{minimize: match, maximize: volume}",
@@ -191,8 +192,9 @@ TEST_F(CaseErrors, PurposeDecidesWhatIsMissing) {
     const std::string bare = "case: wing\nsurface: {file: wing.obj}\n";
     EXPECT_EQ(errors(bare, Purpose::deform), "");
     EXPECT_EQ(errors(bare, Purpose::any), "");
-    EXPECT_EQ(errors(bare, Purpose::run), "case.yaml:1:1: objective is missing");
-    EXPECT_EQ(errors(bare, Purpose::fit), "case.yaml:1:1: fit is missing");
+    EXPECT_EQ(errors(bare, Purpose::run),
+              "case.yaml:1:1: objective is missing; say what to optimize, as objective: {maximize: volume}");
+    EXPECT_EQ(errors(bare, Purpose::fit), "case.yaml:1:1: fit is missing; say what to fit, as fit: [match]");
     EXPECT_EQ(errors(bare + "objective: {maximize: area}\n", Purpose::fit),
               "case.yaml:1:1: fit is missing; this case is one for 'strake run'");
     EXPECT_EQ(errors(bare + "objective: {maximize: area}\nfit: [area]\n"),
@@ -274,7 +276,8 @@ TEST_F(CaseErrors, ProgramsWithoutGradientsNeedAMethodWithoutOrDifferences) {
 
 TEST_F(CaseErrors, TrapsOfYaml) {
     const std::pair<std::string, std::string> traps[] = {
-        {"a: &a {b: *a}\n", "case.yaml:1:11: this alias stands for a value that contains it"},
+        {"a: &a {b: *a}\n",
+         "case.yaml:1:11: this alias stands for a value that contains it; write the value out instead"},
         {"a: *b\n", "case.yaml:1:4: not YAML: the referenced anchor is not defined"},
         {"case: x\n---\ncase: y\n", "case.yaml:2:1: a second document starts here; a case is one document"},
         {"a: &a {b: 1}\nc: {<<: *a}\n", "case.yaml:2:5: merge keys (<<) are not supported; write the keys out"},

@@ -57,7 +57,8 @@ TEST_F(Check, TenBrokenCases) {
         {with("loads: [{region: b, force: [0, 0, 1]}]\n"),
          "case.yaml:7:18: region 'b' is under loads and under fixed; a held region cannot be loaded\n", 2},
         {with("output: {dir: x, dir: y}\n"), "case.yaml:7:18: key 'dir' given twice in output (first on line 7)\n", 2},
-        {with("fixed: &f [*f]\n"), "case.yaml:7:12: this alias stands for a value that contains it\n", 2},
+        {with("fixed: &f [*f]\n"),
+         "case.yaml:7:12: this alias stands for a value that contains it; write the value out instead\n", 2},
         {with("optimize: {method: bfgs}\n"), "direct, esch; did you mean 'lbfgs'?\n", 2},
         {with("", "gone.obj"), "case.yaml:2:17: surface.file = gone.obj does not exist (gone.obj)\n", 2},
         {with("loads: [{region: a, traction: [0, .nan, 0]}]\n"),
@@ -87,7 +88,7 @@ TEST_F(Check, VariablesAreCountedAsTheyAreOffered) {
             "shell: {thickness: 0.4}\nobjective: {maximize: volume}\nparameters: {levels: "
             "[20deg], " +
                 parameters + "}\n",
-            {"--json"});
+            {"--json", "--quick"});  // strains leave nothing free of so few triangles
         EXPECT_EQ(run.status, 0) << run.err;
         return nlohmann::json::parse(run.out)["levels"][0]["max_variables"].get<int>();
     };

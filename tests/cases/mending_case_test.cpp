@@ -25,8 +25,17 @@ TEST_F(BuildProblem, TheSurfaceIsMendedBeforeAnythingElse) {
     EXPECT_EQ(built.problem.surface.num_triangles(), 192);
     EXPECT_TRUE(contains(built.repairs_csv, "kind,vertex,triangle,x,y,z,size,triangles,words\norient,"));
     EXPECT_TRUE(contains(built.repairs_csv, "\nhole,"));
-    ASSERT_FALSE(built.warnings.empty());
-    EXPECT_EQ(built.warnings[0], "repair: 1 orient, 1 hole");
+    ASSERT_FALSE(built.notes.empty());  // what was asked for and done is no warning
+    EXPECT_EQ(built.notes[0], "repair: 1 orient, 1 hole");
+    for (const std::string& words : built.warnings) EXPECT_FALSE(words.starts_with("repair:")) << words;
+}
+
+TEST_F(BuildProblem, HolesOfAnySizeAreClosedAsOnTheCommandLine) {
+    surface(open_box());
+    const std::string rest =
+        "fixed: [low]\nregions: {low: {box: [[-1, -1, -1], [2, 2, 0.3]]}}\nobjective: {maximize: volume}\n";
+    EXPECT_EQ(build("repair: {orient: true, holes: all}\n" + rest, Purpose::run).problem.surface.num_triangles(), 192);
+    EXPECT_TRUE(contains(error("repair: {holes: any}\n" + rest), "repair.holes = any must be"));
 }
 
 TEST_F(BuildProblem, WithoutRepairNothingIsPrepared) {
@@ -56,7 +65,7 @@ TEST_F(BuildProblem, TheSurfaceIsRemeshedAfterTheRepair) {
     EXPECT_GT(built.problem.surface.num_triangles(), 800);
     const Adjacency adjacent = adjacency(built.problem.surface);
     for (int e = 0; e < adjacent.num_edges(); ++e) ASSERT_TRUE(adjacent.is_regular(e));
-    EXPECT_TRUE(std::any_of(built.warnings.begin(), built.warnings.end(), [](const std::string& words) {
+    EXPECT_TRUE(std::any_of(built.notes.begin(), built.notes.end(), [](const std::string& words) {
         return words.starts_with("remesh: 192 triangles became ");
     }));
 }

@@ -123,8 +123,9 @@ TEST(Scalars, PercentagesOfLengthsAreRelative) {
     absolute.text = "5mm";
     EXPECT_EQ(convert_scalar(relative, Type::length, Key{}, {".", ""}), "");
     EXPECT_TRUE(relative.relative);
-    EXPECT_EQ(convert_scalar(absolute, Type::length, Key{}, {".", ""}),
-              "carries a unit, but surface.units does not say which one the surface has");
+    EXPECT_EQ(
+        convert_scalar(absolute, Type::length, Key{}, {".", ""}),
+        "carries a unit, but surface.units does not say which one the surface has; state it, or leave the unit out");
     EXPECT_EQ(convert_scalar(absolute, Type::length, Key{}, {".", "mm"}), "");
     EXPECT_FALSE(absolute.relative);
 }

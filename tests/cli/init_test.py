@@ -1,0 +1,162 @@
+"""`strake init`: from a bare surface to a case that passes `check` and runs, without an edit. Arguments: the programs
+strake and make_surface. With STRAKE_DATA, a folder of surfaces from outside, also on some of these."""
+import base64
+import json
+import os
+import pathlib
+import re
+import struct
+import subprocess
+import sys
+import tempfile
+import zlib
+
+STRAKE, MAKE_SURFACE = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
+failures = []
+
+
+def expect(is_so, words):
+    if not is_so:
+        failures.append(words)
+
+
+def run(folder, *arguments, status=0):
+    done = subprocess.run(arguments, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.PIPE,
+                          text=True, timeout=120)
+    expect(done.returncode == status, "%s: status %d, expected %d\n%s%s" % (
+        " ".join(map(str, arguments)), done.returncode, status, done.stdout, done.stderr))
+    return done
+
+
+def pixels(png):
+    """The colours of a PNG as ours are: 8 bits, no alpha, each row less its pixel to the left."""
+    assert png.startswith(b"\x89PNG\r\n\x1a\n")
+    at, chunks = 8, {}
+    while at < len(png):
+        size, kind = struct.unpack(">I4s", png[at:at + 8])
+        data = png[at + 8:at + 8 + size]
+        assert struct.unpack(">I", png[at + 8 + size:at + 12 + size])[0] == zlib.crc32(kind + data), kind
+        chunks[kind] = data
+        at += 12 + size
+    width, height, depth, colour = struct.unpack(">IIBB", chunks[b"IHDR"][:10])
+    assert (depth, colour) == (8, 2)
+    rows, found = zlib.decompress(chunks[b"IDAT"]), []
+    assert len(rows) == height * (1 + 3 * width)
+    for y in range(height):
+        row = rows[y * (1 + 3 * width):(y + 1) * (1 + 3 * width)]
+        assert row[0] == 1
+        red = green = blue = 0
+        for x in range(1, len(row), 3):
+            red, green, blue = (red + row[x]) & 255, (green + row[x + 1]) & 255, (blue + row[x + 2]) & 255
+            found.append((red, green, blue))
+    return found
+
+
+def init(folder, surface, *options):
+    told = json.loads(run(folder, STRAKE, "init", surface, "-o", "new.yaml", "--evaluations", "2", "--json", *options).stdout or "{}")
+    text = (folder / "new.yaml").read_text() if (folder / "new.yaml").exists() else ""
+    for end in ("-patches.svg", "-patches.vtp"):
+        expect((folder / ("new" + end)).exists(), "%s: no new%s" % (surface, end))
+    return told, text
+
+
+def one(name, make, has, runs):
+    """`make` writes the surface and returns its name; `has`: expressions that the case has to hold."""
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        surface = make(folder)
+        told, text = init(folder, surface)
+        for expression in has:
+            expect(re.search(expression, text, re.M), "%s: no %s in\n%s" % (name, expression, text))
+        checked = json.loads(run(folder, STRAKE, "check", "new.yaml", "--json", *([] if runs else ["--quick"])).stdout or "{}")
+        expect(checked.get("status") == "ok", "%s: check says %s" % (name, checked.get("status")))
+        if runs:
+            expect(checked.get("space") and checked["space"]["variables"] and checked["cost"]["seconds"] > 0, "%s: %s" % (name, checked))
+            result = json.loads(run(folder, STRAKE, "run", "new.yaml", "--out", "out", "--json").stdout or "{}")
+            expect(result.get("evaluations") == 2, "%s: %s" % (name, result))
+        picture = (folder / "new-patches.svg").read_text()
+        panels = re.findall(r"data:image/png;base64,([^\"]*)", picture)
+        expect(picture.startswith("<svg") and len(panels) == 2 and ">held (" in picture, "%s: the picture" % name)
+        for panel in panels:
+            colours = pixels(base64.b64decode(panel, validate=True))
+            body = [c for c in colours if c != (255, 255, 255)]
+            expect(0.02 < len(body) / len(colours) < 0.98, "%s: %d of %d pixels drawn" % (name, len(body), len(colours)))
+            expect(len({max(range(3), key=c.__getitem__) for c in body}) == 3, "%s: patches of one colour" % name)
+
+
+def made(shape, triangles, file, change=None):
+    def make(folder):
+        run(folder, MAKE_SURFACE, shape, "--triangles", str(triangles), "-o", file)
+        if change:
+            (folder / file).write_text(change((folder / file).read_text()))
+        return file
+    return make
+
+
+def torn(text):
+    """A triangle missing, one turned, one twice: as scanners and converters leave them."""
+    faces = [line for line in text.splitlines(True) if line.startswith("f ")]
+    a, b, c = faces[200].split()[1:]
+    for old, new in ((faces[100], ""), (faces[200], "f %s %s %s\n" % (a, c, b)), (faces[300], 2 * faces[300])):
+        text = text.replace(old, new, 1)
+    return text
+
+
+def never_overwrites():
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        surface = made("wing", 1200, "wing.obj")(folder)
+        init(folder, surface)
+        before = {f.name: f.read_bytes() for f in folder.iterdir()}
+        again = run(folder, STRAKE, "init", surface, "-o", "new.yaml", status=2)
+        expect("never overwritten" in again.stderr, again.stderr)
+        (folder / "new.yaml").unlink()
+        run(folder, STRAKE, "init", surface, "-o", "new.yaml", status=2)  # the picture is still there
+        expect(not (folder / "new.yaml").exists(), "a case beside a foreign picture")
+        os.symlink("nowhere.yaml", folder / "link.yaml")
+        run(folder, STRAKE, "init", surface, "-o", "link.yaml", status=2)
+        expect(not (folder / "nowhere.yaml").exists(), "written through a link")
+        del before["new.yaml"]
+        expect(before == {n: (folder / n).read_bytes() for n in before}, "files changed")
+        # What cannot be made leaves nothing behind.
+        (folder / "line.obj").write_text("v 0 0 0\nv 1 0 0\nv 2 0 0\nf 1 2 3\n")
+        run(folder, STRAKE, "init", "line.obj", "-o", "line.yaml", status=3)
+        expect(not list(folder.glob("line*.yaml")) and not list(folder.glob("line-*")), "leftovers")
+
+
+def odd_names():
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        name = "it's a $(wing) #1: [new].obj"
+        made("wing", 1200, name)(folder)
+        _, text = init(folder, name)
+        run(folder, STRAKE, "check", "new.yaml", "--quick")
+        head = "# units: mm\n" + (folder / name).read_text()
+        (folder / "mm.obj").write_text(head)
+        for f in folder.glob("new*"):
+            f.unlink()
+        expect("units: mm" in init(folder, "mm.obj")[1], "the stated unit")
+
+
+def main():
+    one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^  root: ", r"^objective: \{maximize: volume\}",
+                                              "^# REPLACE", r"^  # Creases alone"], True)
+    one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true"], True)
+    one("torn body", made("lifting_body", 1500, "body.obj", torn), ["duplicates: true", "orient: true", r"holes: \d+%"], True)
+    never_overwrites()
+    odd_names()
+    data = os.environ.get("STRAKE_DATA")
+    if data:
+        outside = {"oneraM6_su2_surface.stl": [r"^symmetry: \{plane: y", "orient: true"], "hsct_pypan.tri": ["part_1: "],
+                   "of_wigley.stl.gz": ["duplicates: true"], "wing_c172_pygeo.stl": ["cracks", "degenerate: true"],
+                   "bunny70k_meshlab.ply": ["holes: 19%", r"^objective: \{maximize: volume\}"],
+                   "dpw_w1_pypan.tri": [r"^objective: \{minimize: area\}"]}
+        for name, has in outside.items():
+            one(name, lambda folder, name=name: str(pathlib.Path(data) / name), has, False)
+    else:
+        print("without STRAKE_DATA: surfaces from outside are left out")
+    print("\n".join(failures) or "passed")
+    return 1 if failures else 0
+
+
+sys.exit(main())

@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 #include "cli/errors.hpp"
+#include "core/version.hpp"
 
 #include <malloc.h>
 #include <cstdio>
@@ -22,7 +23,7 @@ int main(int argc, char** argv) {
     using namespace strake;
     keep_large_blocks();
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
-    app.set_version_flag("--version", "strake 0.1.0");
+    app.set_version_flag("--version", "strake " + version());
     app.require_subcommand(1);
     cli::add_info(app);
     cli::add_repair(app);

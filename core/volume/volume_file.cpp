@@ -101,6 +101,8 @@ void check_volume_output(const fs::path& out, const fs::path& in) {
     std::error_code ignored;
     const std::string name = printable(out.native(), 400);
     if (fs::is_directory(in, ignored) || is_points_file(in)) {
+        if (out.extension() == ".vtu" || out.extension() == ".su2")
+            throw InvalidInput(text(name, ": a mesh keeps its format: write a folder, or a file of the name points"));
         if (out.extension() == ".gz") throw InvalidInput(text(name, ": points are written unpacked: leave out .gz"));
         if (!fs::is_directory(in, ignored) && out.filename() != "points")
             throw InvalidInput(text(name, ": the points of a mesh of OpenFOAM go to a file of the name points"));

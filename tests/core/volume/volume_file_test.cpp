@@ -221,6 +221,7 @@ TEST(VolumeFile, SaysWhatIsWrongAndWhere) {
     EXPECT_NE(refused("a.vtu", "<VTKFile type=\"PolyData\">").find("must be UnstructuredGrid"), std::string::npos);
     EXPECT_NE(words([&] { read_volume(folder / "none"); }), "nothing");
     EXPECT_NE(words([&] { check_volume_output("o.vtu", "i.su2"); }).find("keeps its format"), std::string::npos);
+    EXPECT_NE(words([&] { check_volume_output("o.vtu", folder.path()); }).find("keeps its format"), std::string::npos);
 }
 
 /// Every prefix of every format is read or refused, never more.

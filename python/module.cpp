@@ -96,6 +96,7 @@ std::vector<int> triangles_of(const std::vector<int>& listed, const TriMesh& sur
 
 PYBIND11_MODULE(_core, m) {
     m.doc() = "What `strake` is made of, compiled.";
+    m.attr("__module__") = "strake";  // where users find what is in it
     m.attr("version") = version();
     bind_errors(m);
     bind_surface(m);

@@ -36,7 +36,3 @@ __all__ = ["CaseError", "DesignSpace", "Equilibrium", "Error", "Evaluation", "Ev
            "InvalidInput", "Motion", "OutputError", "Patch", "PatchLevel", "PatchTree", "Problem", "Result",
            "Sensitivities", "Shell", "SolverError", "Surface", "SurfaceMap", "UnheldPart", "fit", "load_case", "patches",
            "read_surface", "run", "traction_forces", "write_surface"]
-
-for _name in __all__:
-    globals()[_name].__module__ = "strake"  # where users find it
-del _name

@@ -17,7 +17,7 @@ def test_arrays_are_views_that_cannot_be_written(body):
 
 def test_measures(body):
     assert body.is_closed
-    assert body.volume == pytest.approx(4 / 3 * np.pi * 0.24, rel=0.05)
+    assert body.volume == pytest.approx(4 / 3 * np.pi * 0.24, rel=0.06)
     assert body.areas().sum() == pytest.approx(body.area)
     assert np.linalg.norm(body.normals(), axis=1) == pytest.approx(1)
     assert body.with_vertices(2 * body.vertices).volume == pytest.approx(8 * body.volume)

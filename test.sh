@@ -44,12 +44,14 @@ finish() {
     exit
 }
 
-sources() { find cases cli core objectives optimize report tests bench \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
+sources() { find cases cli core objectives optimize python report tests bench \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
 format() { sources | xargs -0 clang-format --dry-run -Werror; }
 configure() {  # PRESET
     local launcher=()
     ! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    cmake --preset "$1" "${launcher[@]}"
+    local -a python=()
+    [ "$1" != release ] || [ ! -e /usr/include/pybind11/pybind11.h ] || python=(-DSTRAKE_PYTHON=ON)
+    cmake --preset "$1" "${launcher[@]}" "${python[@]}"
 }
 release_build() { configure release && cmake --build --preset release; }
 # The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader.
@@ -84,7 +86,7 @@ step "release build" release_build
 [ $failed = 0 ] || finish
 bin=$PWD/build/test-bin
 mkdir -p "$bin"
-ln -sf ../release/cli/strake ../release/cases/geometry/make_surface "$bin"
+ln -sfn ../release/cli/strake ../release/cases/geometry/make_surface ../release/python "$bin"
 step "tests" unit_tests
 step "cases" check_cases
 step "main job" main_job

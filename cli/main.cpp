@@ -1,6 +1,7 @@
 #include "cli/command_table.hpp"
 #include "cli/commands.hpp"
 #include "cli/errors.hpp"
+#include "core/version.hpp"
 
 #include <malloc.h>
 #include <algorithm>
@@ -24,7 +25,7 @@ int main(int argc, char** argv) {
     using namespace strake;
     keep_large_blocks();
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
-    app.set_version_flag("--version", "strake 0.1.0");
+    app.set_version_flag("--version", "strake " + version());
     app.require_subcommand(1);
     cli::add_init(app);
     cli::add_info(app);

@@ -6,6 +6,7 @@
   part of test.sh, which runs the same job in its step "main job"): the script and the case named must exist.
 - ```yaml blocks that are whole cases (they have the keys `case` and `surface`) go through `strake check`, in the
   page's folder.
+- ```python blocks of a page run as one program after its other blocks, where BIN/python holds the Python module.
 Other fences (text, console, cpp) are output or code for reading. Exit status 1 if anything fails.
 """
 import os
@@ -68,7 +69,9 @@ def main():
         sys.exit(__doc__)
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
     environment = dict(os.environ, PATH=f"{bin_folder}{os.pathsep}{os.environ['PATH']}")
-    failures, counts = [], {"sh": 0, "yaml": 0}
+    failures, counts = [], {"sh": 0, "yaml": 0, "python": 0}
+    module = bin_folder / "python"
+    has_module = any(module.glob("strake/_core*"))
     with tempfile.TemporaryDirectory() as temporary:
         pristine = pathlib.Path(temporary) / "pristine"
         pristine.mkdir()
@@ -76,6 +79,7 @@ def main():
         for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
             folder = pathlib.Path(temporary) / page.stem
             shutil.copytree(pristine, folder)
+            program = []
             for line, kind, code in blocks(page):
                 where = f"{page.relative_to(ROOT)}:{line}"
                 if kind in ("sh", "bash", "shell"):
@@ -83,12 +87,19 @@ def main():
                     code = split_covered(code, where, failures)
                     if code.strip():
                         run(["bash", "-euo", "pipefail", "-s"], where, folder, environment, failures, code)
+                elif kind == "python":
+                    counts["python"] += 1
+                    program.append(code)
                 elif kind == "yaml" and re.search(r"^case:", code, re.M) and re.search(r"^surface:", code, re.M):
                     counts["yaml"] += 1
                     snippet = folder / f"snippet_{line}.yaml"
                     snippet.write_text(code, encoding="utf-8")
                     run([str(bin_folder / "strake"), "check", str(snippet)], where, folder, environment, failures)
-    print(f"{counts['sh']} shell blocks and {counts['yaml']} cases in the documentation, {len(failures)} failures")
+            if program and has_module:
+                run(["/usr/bin/python3", "-"], f"{page.relative_to(ROOT)} (python)", folder,
+                    dict(environment, PYTHONPATH=str(module)), failures, "\n".join(program))
+    print(f"{counts['sh']} shell blocks, {counts['yaml']} cases and {counts['python']} blocks of Python"
+          f"{'' if has_module else ' (not run: BIN/python has no module)'} in the documentation, {len(failures)} failures")
     print(*failures, sep="\n")
     if not counts["sh"]:
         failures.append("no shell block found")

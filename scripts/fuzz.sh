@@ -5,7 +5,7 @@
 set -uo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-5}
-names=(stl obj ply off tri su2 msh nas vtk vtp vtp_fields gz npy repair case)
+names=(stl obj ply off tri su2 msh nas vtk vtp vtp_fields gz npy su2_volume vtu foam repair case)
 [ $# -le 1 ] || names=("${@:2}")
 build=build/fuzz
 launcher=()

@@ -115,6 +115,7 @@ VolumeFile read_poly_mesh(const fs::path& path) {
     const fs::path file = is_folder ? found(folder, "points") : path;
     if (is_folder) out.folder = folder;
     out.bytes = content(file);
+    out.source = file;
     out.name = printable(file.native());
     const std::vector<double> at = foam::File(out.bytes, out.name).vectors(out.list);
     out.mesh.points = Eigen::Map<const Points>(at.data(), static_cast<Eigen::Index>(at.size() / 3), 3);

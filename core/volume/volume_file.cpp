@@ -63,9 +63,12 @@ VolumeFile read_volume(const fs::path& path) {
     std::error_code ignored;
     const std::string name = printable(path.native());
     if (fs::is_directory(path, ignored) || is_points_file(path)) return volume::read_poly_mesh(path);
-    if (path.extension() == ".su2") return volume::read_su2(read_bytes(path), name);
-    if (path.extension() == ".vtu") return volume::read_vtu(read_bytes(path), name);
-    throw InvalidInput(text(name, ": no volume mesh (a polyMesh folder, its points, .su2 or .vtu)"));
+    if (path.extension() != ".su2" && path.extension() != ".vtu")
+        throw InvalidInput(text(name, ": no volume mesh (a polyMesh folder, its points, .su2 or .vtu)"));
+    const auto read = path.extension() == ".su2" ? volume::read_su2 : volume::read_vtu;
+    VolumeFile file = read(read_bytes(path), name);
+    file.source = path;
+    return file;
 }
 
 void volume::check_corners(const VolumeMesh& mesh, const std::string& name) {
@@ -98,6 +101,8 @@ void check_volume_output(const fs::path& out, const fs::path& in) {
     std::error_code ignored;
     const std::string name = printable(out.native(), 400);
     if (fs::is_directory(in, ignored) || is_points_file(in)) {
+        if (out.extension() == ".vtu" || out.extension() == ".su2")
+            throw InvalidInput(text(name, ": a mesh keeps its format: write a folder, or a file of the name points"));
         if (out.extension() == ".gz") throw InvalidInput(text(name, ": points are written unpacked: leave out .gz"));
         if (!fs::is_directory(in, ignored) && out.filename() != "points")
             throw InvalidInput(text(name, ": the points of a mesh of OpenFOAM go to a file of the name points"));
@@ -107,10 +112,13 @@ void check_volume_output(const fs::path& out, const fs::path& in) {
 }
 
 void write_volume(const fs::path& out, const VolumeFile& file, const Points& points) {
-    const std::string bytes = with_points(file, points);
-    if (file.format != VolumeFormat::open_foam || file.folder.empty() || out.filename() == "points")
-        return write_atomically(out, bytes);
+    const bool is_file = file.format != VolumeFormat::open_foam || file.folder.empty() || out.filename() == "points";
     std::error_code error;
+    for (const fs::path& target : {is_file ? out : out / "points", is_file ? out : out / "points.gz"})
+        if (fs::equivalent(target, file.source, error) && !error)
+            throw InvalidInput(text(printable(target.native(), 400), ": would overwrite what is read"));
+    const std::string bytes = with_points(file, points);
+    if (is_file) return write_atomically(out, bytes);
     fs::create_directories(out, error);
     if (error) throw OutputError(text(printable(out.native(), 400), ": cannot make the folder: ", error.message()));
     copy_others(file.folder, out);

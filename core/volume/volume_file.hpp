@@ -17,7 +17,7 @@ enum class VolumeFormat {
 struct VtuPlace {
     std::size_t begin = 0, end = 0;  ///< the element <DataArray>
     std::size_t raw = 0;             ///< the first number, where numbers can be replaced in place; 0: they cannot
-    std::string name, offset;
+    std::string offset;
     bool is_text = false, is_swapped = false, is_compressed = false;
     std::size_t header_bytes = 4;
 };
@@ -26,6 +26,7 @@ struct VolumeFile {
     VolumeFormat format = VolumeFormat::vtu;
     VolumeMesh mesh;  ///< of a file `points` without the files of cells beside it: no cells
     std::string bytes, name;
+    std::filesystem::path source;  ///< the file that holds the points
     std::filesystem::path folder;  ///< OpenFOAM: polyMesh; empty for a file `points` on its own
 
     foam::ListPlace list;                                     ///< OpenFOAM
@@ -46,7 +47,8 @@ VolumeFile read_volume(const std::filesystem::path& path);
 std::string with_points(const VolumeFile& file, const Points& points);
 
 /// Writes that. OpenFOAM: a folder gets `points` and copies of the other files of the mesh; a path that ends in
-/// `points` only that file. @throws InvalidInput where kind or extension are others than the input's; OutputError.
+/// `points` only that file. @throws InvalidInput where kind or extension are others than the input's, or the file that
+/// was read would be overwritten; OutputError.
 void write_volume(const std::filesystem::path& out, const VolumeFile& file, const Points& points);
 /// Throws what `write_volume` would throw about the name alone.
 void check_volume_output(const std::filesystem::path& out, const std::filesystem::path& in);

@@ -179,9 +179,8 @@ VolumeFile read_vtu(std::string bytes, const std::string& name) {
         if (!std::isfinite(at[i])) in.fail(text("point ", i / 3, " is not finite (", at[i], ")"));
     out.mesh.points = Eigen::Map<const Points>(at.data(), static_cast<Eigen::Index>(at.size() / 3), 3);
     const vtk::Coding& coding = document.coding;
-    out.array = {points->element_begin, points->element_end,  0,
-                 points->name,          points->offset,       points->is_text,
-                 coding.is_swapped,     coding.is_compressed, coding.header_bytes};
+    out.array = {points->element_begin, points->element_end, 0, points->offset, points->is_text, coding.is_swapped,
+                 coding.is_compressed,  coding.header_bytes};
     if (points->is_appended && !points->is_base64 && !coding.is_compressed && points->type == "Float64")
         out.array.raw = static_cast<std::size_t>(points->inside.data() - out.bytes.data()) + coding.header_bytes;
     read_cells(out.mesh, document, in);
@@ -191,8 +190,7 @@ VolumeFile read_vtu(std::string bytes, const std::string& name) {
 std::string vtu_with_points(const VolumeFile& file, const Points& points) {
     const VtuPlace& place = file.array;
     std::string out = file.bytes;
-    std::string element = text("<DataArray type=\"Float64\" Name=\"", place.name.empty() ? "Points" : place.name,
-                               "\" NumberOfComponents=\"3\" format=\"");
+    std::string element = "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"";
     if (place.raw > 0) {  // without the ranges that some programs note in the element
         const std::string numbers = raw_numbers(points, place.is_swapped);
         out.replace(place.raw, numbers.size(), numbers);

@@ -3,6 +3,8 @@
 #include "core/mesh/npy.hpp"
 #include "core/mesh/vtp_reader.hpp"
 #include "core/repair/repair.hpp"
+#include "core/volume/cell_check.hpp"
+#include "core/volume/volume_file.hpp"
 
 #include <cmath>
 #include <cstdio>
@@ -79,6 +81,41 @@ void try_vtp_fields(std::string_view bytes) {
     }
 }
 
+/// The mesh of a volume: its cells are measured, and the same points are written into it again.
+template <VolumeFile (*read)(std::string, const std::string&)>
+void try_volume(std::string_view bytes) {
+    try {
+        const VolumeFile file = read(std::string(bytes), "f");
+        require(file.mesh.points.allFinite(), "coordinates are finite");
+        cell_sizes(file.mesh, file.mesh.points);
+        const VolumeFile again = read(with_points(file, file.mesh.points), "f");
+        require(again.mesh.points == file.mesh.points, "a round trip keeps the points");
+        require(again.mesh.num_cells == file.mesh.num_cells, "a round trip keeps the cells");
+    } catch (const InputError& refused) {
+        require(std::strlen(refused.what()) < 4000, "messages are short");
+    }
+}
+
+void try_foam(std::string_view bytes) {
+    try {
+        foam::File file(bytes, "f");
+        const foam::File begin = file;
+        foam::ListPlace place;
+        const std::vector<double> at = foam::File(begin).vectors(place);
+        foam::with_vectors(bytes, place, at.data(), static_cast<int>(at.size() / 3));
+    } catch (const InputError&) {
+    }
+    try {
+        foam::File file(bytes, "f");
+        std::vector<int> first, entries;
+        if (file.kind() == "labelList")
+            file.labels();
+        else
+            file.label_lists(first, entries);
+    } catch (const InputError&) {
+    }
+}
+
 /// Bytes as a surface: small numbers, so that places and vertices meet.
 TriMesh mesh_of(std::string_view bytes) {
     TriMesh mesh;
@@ -135,6 +172,9 @@ constexpr Target targets[] = {{"stl", try_reader<formats::read_stl>},
                               {"vtp_fields", try_vtp_fields},
                               {"gz", try_gzip},
                               {"npy", try_npy},
+                              {"su2_volume", try_volume<volume::read_su2>},
+                              {"vtu", try_volume<volume::read_vtu>},
+                              {"foam", try_foam},
                               {"repair", try_repair}};
 
 Try chosen() {

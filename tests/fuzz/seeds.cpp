@@ -166,6 +166,36 @@ void mesher_variants(Seeds& seeds) {
               "CTRIA3         1       2       1       2       3\n");
 }
 
+void volumes(Seeds& seeds) {
+    seeds.add(
+        "su2_volume",
+        "NDIME= 3\nNELEM= 2\n10 0 1 2 3 0\n13 0 1 2 3 4 5 1\nNPOIN= 6\n0 0 0 0\n1 0 0 1\n0 1 0 2\n0 0 1 3\n1 0 1 4\n"
+        "0 1 1 5\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 1\n5 0 1 2\n");
+    const std::string begin =
+        "<VTKFile type=\"UnstructuredGrid\" byte_order=\"LittleEndian\" "
+        "header_type=\"UInt64\"><UnstructuredGrid><Piece>"
+        "<Points><DataArray type=\"Float64\" Name=\"P\" NumberOfComponents=\"3\" ";
+    const std::string cells =
+        "</Points><Cells><DataArray type=\"Int32\" Name=\"connectivity\">0 1 2 3 0 1 2 3</DataArray><DataArray "
+        "type=\"Int32\" Name=\"offsets\">4 8</DataArray><DataArray type=\"UInt8\" Name=\"types\">10 "
+        "42</DataArray><DataArray "
+        "type=\"Int32\" Name=\"faces\">4 3 0 1 2 3 0 1 3 3 1 2 3 3 0 2 3</DataArray><DataArray type=\"Int32\" "
+        "Name=\"faceoffsets\">-1 17</DataArray></Cells></Piece></UnstructuredGrid>";
+    seeds.add("vtu", begin + "format=\"ascii\">0 0 0 1 0 0 0 1 0 0 0 1</DataArray>" + cells + "</VTKFile>");
+    seeds.add("vtu", begin + "format=\"appended\" offset=\"0\"/>" + cells + "<AppendedData encoding=\"raw\">_" +
+                         raw<std::uint64_t>({96}) + raw({0., 0., 0., 1., 0., 0., 0., 1., 0., 0., 0., 1.}) +
+                         "</AppendedData></VTKFile>");
+    const auto head = [](const char* format, const char* kind) {
+        return text("FoamFile { version 2.0; format ", format, "; class ", kind,
+                    "; arch \"LSB;label=32;scalar=64\"; }\n");
+    };
+    seeds.add("foam", head("ascii", "vectorField") + "2((0 0 0) (1 2e-3 -4))\n");
+    seeds.add("foam", head("binary", "vectorField") + "1(" + raw({0., 1., 2.}) + ")");
+    seeds.add("foam", head("ascii", "faceList") + "2(3(0 1 2) 4(0 1 2 3)) // end\n");
+    seeds.add("foam", head("ascii", "labelList") + "/* c */ 5{0}");
+    seeds.add("foam", head("binary", "labelList") + "2(" + raw({1, 2}) + ")");
+}
+
 /// The texts between R"( and )" of another file: the seeds of its own mutations.
 void cases_of(const fs::path& source, Seeds& seeds) {
     const std::string code = read_bytes(source);
@@ -189,5 +219,6 @@ int main(int argc, char** argv) {
     strake::written_by_us(seeds);
     strake::text_variants(seeds);
     strake::mesher_variants(seeds);
+    strake::volumes(seeds);
     strake::cases_of(argv[2], seeds);
 }

@@ -78,8 +78,8 @@ void write_poly_mesh(const TempFolder& folder, const Block& b, bool binary) {
     };
     const std::string format = binary ? "binary" : "ascii", count = std::to_string(b.points.rows()) + "\n(";
     const std::vector<double> at(b.points.data(), b.points.data() + b.points.size());
-    folder.write("points", header("vectorField", format) + count +
-                               (binary ? raw(at) : join(b.points, "\n(", ")")) + ")\n// the end\n");
+    folder.write("points", header("vectorField", format) + count + (binary ? raw(at) : join(b.points, "\n(", ")")) +
+                               ")\n// the end\n");
     folder.write("faces", binary ? header("faceCompactList", format) + list(first) + list(corners)
                                  : header("faceList", format) + std::to_string(order.size()) + "(\n" + faces + ")\n");
     folder.write("owner", header("labelList", format) + list(owner));
@@ -142,6 +142,9 @@ TEST(VolumeFile, PolyMeshInTextAndBinary) {
         write_volume(out / "points", alone, moved);
         EXPECT_EQ(bytes_of(out / "points"), again.bytes);
         EXPECT_FALSE(std::filesystem::exists(out / "faces"));
+        EXPECT_THROW(write_volume(folder.path(), file, moved), InvalidInput) << "what is read is not overwritten";
+        EXPECT_THROW(write_volume(folder / "points", file, moved), InvalidInput);
+        EXPECT_EQ(read_volume(folder.path()).mesh.points, file.mesh.points);
     }
 }
 
@@ -218,6 +221,7 @@ TEST(VolumeFile, SaysWhatIsWrongAndWhere) {
     EXPECT_NE(refused("a.vtu", "<VTKFile type=\"PolyData\">").find("must be UnstructuredGrid"), std::string::npos);
     EXPECT_NE(words([&] { read_volume(folder / "none"); }), "nothing");
     EXPECT_NE(words([&] { check_volume_output("o.vtu", "i.su2"); }).find("keeps its format"), std::string::npos);
+    EXPECT_NE(words([&] { check_volume_output("o.vtu", folder.path()); }).find("keeps its format"), std::string::npos);
 }
 
 /// Every prefix of every format is read or refused, never more.

@@ -1,0 +1,66 @@
+"""An optimizer of one's own: scipy.optimize.minimize makes a body slimmer at fixed volume, by exact gradients.
+
+    scipy_minimize.py SURFACE [OUT]
+"""
+import sys
+
+import numpy as np
+from scipy.optimize import NonlinearConstraint, minimize
+
+import strake
+
+
+def volume(vertices, triangles):
+    """Enclosed volume and its derivative by the vertices (n x 3)."""
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    gradient = np.zeros_like(vertices)
+    for k, (p, q) in enumerate([(b, c), (c, a), (a, b)]):
+        np.add.at(gradient, triangles[:, k], np.cross(p, q) / 6)
+    return np.einsum("ij,ij->", a, np.cross(b, c)) / 6, gradient
+
+
+def height(vertices):
+    """Mean square of z: what is to become small."""
+    gradient = np.zeros_like(vertices)
+    gradient[:, 2] = 2 * vertices[:, 2] / len(vertices)
+    return np.mean(vertices[:, 2] ** 2), gradient
+
+
+class Shapes:
+    """The last shape is kept: scipy asks for value and gradient one after the other."""
+
+    def __init__(self, space):
+        self.space, self.x, self.vertices = space, None, None
+
+    def at(self, x):
+        if self.x is None or not np.array_equal(x, self.x):
+            self.vertices, self.x = self.space.shape(x), np.array(x)
+        return self.vertices
+
+    def value_and_gradient(self, measure, x):
+        value, by_vertices = measure(self.at(x))
+        return value, self.space.gradient(by_vertices)
+
+
+def optimize(surface, iterations=8):
+    problem = strake.Problem(surface, fixed=[0], variables=["load_normal"],
+                             tree=strake.patches(surface, patches_per_level=[6]))
+    space = strake.DesignSpace(problem, level=1)
+    shapes = Shapes(space)
+    room = lambda vertices: volume(vertices, surface.triangles)
+    start = room(surface.vertices)[0]
+    keep = NonlinearConstraint(lambda x: room(shapes.at(x))[0] / start, 1, np.inf,
+                               jac=lambda x: shapes.value_and_gradient(room, x)[1] / start)
+    scale = height(surface.vertices)[0]
+    result = minimize(lambda x: shapes.value_and_gradient(height, x)[0] / scale, np.zeros(len(space)), method="SLSQP",
+                      jac=lambda x: shapes.value_and_gradient(height, x)[1] / scale, constraints=[keep],
+                      bounds=list(zip(space.lower, space.upper)), options={"maxiter": iterations})
+    return result, surface.with_vertices(shapes.at(result.x))
+
+
+if __name__ == "__main__":
+    start_surface = strake.read_surface(sys.argv[1])
+    found, best = optimize(start_surface)
+    print(f"height {found.fun:.4f} of that at the start, volume {best.volume / start_surface.volume:.6f}; {found.message}")
+    if len(sys.argv) > 2:
+        strake.write_surface(sys.argv[2], best)

@@ -1,0 +1,109 @@
+#include "cases/diagnostics.hpp"
+#include "core/error.hpp"
+#include "core/primo/shell.hpp"
+#include "core/version.hpp"
+#include "python/bindings.hpp"
+#include "python/evaluation_failed.hpp"
+
+#include <cmath>
+#include <set>
+
+namespace strake::python {
+namespace {
+
+/// A class of exceptions with these bases, which lives as long as the interpreter.
+PyObject* add_error(py::module_& m, const char* name, const char* doc, const py::tuple& bases) {
+    const std::string full = std::string("strake.") + name;
+    PyObject* made = PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr);
+    if (!made) throw py::error_already_set();
+    m.attr(name) = py::reinterpret_borrow<py::object>(made);
+    return made;
+}
+
+struct Errors {
+    PyObject *base, *input, *file, *output, *solver, *unheld, *failed, *wrong_case;
+};
+Errors errors{};
+
+void translate(std::exception_ptr thrown) {
+    try {
+        if (thrown) std::rethrow_exception(thrown);
+    } catch (const UnheldPart& e) {
+        PyErr_SetString(errors.unheld, e.what());
+    } catch (const CaseError& e) {
+        PyErr_SetString(errors.wrong_case, e.what());
+    } catch (const InvalidInput& e) {
+        PyErr_SetString(errors.input, e.what());
+    } catch (const InputError& e) {
+        PyErr_SetString(errors.file, e.what());
+    } catch (const OutputError& e) {
+        PyErr_SetString(errors.output, e.what());
+    } catch (const SolverError& e) {
+        PyErr_SetString(errors.solver, e.what());
+    } catch (const EvaluationFailed& e) {
+        PyErr_SetString(errors.failed, e.what());
+    }
+}
+
+}  // namespace
+
+bool is_evaluation_failed(const py::error_already_set& error) { return error.matches(errors.failed); }
+
+void bind_errors(py::module_& m) {
+    const auto borrowed = [](PyObject* o) { return py::reinterpret_borrow<py::object>(o); };
+    const auto bases = [&](PyObject* builtin) { return py::make_tuple(borrowed(errors.base), borrowed(builtin)); };
+    errors.base =
+        add_error(m, "Error", "Whatever Strake refuses or cannot do.", py::make_tuple(borrowed(PyExc_Exception)));
+    errors.input =
+        add_error(m, "InvalidInput", "An argument is wrong; the text gives value and limit.", bases(PyExc_ValueError));
+    errors.wrong_case = add_error(m, "CaseError", "A case file is wrong; one line an error, with file:line:column.",
+                                  py::make_tuple(borrowed(errors.input)));
+    errors.file = add_error(m, "InputError", "A file is missing, unreadable or wrong; the text names the place.",
+                            bases(PyExc_OSError));
+    errors.output = add_error(m, "OutputError", "A file cannot be written.", bases(PyExc_OSError));
+    errors.solver = add_error(m, "SolverError", "A linear system could not be solved.", bases(PyExc_RuntimeError));
+    errors.unheld = add_error(m, "UnheldPart", "A part of the surface that nothing holds; the text names it.",
+                              bases(PyExc_RuntimeError));
+    errors.failed = add_error(m, "EvaluationFailed",
+                              "There is no value or no valid shape here. Raise it in a quantity: the run tries a "
+                              "shorter step.",
+                              bases(PyExc_RuntimeError));
+    py::register_exception_translator(translate);
+}
+
+void check_rows(const Rows& rows, Eigen::Index expected, const char* what) {
+    if (expected >= 0 && rows.rows() != expected)
+        throw InvalidInput(text(what, ": ", rows.rows(), " rows, must be ", expected));
+    for (Eigen::Index i = 0; i < rows.rows(); ++i)
+        if (!rows.row(i).allFinite()) throw InvalidInput(text(what, ": row ", i, " = ", rows.row(i), " is not finite"));
+}
+
+std::optional<SymmetryPlane> plane_of(const std::optional<PlaneTuple>& plane) {
+    if (!plane) return {};
+    const double size = plane->first.norm();
+    if (!(size > 0) || !std::isfinite(size) || !std::isfinite(plane->second))
+        throw InvalidInput(text("symmetry: the normal (", plane->first.transpose(), ") must be finite, not zero"));
+    return SymmetryPlane{plane->first / size, plane->second / size};
+}
+
+std::vector<int> triangles_of(const std::vector<int>& listed, const TriMesh& surface, const char* what) {
+    const std::set<int> sorted(listed.begin(), listed.end());
+    for (const int t : sorted)
+        if (t < 0 || t >= surface.num_triangles())
+            throw InvalidInput(text(what, ": triangle ", t, ", limits 0 and ", surface.num_triangles() - 1));
+    return {sorted.begin(), sorted.end()};
+}
+
+PYBIND11_MODULE(_core, m) {
+    m.doc() = "What `strake` is made of, compiled.";
+    m.attr("__module__") = "strake";  // where users find what is in it
+    m.attr("version") = version();
+    bind_errors(m);
+    bind_surface(m);
+    bind_patches(m);
+    bind_shell(m);
+    bind_problem(m);
+    bind_run(m);
+}
+
+}  // namespace strake::python

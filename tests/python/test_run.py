@@ -1,0 +1,159 @@
+import json
+import subprocess
+
+import numpy as np
+import pytest
+
+import explicit_component
+import scipy_minimize
+import strake
+from conftest import nose
+
+CASE = """case: body
+surface: {file: body.obj}
+regions: {nose: {box: [[-2, -2, -2], [-0.6, 2, 2]]}}
+fixed: [nose]
+shell: {thickness: 5%}
+parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal]}
+objective: {maximize: volume}
+constraints: {area: {max: 1.01, relative: true}}
+optimize: {budget: {evaluations: 8}}
+"""
+
+
+def problem_of(body):
+    problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=strake.patches(body, patches_per_level=[2, 4]),
+                             variables=["load_normal"])
+    problem.maximize("volume")
+    problem.constrain("area", max=1.01, relative=True)
+    problem.options(max_evaluations=8)
+    return problem
+
+
+def test_yaml_and_python_give_the_same_bits(body, program, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    (tmp_path / "case.yaml").write_text(CASE)
+    out = subprocess.run([program, "run", "case.yaml", "--out", "run", "--json", "-q"], cwd=tmp_path, check=False,
+                         stdout=subprocess.PIPE)
+    told = json.loads(out.stdout)
+    seen = []
+    result = strake.run(problem_of(body), callback=seen.append)
+    loaded = strake.run(strake.load_case(tmp_path / "case.yaml"))
+    best = strake.read_surface(tmp_path / "run/best.obj")
+    for one in (result, loaded):
+        assert one.status == told["status"] and one.evaluations == told["evaluations"]
+        assert one.objective == told["objective"]
+        assert np.array_equal(one.vertices, best.vertices)
+    rows = (tmp_path / "run/history.csv").read_text().splitlines()[1:]
+    assert [e.evaluation for e in seen] == [int(row.split(",")[0]) for row in rows]
+    assert [e.objective for e in seen] == [float(row.split(",")[3]) for row in rows]
+    assert result.done and result.values[result.names.index("volume")] > body.volume
+
+
+def test_a_quantity_in_python_is_as_good_as_a_built_in_one(body):
+    built_in = problem_of(body)
+    own = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=built_in.tree, variables=["load_normal"])
+    asked = []
+
+    def room(surface, want_gradient):
+        asked.append(want_gradient)
+        value, gradient = scipy_minimize.volume(surface.vertices, surface.triangles)
+        return (value, gradient) if want_gradient else value
+
+    own.add_quantity("room", room)
+    own.maximize("room")
+    own.constrain("area", max=1.01, relative=True)
+    own.options(max_evaluations=8)
+    one, other = strake.run(built_in), strake.run(own)
+    assert any(asked) and one.objective == pytest.approx(other.objective, rel=1e-9)
+    assert one.vertices == pytest.approx(other.vertices, abs=1e-9)
+
+
+def test_exceptions_come_out_of_run(body):
+    problem = problem_of(body)
+
+    def broken(surface, want_gradient):
+        raise KeyError("mine")
+
+    problem.add_quantity("broken", broken)
+    problem.minimize("broken")
+    with pytest.raises(KeyError, match="mine"):
+        strake.run(problem)
+
+    def stop(evaluation):
+        raise RuntimeError("enough")
+
+    with pytest.raises(RuntimeError, match="enough"):
+        strake.run(problem_of(body), callback=stop)
+    again = strake.run(problem_of(body))  # nothing is left over
+    assert again.done
+
+
+def test_a_callback_can_end_the_run(body):
+    result = strake.run(problem_of(body), callback=lambda e: e.evaluation < 3)
+    assert result.status == "interrupted" and result.evaluations <= 4
+    assert len(result.vertices) == body.num_vertices
+
+
+def test_a_failed_evaluation_shortens_the_step(body):
+    problem, failed = problem_of(body), []
+    start = body.volume
+
+    def careful(surface, want_gradient):
+        value, gradient = scipy_minimize.volume(surface.vertices, surface.triangles)
+        if value > 1.02 * start:
+            failed.append(value)
+            raise strake.EvaluationFailed("too big for me")
+        return (value, gradient) if want_gradient else value
+
+    problem.add_quantity("careful", careful)
+    problem.maximize("careful")
+    seen = []
+    result = strake.run(problem, callback=seen.append)
+    assert failed and any("too big for me" in e.reason for e in seen)
+    assert start < result.objective <= 1.02 * start
+
+
+@pytest.mark.parametrize("value", [float("nan"), None, "three", (1.0,), (1.0, np.zeros((2, 3)))])
+def test_nonsense_from_a_quantity_is_no_number(body, value):
+    problem = problem_of(body)
+    problem.add_quantity("odd", lambda surface, want_gradient: value)
+    problem.minimize("odd")
+    try:
+        result = strake.run(problem)
+    except (strake.Error, TypeError, RuntimeError):
+        return
+    assert not result.done
+
+
+def test_design_space_gradients(body):
+    space = strake.DesignSpace(problem_of(body), level=2)
+    assert len(space) == len(space.names) == len(space.units) == space.size > 2
+    x = np.full(len(space), 0.2)
+    component = explicit_component.ShapeComponent(space)
+    component.setup()
+    transposed, differences = explicit_component.check(component, x)
+    assert transposed < 1e-8 and differences < 1e-5
+    with pytest.raises(strake.InvalidInput, match="must be"):
+        space.shape(np.zeros(1))
+    with pytest.raises(strake.EvaluationFailed):
+        space.shape(np.full(len(space), 1e6))
+    space.reset()
+    with pytest.raises(strake.InvalidInput, match="first"):
+        space.gradient(np.zeros_like(body.vertices))
+    assert np.abs(space.shape(np.zeros(len(space))) - body.vertices).max() < 1e-12
+
+
+def test_scipy_drives_it(body):
+    found, best = scipy_minimize.optimize(body, iterations=5)
+    assert found.fun < 0.98
+    assert best.volume > 0.999 * body.volume
+
+
+def test_fit_recovers_a_known_shape(body):
+    space = strake.DesignSpace(problem_of(body), level=1)
+    target = body.with_vertices(space.shape(np.full(len(space), 0.4)))
+    problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=problem_of(body).tree, variables=["load_normal"])
+    problem.add_target("match", target, same_triangles=True)
+    result = strake.fit(problem, ["match"])
+    assert np.abs(result.vertices - target.vertices).max() < 1e-5

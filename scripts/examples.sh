@@ -26,7 +26,7 @@ surface "$cases/nacelle/generated/nacelle.obj" nacelle 5000
 surface "$cases/nacelle/generated/engine.obj" engine 2000
 # Those of the cases with OpenFOAM.
 surface "$cases/external/openfoam_drag/generated/body.obj" bluff_body 4000
-surface "$cases/external/openfoam_supersonic/generated/body.obj" wavy_body 8000
+surface "$cases/external/openfoam_supersonic/generated/body.obj" wavy_body 3000
 surface "$cases/external/openfoam_wing/generated/wing.obj" wing 5000
 # Those of the hand-over to SU2 and Cart3D, whose programs are played by scripts: nothing for machines without Python.
 surface "$cases/external/su2/generated/body.obj" ellipsoid 600

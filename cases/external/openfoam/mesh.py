@@ -17,7 +17,7 @@ class Mesh:
         self.first = np.concatenate([[0], np.cumsum(self.count)])
         self.corners = np.concatenate(faces)
         self.face_of = np.repeat(np.arange(len(faces)), self.count)
-        self.inner, self.cells = len(neighbour), int(owner.max()) + 1
+        self.inner, self.cells = len(neighbour), int(max(owner.max(), neighbour.max(initial=0))) + 1
         self.measure()
 
     @classmethod

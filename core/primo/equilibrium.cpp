@@ -2,13 +2,13 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "core/primo/held.hpp"
-#include "core/primo/shell_impl.hpp"
+#include "core/primo/conjugate_gradients.hpp"
 
 /// The minimum of the shell's energy. Main method: Newton with the mixed-integration-point stress (full steps, no
 /// descent demanded: after a rotation step the true jumps hold a spurious membrane part of order 1/h^2 that would
-/// poison both the Hessian and a line search). Fallbacks: Newton with line search, then load steps from rest. The end
-/// is polished and proven with the exact Hessian.
+/// poison both the Hessian and a line search). Its systems are solved by conjugate gradients on the factor of an
+/// earlier iteration or design, as exactly as the next step can make use of. Fallbacks: Newton with line search, then
+/// load steps from rest. The end is polished with the exact Hessian and shown to be a minimum.
 namespace strake {
 namespace {
 
@@ -20,8 +20,12 @@ constexpr int growth_limit = 4;         // iterations in a row that lead away
 constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations more are allowed
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
-constexpr int cg_limit = 30;           // substitutions after which a new factor is cheaper
-constexpr int cg_plenty = 12;          // substitutions from which the next step had better have a new factor
+constexpr int cg_limit = 20;           // substitutions for one step, above which a new factor is cheaper
+constexpr double exact_rate = 1e-3;    // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;        // share of a residual that may be left in any step
+constexpr double first_share = 0.05;   // in the first one
+constexpr double tightest = 0.01;      // in later ones
+constexpr double usual = 6;            // substitutions of a solve beside a factor that need not be better
 constexpr int clipped_limit = 2;       // indefinite matrices near the end after which the shell is said to buckle
 constexpr double near_step = 0.02;     // diagonals: near the end
 
@@ -81,8 +85,12 @@ struct Attempt {
     Equilibrium& end;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool cancelled = false;
-    bool fresh = false;  // the factor is of the last assembled matrix, unclipped, with the stress
-    int clipped = 0;     // indefinite matrices near the end
+    int clipped = 0;         // indefinite matrices near the end
+    double size_before = 0;  // of the last residual, in the norm of what is kept
+    int spent_from = shell.substitutions;
+    double rate = 1;  // of conjugate gradients
+    bool is_rate_measured = false;
+    double proven_within = std::numeric_limits<double>::infinity();  // diagonals from a definite exact Hessian
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -102,7 +110,6 @@ struct Attempt {
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
         ++end.factorizations;
         if (shell.factorize()) return;
-        fresh = false;
         if (end.last_step > 0 && end.last_step < near_step) ++clipped;
         if (is_buckling()) return;
         shell.assemble(at.turn, stress, loads, StressTerm::clipped);
@@ -114,27 +121,62 @@ struct Attempt {
     /// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
     bool is_buckling() const { return !options.fallbacks && clipped >= clipped_limit; }
 
-    /// @param reuse try the factor at hand first; false afterwards: the next step had better have a new one.
+    /// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
+    /// left, but no less than a few iterations give.
+    void adapt(double size, CgOptions& cg) {
+        const double left = size_before > 0 ? size / size_before : 0;  // by the last step
+        const double step = end.last_step * left;                      // to be expected
+        const double enough = step > 0 ? 0.3 * options.min_step / step : 0;
+        const double squared = size_before > 0 ? left * left : first_share;
+        cg.tolerance = enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
+        if (shell.is_kept_here)
+            cg.expected_rate = exact_rate;
+        else if (is_rate_measured)
+            cg.expected_rate = rate;
+        else if (size_before > 0)
+            cg.expected_rate = std::min(left, 1.0);  // the linear part of it can be no larger
+        size_before = size;
+    }
+
+    CgResult solve_inexactly(const Iterate& at) {
+        CgOptions cg;
+        cg.max_iterations = cg_limit;
+        cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
+        CgResult result = conjugate_gradients(shell, -at.gradient, cg);
+        is_rate_measured = !shell.is_kept_here && result.iterations > 1;
+        rate = result.rate;
+        return result;
+    }
+
+    /// @param reuse try what is kept first; else it is built anew.
     /// @return empty where the shell buckles.
     Eigen::VectorXd newton_step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
                                 bool& reuse) {
         shell.assemble(at.turn, stress, loads, term);
-        fresh = false;
         if (reuse) {
-            const CgResult cg = conjugate_gradients(shell, -at.gradient, 1e-3, cg_limit);
-            reuse = cg.iterations < cg_plenty;
-            if (cg.positive && cg.relative_residual <= 1e-3) return cg.x;
+            const CgResult cg = solve_inexactly(at);
+            if (cg.is_positive && cg.is_reached) return cg.x;
         }
-        fresh = term == StressTerm::exact;
+        size_before = 0;
         factorize(at, stress, loads);
         if (is_buckling()) return {};
-        reuse = options.keep_factor;
-        return shell.precondition(-at.gradient);
+        reuse = true;
+        return solve_inexactly(at).x;
+    }
+
+    /// A minimum, or in doubt what a factor says. @pre the exact Hessian is assembled at the end.
+    bool is_minimum() {
+        shell.spent += std::max(0.0, shell.substitutions - spent_from - usual);
+        spent_from = shell.substitutions;
+        const bool pays = options.keep_factor && shell.spent > shell.kept.build_cost();
+        if (!pays && (shell.is_kept_here || proven_within < 1e-7 || looks_definite(shell))) return true;
+        ++end.factorizations;
+        return shell.factorize();
     }
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
-    bool finish(const Loads& loads, double moved);
+    bool finish(const Loads& loads);
     bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
 };
 
@@ -143,7 +185,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     Jumps stress = at.jump;
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
-    reuse = reuse && shell.factor.has_factor();
+    reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
+    size_before = 0;
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
     for (int i = 0; i < attempt_limit && !out_of_budget(); ++i) {
@@ -162,8 +205,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        // Only the first stress is the true one: what proves the minimum has to be of that.
-        if (step < nearly_there) return finish(loads, fresh && i == 0 ? step : std::numeric_limits<double>::infinity());
+        if (step < nearly_there) return finish(loads);
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
         if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;
@@ -172,35 +214,32 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
 }
 
 /// Exact Newton steps to the floor, and the proof that the end is a minimum.
-/// @param moved diagonals since an exact Hessian was factorized.
-bool Attempt::finish(const Loads& loads, double moved) {
+bool Attempt::finish(const Loads& loads) {
     Iterate at = iterate(shell, loads);
+    bool reuse = true;
+    const int clipped_before = clipped;
+    const auto buckles = [this] {
+        end.reason = "the equilibrium is not a stable minimum (the exact Hessian is indefinite): the shell buckles";
+        return false;
+    };
     for (int i = 0; i < 8 && !out_of_budget(); ++i) {
-        shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
-        if (moved > 1e-7) {
-            ++end.factorizations;
-            if (!shell.factorize()) {
-                end.reason =
-                    "the equilibrium is not a stable minimum (the exact Hessian is indefinite): the shell buckles";
-                return false;
-            }
-            moved = 0;
+        if (end.last_step >= options.min_step) {
+            const Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);
+            if (twist.size() == 0 || clipped > clipped_before) return buckles();
+            if (!twist.allFinite()) return false;
+            const double before = at.norm;
+            const Poses poses = shell.poses;
+            shell.advance(twist);
+            at = iterate(shell, loads);
+            record(at, loads, step_size(shell.rest, twist));
+            if (end.last_step >= options.min_step) continue;
+            if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         }
-        const CgResult cg = conjugate_gradients(shell, -at.gradient, 1e-8, cg_limit);
-        if (!cg.positive || !cg.x.allFinite()) return false;
-        const double before = at.norm;
-        const Poses poses = shell.poses;
-        shell.advance(cg.x);
-        at = iterate(shell, loads);
-        const double step = step_size(shell.rest, cg.x);
-        record(at, loads, step);
-        moved += step;
-        if (step >= options.min_step) continue;
-        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
         shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
+        if (!is_minimum()) return buckles();
         shell.has_tangent = true;
         end.stable = true;
         return true;
@@ -228,8 +267,7 @@ bool Attempt::line_search(const Loads& loads) {
         const double step = length * step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        if (step < nearly_there && length == 1)
-            return finish(loads, fresh ? step : std::numeric_limits<double>::infinity());
+        if (step < nearly_there && length == 1) return finish(loads);
         if (step < 1e-3 * options.min_step) return false;
     }
     return false;
@@ -283,37 +321,6 @@ bool differ(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b
 
 }  // namespace
 
-CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, double tolerance, int max_iterations) {
-    CgResult result;
-    result.x = Eigen::VectorXd::Zero(b.size());
-    const double target = tolerance * b.norm();
-    result.relative_residual = 0;
-    if (b.norm() == 0) return result;
-    Eigen::VectorXd r = b, z = shell.precondition(r), p = z;
-    double rz = r.dot(z);
-    for (; result.iterations < max_iterations && r.norm() > target; ++result.iterations) {
-        const Eigen::VectorXd Hp = shell.H.multiply(p);
-        const double curvature = p.dot(Hp);
-        if (!(curvature > 0)) {
-            result.positive = false;
-            break;
-        }
-        const double alpha = rz / curvature;
-        result.x += alpha * p;
-        r -= alpha * Hp;
-        if (r.norm() <= target) {
-            ++result.iterations;
-            break;
-        }
-        z = shell.precondition(r);
-        const double next = r.dot(z);
-        p = z + next / rz * p;
-        rz = next;
-    }
-    result.relative_residual = r.norm() / b.norm();
-    return result;
-}
-
 Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>& motions, const SolveOptions& options,
                               const SolveProgress& progress) {
     Impl& shell = *impl_;
@@ -322,8 +329,8 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
                                 options.max_iterations, " >= 1"));
     const Loads loads = complete(given, shell.rest.mesh.num_vertices());
     check_motions(shell.rest, motions);
-    check_held(shell.rest, loads.spring);
     shell.seconds = {};
+    const int substitutions_before = shell.substitutions;
     shell.prepare(loads.spring);
     const Poses before = shell.poses;
     const bool pins_moved = differ(motions, shell.motions);
@@ -343,6 +350,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
         done = attempt.load_steps(loads, motions, steps);
     }
     end.seconds = shell.seconds;
+    end.substitutions = shell.substitutions - substitutions_before;
     if (done) {
         end.status = SolveStatus::converged;
         end.reason = text("equilibrium after ", end.iterations, " Newton iterations");
@@ -359,8 +367,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
         end.reason = text("no equilibrium after ", end.iterations, " Newton iterations (last step ", end.last_step,
                           " diagonals): the loads are too large or the shell buckles");
     shell.poses = before;
-    shell.has_tangent = false;
-    shell.factor.drop_factor();
+    shell.has_tangent = shell.is_kept_here = false;
     return end;
 }
 

@@ -1,5 +1,5 @@
 #include "core/error.hpp"
-#include "core/primo/held.hpp"
+#include "core/primo/conjugate_gradients.hpp"
 #include "core/primo/shell_impl.hpp"
 
 /// Derivatives at an equilibrium g(T, x) = 0: tangent solves forward, one adjoint solve per functional backward.
@@ -8,6 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double exact = 1e-10;  // of a column's size in energy, down to where round-off decides
 constexpr int block_width = 16;  // right-hand sides at once: bounds the memory of a block of substitutions
 
 void check_count(const RestState& rest, const Points& field, const char* what) {
@@ -129,8 +130,7 @@ Matrix6 motion_twist(const RigidMotion& motion, const Vector3d& rest_centroid) {
 }
 
 void PrimoShell::Impl::need_tangent() {
-    if (has_tangent && factor.has_factor()) return;
-    check_held(rest, loads.spring);
+    if (has_tangent && kept.is_built()) return;
     prepare(loads.spring);
     const auto turn = rotation_differences(poses);
     assemble(turn, jumps(rest, poses, turn), loads, StressTerm::exact);
@@ -139,58 +139,9 @@ void PrimoShell::Impl::need_tangent() {
     has_tangent = true;
 }
 
-namespace {
-
-/// Of the free prisms together.
-double wrench_norm(const RestState& rest, const Eigen::VectorXd& wrench) {
-    double sum = 0;
-    for (int f = 0; f < rest.num_free(); ++f)
-        sum += wrench_square(wrench.segment<3>(6 * f), wrench.segment<3>(6 * f + 3),
-                             rest.prism_height[rest.free_prisms[f]]);
-    return std::sqrt(sum);
-}
-
-}  // namespace
-
-Eigen::MatrixXd PrimoShell::Impl::solve_tangent(const Eigen::MatrixXd& B, double tolerance) {
-    // The factor may be of a design nearby. Where it is hardly off, repeated substitution of the whole block corrects
-    // it; where it is not, conjugate gradients do, column by column. H X can be no better than its round-off.
-    constexpr double quick = 0.05, rounding = 0.5 * std::numeric_limits<double>::epsilon();
-    Eigen::MatrixXd X = precondition(B), R(B.rows(), B.cols());
-    Eigen::VectorXd allowed(B.cols());
-    for (Eigen::Index c = 0; c < B.cols(); ++c)
-        allowed[c] =
-            std::max(tolerance * wrench_norm(rest, B.col(c)), rounding * wrench_norm(rest, H.multiply_sizes(X.col(c))));
-    std::vector<Eigen::Index> open;
-    for (double before = 1;;) {
-        open.clear();
-        double worst = 0;
-        for (Eigen::Index c = 0; c < B.cols(); ++c) {
-            R.col(c) = B.col(c) - H.multiply(X.col(c));
-            const double left = wrench_norm(rest, R.col(c));
-            if (left <= allowed[c]) continue;
-            open.push_back(c);
-            worst = std::max(worst, left / wrench_norm(rest, B.col(c)));
-        }
-        if (open.empty()) return X;
-        if (!(worst < quick * before)) break;
-        before = worst;
-        const Eigen::MatrixXd correction = precondition(R(Eigen::all, open));
-        for (std::size_t k = 0; k < open.size(); ++k) X.col(open[k]) += correction.col(static_cast<Eigen::Index>(k));
-    }
-    for (const Eigen::Index c : open) {
-        double last = std::numeric_limits<double>::infinity();
-        for (int round = 0; round < 3; ++round) {
-            const Eigen::VectorXd r = B.col(c) - H.multiply(X.col(c));
-            const double left = wrench_norm(rest, r);
-            if (left <= allowed[c] || left > 0.5 * last) break;
-            last = left;
-            const CgResult cg = conjugate_gradients(*this, r, 0.5 * allowed[c] / left, 60);
-            if (!cg.positive) throw SolverError("shell: the exact Hessian is not positive definite at the equilibrium");
-            X.col(c) += cg.x;
-        }
-    }
-    return X;
+void PrimoShell::refresh_tangent() {
+    impl_->kept.drop();
+    impl_->need_tangent();
 }
 
 std::vector<Points> PrimoShell::response(const std::vector<Points>& dF, double tolerance) {
@@ -204,7 +155,7 @@ std::vector<Points> PrimoShell::response(const std::vector<Points>& dF, double t
         const std::size_t count = std::min<std::size_t>(block_width, dF.size() - first);
         Eigen::MatrixXd B(6 * shell.rest.num_free(), count);
         for (std::size_t c = 0; c < count; ++c) B.col(c) = vertex_wrenches(shell.rest, turn, dF[first + c]);
-        const Eigen::MatrixXd X = shell.solve_tangent(B, tolerance);
+        const Eigen::MatrixXd X = solve_columns(shell, B, tolerance);
         for (std::size_t c = 0; c < count; ++c) rates.push_back(vertex_rates(shell.rest, turn, X.col(c)));
     }
     return rates;
@@ -222,7 +173,7 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
             for (int i = 0; i < rest.num_prisms(); ++i)
                 if (rest.pin[i] == static_cast<int>(m) + 1)
                     pinned.row(i) = motion_twist(shell.motions[m], rest.centroid.row(i)).col(c).transpose();
-            const Eigen::VectorXd twist = shell.solve_tangent(-free_wrenches(rest, turn, pinned));
+            const Eigen::VectorXd twist = solve_columns(shell, -free_wrenches(rest, turn, pinned), exact);
             Points rate = vertex_rates(rest, turn, twist);
             for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
                 const auto prisms = rest.vertex_prisms[k];
@@ -248,7 +199,7 @@ std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& d
     const Jumps jump = jumps(rest, shell.poses, turn);
     Eigen::MatrixXd B(6 * rest.num_free(), dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) B.col(c) = vertex_wrenches(rest, turn, dJ_dv[c]);
-    const Eigen::MatrixXd Y = shell.solve_tangent(B);
+    const Eigen::MatrixXd Y = solve_columns(shell, B, exact);
     std::vector<ShellSensitivities> all(dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) {
         const Eigen::VectorXd y = Y.col(c);
@@ -275,7 +226,6 @@ Points PrimoShell::linear_response(const Loads& given, const std::vector<RigidMo
     Impl& shell = *impl_;
     const RestState& rest = shell.rest;
     const Loads loads = complete(given, rest.mesh.num_vertices());
-    check_held(rest, loads.spring);
     shell.prepare(loads.spring);
     const Poses before = shell.poses;
     shell.reset_poses();
@@ -289,10 +239,9 @@ Points PrimoShell::linear_response(const Loads& given, const std::vector<RigidMo
     const Eigen::MatrixXd g6 = energy_gradient(rest, turn, jump, loads);
     Eigen::VectorXd g(6 * rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f) g.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
-    const Points rate = vertex_rates(rest, still, shell.precondition(-g));
+    const Points rate = vertex_rates(rest, still, solve_columns(shell, -g, exact));
     shell.poses = before;
-    shell.has_tangent = false;
-    shell.factor.drop_factor();
+    shell.has_tangent = shell.is_kept_here = false;
     Points v = rest.mesh.vertices;
     for (int k = 0; k < v.rows(); ++k)
         if (!rest.vertex_prisms[k].empty()) v.row(k) += jump.vertex.row(k) + rate.row(k);

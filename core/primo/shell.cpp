@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/held.hpp"
 #include "core/primo/shell_impl.hpp"
 
 namespace strake {
@@ -59,7 +60,7 @@ PrimoShell::Impl::Impl(const TriMesh& mesh, const ShellOptions& options) : rest(
 void PrimoShell::Impl::reset_poses() {
     poses.rotation.assign(rest.num_prisms(), Eigen::Quaterniond::Identity());
     poses.displacement = Points::Zero(rest.num_prisms(), 3);
-    has_tangent = false;
+    has_tangent = is_kept_here = false;
 }
 
 void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
@@ -77,11 +78,13 @@ void PrimoShell::Impl::prepare(const Eigen::VectorXd& spring) {
     std::vector<char> pattern(spring.size());
     for (int k = 0; k < spring.size(); ++k) pattern[k] = spring[k] > 0;
     if (H.size() > 0 && pattern == spring_pattern) return;
+    check_held(rest, spring);
     const Timer timer(seconds.ordering);
     spring_pattern = pattern;
     H = hessian_pattern(rest, spring);
     has_tangent = false;
-    factor.analyze(H);
+    kept.analyze(H);
+    is_kept_here = false;
 }
 
 void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress, const Loads& under,
@@ -93,27 +96,33 @@ void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const 
 
 bool PrimoShell::Impl::factorize() {
     const Timer timer(seconds.factorization);
-    if (!factor.factorize(H)) return false;
-    factor_rotation.resize(rest.num_free());
-    for (int f = 0; f < rest.num_free(); ++f) factor_rotation[f] = poses.rotation[rest.free_prisms[f]];
+    spent = 0;
+    is_kept_here = kept.build(H);
+    if (!is_kept_here) return false;
+    kept_rotation.resize(rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) kept_rotation[f] = poses.rotation[rest.free_prisms[f]];
     return true;
 }
 
 Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
     const Timer timer(seconds.substitution);
+    ++substitutions;
+    if (is_kept_here) return kept.apply(B);
     std::vector<Eigen::Matrix3d> turn(rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f)
-        turn[f] = (poses.rotation[rest.free_prisms[f]] * factor_rotation[f].conjugate()).toRotationMatrix();
+        turn[f] = (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
     Eigen::MatrixXd local(B.rows(), B.cols());
-    for (int f = 0; f < rest.num_free(); ++f) {
-        local.middleRows<3>(6 * f).noalias() = turn[f].transpose() * B.middleRows<3>(6 * f);
-        local.middleRows<3>(6 * f + 3).noalias() = turn[f].transpose() * B.middleRows<3>(6 * f + 3);
-    }
-    const Eigen::MatrixXd solved = factor.solve(local);
-    for (int f = 0; f < rest.num_free(); ++f) {
-        local.middleRows<3>(6 * f).noalias() = turn[f] * solved.middleRows<3>(6 * f);
-        local.middleRows<3>(6 * f + 3).noalias() = turn[f] * solved.middleRows<3>(6 * f + 3);
-    }
+    for (Eigen::Index c = 0; c < B.cols(); ++c)
+        for (int f = 0; f < rest.num_free(); ++f) {
+            local.col(c).segment<3>(6 * f).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f);
+            local.col(c).segment<3>(6 * f + 3).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f + 3);
+        }
+    local = kept.apply(local);
+    for (Eigen::Index c = 0; c < B.cols(); ++c)
+        for (int f = 0; f < rest.num_free(); ++f) {
+            local.col(c).segment<3>(6 * f) = turn[f] * local.col(c).segment<3>(6 * f);
+            local.col(c).segment<3>(6 * f + 3) = turn[f] * local.col(c).segment<3>(6 * f + 3);
+        }
     return local;
 }
 
@@ -123,7 +132,7 @@ void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
         poses.rotation[i] = (rotation_of(twist.segment<3>(6 * f)) * poses.rotation[i]).normalized();
         poses.displacement.row(i) += twist.segment<3>(6 * f + 3).transpose();
     }
-    has_tangent = false;
+    has_tangent = is_kept_here = false;
 }
 
 Points PrimoShell::Impl::vertices() const {
@@ -159,7 +168,7 @@ void PrimoShell::set_poses(const Poses& poses) {
     if (static_cast<int>(poses.rotation.size()) != m || poses.displacement.rows() != m)
         throw InvalidInput(text("shell: ", poses.rotation.size(), " poses for ", m, " prisms"));
     impl_->poses = poses;
-    impl_->has_tangent = false;
+    impl_->has_tangent = impl_->is_kept_here = false;
 }
 
 double PrimoShell::energy(const Loads& loads) const {

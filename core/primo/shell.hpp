@@ -70,7 +70,7 @@ struct Equilibrium {
     double energy = std::numeric_limits<double>::quiet_NaN();
     double gradient_norm = 0;      ///< forces, torques divided by h; length
     double relative_gradient = 0;  ///< over the norm of the applied forces (of the reactions, without loads)
-    int iterations = 0, factorizations = 0, load_steps = 1;
+    int iterations = 0, factorizations = 0, substitutions = 0, load_steps = 1;
     double last_step = 0;  ///< diagonals
     bool stable = false;   ///< the exact Hessian is positive definite at the end
     SolveTimes seconds;
@@ -142,6 +142,10 @@ public:
     /// exact Hessian.
     std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv);
 
+    /// Factorizes the exact Hessian at the equilibrium of the last solve, for what comes next. @throws SolverError
+    /// where it is not positive definite.
+    void refresh_tangent();
+
     /// The prisms at the present poses, to look at: 8 triangles each (bottom, top, sides), in the order of the prisms.
     TriMesh prism_surface() const;
 
@@ -149,6 +153,7 @@ public:
     const std::vector<char>& fixed_vertices() const;  ///< per vertex: copied from the start, bit for bit
 
     struct Impl;  ///< shell_impl.hpp
+    Impl& impl() { return *impl_; }
 
 private:
     std::unique_ptr<Impl> impl_;

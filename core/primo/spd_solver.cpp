@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/supernodes.hpp"
 
 // OpenBLAS: present wherever the set-up scripts ran; another BLAS does without.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
@@ -82,6 +83,7 @@ struct SpdSolver::Impl {
     cholmod_sparse* matrix = nullptr;
     cholmod_factor* factor = nullptr;
     bool numeric = false;
+    Supernodes single;  ///< of the numeric factor
 
     Impl() {
         cholmod_l_start(&common);
@@ -93,6 +95,27 @@ struct SpdSolver::Impl {
         common.postorder = true;
         // One thread: with more the order of additions, and so the bits, would depend on their number.
         if (openblas_set_num_threads) openblas_set_num_threads(1);
+    }
+    /// Takes the numeric factor over in single precision and gives its memory back.
+    void keep_single() {
+        const auto* pi = static_cast<SuiteSparse_long*>(factor->pi);
+        const auto* px = static_cast<SuiteSparse_long*>(factor->px);
+        const auto* super = static_cast<SuiteSparse_long*>(factor->super);
+        const auto* s = static_cast<SuiteSparse_long*>(factor->s);
+        const auto* perm = static_cast<SuiteSparse_long*>(factor->Perm);
+        const auto* x = static_cast<double*>(factor->x);
+        const auto count = static_cast<std::ptrdiff_t>(factor->nsuper);
+        single.size = static_cast<int>(factor->n);
+        single.permutation.assign(perm, perm + factor->n);
+        single.first_column.assign(super, super + count + 1);
+        single.first_row.assign(pi, pi + count + 1);
+        single.row.assign(s, s + pi[count]);
+        single.first_entry.assign(px, px + count + 1);
+        single.entry.resize(factor->xsize);
+        for (std::size_t k = 0; k < factor->xsize; ++k) single.entry[k] = static_cast<float>(x[k]);
+        single.most_rows = 0;
+        for (std::ptrdiff_t k = 0; k < count; ++k)
+            single.most_rows = std::max(single.most_rows, static_cast<int>(pi[k + 1] - pi[k]));
     }
     void release() {
         cholmod_l_free_sparse(&matrix, &common);
@@ -135,6 +158,7 @@ bool SpdSolver::factorize(const BlockMatrix& A) {
                                impl_->common.status == CHOLMOD_OUT_OF_MEMORY ? ": out of memory" : "", ", status ",
                                impl_->common.status));
     impl_->numeric = true;
+    impl_->keep_single();
     return true;
 }
 
@@ -143,14 +167,8 @@ void SpdSolver::drop_factor() { impl_->numeric = false; }
 
 Eigen::MatrixXd SpdSolver::solve(const Eigen::MatrixXd& B) const {
     if (!impl_->numeric) throw SolverError("Cholesky: solve without a factor");
-    cholmod_dense rhs{};
-    rhs.nrow = B.rows(), rhs.ncol = B.cols(), rhs.nzmax = B.size(), rhs.d = B.rows();
-    rhs.x = const_cast<double*>(B.data());
-    rhs.xtype = CHOLMOD_REAL, rhs.dtype = CHOLMOD_DOUBLE;
-    cholmod_dense* X = cholmod_l_solve(CHOLMOD_A, impl_->factor, &rhs, &impl_->common);
-    if (!X) throw SolverError(text("CHOLMOD: substitution failed, status ", impl_->common.status));
-    Eigen::MatrixXd result = Eigen::Map<Eigen::MatrixXd>(static_cast<double*>(X->x), B.rows(), B.cols());
-    cholmod_l_free_dense(&X, &impl_->common);
+    Eigen::MatrixXd result;
+    impl_->single.solve(B, result);
     return result;
 }
 

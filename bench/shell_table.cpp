@@ -1,0 +1,133 @@
+#include "bench/shell_cases.hpp"
+#include "cases/geometry/lifting_body.hpp"
+#include "cases/geometry/wing.hpp"
+#include "core/mesh/io.hpp"
+#include "core/primo/shell_impl.hpp"
+
+#include <sys/resource.h>
+
+#include <cstdio>
+#include <cstring>
+#include <functional>
+#include <string>
+
+/// The paper's table on this project's surfaces: `shell_table [--springs D] [wing:22000 | body:131000 | FILE]...`.
+/// CPU seconds of the process (user and system), and the same in numeric factorizations of the rest matrix without
+/// springs. A warm solve starts from the equilibrium at 10 % with whatever factor the solve before has left.
+namespace {
+
+using namespace strake;
+
+double cpu() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+double timed(const std::function<void()>& work) {
+    const double before = cpu();
+    work();
+    return cpu() - before;
+}
+
+double peak_gigabytes() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / (1 << 20);
+}
+
+struct Table {
+    double factorization = 0;
+    void row(const char* what, double seconds, const std::string& remark = "") const {
+        std::printf("| %-44s | %8.3f | %6.2f | %s |\n", what, seconds, seconds / factorization, remark.c_str());
+        std::fflush(stdout);
+    }
+};
+
+std::string remark(const Equilibrium& end) {
+    return text(to_string(end.status), ", ", end.iterations, " it, ", end.factorizations, " fact, ", end.substitutions,
+                " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
+}
+
+void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
+    SolveOptions options;
+    options.keep_factor = true;
+    shell.reset();
+    shell.solve(loads, {}, options);
+    shell.refresh_tangent();
+    const Poses poses = shell.poses();
+    for (const double change : {0.01, 0.05, 0.2}) {
+        Equilibrium end;
+        shell.set_poses(poses);
+        const double seconds = timed([&] { end = shell.solve(changed(loads, change), {}, options); });
+        table.row(text("warm, loads changed by ", 100 * change, " %").c_str(), seconds, remark(end));
+        const double adjoint = timed([&] { shell.adjoint({loads.force}); });
+        table.row("  gradient there", adjoint);
+        shell.set_poses(poses);
+        shell.solve(loads, {}, options);
+        shell.refresh_tangent();
+    }
+    for (const int count : {1, 10}) {
+        std::vector<Points> functionals;
+        for (int c = 0; c < count; ++c) functionals.push_back(wavy(loads.force, c));
+        table.row(text("gradients of ", count, " functionals, own factor").c_str(),
+                  timed([&] { shell.adjoint(functionals); }));
+    }
+}
+
+void rows(const std::string& name, double spring_distance) {
+    const LoadedShell body(name, spring_distance);
+    std::printf("\n%s: %d triangles%s\n\n", name.c_str(), body.mesh.num_triangles(),
+                spring_distance > 0 ? text(", springs of ", spring_distance, " diagonals").c_str() : "");
+    std::printf("| stage | CPU s | factorizations | |\n|---|---|---|---|\n");
+    PrimoShell plain(body.mesh, body.options);
+    Table table;
+    PrimoShell::Impl& impl = plain.impl();
+    const double ordering = timed([&] { impl.prepare(Eigen::VectorXd::Zero(body.mesh.num_vertices())); });
+    const auto turn = rotation_differences(impl.poses);
+    const Jumps jump = jumps(impl.rest, impl.poses, turn);
+    const Loads none = complete({}, body.mesh.num_vertices());
+    impl.assemble(turn, jump, none, StressTerm::exact);
+    const double assembly = timed([&] { impl.assemble(turn, jump, none, StressTerm::exact); });
+    timed([&] { (void)impl.factorize(); });
+    table.factorization = timed([&] { (void)impl.factorize(); });
+    table.row("ordering and analysis", ordering);
+    table.row("assembly", assembly);
+    table.row("factorization", table.factorization, text(impl.kept.num_entries(), " entries"));
+    Eigen::VectorXd b = Eigen::VectorXd::Random(6L * impl.rest.num_free());
+    impl.precondition(b);
+    table.row("substitution", timed([&] {
+                                  for (int i = 0; i < 5; ++i) b = impl.precondition(b) * 1e-3;
+                              }) / 5);
+    table.row("product with the matrix", timed([&] {
+                                             for (int i = 0; i < 5; ++i) b = impl.H.multiply(b) * 1e-3;
+                                         }) / 5);
+    table.row("jumps, gradient",
+              timed([&] { energy_gradient(impl.rest, turn, jumps(impl.rest, impl.poses, turn), none); }));
+    for (const double share : {0.1, 0.5}) {
+        PrimoShell shell(body.mesh, body.options);
+        Equilibrium end;
+        const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
+        table.row(text("cold, ", 100 * share, " %, ordering included").c_str(), seconds, remark(end));
+    }
+    PrimoShell shell(body.mesh, body.options);
+    warm_rows(table, shell, body.loads(0.1));
+    std::printf("| peak memory | %.2f GB | | |\n", peak_gigabytes());
+}
+
+}  // namespace
+
+int main(int count, char** words) {
+    double spring_distance = 0;
+    std::vector<std::string> names;
+    for (int i = 1; i < count; ++i)
+        if (!std::strcmp(words[i], "--springs") && i + 1 < count)
+            spring_distance = std::stod(words[++i]);
+        else
+            names.emplace_back(words[i]);
+    if (names.empty()) names = {"wing:22000", "wing:131000", "body:131000"};
+    for (const std::string& name : names) rows(name, spring_distance);
+}

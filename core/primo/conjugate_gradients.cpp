@@ -1,0 +1,140 @@
+#include "core/primo/conjugate_gradients.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int most_probes = 6;
+constexpr double settled = 0.8;          // a least Ritz value that falls no further than this is the eigenvalue
+constexpr double least_stiffness = 0.2;  // share of a direction's stiffness that has to be left without a doubt
+constexpr int few_iterations = 6;        // after which the rate means something
+constexpr int most_iterations = 120;     // of a solve to full accuracy
+
+/// Numbers in [-1, 1) that are the same in every run, whatever was drawn before.
+double noise(std::uint64_t n) {
+    n = (n + 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull;
+    n = (n ^ (n >> 27)) * 0x94d049bb133111ebull;
+    return static_cast<double>((n ^ (n >> 31)) >> 11) * 0x1p-52 - 1;
+}
+
+/// Least eigenvalue of Lanczos' matrix, from the coefficients of conjugate gradients.
+double least_ritz(const std::vector<double>& alpha, const std::vector<double>& beta) {
+    const auto n = static_cast<Eigen::Index>(alpha.size());
+    Eigen::VectorXd diagonal(n), beside(n - 1);
+    for (Eigen::Index k = 0; k < n; ++k) {
+        diagonal[k] = 1 / alpha[k] + (k > 0 ? beta[k - 1] / alpha[k - 1] : 0);
+        if (k + 1 < n) beside[k] = std::sqrt(beta[k]) / alpha[k];
+    }
+    Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen;
+    eigen.computeFromTridiagonal(diagonal, beside, Eigen::EigenvaluesOnly);
+    return eigen.eigenvalues()[0];
+}
+
+}  // namespace
+
+CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, const CgOptions& given) {
+    CgOptions options = given;
+    CgResult result;
+    result.x = Eigen::VectorXd::Zero(b.size());
+    result.reduction = b.squaredNorm() > 0 ? 1 : 0;
+    double rz = 0, first = 0;
+    Eigen::VectorXd r = b, z, p, Hp;
+    while (result.reduction > options.tolerance && result.iterations < options.max_iterations) {
+        z = shell.precondition(r);
+        const double next = r.dot(z);
+        if (!(next > 0) || !std::isfinite(next)) break;  // nothing is left but round-off
+        if (result.iterations++ == 0) {
+            first = next;
+            result.size = std::sqrt(next);
+            if (options.adapt) options.adapt(result.size, options);
+            result.rate = options.expected_rate;
+            p = z;
+        } else {
+            result.rate = std::min(1.0, std::sqrt(next / rz));
+            p = z + next / rz * p;
+        }
+        rz = next;
+        Hp = shell.H.multiply(p);
+        const double curvature = p.dot(Hp);
+        if (!(curvature > 0)) {
+            result.is_positive = false;
+            return result;
+        }
+        result.x += rz / curvature * p;
+        r -= rz / curvature * Hp;
+        // Measuring what this has left would take a substitution: it reduces as the last one did.
+        result.reduction = result.rate * std::sqrt(rz / first);
+        if (result.iterations >= few_iterations) {
+            const double mean_rate = std::pow(result.reduction, 1.0 / result.iterations);
+            if (std::pow(mean_rate, options.max_iterations) > options.tolerance) break;
+        }
+    }
+    result.is_reached = result.reduction <= options.tolerance;
+    return result;
+}
+
+Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance) {
+    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols());
+    Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, Hp;
+    std::vector<Eigen::Index> open;
+    for (Eigen::Index c = 0; c < B.cols(); ++c)
+        if (B.col(c).squaredNorm() > 0) open.push_back(c);
+    for (int k = 0; !open.empty() && k < most_iterations; ++k) {
+        const Eigen::MatrixXd Z = shell.precondition(R(Eigen::all, open));
+        std::vector<Eigen::Index> left;
+        for (std::size_t q = 0; q < open.size(); ++q) {
+            const Eigen::Index c = open[q];
+            const auto z = Z.col(static_cast<Eigen::Index>(q));
+            const double next = R.col(c).dot(z);
+            if (!(next > 0) || !std::isfinite(next)) continue;
+            double rate = 1;
+            if (k == 0)
+                first[c] = next, P.col(c) = z;
+            else
+                rate = std::min(1.0, std::sqrt(next / rz[c])), P.col(c) = z + next / rz[c] * P.col(c);
+            rz[c] = next;
+            Hp = shell.H.multiply(P.col(c));
+            const double curvature = P.col(c).dot(Hp);
+            if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
+            X.col(c) += next / curvature * P.col(c);
+            R.col(c) -= next / curvature * Hp;
+            if (rate * std::sqrt(next / first[c]) > tolerance) left.push_back(c);
+        }
+        open = left;
+    }
+    return X;
+}
+
+bool looks_definite(PrimoShell::Impl& shell) {
+    const RestState& rest = shell.rest;
+    Eigen::VectorXd r(6L * rest.num_free()), z, p, Hp;
+    for (Eigen::Index i = 0; i < r.size(); ++i) {
+        const double arm = i % 6 < 3 ? rest.prism_height[rest.free_prisms[i / 6]] : 1;
+        r[i] = arm * noise(static_cast<std::uint64_t>(i));
+    }
+    std::vector<double> alpha, beta;
+    double rz = 0, least = std::numeric_limits<double>::infinity();
+    for (int k = 0; k < most_probes; ++k) {
+        z = shell.precondition(r);
+        const double next = r.dot(z);
+        if (!(next > 0) || !std::isfinite(next)) return false;
+        if (k > 0) beta.push_back(next / rz);
+        p = k > 0 ? Eigen::VectorXd(z + beta.back() * p) : z;
+        rz = next;
+        Hp = shell.H.multiply(p);
+        const double curvature = p.dot(Hp);
+        if (!(curvature > 0)) return false;
+        alpha.push_back(rz / curvature);
+        r -= alpha.back() * Hp;
+        const double before = std::exchange(least, least_ritz(alpha, beta));
+        if (least < least_stiffness) return false;
+        if (k > 0 && least > settled * before) return true;
+    }
+    return false;
+}
+
+}  // namespace strake

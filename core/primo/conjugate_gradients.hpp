@@ -1,0 +1,35 @@
+#pragma once
+#include "core/primo/shell_impl.hpp"
+
+/// Systems with the shell's present Hessian, by conjugate gradients on what is kept from an earlier design. Residuals
+/// are measured in the norm of the preconditioner, sqrt(r.M^-1 r): it is that of the error's energy, where torques on
+/// thin prisms do not drown the soft motions that matter.
+namespace strake {
+
+struct CgOptions {
+    double tolerance = 1e-3;   ///< of the right-hand side's norm
+    int max_iterations = 30;   ///< also gives up as soon as it is seen that these will not do
+    double expected_rate = 1;  ///< factor by which one iteration reduces the residual; 1: not known
+    /// Sets `tolerance` and `expected_rate` once the right-hand side's norm is known.
+    std::function<void(double size, CgOptions& options)> adapt;
+};
+
+struct CgResult {
+    Eigen::VectorXd x;
+    int iterations = 0;       ///< of one substitution each
+    double size = 0;          ///< of the right-hand side
+    double reduction = 1;     ///< of the residual, as the last iteration is expected to have left it
+    double rate = 1;          ///< measured over the last iteration; as expected where there was but one
+    bool is_reached = false;  ///< the tolerance
+    bool is_positive = true;  ///< no direction of negative curvature met
+};
+CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, const CgOptions& options);
+
+/// H X = B, all columns side by side, each to `tolerance`. @throws SolverError: H is not positive definite.
+Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance);
+
+/// Is the present Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
+/// of them turns indefinite first. Beside a definite preconditioner two to six substitutions tell; false: in doubt.
+bool looks_definite(PrimoShell::Impl& shell);
+
+}  // namespace strake

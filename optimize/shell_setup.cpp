@@ -59,6 +59,7 @@ ShellSetup shell_setup(const Problem& problem) {
     setup.options.prism_height = problem.prism_height;
     setup.options.symmetry = problem.symmetry;
     setup.options.couple_nonmanifold = problem.couple_nonmanifold;
+    setup.options.solver = problem.solver;
     setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
     for (const int t : problem.fixed) {
         check_index("fixed", t, problem.surface.num_triangles());

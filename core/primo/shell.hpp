@@ -31,11 +31,17 @@ struct RigidMotion {
 constexpr int free_prism = -1;  ///< value of ShellOptions::pin
 constexpr int fixed_prism = 0;  ///< pinned with zero motion; k > 0: pinned under motions[k - 1] of `solve`
 
+/// How systems with the Hessian are solved. `multigrid` needs a quarter of the memory and is faster for a few solves on
+/// many prisms; `direct` keeps a factor, with which every further solve is cheap.
+enum class LinearSolver { automatic, direct, multigrid };
+
 struct ShellOptions {
     Eigen::VectorXd prism_height;           ///< h per vertex, full thickness, absolute length, > 0
     std::vector<int> pin;                   ///< per triangle; empty: all free
     std::optional<SymmetryPlane> symmetry;  ///< couples boundary edges on the plane to their mirror images
     bool couple_nonmanifold = false;        ///< edges of more than two triangles: couple every pair, else refuse
+    LinearSolver solver = LinearSolver::automatic;
+    int expected_solves = 100;  ///< equilibria and adjoints to come, roughly: what `automatic` goes by, beside the size
 };
 
 struct Loads {
@@ -150,6 +156,7 @@ public:
     TriMesh prism_surface() const;
 
     int num_free_prisms() const;
+    LinearSolver solver() const;                      ///< what is used: never `automatic`
     const std::vector<char>& fixed_vertices() const;  ///< per vertex: copied from the start, bit for bit
 
     struct Impl;  ///< shell_impl.hpp

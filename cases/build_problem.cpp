@@ -14,6 +14,7 @@ BuiltProblem ProblemBuilder::build() {
     problem.name = case_.name;
     problem.symmetry = case_.symmetry;
     problem.couple_nonmanifold = case_.couple_nonmanifold;
+    problem.solver = case_.solver;
     set_heights();
     set_pins();
     set_attached();

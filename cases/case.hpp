@@ -230,6 +230,7 @@ struct Case {
     std::vector<ThicknessEntry> thickness_by_region;
     double spring = 0;  ///< lambda_A over loaded regions without an own one
     bool couple_nonmanifold = false;
+    LinearSolver solver = LinearSolver::automatic;
     std::vector<LoadEntry> loads;
     std::vector<StrainEntry> strains;
     std::vector<AttachEntry> attach;

@@ -5,6 +5,10 @@ namespace strake {
 void CaseReader::read_shell(const Value& map) {
     if (const Value* spring = map.find("spring")) case_.spring = spring->number;
     if (const Value* mode = map.find("nonmanifold")) case_.couple_nonmanifold = mode->text == "couple";
+    if (const Value* solver = map.find("solver"))
+        case_.solver = solver->text == "direct"      ? LinearSolver::direct
+                       : solver->text == "multigrid" ? LinearSolver::multigrid
+                                                     : LinearSolver::automatic;
     const Value* thickness = map.find("thickness");
     if (!thickness) return;
     if (thickness->form == Value::Form::scalar) {

@@ -28,6 +28,13 @@ std::vector<Key> shell_keys() {
          .doc = "Edges of more than two triangles: refuse the surface, or couple every pair of their triangles.",
          .fallback = "refuse",
          .words = {"refuse", "couple"}},
+        {.path = "shell.solver",
+         .type = Type::word,
+         .doc = "How the skin's linear systems are solved: by a kept factor, by multigrid (a quarter of the memory, "
+                "faster "
+                "for a few solves on many triangles), or by what size and number of solves suggest.",
+         .fallback = "auto",
+         .words = {"auto", "direct", "multigrid"}},
         {.path = "loads",
          .type = Type::list,
          .doc = "Given loads; in run and fit they act beside the design variables.",

@@ -112,7 +112,8 @@ void deform_case(const DeformArguments& args) {
     check_outputs({args.out, args.prisms}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_case(the_case, Purpose::deform);
     const TriMesh& mesh = built.problem.surface;
-    const ShellSetup setup = shell_setup(built.problem);
+    ShellSetup setup = shell_setup(built.problem);
+    setup.options.expected_solves = 1;
     for (const auto* list : {&built.warnings, &setup.warnings})
         for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
 

@@ -140,6 +140,7 @@ struct Problem {
     std::vector<AttachedPart> attached;  ///< go with their hosts; their triangles are under nothing else of this struct
     std::optional<SymmetryPlane> symmetry;
     bool couple_nonmanifold = false;
+    LinearSolver solver = LinearSolver::automatic;
     Points given_traction;            ///< m x 3 background loads; empty: none
     Eigen::VectorXd spring_per_area;  ///< per triangle, lambda_A; empty: none
     Parameters parameters;

@@ -79,6 +79,7 @@ ShellSetup shell_setup(const Problem& problem) {
     setup.options.prism_height = problem.prism_height;
     setup.options.symmetry = problem.symmetry;
     setup.options.couple_nonmanifold = problem.couple_nonmanifold;
+    setup.options.solver = problem.solver;
     setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
     if (!problem.attached.empty())
         setup.options.attached =

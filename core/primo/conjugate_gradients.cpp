@@ -8,11 +8,13 @@
 namespace strake {
 namespace {
 
-constexpr int most_probes = 6;
-constexpr double settled = 0.8;          // a least Ritz value that falls no further than this is the eigenvalue
-constexpr double least_stiffness = 0.2;  // share of a direction's stiffness that has to be left without a doubt
-constexpr int few_iterations = 6;        // after which the rate means something
-constexpr int most_iterations = 120;     // of a solve to full accuracy
+constexpr int most_probes = 6, most_inexact_probes = 40;
+constexpr int least_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
+constexpr double settled = 0.8;           // a least Ritz value that falls no further than this is the eigenvalue
+constexpr double least_stiffness = 0.2;   // share of a direction's stiffness that has to be left without a doubt
+constexpr double settled_inexactly = 0.99;
+constexpr int few_iterations = 6;     // after which the rate means something
+constexpr int most_iterations = 120;  // of a solve to full accuracy
 
 /// Numbers in [-1, 1) that are the same in every run, whatever was drawn before.
 double noise(std::uint64_t n) {
@@ -34,6 +36,13 @@ double least_ritz(const std::vector<double>& alpha, const std::vector<double>& b
     return eigen.eigenvalues()[0];
 }
 
+/// z.r of the residual before, which vanishes where the preconditioner is linear; where not, it keeps the directions
+/// conjugate (Notay 2000).
+template <class Before, class Z>
+double since(const Before& before, const Z& z) {
+    return before.size() > 0 ? before.dot(z) : 0;
+}
+
 }  // namespace
 
 CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, const CgOptions& given) {
@@ -42,7 +51,7 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
     result.x = Eigen::VectorXd::Zero(b.size());
     result.reduction = b.squaredNorm() > 0 ? 1 : 0;
     double rz = 0, first = 0;
-    Eigen::VectorXd r = b, z, p, Hp;
+    Eigen::VectorXd r = b, z, p, Hp, before;
     while (result.reduction > options.tolerance && result.iterations < options.max_iterations) {
         z = shell.precondition(r);
         const double next = r.dot(z);
@@ -55,7 +64,7 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
             p = z;
         } else {
             result.rate = std::min(1.0, std::sqrt(next / rz));
-            p = z + next / rz * p;
+            p = z + (next - since(before, z)) / rz * p;
         }
         rz = next;
         Hp = shell.H.multiply(p);
@@ -64,8 +73,10 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
             result.is_positive = false;
             return result;
         }
-        result.x += rz / curvature * p;
-        r -= rz / curvature * Hp;
+        const double length = p.dot(r) / curvature;
+        if (!shell.kept.is_exact()) before = r;
+        result.x += length * p;
+        r -= length * Hp;
         // Measuring what this has left would take a substitution: it reduces as the last one did.
         result.reduction = result.rate * std::sqrt(rz / first);
         if (result.iterations >= few_iterations) {
@@ -78,7 +89,8 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
 }
 
 Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance) {
-    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols());
+    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols()), before;
+    if (!shell.kept.is_exact()) before = Eigen::MatrixXd::Zero(B.rows(), B.cols());
     Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, Hp;
     std::vector<Eigen::Index> open;
     for (Eigen::Index c = 0; c < B.cols(); ++c)
@@ -95,13 +107,16 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
             if (k == 0)
                 first[c] = next, P.col(c) = z;
             else
-                rate = std::min(1.0, std::sqrt(next / rz[c])), P.col(c) = z + next / rz[c] * P.col(c);
+                rate = std::min(1.0, std::sqrt(next / rz[c])),
+                P.col(c) = z + (next - (before.size() > 0 ? before.col(c).dot(z) : 0)) / rz[c] * P.col(c);
             rz[c] = next;
             Hp = shell.H.multiply(P.col(c));
             const double curvature = P.col(c).dot(Hp);
             if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
-            X.col(c) += next / curvature * P.col(c);
-            R.col(c) -= next / curvature * Hp;
+            const double length = P.col(c).dot(R.col(c)) / curvature;
+            if (before.size() > 0) before.col(c) = R.col(c);
+            X.col(c) += length * P.col(c);
+            R.col(c) -= length * Hp;
             if (rate * std::sqrt(next / first[c]) > tolerance) left.push_back(c);
         }
         open = left;
@@ -118,7 +133,8 @@ bool looks_definite(PrimoShell::Impl& shell) {
     }
     std::vector<double> alpha, beta;
     double rz = 0, least = std::numeric_limits<double>::infinity();
-    for (int k = 0; k < most_probes; ++k) {
+    const bool is_exact = shell.kept.is_exact();
+    for (int k = 0; k < (is_exact ? most_probes : most_inexact_probes); ++k) {
         z = shell.precondition(r);
         const double next = r.dot(z);
         if (!(next > 0) || !std::isfinite(next)) return false;
@@ -131,6 +147,11 @@ bool looks_definite(PrimoShell::Impl& shell) {
         alpha.push_back(rz / curvature);
         r -= alpha.back() * Hp;
         const double before = std::exchange(least, least_ritz(alpha, beta));
+        if (!is_exact) {  // softer than its preconditioner everywhere: only the sign and a standstill mean something
+            if (!(least > 0)) return false;
+            if (k >= least_inexact_probes && least > settled_inexactly * before) return true;
+            continue;
+        }
         if (least < least_stiffness) return false;
         if (k > 0 && least > settled * before) return true;
     }

@@ -21,13 +21,14 @@ constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
 constexpr int cg_limit = 20;           // substitutions for one step, above which a new factor is cheaper
-constexpr double exact_rate = 1e-3;    // of conjugate gradients on the matrix's own factor, in single precision
-constexpr double loosest = 0.1;        // share of a residual that may be left in any step
-constexpr double first_share = 0.05;   // in the first one
-constexpr double tightest = 0.01;      // in later ones
-constexpr double usual = 6;            // substitutions of a solve beside a factor that need not be better
-constexpr int clipped_limit = 2;       // indefinite matrices near the end after which the shell is said to buckle
-constexpr double near_step = 0.02;     // diagonals: near the end
+constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
+constexpr double exact_rate = 1e-3;   // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;       // share of a residual that may be left in any step
+constexpr double first_share = 0.05;  // in the first one
+constexpr double tightest = 0.01;     // in later ones
+constexpr double usual = 6;           // substitutions of a solve beside a factor that need not be better
+constexpr int clipped_limit = 2;      // indefinite matrices near the end after which the shell is said to buckle
+constexpr double near_step = 0.02;    // diagonals: near the end
 
 struct Iterate {
     std::vector<Eigen::Matrix3d> turn;
@@ -109,13 +110,18 @@ struct Attempt {
     /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
         ++end.factorizations;
-        if (shell.factorize()) return;
+        if (!shell.factorize()) clip(at, stress, loads);
+    }
+
+    /// For an indefinite matrix the one with its stress term clipped. False where the shell is taken to buckle.
+    bool clip(const Iterate& at, const Jumps& stress, const Loads& loads) {
         if (end.last_step > 0 && end.last_step < near_step) ++clipped;
-        if (is_buckling()) return;
+        if (is_buckling()) return false;
         shell.assemble(at.turn, stress, loads, StressTerm::clipped);
         ++end.factorizations;
         if (!shell.factorize())
             throw SolverError("deform: the stiffness without stress is not positive definite; a part is barely held");
+        return true;
     }
 
     /// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
@@ -129,7 +135,7 @@ struct Attempt {
         const double enough = step > 0 ? 0.3 * options.min_step / step : 0;
         const double squared = size_before > 0 ? left * left : first_share;
         cg.tolerance = enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
-        if (shell.is_kept_here)
+        if (shell.is_kept_here && shell.kept.is_exact())
             cg.expected_rate = exact_rate;
         else if (is_rate_measured)
             cg.expected_rate = rate;
@@ -140,10 +146,12 @@ struct Attempt {
 
     CgResult solve_inexactly(const Iterate& at) {
         CgOptions cg;
-        cg.max_iterations = cg_limit;
+        cg.max_iterations = shell.kept.is_exact() ? cg_limit
+                            : shell.is_kept_here  ? multigrid_limit
+                                                  : multigrid_kept_limit;
         cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
         CgResult result = conjugate_gradients(shell, -at.gradient, cg);
-        is_rate_measured = !shell.is_kept_here && result.iterations > 1;
+        is_rate_measured = !(shell.is_kept_here && shell.kept.is_exact()) && result.iterations > 1;
         rate = result.rate;
         return result;
     }
@@ -161,7 +169,12 @@ struct Attempt {
         factorize(at, stress, loads);
         if (is_buckling()) return {};
         reuse = true;
-        return solve_inexactly(at).x;
+        CgResult cg = solve_inexactly(at);
+        if (!cg.is_positive && !shell.kept.is_exact()) {  // what a factorization would have said
+            if (!clip(at, stress, loads)) return {};
+            cg = solve_inexactly(at);
+        }
+        return cg.x;
     }
 
     /// A minimum, or in doubt what a factor says. @pre the exact Hessian is assembled at the end.
@@ -169,9 +182,10 @@ struct Attempt {
         shell.spent += std::max(0.0, shell.substitutions - spent_from - usual);
         spent_from = shell.substitutions;
         const bool pays = options.keep_factor && shell.spent > shell.kept.build_cost();
-        if (!pays && (shell.is_kept_here || proven_within < 1e-7 || looks_definite(shell))) return true;
+        if (!pays && ((shell.is_kept_here && shell.kept.is_exact()) || proven_within < 1e-7 || looks_definite(shell)))
+            return true;
         ++end.factorizations;
-        return shell.factorize();
+        return shell.factorize() && (shell.kept.is_exact() || looks_definite(shell));
     }
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);

@@ -1,4 +1,6 @@
 #pragma once
+#include "core/primo/multigrid.hpp"
+#include "core/primo/shell.hpp"
 #include "core/primo/spd_solver.hpp"
 
 /// The one place where it is decided how systems with the Hessian are solved: conjugate gradients on the exact matrix
@@ -7,22 +9,31 @@ namespace strake {
 
 class Preconditioner {
 public:
-    void analyze(const BlockMatrix& H) { factor_.analyze(H); }  ///< once per pattern
-    /// From H; false where H is found not to be positive definite (nothing is kept then). @throws SolverError
-    [[nodiscard]] bool build(const BlockMatrix& H) { return factor_.factorize(H); }
-    bool is_built() const { return factor_.has_factor(); }
-    void drop() { factor_.drop_factor(); }
+    /// What is decided: by the number of prisms, their thickness and the solves to be expected. `automatic` never
+    /// stays.
+    static LinearSolver choose(LinearSolver wanted, int num_free_prisms, double height_in_edges, int expected_solves);
+
+    void use(LinearSolver solver, double height_in_edges);  ///< before `analyze`; direct unless said
+    void analyze(const BlockMatrix& H);                     ///< once per pattern
+    /// From H; false where H is found not to be positive definite (nothing is kept then). `centre` (a row per block
+    /// row): the point about which its twist is meant. @throws SolverError
+    [[nodiscard]] bool build(const BlockMatrix& H, const Points& centre);
+    bool is_built() const { return is_exact() ? factor_.has_factor() : multigrid_.is_ready(); }
+    void drop();
     /// A symmetric positive definite approximation of the inverse of the H it was built from, applied to the columns
-    /// of B. @pre is_built()
-    Eigen::MatrixXd apply(const Eigen::MatrixXd& B) const { return factor_.solve(B); }
+    /// of B; symmetric and linear but for a few percent where it is not exact. @pre is_built()
+    Eigen::MatrixXd apply(const Eigen::MatrixXd& B);
     /// True: `build` proves that H is positive definite, and `apply` is its inverse but for single precision.
-    bool is_exact() const { return true; }
+    bool is_exact() const { return solver_ == LinearSolver::direct; }
     /// What `build` costs, in applications to one column: measured, the same for all sizes within a third.
-    double build_cost() const { return 40; }
-    long num_entries() const { return factor_.num_factor_entries(); }
+    double build_cost() const { return is_exact() ? 40 : 10; }
+    long num_entries() const;  ///< numbers kept
 
 private:
+    LinearSolver solver_ = LinearSolver::direct;
     SpdSolver factor_;
+    Multigrid multigrid_;
+    bool has_clusters_ = false;  ///< of the present pattern
 };
 
 }  // namespace strake

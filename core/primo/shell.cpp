@@ -55,6 +55,10 @@ PrimoShell::Impl::Impl(const TriMesh& mesh, const ShellOptions& options) : rest(
     if (rest.num_free() == 0) throw InvalidInput("shell: every triangle is fixed or pinned; nothing is free to move");
     reset_poses();
     loads = complete({}, mesh.num_vertices());
+    const double edge = std::sqrt(rest.area.mean() * 4 / std::sqrt(3.0));
+    const double height_in_edges = rest.prism_height.mean() / edge;
+    kept.use(Preconditioner::choose(options.solver, rest.num_free(), height_in_edges, options.expected_solves),
+             height_in_edges);
 }
 
 void PrimoShell::Impl::reset_poses() {
@@ -97,7 +101,7 @@ void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const 
 bool PrimoShell::Impl::factorize() {
     const Timer timer(seconds.factorization);
     spent = 0;
-    is_kept_here = kept.build(H);
+    is_kept_here = kept.build(H, free_centroids());
     if (!is_kept_here) return false;
     kept_rotation.resize(rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f) kept_rotation[f] = poses.rotation[rest.free_prisms[f]];
@@ -124,6 +128,10 @@ Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
             local.col(c).segment<3>(6 * f + 3) = turn[f] * local.col(c).segment<3>(6 * f + 3);
         }
     return local;
+}
+
+Points PrimoShell::Impl::free_centroids() const {
+    return (rest.centroid + poses.displacement)(rest.free_prisms, Eigen::all);
 }
 
 void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
@@ -170,6 +178,9 @@ Poses PrimoShell::poses() const {
 }
 void PrimoShell::reset() { impl_->reset_poses(); }
 int PrimoShell::num_free_prisms() const { return impl_->rest.num_free(); }
+LinearSolver PrimoShell::solver() const {
+    return impl_->kept.is_exact() ? LinearSolver::direct : LinearSolver::multigrid;
+}
 const std::vector<char>& PrimoShell::fixed_vertices() const { return impl_->rest.fixed_vertex; }
 
 void PrimoShell::set_poses(const Poses& poses) {

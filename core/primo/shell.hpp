@@ -32,6 +32,10 @@ struct RigidMotion {
 constexpr int free_prism = -1;  ///< value of ShellOptions::pin
 constexpr int fixed_prism = 0;  ///< pinned with zero motion; k > 0: pinned under motions[k - 1] of `solve`
 
+/// How systems with the Hessian are solved. `multigrid` needs a quarter of the memory and is faster for a few solves on
+/// many prisms; `direct` keeps a factor, with which every further solve is cheap.
+enum class LinearSolver { automatic, direct, multigrid };
+
 struct ShellOptions {
     Eigen::VectorXd prism_height;           ///< h per vertex, full thickness, absolute length, > 0
     std::vector<int> pin;                   ///< per triangle; empty: all free
@@ -40,6 +44,8 @@ struct ShellOptions {
     /// Parts that go with others: no unknowns, held by nothing, loaded by nothing; empty: none. Their prisms count as
     /// fixed, whatever `pin` says; their vertices are placed after the others', in all that is asked of the shell.
     std::shared_ptr<const Attachments> attached;
+    LinearSolver solver = LinearSolver::automatic;
+    int expected_solves = 100;  ///< equilibria and adjoints to come, roughly: what `automatic` goes by, beside the size
 };
 
 struct Loads {
@@ -157,6 +163,7 @@ public:
     int num_free_prisms() const;
     /// Per vertex: copied from the start, bit for bit, by this shell; attached ones go elsewhere after that.
     const std::vector<char>& fixed_vertices() const;
+    LinearSolver solver() const;  ///< what is used: never `automatic`
 
     struct Impl;  ///< shell_impl.hpp
     Impl& impl() { return *impl_; }

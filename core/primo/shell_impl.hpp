@@ -30,6 +30,7 @@ struct PrimoShell::Impl {
     bool factorize();  ///< of H at `poses`; false if indefinite
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
     Eigen::MatrixXd precondition(const Eigen::MatrixXd& B);
+    Points free_centroids() const;  ///< of the free prisms at `poses`
     void advance(const Eigen::VectorXd& twist);
     /// Exact Hessian at `poses`, under the loads of the last solve, and something to solve it with.
     void need_tangent();

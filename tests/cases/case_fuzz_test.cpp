@@ -23,7 +23,7 @@ regions:
   copy: *r
 fixed: [root]
 symmetry: {plane: y, at: 0}
-shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple}
+shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
   - {region: ball, displacement: 5%, direction: [0, 0, 1], spring: 2}

@@ -34,6 +34,7 @@ TEST_F(CaseFile, MinimalOneHasTheDefaultsOfTheStructs) {
     EXPECT_DOUBLE_EQ(c.thickness.value, 0.02);
     EXPECT_EQ(c.spring, 0);
     EXPECT_FALSE(c.couple_nonmanifold);
+    EXPECT_EQ(c.solver, LinearSolver::automatic);
     EXPECT_EQ(c.output.dir, folder.path() / "runs/wing");
     // The table's defaults and those of a program that fills in a Problem itself are the same.
     const OptimizeOptions o;

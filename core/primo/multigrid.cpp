@@ -1,0 +1,115 @@
+#include "core/primo/multigrid.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+#include "core/primo/multigrid_levels.hpp"
+
+namespace strake {
+
+struct Multigrid::Impl {
+    MultigridOptions options;
+    std::vector<Clusters> clusters;  ///< of the last `setup`
+    std::unique_ptr<Hierarchy<float>> single;
+    std::unique_ptr<Hierarchy<double>> twice;  ///< where single precision does not do
+
+    template <class Real>
+    bool build(std::unique_ptr<Hierarchy<Real>>& levels, const BlockMatrix& A, const Points& centre, bool keep) {
+        const std::vector<Clusters> before = keep ? std::move(clusters) : std::vector<Clusters>();
+        levels = std::make_unique<Hierarchy<Real>>(options);
+        const bool done = levels->build(A, centre, keep ? &before : nullptr);
+        clusters = keep ? before : done ? levels->take_clusters() : std::vector<Clusters>();
+        if (!done) levels.reset();
+        return done;
+    }
+
+    bool build(const BlockMatrix& A, const Points& centre, bool keep) {
+        if (centre.rows() != A.size())
+            throw InvalidInput(text("multigrid: ", centre.rows(), " centres for ", A.size(), " block rows"));
+        if (A.size() == 0) throw InvalidInput("multigrid: the matrix has no rows");
+        for (const auto* blocks : {&A.diagonal, &A.below})
+            for (const Matrix6& block : *blocks)
+                if (!block.allFinite())
+                    throw SolverError(text("multigrid: the matrix of ", 6 * A.size(), " unknowns is not finite"));
+        const bool was_double = twice != nullptr;
+        single.reset();
+        twice.reset();
+        // Long thin parts bend so softly that single precision cannot tell them from indefinite ones.
+        if (!(keep && was_double) && build(single, A, centre, keep)) return true;
+        return build(twice, A, centre, keep && was_double);
+    }
+};
+
+Multigrid::Multigrid(const MultigridOptions& options) : impl_(std::make_unique<Impl>()) { impl_->options = options; }
+Multigrid::~Multigrid() = default;
+Multigrid::Multigrid(Multigrid&&) noexcept = default;
+Multigrid& Multigrid::operator=(Multigrid&&) noexcept = default;
+
+bool Multigrid::setup(const BlockMatrix& A, const Points& centre) { return impl_->build(A, centre, false); }
+
+bool Multigrid::update(const BlockMatrix& A, const Points& centre) {
+    return impl_->build(A, centre,
+                        !impl_->clusters.empty() && static_cast<int>(impl_->clusters.front().of.size()) == A.size());
+}
+
+bool Multigrid::is_ready() const { return impl_->single || impl_->twice; }
+bool Multigrid::is_single_precision() const { return impl_->single != nullptr; }
+void Multigrid::drop() {
+    impl_->single.reset();
+    impl_->twice.reset();
+}
+
+std::vector<int> Multigrid::level_sizes() const {
+    std::vector<int> sizes;
+    if (impl_->single)
+        for (const auto& level : impl_->single->levels()) sizes.push_back(level.A.size());
+    if (impl_->twice)
+        for (const auto& level : impl_->twice->levels()) sizes.push_back(level.A.size());
+    return sizes;
+}
+
+std::size_t Multigrid::bytes() const {
+    return (impl_->single ? impl_->single->bytes() : 0) + (impl_->twice ? impl_->twice->bytes() : 0);
+}
+
+Eigen::VectorXd Multigrid::apply(const Eigen::VectorXd& r) {
+    if (impl_->single) return impl_->single->apply(r);
+    if (impl_->twice) return impl_->twice->apply(r);
+    throw SolverError("multigrid: applied without levels");
+}
+
+KrylovResult Multigrid::solve(const BlockMatrix& A, const Eigen::VectorXd& b, double tolerance, int max_iterations) {
+    return flexible_conjugate_gradients([&](const Eigen::VectorXd& x) { return A.multiply(x); },
+                                        [&](const Eigen::VectorXd& r) { return apply(r); }, b, tolerance,
+                                        max_iterations);
+}
+
+KrylovResult flexible_conjugate_gradients(const LinearMap& A, const LinearMap& preconditioner, const Eigen::VectorXd& b,
+                                          double tolerance, int max_iterations) {
+    KrylovResult result;
+    result.x = Eigen::VectorXd::Zero(b.size());
+    const double target = tolerance * b.norm();
+    Eigen::VectorXd r = b, p, before;
+    double rz = 0;
+    while (result.iterations < max_iterations && r.norm() > target) {
+        const Eigen::VectorXd z = preconditioner(r);
+        const double next = z.dot(r);
+        p = result.iterations == 0 ? z : Eigen::VectorXd(z + (next - z.dot(before)) / rz * p);
+        rz = next;
+        const Eigen::VectorXd Ap = A(p);
+        const double curvature = p.dot(Ap);
+        if (!(curvature > 0)) {
+            result.positive = false;
+            break;
+        }
+        before = r;
+        const double length = p.dot(r) / curvature;
+        result.x += length * p;
+        r -= length * Ap;
+        ++result.iterations;
+    }
+    result.relative_residual = b.norm() > 0 ? r.norm() / b.norm() : 0;
+    return result;
+}
+
+}  // namespace strake

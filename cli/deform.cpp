@@ -12,6 +12,7 @@
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <utility>
 
 namespace strake::cli {
 namespace {
@@ -114,7 +115,7 @@ void deform_case(const DeformArguments& args) {
     const TriMesh& mesh = built.problem.surface;
     ShellSetup setup = shell_setup(built.problem);
     setup.options.expected_solves = 1;
-    for (const auto* list : {&built.warnings, &setup.warnings})
+    for (const std::vector<std::string>* list : {&built.warnings, &std::as_const(setup).warnings})
         for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
 
     PrimoShell shell(mesh, setup.options);

@@ -50,7 +50,11 @@ const char* word_of(VariableKind kind) {
 std::string goal_words(const Case& c) {
     if (!c.fit.empty()) return "fit " + names(c.fit);
     if (c.objective.name.empty()) return "";
-    return (c.maximize ? "maximize " : "minimize ") + c.objective.name;
+    std::string what = c.objective.name;
+    for (const QuantityEntry& quantity : c.quantities)
+        if (const auto* formula = std::get_if<FormulaEntry>(&quantity.what); formula && quantity.name == what)
+            what = formula->text.name;
+    return (c.maximize ? "maximize " : "minimize ") + what;
 }
 
 std::string variable_words(const Case& c) {

@@ -163,6 +163,9 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     if (wants_report) folder.tell("report.html");
     folder.finish(result);
     if (wants_report) make_report(built, request.the_case, folder.folder());
+    constexpr std::size_t enough = 5;
+    for (std::size_t i = 0; i < std::min(enough, folder.problems().size()); ++i)
+        fmt::print(stderr, "warning: {}\n", folder.problems()[i]);
     if (request.json)
         print_json(result, folder);
     else if (result.status == "waiting")

@@ -19,6 +19,7 @@ namespace fs = std::filesystem;
 
 constexpr double most_frame_bytes = 10e6;  ///< of all frames before they are packed
 constexpr int most_frames = 40;
+constexpr std::size_t most_patches = 5000;  ///< of a level that is shown
 constexpr double full_scale = 65535;
 
 /// A data set of the series.
@@ -179,6 +180,9 @@ Tree tree_of(const RunFiles& run, const ReportSubject& subject, int triangles) {
     }
     for (const PatchLevel& level : tree.patches.levels)
         if (static_cast<int>(level.label.size()) != triangles) return {};
+    // Finer ones are for the machine.
+    auto& levels = tree.patches.levels;
+    while (!levels.empty() && levels.back().patches.size() > most_patches) levels.pop_back();
     return tree;
 }
 

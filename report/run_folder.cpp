@@ -4,9 +4,11 @@
 #include "core/mesh/vtp.hpp"
 #include "optimize/own_variables.hpp"
 #include "optimize/stored_design.hpp"
+#include "report/design_fields.hpp"
 #include "report/json_number.hpp"
 #include "report/paraview_script.hpp"
 
+#include <cstdio>
 #include <iomanip>
 #include <nlohmann/json.hpp>
 
@@ -191,8 +193,9 @@ void RunFolder::add(const AcceptedDesign& design) {
         write("levels/best.design", design_bytes(stored_design(design)));
     }
     const bool wanted = policy_ == SeriesPolicy::every_accepted || (policy_ == SeriesPolicy::best && steps_.empty());
-    if (wanted) add_to_series(design.record.evaluation, data_set(design));
-    if (policy_ == SeriesPolicy::best) last_best_ = data_set(design);
+    if (!wanted && policy_ != SeriesPolicy::best) return;
+    last_best_ = data_set(design);
+    if (wanted) add_to_series(design.record.evaluation, last_best_);
 }
 
 void RunFolder::add_sensitivities(int evaluation, const Points& dJ_dv) {
@@ -203,7 +206,14 @@ void RunFolder::add_sensitivities(int evaluation, const Points& dJ_dv) {
 }
 
 RunFolder::DataSet RunFolder::data_set(const AcceptedDesign& design) {
-    DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label};
+    char number[16];
+    std::snprintf(number, sizeof number, "%06d", design.record.evaluation);
+    std::vector<std::string> problems;
+    DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label, {}};
+    out.fields = design_fields(*problem_, with_vertices(problem_->surface, design.vertices),
+                               folder_ / "evaluations" / number, problems);
+    for (const std::string& words : problems)
+        if (std::find(problems_.begin(), problems_.end(), words) == problems_.end()) problems_.push_back(words);
     const Points force = demand(design.space, design.x).loads.force;
     if (force.rows() == 0) return out;
     const Eigen::VectorXd& area = design.space.rest->vertex_area;
@@ -215,6 +225,7 @@ void RunFolder::write_data_set(const std::string& name, const DataSet& design) c
     std::vector<Field> points{{"displacement", Points(design.vertices - problem_->surface.vertices)}};
     if (design.dJ_dv.rows() > 0) points.push_back({"objective_sensitivity", design.dJ_dv});
     if (design.load.rows() > 0) points.push_back({"load", design.load});
+    points.insert(points.end(), design.fields.begin(), design.fields.end());
     std::vector<Field> cells;
     if (!design.patch.empty()) cells.push_back({"patch", design.patch});
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)

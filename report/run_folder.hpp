@@ -1,5 +1,6 @@
 #pragma once
 #include "core/mesh/io.hpp"
+#include "core/mesh/vtp.hpp"
 #include "optimize/history.hpp"
 #include "report/run_lock.hpp"
 
@@ -51,6 +52,8 @@ public:
     const std::filesystem::path& folder() const { return folder_; }
     /// Names of the files written so far, relative to the folder.
     const std::vector<std::string>& files() const { return files_; }
+    /// What could not be shown, each once: fields of programs that are none.
+    const std::vector<std::string>& problems() const { return problems_; }
 
 private:
     void make_folder(const std::filesystem::path& folder);  ///< with those above it
@@ -58,10 +61,11 @@ private:
     /// One design as ParaView shows it.
     struct DataSet {
         Points vertices, dJ_dv;
-        Points load;             ///< traction at the vertices, n x 3, 1/length; empty: none
-        std::vector<int> patch;  ///< of each triangle, on the level of the design; empty: not known
+        Points load;                ///< traction at the vertices, n x 3, 1/length; empty: none
+        std::vector<int> patch;     ///< of each triangle, on the level of the design; empty: not known
+        std::vector<Field> fields;  ///< of objectives
     };
-    static DataSet data_set(const AcceptedDesign& design);
+    DataSet data_set(const AcceptedDesign& design);
     void write_data_set(const std::string& name, const DataSet& design) const;
     void add_to_series(int evaluation, DataSet design);
     void remember(const std::string& name);
@@ -76,7 +80,7 @@ private:
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;
     DataSet last_, last_best_;  ///< of steps_; of the best design so far, where the series has only that
-    std::vector<std::string> files_, aside_;
+    std::vector<std::string> files_, aside_, problems_;
     std::vector<std::filesystem::path> made_;  ///< folders that did not exist, the deepest first
 };
 

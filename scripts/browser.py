@@ -49,7 +49,7 @@ class Browser:
             stderr=subprocess.DEVNULL, start_new_session=True)
         os.close(read_commands), os.close(write_answers)
         self.buffer, self.number, self.session, self.page = b"", 0, None, ""
-        self.errors, self.requests = [], []
+        self.errors, self.requests, self.is_loaded = [], [], False
         target = next(t for t in self.call("Target.getTargets")["targetInfos"] if t["type"] == "page")
         self.session = self.call("Target.attachToTarget", targetId=target["targetId"], flatten=True)["sessionId"]
         for domain in ("Page", "Runtime", "Log", "Network"):
@@ -88,6 +88,8 @@ class Browser:
         return message
 
     def note(self, method, what):
+        if method == "Page.loadEventFired":
+            self.is_loaded = True
         if method == "Runtime.exceptionThrown":
             details = what["exceptionDetails"]
             self.errors.append(details.get("exception", {}).get("description", details["text"]))
@@ -121,8 +123,11 @@ class Browser:
 
     def open(self, path):
         self.page = pathlib.Path(path).resolve().as_uri()
+        self.is_loaded = False
         self.call("Page.navigate", url=self.page)
-        self.until("document.documentElement !== null && document.readyState === 'complete' && location.href !== 'about:blank'")
+        end = time.monotonic() + 120
+        while not self.is_loaded:
+            self.receive(end)
 
     def run(self, script):
         """The value of an expression in the page; promises are waited for."""

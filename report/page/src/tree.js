@@ -3,6 +3,7 @@
 import { h, section } from './dom.js';
 import { number, percent } from './format.js';
 
+const byName = ([a], [b]) => a.name.localeCompare(b.name, 'en', { numeric: true });
 const deepest = 400;  // rows that are made at once
 
 /** Share of the whole change; positive: the patch helped. */
@@ -26,7 +27,7 @@ export function tree(run, panel) {
   const body = h('tbody', {});
   const told = h('p', { class: 'told', 'aria-live': 'polite' });
   let selected = null;
-  const children = (k, id) => (k + 1 < levels.length ? levels[k + 1].patches.map((p, i) => [p, i]).filter(([p]) => p.parent === id) : []);
+  const children = (k, id) => (k + 1 < levels.length ? levels[k + 1].patches.map((p, i) => [p, i]).filter(([p]) => p.parent === id).sort(byName) : []);
   /** A patch that is carried over has one child of its own name: it is shown once. */
   const ends = (k, id) => {
     const below = children(k, id);
@@ -74,7 +75,7 @@ export function tree(run, panel) {
     if (panel) panel.select(again ? 0 : level, id);
   }
 
-  const roots = levels[1].patches.map((_, id) => row(1, id, 0));
+  const roots = levels[1].patches.map((p, id) => [p, id]).sort(byName).map(([, id]) => row(1, id, 0));
   body.append(...roots);
   if (levels[1].patches.length <= 12 && levels.length > 2 && levels[2].patches.length < 30) roots.forEach((r) => r.toggle());
   const count = levels.reduce((sum, level) => sum + level.patches.length, 0);

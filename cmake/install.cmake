@@ -17,14 +17,29 @@ add_library(strake::strake ALIAS strake_everything)
 install(TARGETS ${targets} strake_version strake_options strake_everything EXPORT strake
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/strake)
 install(TARGETS strake RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# Some headers name libraries that users of ours need not know, and are not for them.
-foreach(folder core objectives optimize cases report)
-  install(DIRECTORY ${PROJECT_SOURCE_DIR}/${folder} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake FILES_MATCHING
-    PATTERN "*.hpp" PATTERN "*_impl.hpp" EXCLUDE PATTERN "nlopt_run.hpp" EXCLUDE PATTERN "restarts.hpp" EXCLUDE PATTERN "json_number.hpp" EXCLUDE
-    PATTERN "cases/*" EXCLUDE)
+# Not for users: headers of the examples, and those that name libraries which users of ours need not know.
+file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/core/*.hpp
+  ${PROJECT_SOURCE_DIR}/objectives/*.hpp ${PROJECT_SOURCE_DIR}/optimize/*.hpp ${PROJECT_SOURCE_DIR}/cases/*.hpp
+  ${PROJECT_SOURCE_DIR}/report/*.hpp)
+list(FILTER headers EXCLUDE REGEX "^cases/.*/|_impl[.]hpp$")
+set(hidden "<nlohmann/|<nlopt|<yaml-cpp/|<embree|<sqlite|<ceres/|<cholmod|<CGAL/|<fmt/|_impl[.]hpp\"")
+set(before -1)
+list(LENGTH headers count)
+while(NOT before EQUAL count)  # what includes a hidden one is hidden, too
+  set(before ${count})
+  foreach(header ${headers})
+    file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include")
+    if(includes MATCHES "${hidden}")
+      list(REMOVE_ITEM headers ${header})
+      string(APPEND hidden "|\"${header}\"")
+    endif()
+  endforeach()
+  list(LENGTH headers count)
+endwhile()
+foreach(header ${headers})
+  get_filename_component(folder ${header} DIRECTORY)
+  install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/${folder})
 endforeach()
-file(GLOB case_headers ${PROJECT_SOURCE_DIR}/cases/*.hpp)  # not those of the examples
-install(FILES ${case_headers} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/cases)
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/strake)
 install(EXPORT strake NAMESPACE strake:: FILE strake-targets.cmake DESTINATION ${package})
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strake-config.cmake.in ${PROJECT_BINARY_DIR}/strake-config.cmake

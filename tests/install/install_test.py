@@ -9,7 +9,7 @@ ROOT = pathlib.Path(__file__).resolve().parents[2]
 STANDARD = {"algorithm", "array", "atomic", "chrono", "cmath", "cstddef", "cstdint", "cstring", "deque", "exception",
             "filesystem", "fstream", "functional", "future", "limits", "locale", "map", "memory", "mutex", "numeric",
             "optional", "set", "span", "sstream", "stdexcept", "string", "string_view", "thread", "tuple", "utility",
-            "variant", "vector", "stdint.h"}
+            "variant", "vector", "stddef.h", "stdint.h"}
 
 
 def run(*command, cwd=None):

@@ -2,8 +2,8 @@
 """Lift and drag of the lifting body at Mach 10 without friction, by OpenFOAM's rhoCentralFoam on half of the space: what the
 Newtonian pressures of cases/lifting_body/glide.yaml are held against.
 
-    glide.py FACTOR SURFACE:DEG..    coefficients of surfaces (OBJ, or STL in binary) at angles of attack in degrees, on meshes of FACTOR times the
-                                     resolution, one line each
+    glide.py FACTOR SURFACE:DEG..    coefficients of surfaces (OBJ, or STL in binary) at angles of attack in degrees, on meshes
+                                     of FACTOR times the resolution, one line each
 
 The coefficients are those of the whole body on the case's reference area of 30; the base has the pressure of the stream, which
 in Newton's theory it has too. Flows go into generated/; one on a finer mesh begins from that at FACTOR 1 where it is there.
@@ -88,7 +88,7 @@ def main(factor, names):
         file, degrees = name.rsplit(":", 1)
         coarse = os.path.join("generated", f"flow-{os.path.basename(file)}-{degrees}")
         cells, values = body(file, float(degrees), factor, coarse if factor == "1" else "generated/rebuilt",
-                             coarse if factor != "1" and os.path.isdir(coarse) else None)
+                             os.path.abspath(coarse) if factor != "1" and os.path.isdir(coarse) else None)
         print(f"{name}: {cells} cells, drag {values['drag']:.6f}, lift {values['lift']:.6f}, "
               f"lift to drag {values['lift'] / values['drag']:.4f}", flush=True)
 

@@ -16,10 +16,10 @@ struct Multigrid::Impl {
     template <class Real>
     bool build(std::unique_ptr<Hierarchy<Real>>& levels, const BlockMatrix& A, const Points& centre, bool keep) {
         const std::vector<Clusters> before = keep ? std::move(clusters) : std::vector<Clusters>();
-        levels = std::make_unique<Hierarchy<Real>>(options);
-        const bool done = levels->build(A, centre, keep ? &before : nullptr);
-        clusters = keep ? before : done ? levels->take_clusters() : std::vector<Clusters>();
-        if (!done) levels.reset();
+        auto built = std::make_unique<Hierarchy<Real>>(options);  // in place only when it is whole
+        const bool done = built->build(A, centre, keep ? &before : nullptr);
+        clusters = keep ? before : done ? built->take_clusters() : std::vector<Clusters>();
+        if (done) levels = std::move(built);
         return done;
     }
 

@@ -9,8 +9,16 @@ constexpr int large = 300000;            // prisms from which the factor takes m
 constexpr double thin = 1.5;             // prism heights, in edge lengths, below which multigrid needs more iterations
 constexpr int large_for_thin = 1000000;  // prisms from which it is taken all the same
 
-/// Thin prisms bend in ways that clusters miss: smaller ones, smoother prolongation, more smoothing.
-MultigridOptions options_for(double height_in_edges) {
+}  // namespace
+
+LinearSolver Preconditioner::choose(LinearSolver wanted, int prisms, double height_in_edges, int expected_solves) {
+    if (wanted != LinearSolver::automatic) return wanted;
+    if (height_in_edges < thin) return prisms >= large_for_thin ? LinearSolver::multigrid : LinearSolver::direct;
+    const int from = expected_solves < few_solves ? large_for_few : large;
+    return prisms >= from ? LinearSolver::multigrid : LinearSolver::direct;
+}
+
+MultigridOptions Preconditioner::options_for(double height_in_edges) {
     MultigridOptions options;
     if (height_in_edges >= thin) return options;
     options.first_radius = 1;
@@ -20,15 +28,6 @@ MultigridOptions options_for(double height_in_edges) {
     options.inner_tolerance = 0;
     options.direct_size = 2000;
     return options;
-}
-
-}  // namespace
-
-LinearSolver Preconditioner::choose(LinearSolver wanted, int prisms, double height_in_edges, int expected_solves) {
-    if (wanted != LinearSolver::automatic) return wanted;
-    if (height_in_edges < thin) return prisms >= large_for_thin ? LinearSolver::multigrid : LinearSolver::direct;
-    const int from = expected_solves < few_solves ? large_for_few : large;
-    return prisms >= from ? LinearSolver::multigrid : LinearSolver::direct;
 }
 
 void Preconditioner::use(LinearSolver solver, double height_in_edges) {

@@ -12,6 +12,8 @@ public:
     /// What is decided: by the number of prisms, their thickness and the solves to be expected. `automatic` never
     /// stays.
     static LinearSolver choose(LinearSolver wanted, int num_free_prisms, double height_in_edges, int expected_solves);
+    /// What multigrid is told for prisms of that height: thin ones bend in ways that large clusters miss.
+    static MultigridOptions options_for(double height_in_edges);
 
     void use(LinearSolver solver, double height_in_edges);  ///< before `analyze`; direct unless said
     void analyze(const BlockMatrix& H);                     ///< once per pattern
@@ -26,7 +28,8 @@ public:
     /// True: `build` proves that H is positive definite, and `apply` is its inverse but for single precision.
     bool is_exact() const { return solver_ == LinearSolver::direct; }
     /// What `build` costs, in applications to one column: measured, the same for all sizes within a third.
-    double build_cost() const { return is_exact() ? 40 : 10; }
+    /// Cycles of multigrid cost less to set up, but more of them are usual: not every solve shall do so.
+    double build_cost() const { return is_exact() ? 40 : 60; }
     long num_entries() const;  ///< numbers kept
 
 private:

@@ -1,0 +1,125 @@
+#include <gtest/gtest.h>
+
+#include "cases/geometry/closed_body.hpp"
+#include "cases/geometry/wing.hpp"
+#include "core/primo/preconditioner.hpp"
+#include "shells.hpp"
+
+/// A shell solved by multigrid ends where one solved by a factor does, in every setting, and does not call an unstable
+/// state an equilibrium.
+namespace strake {
+namespace {
+
+constexpr double same_shape = 1e-8;  // diagonals
+
+struct Setting {
+    TriMesh mesh;
+    ShellOptions options;
+    Loads loads;
+    std::vector<RigidMotion> motions{};
+};
+
+double largest(const Points& difference) { return difference.rowwise().norm().maxCoeff(); }
+
+void expect_same_answers(Setting setting) {
+    setting.options.solver = LinearSolver::direct;
+    PrimoShell direct(setting.mesh, setting.options);
+    setting.options.solver = LinearSolver::multigrid;
+    PrimoShell multigrid(setting.mesh, setting.options);
+    ASSERT_EQ(direct.solver(), LinearSolver::direct);
+    ASSERT_EQ(multigrid.solver(), LinearSolver::multigrid);
+    const double diagonal = box_diagonal(setting.mesh);
+    const Points linear = direct.linear_response(setting.loads, setting.motions);
+    EXPECT_LE(largest(linear - multigrid.linear_response(setting.loads, setting.motions)), same_shape * diagonal);
+    SolveOptions keep;
+    keep.keep_factor = true;
+    for (const double share : {1.0, 1.05}) {  // cold, then warm
+        Loads loads = setting.loads;
+        loads.force *= share;
+        const Equilibrium one = direct.solve(loads, setting.motions, keep);
+        const Equilibrium other = multigrid.solve(loads, setting.motions, keep);
+        ASSERT_EQ(one.status, SolveStatus::converged) << one.reason;
+        ASSERT_EQ(other.status, SolveStatus::converged) << other.reason;
+        EXPECT_TRUE(other.stable);
+        EXPECT_LE(largest(direct.vertices() - multigrid.vertices()), same_shape * diagonal) << share;
+        EXPECT_GT(largest(direct.vertices() - setting.mesh.vertices), 0.01 * diagonal);
+    }
+    const Points dJ = direct.vertices() - setting.mesh.vertices;
+    const ShellSensitivities by_factor = direct.adjoint({dJ})[0], by_cycles = multigrid.adjoint({dJ})[0];
+    EXPECT_LE((by_factor.force - by_cycles.force).norm(), 1e-7 * by_factor.force.norm());
+    EXPECT_LE((by_factor.prism_height - by_cycles.prism_height).norm(), 1e-7 * by_factor.prism_height.norm());
+}
+
+Setting wing(int triangles, double share) {
+    Setting s{example::wing(triangles), {}, {}};
+    s.options = uniform(s.mesh, 0.02 * box_diagonal(s.mesh));
+    pin_where(s.mesh, s.options, fixed_prism, [](const Eigen::Vector3d& c) { return c.y() < 0.05; });
+    PrimoShell shell(s.mesh, s.options);
+    const auto outer = [](const Eigen::Vector3d& c) { return c.y() > 0.4; };
+    s.loads = scaled_to(shell, s.mesh, traction_where(s.mesh, {0, 0, 1}, outer), share);
+    return s;
+}
+
+}  // namespace
+
+TEST(MultigridShell, OpenWingWithItsRootFixed) { expect_same_answers(wing(6000, 0.15)); }
+
+TEST(MultigridShell, ClosedBodyOnSpringsAlone) {
+    Setting s{example::sphere(5000), {}, {}};
+    s.options = uniform(s.mesh, 0.08);
+    s.loads = traction_where(s.mesh, {0, 0.002, 0.004}, [](const Eigen::Vector3d& c) { return c.x() > 0.3; });
+    s.loads.spring = Eigen::VectorXd::Constant(s.mesh.num_vertices(), 1e-5);
+    expect_same_answers(s);
+}
+
+TEST(MultigridShell, HalfModelPulledByAPinnedMotion) {
+    Setting s = wing(5000, 0.05);
+    s.options.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
+    const Points c = triangle_centroids(s.mesh);
+    for (int t = 0; t < s.mesh.num_triangles(); ++t)
+        s.options.pin[t] = c(t, 0) < 0.05 ? fixed_prism : c(t, 1) > 1.1 ? 1 : free_prism;
+    s.motions = {{{0.1, 0.05, 0}, {0, 0, 0.1}, {0.5, 1.15, 0}}};
+    expect_same_answers(s);
+}
+
+TEST(MultigridShell, ThinPrismsOnLongTriangles) {
+    Setting s{example::naca_wing(0.15, 40, 20, 2), {}, {}};
+    s.options = uniform(s.mesh, 0.02);
+    pin_where(s.mesh, s.options, fixed_prism, [](const Eigen::Vector3d& c) { return c.y() < 0.1; });
+    PrimoShell shell(s.mesh, s.options);
+    s.loads = scaled_to(shell, s.mesh, traction_where(s.mesh, {0, 0, 1}, [](const auto& c) { return c.y() > 1; }), 0.1);
+    expect_same_answers(s);
+}
+
+TEST(MultigridShell, AStraightStripUnderTooMuchCompressionIsNoEquilibrium) {
+    const TriMesh mesh = strip(1, 0.06, 250, 15);
+    ShellOptions options = uniform(mesh, 0.01);
+    options.solver = LinearSolver::multigrid;
+    pin_where(mesh, options, fixed_prism, [](const Eigen::Vector3d& c) { return c.x() < 0.02; });
+    PrimoShell shell(mesh, options);
+    const Loads unit = traction_where(mesh, {-1, 0, 0}, [](const Eigen::Vector3d& c) { return c.x() > 0.95; });
+    SolveOptions once;
+    once.fallbacks = false;
+    // Euler: EI pi^2/4 over the membrane stiffness is a shortening of pi^2 h^2 / 48 = 2.06e-5.
+    const double euler = 2.06e-5;
+    EXPECT_EQ(shell.solve(scaled_to(shell, mesh, unit, 0.8 * euler), {}, once).status, SolveStatus::converged);
+    shell.reset();
+    EXPECT_NE(shell.solve(scaled_to(shell, mesh, unit, 1.3 * euler), {}, once).status, SolveStatus::converged);
+    shell.reset();
+    EXPECT_NE(shell.solve(scaled_to(shell, mesh, unit, 3 * euler), {}, once).status, SolveStatus::converged);
+}
+
+TEST(MultigridShell, IsChosenBySizeAndNumberOfSolves) {
+    const auto automatic = [](int prisms, double height, int solves) {
+        return Preconditioner::choose(LinearSolver::automatic, prisms, height, solves);
+    };
+    EXPECT_EQ(automatic(5000, 5, 1), LinearSolver::direct);
+    EXPECT_EQ(automatic(150000, 5, 1), LinearSolver::multigrid);
+    EXPECT_EQ(automatic(150000, 5, 500), LinearSolver::direct);
+    EXPECT_EQ(automatic(1000000, 5, 500), LinearSolver::multigrid);
+    EXPECT_EQ(automatic(200000, 0.5, 1), LinearSolver::direct);
+    EXPECT_EQ(Preconditioner::choose(LinearSolver::direct, 1000000, 5, 1), LinearSolver::direct);
+    EXPECT_EQ(Preconditioner::choose(LinearSolver::multigrid, 10, 0.1, 1000), LinearSolver::multigrid);
+}
+
+}  // namespace strake

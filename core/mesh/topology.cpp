@@ -138,32 +138,6 @@ std::vector<int> duplicate_triangles(const TriMesh& mesh) {
     return duplicates;
 }
 
-/// Whether the triangles of each component can be turned so that those at every edge of two agree.
-bool is_orientable(const TriMesh& mesh, const Adjacency& adjacent) {
-    std::vector<signed char> turned(static_cast<std::size_t>(mesh.num_triangles()), -1);
-    std::vector<int> stack;
-    for (int seed = 0; seed < mesh.num_triangles(); ++seed) {
-        if (turned[seed] >= 0) continue;
-        turned[seed] = 0;
-        stack.assign(1, seed);
-        while (!stack.empty()) {
-            const int t = stack.back();
-            stack.pop_back();
-            for (int k = 0; k < 3; ++k) {
-                const int e = adjacent.triangle_edges(t, k);
-                const auto pair = adjacent.edge_triangles[e];
-                if (pair.size() != 2 || pair[0] == pair[1]) continue;
-                const int n = pair[0] == t ? pair[1] : pair[0];
-                const auto side = static_cast<signed char>(turned[t] ^ adjacent.misoriented[e]);
-                if (turned[n] >= 0 && turned[n] != side) return false;
-                if (turned[n] < 0) stack.push_back(n);
-                turned[n] = side;
-            }
-        }
-    }
-    return true;
-}
-
 /// Vertices that no triangle uses, and vertices with the coordinates of an earlier one.
 void find_spare_vertices(const TriMesh& mesh, const Adjacency& adjacent, TopologyFacts& facts) {
     const std::vector<int> number = equal_points(mesh.vertices);
@@ -190,6 +164,37 @@ std::vector<int> degenerate_triangles(const TriMesh& mesh) {
 
 }  // namespace
 
+std::vector<Sheet> sheets_of(const TriMesh& mesh, const Adjacency& adjacent) {
+    std::vector<Sheet> sheets;
+    std::vector<signed char> turned(static_cast<std::size_t>(mesh.num_triangles()), -1);
+    for (int seed = 0; seed < mesh.num_triangles(); ++seed) {
+        if (turned[seed] >= 0) continue;
+        Sheet sheet;
+        turned[seed] = 0;
+        sheet.triangles = {seed};
+        for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
+            const int t = sheet.triangles[i];
+            for (int k = 0; k < 3; ++k) {
+                const int e = adjacent.triangle_edges(t, k);
+                const auto pair = adjacent.edge_triangles[e];
+                if (pair.size() != 2 || pair[0] == pair[1]) continue;
+                const int n = pair[0] == t ? pair[1] : pair[0];
+                const auto side = static_cast<signed char>(turned[t] ^ adjacent.misoriented[e]);
+                if (turned[n] < 0) {
+                    turned[n] = side;
+                    sheet.triangles.push_back(n);
+                } else if (turned[n] != side) {
+                    sheet.orientable = false;
+                }
+            }
+        }
+        std::sort(sheet.triangles.begin(), sheet.triangles.end());
+        for (const int t : sheet.triangles) sheet.turned.push_back(turned[t]);
+        sheets.push_back(std::move(sheet));
+    }
+    return sheets;
+}
+
 TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent) {
     TopologyFacts facts;
     const std::vector<int> component = edge_components(mesh, adjacent);
@@ -205,7 +210,7 @@ TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent) {
         if (!is_one_fan(mesh, adjacent, v)) facts.nonmanifold_vertices.push_back(v);
     facts.duplicate_triangles = duplicate_triangles(mesh);
     facts.degenerate_triangles = degenerate_triangles(mesh);
-    facts.orientable = is_orientable(mesh, adjacent);
+    facts.orientable = std::ranges::all_of(sheets_of(mesh, adjacent), &Sheet::orientable);
     find_spare_vertices(mesh, adjacent, facts);
     return facts;
 }

@@ -23,6 +23,15 @@ struct TopologyFacts {
 };
 TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent);
 
+/// Triangles connected across edges of two.
+struct Sheet {
+    std::vector<int> triangles;  ///< ascending
+    std::vector<char> turned;    ///< beside `triangles`: must be turned to agree with the first one
+    bool orientable = true;
+};
+/// All of them, by their smallest triangles.
+std::vector<Sheet> sheets_of(const TriMesh& mesh, const Adjacency& adjacent);
+
 /// Pairs of triangles that intersect elsewhere than at the vertices and edges they share, each list ascending.
 /// Vertices with equal coordinates count as shared. Exact predicates. Duplicate triangles and triangles on a line are
 /// left to TopologyFacts.

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/point_tree.hpp"
 #include "core/mesh/weld.hpp"
+#include "core/repair/open_vertices.hpp"
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
@@ -60,33 +61,24 @@ void suggest_symmetry(const TriMesh& mesh, const Box& box, double diagonal, Boun
     }
 }
 
-constexpr std::size_t most_looked_at = 100'000'000;  ///< vertices near open edges: seconds
-
 /// Vertices at open edges that have another one, or an open edge of others, within the tolerance.
 std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjacent, double tolerance) {
-    std::vector<char> is_open(static_cast<std::size_t>(mesh.num_vertices())), is_cracked(is_open);
-    for (int e = 0; e < adjacent.num_edges(); ++e)
-        if (adjacent.edge_triangles[e].size() == 1)
-            for (const int v : adjacent.edges[e]) is_open[v] = 1;
-    std::vector<int> chosen, found;
-    for (int v = 0; v < mesh.num_vertices(); ++v)
-        if (is_open[v]) chosen.push_back(v);
-    Points some(static_cast<Eigen::Index>(chosen.size()), 3);
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-        some.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(chosen[i]);
+    const mending::OpenVertices open = mending::open_vertices(mesh, adjacent);
+    std::vector<char> is_cracked(open.is_open.size());
+    std::vector<int> found;
     // Points at one place stand for each other: a crowd of them would be looked at by each.
-    const std::vector<int> number = equal_points(some);
+    const std::vector<int> number = equal_points(open.points);
     std::vector<int> crowd(number.size());
     for (const int i : number) ++crowd[i];
     std::vector<int> first;
     for (std::size_t i = 0; i < number.size(); ++i) {
-        if (crowd[number[i]] > 1) is_cracked[chosen[i]] = 1;
+        if (crowd[number[i]] > 1) is_cracked[open.numbers[i]] = 1;
         if (number[i] == static_cast<int>(first.size())) first.push_back(static_cast<int>(i));
     }
     Points places(static_cast<Eigen::Index>(first.size()), 3);
-    for (std::size_t i = 0; i < first.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = some.row(first[i]);
+    for (std::size_t i = 0; i < first.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = open.points.row(first[i]);
     const PointTree tree(places);
-    std::size_t left = most_looked_at;
+    std::size_t left = mending::most_looked_at_for_cracks;
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (adjacent.edge_triangles[e].size() != 1) continue;
         const auto [a, b] = adjacent.edges[e];
@@ -96,7 +88,7 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
         if (found.size() > left) break;
         left -= found.size();
         for (const int i : found) {
-            const int v = chosen[first[i]];
+            const int v = open.numbers[first[i]];
             if (v == a || v == b || (mesh.triangles.row(t).array() == v).any()) continue;
             const Eigen::Vector3d p = mesh.vertices.row(v);
             const double along =

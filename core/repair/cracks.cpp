@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/mesh/point_tree.hpp"
+#include "core/repair/open_vertices.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
@@ -8,14 +9,6 @@
 namespace strake::mending {
 namespace {
 
-std::vector<char> open_vertices(const TriMesh& mesh, const Adjacency& adjacent) {
-    std::vector<char> is_open(static_cast<std::size_t>(mesh.num_vertices()));
-    for (int e = 0; e < adjacent.num_edges(); ++e)
-        if (adjacent.edge_triangles[e].size() == 1)
-            for (const int v : adjacent.edges[e]) is_open[v] = 1;
-    return is_open;
-}
-
 /// A vertex that lies on an open edge between its ends.
 struct Junction {
     double along;  ///< in (0, 1) from the edge's first vertex
@@ -23,22 +16,15 @@ struct Junction {
     double distance;
 };
 
-constexpr std::size_t most_looked_at = 100'000'000;  ///< vertices near open edges: seconds
-
 /// Per triangle and side the junctions on it.
 using Junctions = std::map<std::pair<int, int>, std::vector<Junction>>;
 
 Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double tolerance) {
-    const std::vector<char> is_open = open_vertices(mesh, adjacent);
-    std::vector<int> chosen, found;
-    for (int v = 0; v < mesh.num_vertices(); ++v)
-        if (is_open[v]) chosen.push_back(v);
-    Points some(static_cast<Eigen::Index>(chosen.size()), 3);
-    for (std::size_t i = 0; i < chosen.size(); ++i)
-        some.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(chosen[i]);
-    const PointTree tree(some);
+    const OpenVertices open = open_vertices(mesh, adjacent);
+    const PointTree tree(open.points);
+    std::vector<int> found;
     Junctions junctions;
-    std::size_t left = most_looked_at;
+    std::size_t left = most_looked_at_for_cracks;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {
             if (adjacent.edge_triangles[adjacent.triangle_edges(t, k)].size() != 1) continue;
@@ -49,7 +35,7 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
             if (found.size() > left) return junctions;
             left -= found.size();
             for (const int i : found) {
-                const int v = chosen[i];
+                const int v = open.numbers[i];
                 const Eigen::Vector3d p = mesh.vertices.row(v);
                 if (v == a || v == b || v == c || (p - pa).norm() <= tolerance || (p - pb).norm() <= tolerance)
                     continue;
@@ -105,7 +91,7 @@ void cut_sides(Surface& surface, Junctions& junctions) {
 bool merge_vertices(Surface& surface, double tolerance) {
     TriMesh& mesh = surface.mesh;
     const Adjacency adjacent = adjacency(mesh);
-    std::vector<int> onto = near_vertices(mesh.vertices, tolerance, open_vertices(mesh, adjacent));
+    std::vector<int> onto = near_vertices(mesh.vertices, tolerance, open_vertices(mesh, adjacent).is_open);
     std::vector<char> refused(onto.size());
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {

@@ -1,4 +1,5 @@
 #include "core/error.hpp"
+#include "core/repair/disjoint_sets.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
@@ -39,15 +40,16 @@ bool runs(const Triangles& triangles, int t, int a, int b) {
 class Sheets {
 public:
     Sheets(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<Copies>& sets)
-        : mesh_(mesh), adjacent_(adjacent), set_of_(static_cast<std::size_t>(mesh.num_triangles()), -1) {
-        for (std::size_t i = 0; i < sets.size(); ++i) {
-            up_.push_back(static_cast<int>(i));
+        : mesh_(mesh),
+          adjacent_(adjacent),
+          set_of_(static_cast<std::size_t>(mesh.num_triangles()), -1),
+          together_(static_cast<int>(sets.size())) {
+        for (std::size_t i = 0; i < sets.size(); ++i)
             for (const int t : sets[i]) set_of_[t] = static_cast<int>(i);
-        }
         for (const Copies& copies : sets)
             for (int k = 0; k < 3; ++k)
                 for (const int n : around(copies[0], k))
-                    if (set_of_[n] >= 0) join(set_of_[n], set_of_[copies[0]]);
+                    if (set_of_[n] >= 0) together_.join(set_of_[n], set_of_[copies[0]]);
         balance_.resize(sets.size());
         is_back_to_back_.assign(sets.size(), 1);
         for (const Copies& copies : sets) tally(copies);
@@ -55,7 +57,7 @@ public:
 
     /// Back to back on surroundings that are closed without them: a common wall of two parts that touch, or a flap.
     bool is_wall(const Copies& copies) {
-        const int r = root(set_of_[copies[0]]);
+        const int r = together_.root(set_of_[copies[0]]);
         return is_back_to_back_[r] && balance_[r] > 0;
     }
 
@@ -72,16 +74,8 @@ public:
 
 private:
     std::span<const int> around(int t, int k) const { return adjacent_.edge_triangles[adjacent_.triangle_edges(t, k)]; }
-    int root(int i) {
-        while (up_[i] != i) i = up_[i] = up_[up_[i]];
-        return i;
-    }
-    void join(int i, int j) {
-        i = root(i), j = root(j);
-        up_[std::max(i, j)] = std::min(i, j);
-    }
     void tally(const Copies& copies) {
-        const int r = root(set_of_[copies[0]]);
+        const int r = together_.root(set_of_[copies[0]]);
         int senses = 0;
         for (const int t : copies)
             senses += runs(mesh_.triangles, t, mesh_.triangles(copies[0], 0), mesh_.triangles(copies[0], 1)) ? 1 : -1;
@@ -96,7 +90,7 @@ private:
     const TriMesh& mesh_;
     const Adjacency& adjacent_;
     std::vector<int> set_of_;   ///< per triangle; -1: no copy
-    std::vector<int> up_;       ///< sets that share edges
+    DisjointSets together_;     ///< sets that share edges
     std::vector<int> balance_;  ///< rim edges that are closed without the copies less those that are open
     std::vector<char> is_back_to_back_;
 };

@@ -1,4 +1,5 @@
 #include "core/error.hpp"
+#include "core/mesh/topology.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <Eigen/Geometry>
@@ -9,54 +10,20 @@
 namespace strake::mending {
 namespace {
 
-/// Triangles connected across edges of two.
-struct Sheet {
-    std::vector<int> triangles;
-    std::vector<char> turned;  ///< beside `triangles`: must be turned to agree with the first one
-    bool orientable = true;
+/// A sheet and what it encloses.
+struct MeasuredSheet : Sheet {
     bool has_volume = false;  ///< closed by itself or by flat lids
     double volume = 0;        ///< of its triangles after those of `turned`
     Box box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
 };
 
-std::vector<Sheet> find_sheets(const TriMesh& mesh, const Adjacency& adjacent) {
-    std::vector<Sheet> sheets;
-    std::vector<signed char> turned(static_cast<std::size_t>(mesh.num_triangles()), -1);
-    for (int seed = 0; seed < mesh.num_triangles(); ++seed) {
-        if (turned[seed] >= 0) continue;
-        Sheet sheet;
-        turned[seed] = 0;
-        sheet.triangles = {seed};
-        for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
-            const int t = sheet.triangles[i];
-            for (int k = 0; k < 3; ++k) {
-                const int e = adjacent.triangle_edges(t, k);
-                const auto pair = adjacent.edge_triangles[e];
-                if (pair.size() != 2 || pair[0] == pair[1]) continue;
-                const int n = pair[0] == t ? pair[1] : pair[0];
-                const auto side = static_cast<signed char>(turned[t] ^ adjacent.misoriented[e]);
-                if (turned[n] < 0) {
-                    turned[n] = side;
-                    sheet.triangles.push_back(n);
-                } else if (turned[n] != side) {
-                    sheet.orientable = false;
-                }
-            }
-        }
-        std::sort(sheet.triangles.begin(), sheet.triangles.end());
-        for (const int t : sheet.triangles) sheet.turned.push_back(turned[t]);
-        sheets.push_back(std::move(sheet));
-    }
-    return sheets;
-}
-
-std::array<int, 3> corners_of(const TriMesh& mesh, const Sheet& sheet, std::size_t i) {
+std::array<int, 3> corners_of(const TriMesh& mesh, const MeasuredSheet& sheet, std::size_t i) {
     const auto c = mesh.triangles.row(sheet.triangles[i]);
     return sheet.turned[i] ? std::array{c[0], c[2], c[1]} : std::array{c[0], c[1], c[2]};
 }
 
 /// Six times the volume under the sheet, seen from `origin`.
-double cone(const TriMesh& mesh, const Sheet& sheet, const Eigen::Vector3d& origin) {
+double cone(const TriMesh& mesh, const MeasuredSheet& sheet, const Eigen::Vector3d& origin) {
     double sum = 0;
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
         const auto c = corners_of(mesh, sheet, i);
@@ -69,7 +36,7 @@ double cone(const TriMesh& mesh, const Sheet& sheet, const Eigen::Vector3d& orig
 }
 
 /// Sides that no other triangle of the sheet shares, as they run.
-std::vector<std::array<int, 2>> rim_of(const TriMesh& mesh, const Sheet& sheet) {
+std::vector<std::array<int, 2>> rim_of(const TriMesh& mesh, const MeasuredSheet& sheet) {
     std::vector<std::array<int, 3>> sides;  // smaller, larger, sense
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
         const auto c = corners_of(mesh, sheet, i);
@@ -131,7 +98,7 @@ bool has_flat_lids(const TriMesh& mesh, const std::vector<std::array<int, 2>>& r
     return true;
 }
 
-void measure(const TriMesh& mesh, Sheet& sheet, double diagonal) {
+void measure(const TriMesh& mesh, MeasuredSheet& sheet, double diagonal) {
     sheet.box.min = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity());
     sheet.box.max = -sheet.box.min;
     for (const int t : sheet.triangles)
@@ -158,7 +125,7 @@ void measure(const TriMesh& mesh, Sheet& sheet, double diagonal) {
 }
 
 /// How often the sheet winds around x: Van Oosterom & Strackee, IEEE Trans. Biomed. Eng. 30 (1983).
-double winding(const TriMesh& mesh, const Sheet& sheet, const Eigen::Vector3d& x) {
+double winding(const TriMesh& mesh, const MeasuredSheet& sheet, const Eigen::Vector3d& x) {
     double sum = 0;
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
         const auto c = corners_of(mesh, sheet, i);
@@ -173,16 +140,16 @@ double winding(const TriMesh& mesh, const Sheet& sheet, const Eigen::Vector3d& x
 /// Which sheets lie inside of others.
 class Nesting {
 public:
-    Nesting(const TriMesh& mesh, const std::vector<Sheet>& sheets) : mesh_(mesh) {
-        for (const Sheet& sheet : sheets)
+    Nesting(const TriMesh& mesh, const std::vector<MeasuredSheet>& sheets) : mesh_(mesh) {
+        for (const MeasuredSheet& sheet : sheets)
             if (sheet.has_volume) closed_.push_back(&sheet);
         // Only what is larger can hold a sheet.
         std::stable_sort(closed_.begin(), closed_.end(),
-                         [](const Sheet* a, const Sheet* b) { return size(*a) > size(*b); });
+                         [](const MeasuredSheet* a, const MeasuredSheet* b) { return size(*a) > size(*b); });
     }
 
-    bool holds(const Sheet& inner) {
-        for (const Sheet* outer : closed_) {
+    bool holds(const MeasuredSheet& inner) {
+        for (const MeasuredSheet* outer : closed_) {
             if (!(size(*outer) > size(inner))) return false;
             if (looked_at_ > most_looked_at) return true;  // thousands of parts: leave it in the sense it has
             ++looked_at_;
@@ -194,8 +161,8 @@ public:
 private:
     static constexpr std::size_t most_looked_at = 300'000'000;  ///< triangles: seconds
 
-    static double size(const Sheet& sheet) { return (sheet.box.max - sheet.box.min).norm(); }
-    bool is_inside(const Sheet& inner, const Sheet& outer) {
+    static double size(const MeasuredSheet& sheet) { return (sheet.box.max - sheet.box.min).norm(); }
+    bool is_inside(const MeasuredSheet& inner, const MeasuredSheet& outer) {
         if (!((inner.box.min - outer.box.min).minCoeff() > 0 && (outer.box.max - inner.box.max).minCoeff() > 0))
             return false;
         const std::size_t step = std::max<std::size_t>(1, inner.triangles.size() / 8);
@@ -208,12 +175,12 @@ private:
     }
 
     const TriMesh& mesh_;
-    std::vector<const Sheet*> closed_;
+    std::vector<const MeasuredSheet*> closed_;
     std::size_t looked_at_ = 0;
 };
 
 /// Area of the triangles that must be turned less that of the others.
-double turned_majority(const TriMesh& mesh, const Sheet& sheet) {
+double turned_majority(const TriMesh& mesh, const MeasuredSheet& sheet) {
     double sum = 0;
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i)
         sum += (sheet.turned[i] ? 1 : -1) * area_vector(mesh, sheet.triangles[i]).norm();
@@ -221,7 +188,7 @@ double turned_majority(const TriMesh& mesh, const Sheet& sheet) {
 }
 
 /// Turns what is to be turned; the first corner stays the first.
-void turn(Surface& surface, const Sheet& sheet, bool all_turned, const std::string& why) {
+void turn(Surface& surface, const MeasuredSheet& sheet, bool all_turned, const std::string& why) {
     RepairItem item{RepairKind::orient, -1, -1, Eigen::Vector3d::Zero(), 0, 0, ""};
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {
         const int t = sheet.triangles[i];
@@ -244,10 +211,13 @@ void turn(Surface& surface, const Sheet& sheet, bool all_turned, const std::stri
 void orient(Surface& surface) {
     const TriMesh& mesh = surface.mesh;
     const Adjacency adjacent = adjacency(mesh);
-    std::vector<Sheet> sheets = find_sheets(mesh, adjacent);
-    for (Sheet& sheet : sheets) measure(mesh, sheet, surface.diagonal);
+    std::vector<MeasuredSheet> sheets;
+    for (Sheet& found : sheets_of(mesh, adjacent)) {
+        sheets.emplace_back().Sheet::operator=(std::move(found));
+        measure(mesh, sheets.back(), surface.diagonal);
+    }
     Nesting nesting(mesh, sheets);
-    for (const Sheet& sheet : sheets) {
+    for (const MeasuredSheet& sheet : sheets) {
         if (!sheet.orientable) continue;
         const bool is_nested = sheet.has_volume && nesting.holds(sheet);
         if (sheet.has_volume && !is_nested)

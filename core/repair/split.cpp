@@ -1,4 +1,5 @@
 #include "core/error.hpp"
+#include "core/repair/disjoint_sets.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <Eigen/Geometry>
@@ -74,25 +75,6 @@ std::vector<std::array<int, 2>> pairs_at(const std::vector<Page>& pages) {
     return pairs;
 }
 
-/// Classes of the corners (3 t + k) that stay together.
-class Corners {
-public:
-    explicit Corners(int count) : up_(static_cast<std::size_t>(count)) {
-        for (int i = 0; i < count; ++i) up_[i] = i;
-    }
-    int root(int i) {
-        while (up_[i] != i) i = up_[i] = up_[up_[i]];
-        return i;
-    }
-    void join(int i, int j) {
-        i = root(i), j = root(j);
-        up_[std::max(i, j)] = std::min(i, j);
-    }
-
-private:
-    std::vector<int> up_;
-};
-
 int corner_at(const TriMesh& mesh, int t, int v) {
     int k = 0;
     while (k < 2 && mesh.triangles(t, k) != v) ++k;
@@ -104,7 +86,7 @@ int corner_at(const TriMesh& mesh, int t, int v) {
 void split_nonmanifold(Surface& surface) {
     TriMesh& mesh = surface.mesh;
     const Adjacency adjacent = adjacency(mesh);
-    Corners corners(3 * mesh.num_triangles());
+    DisjointSets corners(3 * mesh.num_triangles());  // 3 t + k: those that stay together
     const auto keep = [&](int e, int s, int t) {
         for (const int v : adjacent.edges[e]) corners.join(corner_at(mesh, s, v), corner_at(mesh, t, v));
     };

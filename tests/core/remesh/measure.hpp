@@ -3,6 +3,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/topology.hpp"
 
+#include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <numbers>
@@ -100,6 +101,15 @@ inline double one_sided(const TriMesh& from, const TriMesh& to) {
     for (int t = 0; t < from.num_triangles(); ++t) far = std::max(far, tree.find(centroids.row(t)).distance);
     return far;
 }
+/// The quality that remeshing promises where no feature forbids it.
+inline void expect_goals(const Shape& shape) {
+    EXPECT_GT(shape.mean, 0.975);
+    EXPECT_GT(shape.fifth_percentile, 0.92);
+    EXPECT_GT(shape.smallest_angle, 30);
+    EXPECT_LT(shape.largest_angle, 115);
+    EXPECT_GT(shape.regular, 0.75);
+}
+
 inline double hausdorff(const TriMesh& a, const TriMesh& b) { return std::max(one_sided(a, b), one_sided(b, a)); }
 
 inline int euler(const TriMesh& mesh) {

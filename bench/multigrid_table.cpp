@@ -66,7 +66,7 @@ void one_solve(const std::string& name, double edges) {
                       Points::Zero(rest.num_prisms(), 3)};
     const auto turn = rotation_differences(still);
     const Loads none = complete({}, held.mesh.num_vertices());
-    BlockMatrix H = hessian_pattern(rest, none.spring);
+    BlockMatrix H = hessian_pattern(rest);
     assemble_hessian(rest, turn, jumps(rest, still, turn), none, StressTerm::none, H);
     const Points centre = rest.centroid(rest.free_prisms, Eigen::all);
     const double height_in_edges = held.options.prism_height[0] / held.edge;

@@ -1,19 +1,19 @@
 #include "bench/shell_cases.hpp"
-#include "cases/geometry/lifting_body.hpp"
-#include "cases/geometry/wing.hpp"
-#include "core/mesh/io.hpp"
+#include "core/patches/hierarchy.hpp"
 #include "core/primo/shell_impl.hpp"
 
 #include <sys/resource.h>
 
 #include <cstdio>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <string>
 
-/// The paper's table on this project's surfaces: `shell_table [--springs D] [wing:22000 | body:131000 | FILE]...`.
-/// CPU seconds of the process (user and system), and the same in numeric factorizations of the rest matrix without
-/// springs. A warm solve starts from the equilibrium at 10 % with whatever factor the solve before has left.
+/// The paper's table on this project's surfaces: `shell_table [--springs D] [--warm N] [wing:22000 | body:131000 |
+/// FILE]...`. CPU seconds of the process (user and system), and the same in numeric factorizations of the rest matrix
+/// without springs. Warm solves start from the equilibrium at 10 % with its factor. --springs: over all that is loaded,
+/// lambda = |F| / (2 D), D in diagonals. --warm: memory over N warm solves and gradients instead.
 namespace {
 
 using namespace strake;
@@ -41,8 +41,8 @@ double peak_gigabytes() {
 
 struct Table {
     double factorization = 0;
-    void row(const char* what, double seconds, const std::string& remark = "") const {
-        std::printf("| %-44s | %8.3f | %6.2f | %s |\n", what, seconds, seconds / factorization, remark.c_str());
+    void row(const std::string& what, double seconds, const std::string& remark = "") const {
+        std::printf("| %-44s | %8.3f | %6.2f | %s |\n", what.c_str(), seconds, seconds / factorization, remark.c_str());
         std::fflush(stdout);
     }
 };
@@ -50,6 +50,15 @@ struct Table {
 std::string remark(const Equilibrium& end) {
     return text(to_string(end.status), ", ", end.iterations, " it, ", end.factorizations, " fact, ", end.substitutions,
                 " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
+}
+
+/// Of one functional by the size of the loads on groups of vertices.
+Eigen::VectorXd gradient_by(PrimoShell& shell, const Loads& loads, int variables) {
+    const Points dJ_dF = shell.adjoint({loads.force})[0].force;
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(variables);
+    for (Eigen::Index k = 0; k < dJ_dF.rows(); ++k)
+        gradient[k * variables / dJ_dF.rows()] += dJ_dF.row(k).dot(loads.force.row(k));
+    return gradient;
 }
 
 void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
@@ -63,18 +72,20 @@ void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
         Equilibrium end;
         shell.set_poses(poses);
         const double seconds = timed([&] { end = shell.solve(changed(loads, change), {}, options); });
-        table.row(text("warm, loads changed by ", 100 * change, " %").c_str(), seconds, remark(end));
+        table.row(text("warm, loads changed by ", 100 * change, " %"), seconds, remark(end));
         const double adjoint = timed([&] { shell.adjoint({loads.force}); });
         table.row("  gradient there", adjoint);
         shell.set_poses(poses);
         shell.solve(loads, {}, options);
         shell.refresh_tangent();
     }
-    for (const int count : {1, 10}) {
+    for (const int variables : {10, 1000})
+        table.row(text("gradient by ", variables, " variables, own factor"),
+                  timed([&] { gradient_by(shell, loads, variables); }));
+    for (const int count : {10}) {
         std::vector<Points> functionals;
         for (int c = 0; c < count; ++c) functionals.push_back(wavy(loads.force, c));
-        table.row(text("gradients of ", count, " functionals, own factor").c_str(),
-                  timed([&] { shell.adjoint(functionals); }));
+        table.row(text("gradients of ", count, " functionals, own factor"), timed([&] { shell.adjoint(functionals); }));
     }
 }
 
@@ -94,6 +105,7 @@ void rows(const std::string& name, double spring_distance) {
     const double assembly = timed([&] { impl.assemble(turn, jump, none, StressTerm::exact); });
     timed([&] { (void)impl.factorize(); });
     table.factorization = timed([&] { (void)impl.factorize(); });
+    table.row("patches, three levels", timed([&] { segment(body.mesh, adjacency(body.mesh), {10, 5, 2.5}); }));
     table.row("ordering and analysis", ordering);
     table.row("assembly", assembly);
     table.row("factorization", table.factorization, text(impl.kept.num_entries(), " entries"));
@@ -111,23 +123,49 @@ void rows(const std::string& name, double spring_distance) {
         PrimoShell shell(body.mesh, body.options);
         Equilibrium end;
         const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
-        table.row(text("cold, ", 100 * share, " %, ordering included").c_str(), seconds, remark(end));
+        table.row(text("cold, ", 100 * share, " %, ordering included"), seconds, remark(end));
     }
     PrimoShell shell(body.mesh, body.options);
     warm_rows(table, shell, body.loads(0.1));
     std::printf("| peak memory | %.2f GB | | |\n", peak_gigabytes());
 }
 
+long resident_megabytes() {
+    long total = 0, pages = 0;
+    std::ifstream("/proc/self/statm") >> total >> pages;
+    return pages * 4 / 1024;
+}
+
+void memory(const std::string& name, int solves) {
+    const LoadedShell body(name);
+    const Loads loads = body.loads(0.1);
+    PrimoShell shell(body.mesh, body.options);
+    SolveOptions options;
+    options.keep_factor = true;
+    const double before = cpu();
+    int factorizations = 0;
+    for (int k = 1; k <= solves; ++k) {
+        factorizations += shell.solve(changed(loads, 0.02 * std::sin(k)), {}, options).factorizations;
+        shell.adjoint({loads.force});
+        if (k == 10 || k == 50 || k % 250 == 0 || k == solves)
+            std::printf("%d warm solves: %ld MB, %d factorizations, %.3f s of CPU each\n", k, resident_megabytes(),
+                        factorizations, (cpu() - before) / k);
+    }
+}
+
 }  // namespace
 
 int main(int count, char** words) {
     double spring_distance = 0;
+    int warm = 0;
     std::vector<std::string> names;
     for (int i = 1; i < count; ++i)
         if (!std::strcmp(words[i], "--springs") && i + 1 < count)
             spring_distance = std::stod(words[++i]);
+        else if (!std::strcmp(words[i], "--warm") && i + 1 < count)
+            warm = std::stoi(words[++i]);
         else
             names.emplace_back(words[i]);
     if (names.empty()) names = {"wing:22000", "wing:131000", "body:131000"};
-    for (const std::string& name : names) rows(name, spring_distance);
+    for (const std::string& name : names) warm > 0 ? memory(name, warm) : rows(name, spring_distance);
 }

@@ -37,6 +37,7 @@ nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status
     j["max_displacement"] = json_number(moved);
     j["stable"] = end.stable;
     j["factorizations"] = end.factorizations;
+    j["substitutions"] = end.substitutions;
     j["load_steps"] = end.load_steps;
     j["seconds"] = {{"assembly", end.seconds.assembly},
                     {"ordering", end.seconds.ordering},

@@ -124,7 +124,7 @@ struct VolumeOf {
             // Written out: the order of the sum must not depend on Eigen's reductions.
             sum += (a[0] * n[0] + a[1] * n[1] + a[2] * n[2]) / 6;
             if (!dV_dv) continue;
-            const Vector3d share = sign / 6 * n;
+            const Vector3d share = sign * (n / 6);
             for (int k = 0; k < 3; ++k) dV_dv->row(v[k]) += share;
         }
         if (dV_dv && has_boundary()) add_boundary(mesh, *dV_dv);
@@ -139,7 +139,7 @@ struct VolumeOf {
                                                   mesh.vertices.row(mesh.triangles(t, (k + 1) % 3));
         for (int v = 0; v < mesh.num_vertices(); ++v)
             if (boundary[v])
-                dV_dv.row(v) += sign / 6 * (Vector3d(mesh.vertices.row(v)) - o).cross(Vector3d(link.row(v)));
+                dV_dv.row(v) += sign * ((Vector3d(mesh.vertices.row(v)) - o).cross(Vector3d(link.row(v))) / 6);
     }
 };
 

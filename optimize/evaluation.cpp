@@ -6,11 +6,12 @@
 namespace strake {
 namespace {
 
-/// A reasonable step takes four to six; more than nine are better spent on a shorter step.
-constexpr int max_iterations = 9;
-constexpr double same_shape = 1e-10;     ///< diagonals, as is promised of a level's start
-constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
-constexpr double probe_step = 1e-4;      ///< diagonals: far above round-off, far below an edge
+/// A reasonable step takes four to eight; more than these are better spent on a shorter step.
+constexpr int max_iterations = 14;
+constexpr double gradient_tolerance = 1e-8;  ///< of an adjoint: far below what any method can make use of
+constexpr double same_shape = 1e-10;         ///< diagonals, as is promised of a level's start
+constexpr std::size_t known_shapes = 3;      ///< equilibria of a level from which the nearest is the start of the next
+constexpr double probe_step = 1e-4;          ///< diagonals: far above round-off, far below an edge
 constexpr double probe_tolerance = 1e-6;
 
 bool only_loads(const DesignSpace& space) {
@@ -183,7 +184,11 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     if (evaluation.has_gradients_to_come && !ask_for_gradients(evaluation)) return;
     if (ShapeEvaluation again; shell_x_.size() != last_x_.size() || shell_x_ != last_x_)
         if (!deform(last_x_, again)) throw SolverError("a shape that was reached is not reached again");
-    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv);
+    const auto& kinds = rest_->parameters.kinds;
+    AdjointOptions options;
+    options.tolerance = gradient_tolerance;
+    options.prism_height = space_.changes_height() || std::ranges::count(kinds, VariableKind::stiffness) > 0;
+    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv, options);
     const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
     for (std::size_t i = 0; i < all.size(); ++i)

@@ -4,11 +4,6 @@
 
 namespace strake {
 
-void BlockMatrix::set_zero() {
-    for (Matrix6& block : diagonal) block.setZero();
-    for (Matrix6& block : below) block.setZero();
-}
-
 int BlockMatrix::find(int a, int b) const {
     const int column = std::min(a, b), wanted = std::max(a, b);
     const auto first = row.begin() + begin[column], last = row.begin() + begin[column + 1];
@@ -22,19 +17,6 @@ Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const {
         for (int k = begin[j]; k < begin[j + 1]; ++k) {
             y.segment<6>(6 * row[k]).noalias() += below[k] * x.segment<6>(6 * j);
             y.segment<6>(6 * j).noalias() += below[k].transpose() * x.segment<6>(6 * row[k]);
-        }
-    return y;
-}
-
-Eigen::VectorXd BlockMatrix::multiply_sizes(const Eigen::VectorXd& x) const {
-    const Eigen::VectorXd sizes = x.cwiseAbs();
-    Eigen::VectorXd y(x.size());
-    for (int j = 0; j < size(); ++j) y.segment<6>(6 * j).noalias() = diagonal[j].cwiseAbs() * sizes.segment<6>(6 * j);
-    for (int j = 0; j < size(); ++j)
-        for (int k = begin[j]; k < begin[j + 1]; ++k) {
-            const Matrix6 block = below[k].cwiseAbs();
-            y.segment<6>(6 * row[k]).noalias() += block * sizes.segment<6>(6 * j);
-            y.segment<6>(6 * j).noalias() += block.transpose() * sizes.segment<6>(6 * row[k]);
         }
     return y;
 }

@@ -15,12 +15,9 @@ struct BlockMatrix {
     std::vector<Matrix6> diagonal, below;
 
     int size() const { return static_cast<int>(diagonal.size()); }
-    void set_zero();
     /// Position in `below` of the block (max, min) of two different rows. @pre it exists.
     int find(int a, int b) const;
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
-    /// |A| |x| by entries: round-off of A x is a few units in the last place of this.
-    Eigen::VectorXd multiply_sizes(const Eigen::VectorXd& x) const;
 };
 
 /// All-zero matrix with blocks at the listed pairs (any order, duplicates allowed, equal members ignored).

@@ -11,9 +11,9 @@ namespace {
 constexpr int most_probes = 6, most_inexact_probes = 40;
 constexpr int least_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
 constexpr double settled = 0.8;           // a least Ritz value that falls no further than this is the eigenvalue
-constexpr double least_stiffness = 0.2;   // share of a direction's stiffness that has to be left without a doubt
 constexpr double settled_inexactly = 0.99;
 constexpr int few_iterations = 6;     // after which the rate means something
+constexpr int usual = 3;              // iterations on the matrix's own factor
 constexpr int most_iterations = 120;  // of a solve to full accuracy
 
 /// Numbers in [-1, 1) that are the same in every run, whatever was drawn before.
@@ -67,7 +67,7 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
             p = z + (next - since(before, z)) / rz * p;
         }
         rz = next;
-        Hp = shell.H.multiply(p);
+        Hp = shell.product(p);
         const double curvature = p.dot(Hp);
         if (!(curvature > 0)) {
             result.is_positive = false;
@@ -92,10 +92,12 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
     Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols()), before;
     if (!shell.kept.is_exact()) before = Eigen::MatrixXd::Zero(B.rows(), B.cols());
     Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, Hp;
+    const double price = 1 + static_cast<double>(B.cols()) / 8;  // of a block, in single columns
     std::vector<Eigen::Index> open;
     for (Eigen::Index c = 0; c < B.cols(); ++c)
         if (B.col(c).squaredNorm() > 0) open.push_back(c);
     for (int k = 0; !open.empty() && k < most_iterations; ++k) {
+        if (k >= usual) shell.spent += price;
         const Eigen::MatrixXd Z = shell.precondition(R(Eigen::all, open));
         std::vector<Eigen::Index> left;
         for (std::size_t q = 0; q < open.size(); ++q) {
@@ -110,7 +112,7 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
                 rate = std::min(1.0, std::sqrt(next / rz[c])),
                 P.col(c) = z + (next - (before.size() > 0 ? before.col(c).dot(z) : 0)) / rz[c] * P.col(c);
             rz[c] = next;
-            Hp = shell.H.multiply(P.col(c));
+            Hp = shell.product(P.col(c));
             const double curvature = P.col(c).dot(Hp);
             if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
             const double length = P.col(c).dot(R.col(c)) / curvature;
@@ -124,7 +126,7 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
     return X;
 }
 
-bool looks_definite(PrimoShell::Impl& shell) {
+bool looks_definite(PrimoShell::Impl& shell, double least_stiffness) {
     const RestState& rest = shell.rest;
     Eigen::VectorXd r(6L * rest.num_free()), z, p, Hp;
     for (Eigen::Index i = 0; i < r.size(); ++i) {
@@ -141,7 +143,7 @@ bool looks_definite(PrimoShell::Impl& shell) {
         if (k > 0) beta.push_back(next / rz);
         p = k > 0 ? Eigen::VectorXd(z + beta.back() * p) : z;
         rz = next;
-        Hp = shell.H.multiply(p);
+        Hp = shell.product(p);
         const double curvature = p.dot(Hp);
         if (!(curvature > 0)) return false;
         alpha.push_back(rz / curvature);

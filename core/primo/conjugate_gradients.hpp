@@ -30,6 +30,7 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
 
 /// Is the present Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
 /// of them turns indefinite first. Beside a definite preconditioner two to six substitutions tell; false: in doubt.
-bool looks_definite(PrimoShell::Impl& shell);
+/// @param least_stiffness share of a direction's stiffness in the preconditioner that has to be left without a doubt
+bool looks_definite(PrimoShell::Impl& shell, double least_stiffness);
 
 }  // namespace strake

@@ -164,19 +164,11 @@ Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Matrix3d
     return wrench;
 }
 
-BlockMatrix hessian_pattern(const RestState& rest, const Eigen::VectorXd& spring) {
+BlockMatrix hessian_pattern(const RestState& rest) {
     std::vector<std::pair<int, int>> pairs;
     for (const SharedFace& f : rest.faces)
         if (rest.free_index[f.i] >= 0 && rest.free_index[f.j] >= 0)
             pairs.emplace_back(rest.free_index[f.i], rest.free_index[f.j]);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (spring[k] == 0) continue;
-        const auto prisms = rest.vertex_prisms[k];
-        for (std::size_t p = 0; p < prisms.size(); ++p)
-            for (std::size_t q = p + 1; q < prisms.size(); ++q)
-                if (rest.free_index[prisms[p]] >= 0 && rest.free_index[prisms[q]] >= 0)
-                    pairs.emplace_back(rest.free_index[prisms[p]], rest.free_index[prisms[q]]);
-    }
     return block_matrix(rest.num_free(), pairs);
 }
 
@@ -210,12 +202,11 @@ Arms turned(const Matrix3d& turn, const Arms& arms) {
     return result;
 }
 
-void add_offdiagonal(BlockMatrix& H, int a, int b, const Matrix6& block) {
-    if (a < 0 || b < 0) return;
-    if (a > b)
-        H.below[H.find(a, b)] += block;
-    else
-        H.below[H.find(a, b)] += block.transpose();
+/// Two prisms share one face, but for tiny closed surfaces: then every block is written once.
+bool has_one_face_each(const RestState& rest, const BlockMatrix& H) {
+    std::size_t count = 0;
+    for (const SharedFace& f : rest.faces) count += rest.free_index[f.i] >= 0 && rest.free_index[f.j] >= 0;
+    return count == H.below.size();
 }
 
 /// sym(A) - tr(A) I from A = sum f a^T: what the curvature of SO(3) adds under the forces f at the arms a.
@@ -230,7 +221,10 @@ Matrix3d stress_block(const Matrix3d& A, StressTerm term) {
 
 void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& stress, const Loads& loads,
                       StressTerm term, BlockMatrix& H) {
-    H.set_zero();
+    const bool is_sum = !has_one_face_each(rest, H);
+    for (Matrix6& block : H.diagonal) block.setZero();
+    if (is_sum)
+        for (Matrix6& block : H.below) block.setZero();
     std::vector<Matrix3d> moment(rest.num_free(), Matrix3d::Zero());
     const auto add_moment = [&](int free, const Vector3d& force, const Vector3d& arm) {
         if (free >= 0) moment[free] += force * arm.transpose();
@@ -243,7 +237,11 @@ void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, 
         const double w = face.weight / 2;
         if (i >= 0) H.diagonal[i] += w * coupling(a, a);
         if (j >= 0) H.diagonal[j] += w * coupling(b, b);
-        add_offdiagonal(H, i, j, -w * coupling(a, b));
+        if (i >= 0 && j >= 0) {
+            Matrix6& block = H.below[H.find(i, j)];
+            const Matrix6 own = -w * (i > j ? coupling(a, b) : coupling(b, a));
+            block = is_sum ? Matrix6(block + own) : own;
+        }
         for (int g = 0; g < 4; ++g) {
             add_moment(i, w * stress.face[4 * f + g], a[g]);
             add_moment(j, -w * stress.face[4 * f + g], b[g]);
@@ -265,24 +263,45 @@ void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, 
         const auto prisms = rest.vertex_prisms[k];
         const double m = static_cast<double>(prisms.size());
         const Vector3d force = vertex_force(rest, k, row(stress.vertex, k), loads) / m;
-        for (std::size_t p = 0; p < prisms.size(); ++p) {
-            const int i = rest.free_index[prisms[p]];
-            if (i < 0) continue;
-            const Vector3d a = strake::turned(turn[prisms[p]], rest.vertex_arm(k, prisms[p]));
-            add_moment(i, force, a);
-            if (loads.spring[k] == 0) continue;
-            Matrix36 Ja = velocity_map(a);
-            if (rest.on_plane[k]) Ja = rest.plane_projector * Ja;
-            const double s = 2 * loads.spring[k] / (m * m);
-            H.diagonal[i] += s * Ja.transpose() * Ja;
-            for (std::size_t q = p + 1; q < prisms.size(); ++q) {
-                const Matrix36 Jb = velocity_map(strake::turned(turn[prisms[q]], rest.vertex_arm(k, prisms[q])));
-                add_offdiagonal(H, i, rest.free_index[prisms[q]], s * Ja.transpose() * Jb);
-            }
-        }
+        for (const int i : prisms)
+            add_moment(rest.free_index[i], force, strake::turned(turn[i], rest.vertex_arm(k, i)));
     }
     if (term == StressTerm::none) return;
     for (int i = 0; i < rest.num_free(); ++i) H.diagonal[i].topLeftCorner<3, 3>() += stress_block(moment[i], term);
+}
+
+void add_spring_product(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& spring,
+                        const Eigen::VectorXd& x, Eigen::VectorXd& y) {
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (spring[k] == 0) continue;
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty()) continue;
+        const double m = static_cast<double>(prisms.size());
+        Vector3d v = Vector3d::Zero();
+        for (const int i : prisms) v += velocity(rest, x, i, turned(turn[i], rest.vertex_arm(k, i)));
+        const Vector3d force = 2 * spring[k] / (m * m) * project(rest, k, v);
+        for (const int i : prisms) {
+            const int f = rest.free_index[i];
+            if (f < 0) continue;
+            y.segment<3>(6 * f) += turned(turn[i], rest.vertex_arm(k, i)).cross(force);
+            y.segment<3>(6 * f + 3) += force;
+        }
+    }
+}
+
+void add_lumped_springs(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& spring,
+                        BlockMatrix& H) {
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (spring[k] == 0) continue;
+        const auto prisms = rest.vertex_prisms[k];
+        for (const int i : prisms) {
+            const int f = rest.free_index[i];
+            if (f < 0) continue;
+            Matrix36 J = velocity_map(strake::turned(turn[i], rest.vertex_arm(k, i)));
+            if (rest.on_plane[k]) J = rest.plane_projector * J;
+            H.diagonal[f] += 2 * spring[k] / static_cast<double>(prisms.size()) * J.transpose() * J;
+        }
+    }
 }
 
 Points vertex_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& twist) {

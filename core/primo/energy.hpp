@@ -39,10 +39,19 @@ Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Eigen::M
 /// mixed method), `clipped` to its positive semidefinite part per prism (always definite), `none` (Gauss-Newton).
 enum class StressTerm { exact, clipped, none };
 
-/// Zero matrix with the sparsity of the Hessian: faces, and all prisms around a vertex with a spring.
-BlockMatrix hessian_pattern(const RestState& rest, const Eigen::VectorXd& spring);
+/// Zero matrix with the sparsity of the Hessian without springs: prisms that share a face.
+BlockMatrix hessian_pattern(const RestState& rest);
+/// The Hessian but for the springs' own stiffness (their forces count): that couples all prisms around a vertex, more
+/// than twice the entries and five times the work of a factorization, and is applied as it stands instead.
 void assemble_hessian(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress,
                       const Loads& loads, StressTerm term, BlockMatrix& H);
+/// y += the springs' part of the Hessian times x: 2 lambda v_k at vertex k, handed to its prisms.
+void add_spring_product(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& spring,
+                        const Eigen::VectorXd& x, Eigen::VectorXd& y);
+/// Adds that part with |mean of the prisms' motions|^2 replaced by the mean of their squares, which couples none: never
+/// less, and equal where neighbours move alike.
+void add_lumped_springs(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& spring,
+                        BlockMatrix& H);
 
 /// Vertex velocities under twists of the free prisms, and the transpose: vertex forces to prism wrenches (6 per free
 /// prism).

@@ -22,13 +22,19 @@ constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
 constexpr int cg_limit = 20;           // substitutions for one step, above which a new factor is cheaper
 constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
-constexpr double exact_rate = 1e-3;   // of conjugate gradients on the matrix's own factor, in single precision
-constexpr double loosest = 0.1;       // share of a residual that may be left in any step
-constexpr double first_share = 0.05;  // in the first one
-constexpr double tightest = 0.01;     // in later ones
-constexpr double usual = 6;           // substitutions of a solve beside a factor that need not be better
-constexpr int clipped_limit = 2;      // indefinite matrices near the end after which the shell is said to buckle
-constexpr double near_step = 0.02;    // diagonals: near the end
+constexpr double exact_rate = 1e-3;      // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;          // share of a residual that may be left in any step
+constexpr double first_share = 0.05;     // in the first one
+constexpr double tightest = 0.01;        // in later ones
+constexpr double hardly_changed = 0.02;  // steps that shrink by this leave a Hessian that does so once more
+constexpr double far = 0.15;             // diagonals: what is further away is approached in stages
+constexpr double stage_end = 0.02;       // diagonals: step from which the next stage begins
+constexpr int stage_iterations = 4;      // allowed to each
+constexpr double usual = 6;              // substitutions of a solve beside a factor that need not be better
+constexpr int clipped_limit = 2;         // indefinite matrices near the end after which the shell is said to buckle
+constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
+constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
+constexpr double near_step = 0.02;       // diagonals: near the end
 
 struct Iterate {
     std::vector<Eigen::Matrix3d> turn;
@@ -91,7 +97,7 @@ struct Attempt {
     int spent_from = shell.substitutions;
     double rate = 1;  // of conjugate gradients
     bool is_rate_measured = false;
-    double proven_within = std::numeric_limits<double>::infinity();  // diagonals from a definite exact Hessian
+    double contraction = 1;  // of the last step beside the one before
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -103,6 +109,7 @@ struct Attempt {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         end.records.push_back({++end.iterations, energy(shell.rest, at.jump, loads),
                                at.norm / std::max(at.scale, 1e-300), step, seconds});
+        contraction = end.last_step > 0 ? step / end.last_step : 1;
         end.last_step = step;
         if (progress && !progress(end.records.back())) cancelled = true;
     }
@@ -132,7 +139,7 @@ struct Attempt {
     void adapt(double size, CgOptions& cg) {
         const double left = size_before > 0 ? size / size_before : 0;  // by the last step
         const double step = end.last_step * left;                      // to be expected
-        const double enough = step > 0 ? 0.3 * options.min_step / step : 0;
+        const double enough = step > 0 ? 0.1 * options.min_step / step : 0;
         const double squared = size_before > 0 ? left * left : first_share;
         cg.tolerance = enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
         if (shell.is_kept_here && shell.kept.is_exact())
@@ -160,11 +167,13 @@ struct Attempt {
     /// @return empty where the shell buckles.
     Eigen::VectorXd newton_step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
                                 bool& reuse) {
-        shell.assemble(at.turn, stress, loads, term);
+        const bool is_old = reuse && contraction < hardly_changed;
+        if (!is_old) shell.assemble(at.turn, stress, loads, term);
         if (reuse) {
             const CgResult cg = solve_inexactly(at);
             if (cg.is_positive && cg.is_reached) return cg.x;
         }
+        if (is_old) shell.assemble(at.turn, stress, loads, term);
         size_before = 0;
         factorize(at, stress, loads);
         if (is_buckling()) return {};
@@ -182,10 +191,10 @@ struct Attempt {
         shell.spent += std::max(0.0, shell.substitutions - spent_from - usual);
         spent_from = shell.substitutions;
         const bool pays = options.keep_factor && shell.spent > shell.kept.build_cost();
-        if (!pays && ((shell.is_kept_here && shell.kept.is_exact()) || proven_within < 1e-7 || looks_definite(shell)))
-            return true;
+        if (!pays && looks_definite(shell, without_doubt)) return true;
         ++end.factorizations;
-        return shell.factorize() && (shell.kept.is_exact() || looks_definite(shell));
+        if (!shell.factorize()) return false;
+        return (shell.spring.size() == 0 && shell.kept.is_exact()) || looks_definite(shell, beside_springs);
     }
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
@@ -194,22 +203,47 @@ struct Attempt {
     bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
 };
 
+/// What is far away is approached in stages: a share of the residual at the start is left standing as a dead load.
+struct Stages {
+    Eigen::VectorXd start;  ///< the residual there
+    double left = 0, share = 0;
+    int count = 1;
+
+    void begin(const Eigen::VectorXd& residual, double step) {
+        start = residual;
+        count = static_cast<int>(std::ceil(step / far));
+        share = 1.0 / count;
+        left = 1 - share;
+    }
+    bool advance(double step) {
+        if (left == 0 || step > stage_end) return false;
+        left = left < 1.5 * share ? 0 : left - share;
+        return true;
+    }
+};
+
 bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     Iterate at = iterate(shell, loads);
     Jumps stress = at.jump;
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
     reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
-    size_before = 0;
+    size_before = 0, contraction = 1;
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
-    for (int i = 0; i < attempt_limit && !out_of_budget(); ++i) {
+    Stages stages;
+    for (int i = 0; i < attempt_limit + stage_iterations * (stages.count - 1) && !out_of_budget(); ++i) {
+        if (stages.left > 0) at.gradient -= stages.left * stages.start;
         Eigen::VectorXd twist = newton_step(at, stress, loads, term, reuse);
         if (twist.size() == 0) {
             end.reason = "the matrix stays indefinite near the equilibrium: the shell buckles";
             return false;
         }
         if (!twist.allFinite()) return false;
+        if (const double first = step_size(shell.rest, twist); i == 0 && first > far && options.fallbacks) {
+            stages.begin(at.gradient, first);
+            twist *= stages.share;
+        }
         cap(shell.rest, twist);
         const Jumps rate = jump_rates(shell.rest, at.turn, twist);
         stress = sum(at.jump, rate);
@@ -219,6 +253,11 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
+        if (stages.advance(step)) {
+            smallest = std::numeric_limits<double>::infinity();
+            growing = 0, size_before = 0, contraction = 1;
+            continue;
+        }
         if (step < nearly_there) return finish(loads);
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
@@ -344,6 +383,10 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     const Loads loads = complete(given, shell.rest.mesh.num_vertices());
     check_motions(shell.rest, motions);
     shell.seconds = {};
+    const bool is_there = shell.has_tangent && shell.reached && options.min_step >= shell.reached_step &&
+                          !differ(motions, shell.motions) && loads.force == shell.loads.force &&
+                          loads.spring == shell.loads.spring;
+    if (is_there) return *shell.reached;
     const int substitutions_before = shell.substitutions;
     shell.prepare(loads.spring);
     const Poses before = shell.poses;
@@ -355,6 +398,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
     if (!done && options.fallbacks && !attempt.out_of_budget()) {
         shell.poses = before;
+        shell.has_moved();
         shell.place_pinned(motions);
         end.reason.clear();
         done = !pins_moved && attempt.line_search(loads);
@@ -370,6 +414,8 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
         end.reason = text("equilibrium after ", end.iterations, " Newton iterations");
         shell.loads = loads;
         shell.motions = motions;
+        shell.reached = end;
+        shell.reached_step = options.min_step;
         return end;
     }
     end.status = attempt.cancelled    ? SolveStatus::cancelled
@@ -381,7 +427,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
         end.reason = text("no equilibrium after ", end.iterations, " Newton iterations (last step ", end.last_step,
                           " diagonals): the loads are too large or the shell buckles");
     shell.poses = before;
-    shell.has_tangent = shell.is_kept_here = false;
+    shell.has_moved();
     return end;
 }
 

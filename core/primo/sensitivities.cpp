@@ -196,7 +196,7 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
     return rates;
 }
 
-std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& of_all) {
+std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& of_all, const AdjointOptions& options) {
     Impl& shell = *impl_;
     const RestState& rest = shell.rest;
     for (const Points& field : of_all) check_count(rest, field, "dJ/dv");
@@ -208,14 +208,14 @@ std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& o
     const Jumps jump = jumps(rest, shell.poses, turn);
     Eigen::MatrixXd B(6 * rest.num_free(), dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) B.col(c) = vertex_wrenches(rest, turn, dJ_dv[c]);
-    const Eigen::MatrixXd Y = solve_columns(shell, B, exact);
+    const Eigen::MatrixXd Y = solve_columns(shell, B, options.tolerance);
     std::vector<ShellSensitivities> all(dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) {
         const Eigen::VectorXd y = Y.col(c);
         ShellSensitivities& s = all[c];
         s.force = vertex_rates(rest, turn, y);
         s.spring = -2 * (jump.vertex.cwiseProduct(s.force)).rowwise().sum();
-        s.prism_height = height_sensitivities(rest, turn, jump, y);
+        if (options.prism_height) s.prism_height = height_sensitivities(rest, turn, jump, y);
         s.motion.assign(shell.motions.size(), Vector6::Zero());
         if (shell.motions.empty()) continue;
         s.wrench = pinned_vertex_wrenches(rest, turn, dJ_dv[c]) - pinned_wrenches(rest, turn, y);
@@ -250,7 +250,7 @@ Points PrimoShell::linear_response(const Loads& given, const std::vector<RigidMo
     for (int f = 0; f < rest.num_free(); ++f) g.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
     const Points rate = vertex_rates(rest, still, solve_columns(shell, -g, exact));
     shell.poses = before;
-    shell.has_tangent = shell.is_kept_here = false;
+    shell.has_moved();
     Points v = rest.mesh.vertices;
     for (int k = 0; k < v.rows(); ++k)
         if (!rest.vertex_prisms[k].empty()) v.row(k) += jump.vertex.row(k) + rate.row(k);

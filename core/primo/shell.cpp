@@ -1,5 +1,6 @@
 #include "core/primo/shell.hpp"
 
+#include <algorithm>
 #include <chrono>
 #include <cmath>
 
@@ -64,7 +65,7 @@ PrimoShell::Impl::Impl(const TriMesh& mesh, const ShellOptions& options) : rest(
 void PrimoShell::Impl::reset_poses() {
     poses.rotation.assign(rest.num_prisms(), Eigen::Quaterniond::Identity());
     poses.displacement = Points::Zero(rest.num_prisms(), 3);
-    has_tangent = is_kept_here = false;
+    has_moved();
 }
 
 void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
@@ -78,34 +79,55 @@ void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
     }
 }
 
-void PrimoShell::Impl::prepare(const Eigen::VectorXd& spring) {
-    std::vector<char> pattern(spring.size());
-    for (int k = 0; k < spring.size(); ++k) pattern[k] = spring[k] > 0;
-    if (H.size() > 0 && pattern == spring_pattern) return;
-    check_held(rest, spring);
+void PrimoShell::Impl::has_moved() {
+    has_tangent = is_kept_here = false;
+    reached.reset();
+}
+
+void PrimoShell::Impl::prepare(const Eigen::VectorXd& wanted) {
+    std::vector<char> pattern(wanted.size());
+    for (int k = 0; k < wanted.size(); ++k) pattern[k] = wanted[k] > 0;
+    if (pattern != spring_pattern) {
+        check_held(rest, wanted);
+        spring_pattern = pattern;
+        has_moved();
+    }
+    if (H.size() > 0) return;
     const Timer timer(seconds.ordering);
-    spring_pattern = pattern;
-    H = hessian_pattern(rest, spring);
-    has_tangent = false;
+    H = hessian_pattern(rest);
     kept.analyze(H);
-    is_kept_here = false;
 }
 
 void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress, const Loads& under,
                                 StressTerm term) {
     const Timer timer(seconds.assembly);
     assemble_hessian(rest, turn, stress, under, term, H);
+    spring = under.spring.isZero(0) ? Eigen::VectorXd() : under.spring;
+    if (spring.size() > 0) spring_turn = turn;
     has_tangent = false;
 }
 
 bool PrimoShell::Impl::factorize() {
     const Timer timer(seconds.factorization);
     spent = 0;
-    is_kept_here = kept.build(H, free_centroids());
+    if (spring.size() > 0) {
+        const std::vector<Matrix6> diagonal = H.diagonal;
+        add_lumped_springs(rest, spring_turn, spring, H);
+        is_kept_here = kept.build(H, free_centroids());
+        H.diagonal = diagonal;
+    } else {
+        is_kept_here = kept.build(H, free_centroids());
+    }
     if (!is_kept_here) return false;
     kept_rotation.resize(rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f) kept_rotation[f] = poses.rotation[rest.free_prisms[f]];
     return true;
+}
+
+Eigen::VectorXd PrimoShell::Impl::product(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd y = H.multiply(x);
+    if (spring.size() > 0) add_spring_product(rest, spring_turn, spring, x, y);
+    return y;
 }
 
 Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
@@ -140,7 +162,7 @@ void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
         poses.rotation[i] = (rotation_of(twist.segment<3>(6 * f)) * poses.rotation[i]).normalized();
         poses.displacement.row(i) += twist.segment<3>(6 * f + 3).transpose();
     }
-    has_tangent = is_kept_here = false;
+    has_moved();
 }
 
 Points PrimoShell::Impl::vertices() const {
@@ -187,8 +209,11 @@ void PrimoShell::set_poses(const Poses& poses) {
     const int m = impl_->rest.num_prisms();
     if (static_cast<int>(poses.rotation.size()) != m || poses.displacement.rows() != m)
         throw InvalidInput(text("shell: ", poses.rotation.size(), " poses for ", m, " prisms"));
+    const Poses& now = impl_->poses;
+    const auto same = [](const Eigen::Quaterniond& a, const Eigen::Quaterniond& b) { return a.coeffs() == b.coeffs(); };
+    if (now.displacement == poses.displacement && std::ranges::equal(now.rotation, poses.rotation, same)) return;
     impl_->poses = poses;
-    impl_->has_tangent = impl_->is_kept_here = false;
+    impl_->has_moved();
     if (!impl_->rest.attached) return;
     for (int t = 0; t < m; ++t)
         if (impl_->rest.attached->part_of()[t] >= 0) impl_->poses.rotation[t].setIdentity();

@@ -93,6 +93,11 @@ struct Poses {
     Points displacement;
 };
 
+struct AdjointOptions {
+    double tolerance = 1e-10;  ///< of the adjoint's size in energy, down to where round-off decides
+    bool prism_height = true;  ///< else dJ/dh is left out
+};
+
 /// dJ/d(everything) of one functional at an equilibrium.
 struct ShellSensitivities {
     Points force;                                     ///< dJ/dF_k, n x 3
@@ -151,7 +156,7 @@ public:
 
     /// One adjoint solve per functional at the equilibrium of the last converged `solve`: H y = B dJ/dv with H the
     /// exact Hessian.
-    std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv);
+    std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options = {});
 
     /// Factorizes the exact Hessian at the equilibrium of the last solve, for what comes next. @throws SolverError
     /// where it is not positive definite.

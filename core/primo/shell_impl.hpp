@@ -10,10 +10,14 @@ struct PrimoShell::Impl {
     Poses poses;
     Loads loads;                       ///< complete; of the last converged solve
     std::vector<RigidMotion> motions;  ///< of the last solve
-    BlockMatrix H;                     ///< exact Hessian at `poses` when has_tangent
+    BlockMatrix H;                     ///< exact Hessian at `poses` when has_tangent, but for the springs' part
     bool has_tangent = false;
-    std::vector<char> spring_pattern;  ///< vertices with a spring when H was laid out
-    Preconditioner kept;               ///< of a Hessian at kept_rotation, this design's or an earlier one's
+    Eigen::VectorXd spring;  ///< of the assembled Hessian, and where the prisms were then; empty without springs
+    std::vector<Eigen::Matrix3d> spring_turn;
+    std::vector<char> spring_pattern;    ///< vertices with a spring that were seen to hold every part
+    std::optional<Equilibrium> reached;  ///< by the last solve, while the prisms are where it left them
+    double reached_step = 0;             ///< the tolerance it was reached with
+    Preconditioner kept;                 ///< of a Hessian at kept_rotation, this design's or an earlier one's
     std::vector<Eigen::Quaterniond> kept_rotation;
     bool is_kept_here = false;  ///< `kept` was built at `poses`
     double spent = 0;           ///< substitutions beyond the usual since `kept` was built, also by sensitivities
@@ -24,10 +28,13 @@ struct PrimoShell::Impl {
 
     void reset_poses();
     void place_pinned(const std::vector<RigidMotion>& motions);
-    /// Lays out H and orders the factor when the set of springs has changed. @throws UnheldPart
+    /// Lays out H, once, and checks that every part is held when the set of springs has changed. @throws UnheldPart
     void prepare(const Eigen::VectorXd& spring);
     void assemble(const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress, const Loads& loads, StressTerm term);
-    bool factorize();  ///< of H at `poses`; false if indefinite
+    /// Builds `kept` from H at `poses`, with lumped springs; false if indefinite. Without springs, true is a proof.
+    bool factorize();
+    Eigen::VectorXd product(const Eigen::VectorXd& x) const;  ///< the assembled Hessian times x
+    void has_moved();                                         ///< forgets what is known of the poses before
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
     Eigen::MatrixXd precondition(const Eigen::MatrixXd& B);
     Points free_centroids() const;  ///< of the free prisms at `poses`

@@ -10,6 +10,10 @@
 
 // OpenBLAS: present wherever the set-up scripts ran; another BLAS does without.
 extern "C" __attribute__((weak)) void openblas_set_num_threads(int);
+// CHOLMOD asks for four OpenMP threads for loops over single supernodes, which then wait for each other most of the
+// time: a fifth of the CPU on two cores, and no time gained.
+extern "C" __attribute__((weak)) void omp_set_max_active_levels(int);
+extern "C" __attribute__((weak)) int omp_get_max_active_levels();
 
 namespace strake {
 namespace {
@@ -76,6 +80,17 @@ bool is_finite(const BlockMatrix& A) {
     return true;
 }
 
+/// While it lives OpenMP opens no parallel regions.
+struct OneThread {
+    int levels = omp_get_max_active_levels ? omp_get_max_active_levels() : 0;
+    OneThread() {
+        if (omp_set_max_active_levels) omp_set_max_active_levels(0);
+    }
+    ~OneThread() {
+        if (omp_set_max_active_levels) omp_set_max_active_levels(levels);
+    }
+};
+
 }  // namespace
 
 struct SpdSolver::Impl {
@@ -103,7 +118,6 @@ struct SpdSolver::Impl {
         const auto* super = static_cast<SuiteSparse_long*>(factor->super);
         const auto* s = static_cast<SuiteSparse_long*>(factor->s);
         const auto* perm = static_cast<SuiteSparse_long*>(factor->Perm);
-        const auto* x = static_cast<double*>(factor->x);
         const auto count = static_cast<std::ptrdiff_t>(factor->nsuper);
         single.size = static_cast<int>(factor->n);
         single.permutation.assign(perm, perm + factor->n);
@@ -111,8 +125,8 @@ struct SpdSolver::Impl {
         single.first_row.assign(pi, pi + count + 1);
         single.row.assign(s, s + pi[count]);
         single.first_entry.assign(px, px + count + 1);
-        single.entry.resize(factor->xsize);
-        for (std::size_t k = 0; k < factor->xsize; ++k) single.entry[k] = static_cast<float>(x[k]);
+        single.entry.take(std::exchange(factor->x, nullptr), factor->xsize);
+        factor->xtype = CHOLMOD_PATTERN;  // symbolic again, as after the analysis
         single.most_rows = 0;
         for (std::ptrdiff_t k = 0; k < count; ++k)
             single.most_rows = std::max(single.most_rows, static_cast<int>(pi[k + 1] - pi[k]));
@@ -141,6 +155,7 @@ void SpdSolver::analyze(const BlockMatrix& A) {
     for (const idx_t j : block_order(A))
         for (int q = 0; q < 6; ++q) order.push_back(6L * j + q);
     fill(impl_->matrix, A);
+    const OneThread one_thread;
     impl_->factor = cholmod_l_analyze_p(impl_->matrix, order.data(), nullptr, 0, &impl_->common);
     if (!impl_->factor)
         throw SolverError(
@@ -151,6 +166,8 @@ bool SpdSolver::factorize(const BlockMatrix& A) {
     if (!is_finite(A)) throw SolverError(text("Cholesky: the matrix of ", 6 * A.size(), " unknowns is not finite"));
     fill(impl_->matrix, A);
     impl_->numeric = false;
+    impl_->single = {};
+    const OneThread one_thread;
     const bool done = cholmod_l_factorize(impl_->matrix, impl_->factor, &impl_->common);
     if (impl_->common.status == CHOLMOD_NOT_POSDEF) return false;
     if (!done || impl_->common.status < CHOLMOD_OK)

@@ -1,5 +1,6 @@
 #include "core/primo/supernodes.hpp"
 
+#include <algorithm>
 #include <cstring>
 
 namespace strake {
@@ -204,6 +205,18 @@ void solve_block(const Supernodes& f, const Eigen::MatrixXd& B, Eigen::MatrixXd&
 }
 
 }  // namespace
+
+void Singles::take(void* doubles, std::size_t count) {
+    auto* bytes = static_cast<unsigned char*>(doubles);
+    for (std::size_t k = 0; k < count; ++k) {  // a single ends before the double that is read next
+        double value;
+        std::memcpy(&value, bytes + 8 * k, sizeof value);
+        const auto single = static_cast<float>(value);
+        std::memcpy(bytes + 4 * k, &single, sizeof single);
+    }
+    void* smaller = std::realloc(doubles, std::max<std::size_t>(4, 4 * count));
+    values_.reset(static_cast<float*>(smaller ? smaller : doubles));
+}
 
 void Supernodes::solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
     X.resize(B.rows(), B.cols());

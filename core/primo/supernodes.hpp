@@ -1,13 +1,29 @@
 #pragma once
 #include <Eigen/Core>
+#include <cstdlib>
+#include <memory>
 #include <vector>
+
+namespace strake {
+
+/// Numbers made of doubles in place, in half of their memory.
+class Singles {
+public:
+    /// Takes over `count` doubles from malloc. @throws nothing: where the rest cannot be given back it is kept.
+    void take(void* doubles, std::size_t count);
+    const float* data() const { return values_.get(); }
+
+private:
+    struct Free {
+        void operator()(float* values) const { std::free(values); }
+    };
+    std::unique_ptr<float[], Free> values_;
+};
 
 /// A supernodal Cholesky factor in single precision, to be substituted with. One substitution reads the whole factor
 /// twice and does little else: half of the bytes are half of the time and of the memory. What rounding its entries
 /// costs is relative to the factor, so that the error of a solution grows by the root of the matrix's condition alone:
 /// a few parts in a thousand for a thin shell of 131k prisms, which conjugate gradients correct.
-namespace strake {
-
 struct Supernodes {
     int size = 0;                   ///< unknowns
     std::vector<int> permutation;   ///< unknown of the matrix at each place of the factor
@@ -15,7 +31,7 @@ struct Supernodes {
     std::vector<long> first_row;    ///< into `row`, per supernode, and the end
     std::vector<int> row;           ///< of each supernode: its own columns, then those below, ascending
     std::vector<long> first_entry;  ///< into `entry`, per supernode: column by column, rows as listed
-    std::vector<float> entry;
+    Singles entry;
     int most_rows = 0;
 
     int num_supernodes() const { return static_cast<int>(first_column.size()) - 1; }

@@ -160,7 +160,7 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     RunFolder& folder = *request.folder;
     const bool is_fit = request.is_fit;
     const bool wants_report = request.the_case.output.report && result.status != "waiting";
-    if (wants_report) folder.tell("report.html");
+    if (wants_report && has_report_page()) folder.tell("report.html");
     folder.finish(result);
     if (wants_report) make_report(built, request.the_case, folder.folder());
     constexpr std::size_t enough = 5;

@@ -102,7 +102,7 @@ class Browser:
             if url != self.page and not url.startswith(("data:", "blob:")):
                 self.requests.append(url)
 
-    def call(self, method, seconds=60, **parameters):
+    def call(self, method, seconds=200, **parameters):
         self.number += 1
         message = {"id": self.number, "method": method, "params": parameters}
         if self.session:
@@ -137,7 +137,7 @@ class Browser:
             raise RuntimeError(details.get("exception", {}).get("description", details["text"]))
         return result["result"].get("value")
 
-    def until(self, script, seconds=60):
+    def until(self, script, seconds=200):
         end = time.monotonic() + seconds
         while time.monotonic() < end:
             value = self.run(script)

@@ -73,6 +73,13 @@ if [ -n "$wave" ]; then
     /usr/bin/python3 scripts/plot_radius.py cases/wave_drag/generated/wavy_body.obj "$wave"/best.obj $out/wave_drag.svg
     echo "$out/wave_drag.svg"
 fi
+# The report: of the glide, and of a run in which a program failed (runs/failing-*).
+failing=$(newest failing)
+if [ -n "$glide" ] && [ -n "$failing" ]; then
+    "$bin/strake" report "$glide" -o "$work/glide.html" >/dev/null
+    "$bin/strake" report "$failing" -o "$work/failing.html" >/dev/null
+    scripts/report_pictures.py "$work/glide.html" "$work/failing.html" $out
+fi
 # The runs of docs/external/openfoam.md, into runs/openfoam_*.
 external=cases/external
 solver() {  # PICTURE START RUN TITLES and the arguments of render.py

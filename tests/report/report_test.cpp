@@ -8,6 +8,12 @@ const char* const with_report = "output: {report: true}\n";
 
 class Report : public ProgramCase {
 protected:
+    void SetUp() override {
+        ProgramCase::SetUp();
+        const ProgramRun none = run_strake({"report", path("nothing")});
+        if (none.err.find("built without the page") != std::string::npos)
+            GTEST_SKIP() << "this build has no page: node, npm or npm's packages were missing";
+    }
     /// Of a page: what its element `data` holds.
     static Json data_of(const std::string& html) {
         const std::string begin = "<script type=\"application/json\" id=\"data\">";

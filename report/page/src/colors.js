@@ -51,10 +51,12 @@ export const css = (color) => `rgb(${color.map(Math.round).join(',')})`;
 export function patchColors(label, patches, triangles) {
   const beside = Array.from({ length: patches }, () => new Set());
   const owner = new Map();
+  let many = 1;  // vertices: keys of edges stay whole numbers
+  for (const v of triangles) many = Math.max(many, v + 1);
   for (let t = 0; t < label.length; ++t)
     for (let k = 0; k < 3; ++k) {
       const a = triangles[3 * t + k], b = triangles[3 * t + ((k + 1) % 3)];
-      const edge = Math.min(a, b) * 4294967296 + Math.max(a, b);
+      const edge = Math.min(a, b) * many + Math.max(a, b);
       const other = owner.get(edge);
       if (other === undefined) owner.set(edge, label[t]);
       else if (other !== label[t]) { beside[other].add(label[t]); beside[label[t]].add(other); }

@@ -12,7 +12,7 @@ function svg(tag, attributes, ...children) {
   return element;
 }
 
-const path = (parts) => parts.map(([a, b, c, d]) => `M${a.toPrecision(6)} ${(-b).toPrecision(6)}L${c.toPrecision(6)} ${(-d).toPrecision(6)}`).join('');
+const path = (lines) => lines.map((line) => `M${line.map(([a, b]) => `${a.toPrecision(6)} ${(-b).toPrecision(6)}`).join('L')}`).join('');
 
 export class SectionPlot {
   constructor() {
@@ -27,16 +27,18 @@ export class SectionPlot {
     this.words.textContent = all.length === 0 ? 'The plane misses both.' : '';
     if (all.length === 0) return this.drawing.replaceChildren();
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
-    for (const part of all)
-      part.forEach((v, k) => { low[k % 2] = Math.min(low[k % 2], v); high[k % 2] = Math.max(high[k % 2], v); });
+    for (const point of all.flat())
+      point.forEach((v, k) => { low[k] = Math.min(low[k], v); high[k] = Math.max(high[k], v); });
     const size = Math.max(high[0] - low[0], high[1] - low[1], 1e-30), pad = 0.03 * size;
     const width = high[0] - low[0] + 2 * pad, height = high[1] - low[1] + 2 * pad;
     this.drawing.setAttribute('viewBox', `${low[0] - pad} ${-high[1] - pad} ${width} ${height}`);
     this.drawing.style.aspectRatio = `${width} / ${Math.max(height, 0.05 * width)}`;
     this.drawing.replaceChildren(
       svg('path', { d: path(start), class: 'start' }), svg('path', { d: path(design), class: 'design' }));
-    this.words.textContent = `${names[0]} from ${number(low[0] + center[0], 4)} to ${number(high[0] + center[0], 4)}, `
-      + `${names[1]} from ${number(low[1] + center[1], 4)} to ${number(high[1] + center[1], 4)} ${units}`;
+    const step = 10 ** (Math.floor(Math.log10(size)) - 3);  // what is far below the size is noise
+    const tidy = (v) => number(Math.round(v / step) * step, 6);
+    this.words.textContent = `${names[0]} from ${tidy(low[0] + center[0])} to ${tidy(high[0] + center[0])}, `
+      + `${names[1]} from ${tidy(low[1] + center[1])} to ${tidy(high[1] + center[1])} ${units}`;
     return undefined;
   }
 }

@@ -18,6 +18,24 @@ function cornersByVertex(triangles, vertices) {
   return { begin, list };
 }
 
+/** Lines through neighbours, those with an end first; each link once. */
+function chains(beside) {
+  const lines = [];
+  const follow = (from) => {
+    const line = [from];
+    for (let here = from; beside.get(here).length > 0;) {
+      const next = beside.get(here).pop(), back = beside.get(next);
+      back.splice(back.indexOf(here), 1);
+      line.push(next);
+      here = next;
+    }
+    if (line.length > 1) lines.push(line);
+  };
+  for (const [edge, list] of beside) if (list.length === 1) follow(edge);
+  for (const edge of beside.keys()) while (beside.get(edge).length > 0) follow(edge);
+  return lines;
+}
+
 export class Shape {
   static async load(data) {
     const shape = new Shape();
@@ -132,21 +150,27 @@ export class Shape {
     return out;
   }
 
-  /** Where the plane (axis 0 to 2) at `at` cuts the surface: segments of the two other coordinates, [u, v, u, v]. */
+  /** Where the plane (axis 0 to 2) at `at` cuts the surface: lines of points [u, w] in the two other coordinates. */
   section(p, axis, at) {
-    const [u, w] = acrossOf(axis), out = [];
+    const [u, w] = acrossOf(axis), point = new Map(), beside = new Map();
     for (let t = 0; t < this.triangles.length; t += 3) {
-      const found = [];
+      const cut = [];
       for (let k = 0; k < 3; ++k) {
-        const a = 3 * this.triangles[t + k], b = 3 * this.triangles[t + ((k + 1) % 3)];
+        const i = this.triangles[t + k], j = this.triangles[t + ((k + 1) % 3)];
+        const a = 3 * Math.min(i, j), b = 3 * Math.max(i, j);
         const da = p[a + axis] - at, db = p[b + axis] - at;
         if (da < 0 === db < 0) continue;
-        const s = da / (da - db);
-        found.push(p[a + u] + s * (p[b + u] - p[a + u]), p[a + w] + s * (p[b + w] - p[a + w]));
+        const edge = (a / 3) * this.vertices + b / 3, s = da / (da - db);
+        point.set(edge, [p[a + u] + s * (p[b + u] - p[a + u]), p[a + w] + s * (p[b + w] - p[a + w])]);
+        cut.push(edge);
       }
-      if (found.length === 4) out.push(found);
+      if (cut.length !== 2) continue;
+      for (const [e, f] of [cut, [cut[1], cut[0]]]) {
+        if (!beside.has(e)) beside.set(e, []);
+        beside.get(e).push(f);
+      }
     }
-    return out;
+    return chains(beside).map((line) => line.map((edge) => point.get(edge)));
   }
 
   /** Edges between patches of different labels, pairs of vertices. */
@@ -155,7 +179,7 @@ export class Shape {
     for (let t = 0; t < label.length; ++t)
       for (let k = 0; k < 3; ++k) {
         const a = this.triangles[3 * t + k], b = this.triangles[3 * t + ((k + 1) % 3)];
-        const edge = Math.min(a, b) * 4294967296 + Math.max(a, b);
+        const edge = Math.min(a, b) * this.vertices + Math.max(a, b);
         const other = owner.get(edge);
         if (other === undefined) owner.set(edge, label[t]);
         else if (other !== label[t]) out.push(a, b);

@@ -27,7 +27,7 @@ function figures(run) {
   const moved = run.history.moved[run.history.evaluation.indexOf(end.best_evaluation)];
   return h('div', { class: 'figures' },
     figure(run.is_fit ? 'rms distance' : `objective, ${run.maximize ? 'maximized' : 'minimized'}`, change(from, to), `${number(from)} → ${number(to)}`),
-    figure('largest violation', number(end.max_violation, 2), end.max_violation > 0 ? 'scaled by the limit' : 'all constraints met'),
+    figure('largest violation', number(end.max_violation, 2), !Number.isFinite(end.max_violation) ? 'no design' : end.max_violation > 0 ? 'scaled by the limit' : 'all constraints met'),
     figure('evaluations', String(end.evaluations), end.max_evaluations ? `of ${end.max_evaluations}` : null),
     figure('moved at most', run.shapes && Number.isFinite(moved) ? `${number((100 * moved) / run.shapes.surface.diagonal, 3)} %` : number(moved, 3),
       run.shapes ? 'of the diagonal' : run.units),

@@ -43,7 +43,10 @@ class Shapes:
 
 
 def optimize(surface, iterations=8):
-    problem = strake.Problem(surface, fixed=[0], variables=["load_normal"],
+    (low, _, _), (high, _, _) = surface.box
+    along = (surface.centroids()[:, 0] - low) / (high - low)
+    ends = np.nonzero((along < 0.15) | (along > 0.85))[0]
+    problem = strake.Problem(surface, fixed=ends, variables=["load_normal"],
                              tree=strake.patches(surface, patches_per_level=[6]))
     space = strake.DesignSpace(problem, level=1)
     shapes = Shapes(space)
@@ -54,7 +57,7 @@ def optimize(surface, iterations=8):
     scale = height(surface.vertices)[0]
     result = minimize(lambda x: shapes.value_and_gradient(height, x)[0] / scale, np.zeros(len(space)), method="SLSQP",
                       jac=lambda x: shapes.value_and_gradient(height, x)[1] / scale, constraints=[keep],
-                      bounds=list(zip(space.lower, space.upper)), options={"maxiter": iterations})
+                      bounds=list(zip(space.lower, space.upper)), options={"maxiter": iterations, "ftol": 1e-8})
     return result, surface.with_vertices(shapes.at(result.x))
 
 

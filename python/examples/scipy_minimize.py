@@ -27,7 +27,8 @@ def height(vertices):
 
 
 class Shapes:
-    """The last shape is kept: scipy asks for value and gradient one after the other."""
+    """The last shape is kept: scipy asks for value and gradient one after the other. Where there is no valid
+    shape it is given a value so bad that it goes back on its line."""
 
     def __init__(self, space):
         self.space, self.x, self.vertices = space, None, None
@@ -37,24 +38,32 @@ class Shapes:
             self.vertices, self.x = self.space.shape(x), np.array(x)
         return self.vertices
 
-    def value_and_gradient(self, measure, x):
-        value, by_vertices = measure(self.at(x))
-        return value, self.space.gradient(by_vertices)
+    def value(self, measure, x, if_none):
+        try:
+            return measure(self.at(x))[0]
+        except strake.EvaluationFailed:
+            return if_none
+
+    def gradient(self, measure, x):
+        return self.space.gradient(measure(self.at(x))[1])
 
 
 def optimize(surface, iterations=8):
-    problem = strake.Problem(surface, fixed=[0], variables=["load_normal"],
+    (low, _, _), (high, _, _) = surface.box
+    along = (surface.centroids()[:, 0] - low) / (high - low)
+    ends = np.nonzero((along < 0.15) | (along > 0.85))[0]
+    problem = strake.Problem(surface, fixed=ends, variables=["load_normal"], max_displacement=0.02,
                              tree=strake.patches(surface, patches_per_level=[6]))
     space = strake.DesignSpace(problem, level=1)
     shapes = Shapes(space)
     room = lambda vertices: volume(vertices, surface.triangles)
     start = room(surface.vertices)[0]
-    keep = NonlinearConstraint(lambda x: room(shapes.at(x))[0] / start, 1, np.inf,
-                               jac=lambda x: shapes.value_and_gradient(room, x)[1] / start)
+    keep = NonlinearConstraint(lambda x: shapes.value(room, x, 0.0) / start, 1, np.inf,
+                               jac=lambda x: shapes.gradient(room, x) / start)
     scale = height(surface.vertices)[0]
-    result = minimize(lambda x: shapes.value_and_gradient(height, x)[0] / scale, np.zeros(len(space)), method="SLSQP",
-                      jac=lambda x: shapes.value_and_gradient(height, x)[1] / scale, constraints=[keep],
-                      bounds=list(zip(space.lower, space.upper)), options={"maxiter": iterations})
+    result = minimize(lambda x: shapes.value(height, x, 100 * scale) / scale, np.zeros(len(space)), method="SLSQP",
+                      jac=lambda x: shapes.gradient(height, x) / scale, constraints=[keep],
+                      bounds=list(zip(space.lower, space.upper)), options={"maxiter": iterations, "ftol": 1e-8})
     return result, surface.with_vertices(shapes.at(result.x))
 
 

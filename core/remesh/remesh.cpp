@@ -186,7 +186,8 @@ private:
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
-        if (count == 0 || expected_triangles() < 6 * most_expected_) return;
+        constexpr double takes_seconds = 1e5;
+        if (count == 0 || expected_triangles() < std::max(6 * most_expected_, takes_seconds)) return;
         // Wires, thin all over, would become surfaces of a hundred thousand triangles and still be thin.
         mesh_.limit = std::move(before);
         takes_limits_ = false;

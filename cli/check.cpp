@@ -17,6 +17,8 @@
 namespace strake::cli {
 namespace {
 
+const char* name_of(AttachHow how) { return how == AttachHow::rigid ? "rigid" : "follow"; }
+
 using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
@@ -91,6 +93,10 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
     for (const RegionTriangles& region : built.regions)
         j["regions"].push_back({{"name", region.name}, {"triangles", region.triangles.size()}, {"area", region.area}});
     j["fixed_triangles"] = problem.fixed.size();
+    j["attached"] = Json::array();
+    for (const AttachedPart& part : problem.attached)
+        j["attached"].push_back(
+            {{"part", part.name}, {"triangles", part.triangles.size()}, {"how", name_of(part.how)}});
     j["levels"] = Json::array();
     for (std::size_t k = 1; k < problem.tree.levels.size(); ++k) {
         const PatchLevel& level = problem.tree.levels[k];
@@ -126,6 +132,8 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     for (const RegionTriangles& region : built.regions)
         fmt::print("region      {}: {} triangles, area {:.6g}\n", region.name, region.triangles.size(), region.area);
     fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
+    for (const AttachedPart& part : problem.attached)
+        fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     for (std::size_t k = 1; is_search && k < problem.tree.levels.size(); ++k)
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,

@@ -1,5 +1,7 @@
 #include "core/remesh/passes.hpp"
 
+#include <algorithm>
+
 /// Splits and collapses.
 namespace strake {
 namespace {
@@ -135,41 +137,70 @@ private:
 
 }  // namespace
 
-int split_long(WorkingMesh& mesh, double factor) {
+namespace {
+
+/// The half-edge by which an edge is looked at.
+int first_half(const WorkingMesh& mesh, int h) {
+    const int g = mesh.twin[h];
+    return g >= 0 && g < h ? g : h;
+}
+
+void note_triangle(const WorkingMesh& mesh, int t, std::vector<int>& edges) {
+    for (int h = 3 * t; h < 3 * t + 3; ++h) edges.push_back(first_half(mesh, h));
+}
+
+/// Looks at all edges, then again and again at those where something has changed, in the order of their numbers.
+/// visit(h, next) adds to `next` what is to be looked at again. @return the sum of what it returns.
+template <class Visit>
+int sweep_edges(const WorkingMesh& mesh, int most_sweeps, const Visit& visit) {
+    std::vector<int> look, next;
     int total = 0;
-    for (int sweep = 0; sweep < 40; ++sweep) {
-        int count = 0;
-        for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h) {
-            const int g = mesh.twin[h];
-            if (mesh.corner[h] < 0 || (g >= 0 && g < h)) continue;
-            const double length2 = mesh.length2(h), limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
-            if (!(length2 > limit * limit) || !may_split(mesh, h)) continue;
-            if (!is_longest(mesh, h, length2) || (g >= 0 && !is_longest(mesh, g, length2))) continue;
-            mesh.split(h);
-            ++count;
-        }
-        total += count;
-        if (count == 0) break;
+    for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h)
+        if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);
+    for (int sweep = 1; sweep < most_sweeps && !next.empty(); ++sweep) {
+        look.swap(next);
+        next.clear();
+        std::sort(look.begin(), look.end());
+        look.erase(std::unique(look.begin(), look.end()), look.end());
+        for (const int h : look)
+            if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);
     }
     return total;
 }
 
+}  // namespace
+
+int split_long(WorkingMesh& mesh, double factor) {
+    return sweep_edges(mesh, 200, [&](int h, std::vector<int>& next) {
+        const int g = mesh.twin[h];
+        const double length2 = mesh.length2(h), limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
+        if (!(length2 > limit * limit) || !may_split(mesh, h)) return 0;
+        if (!is_longest(mesh, h, length2) || (g >= 0 && !is_longest(mesh, g, length2))) return 0;  // these come first
+        const int before = mesh.num_triangles();
+        mesh.split(h);
+        note_triangle(mesh, h / 3, next);
+        if (g >= 0) note_triangle(mesh, g / 3, next);
+        for (int t = before; t < mesh.num_triangles(); ++t) note_triangle(mesh, t, next);
+        return 1;
+    });
+}
+
 int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest) {
     Collapse collapse(mesh, guard, longest);
-    int total = 0;
-    for (int sweep = 0; sweep < 4; ++sweep) {
-        int count = 0;
-        for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h) {
-            if (mesh.corner[h] < 0 || (mesh.twin[h] >= 0 && mesh.twin[h] < h)) continue;
-            const double limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
-            if (!(mesh.length2(h) < limit * limit)) continue;
-            const int a = mesh.from(h), b = mesh.to(h);
-            if (collapse.attempt(h, a) || collapse.attempt(h, b)) ++count;
-        }
-        total += count;
-        if (count == 0) break;
-    }
-    return total;
+    return sweep_edges(mesh, 4, [&](int h, std::vector<int>& next) {
+        const double limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
+        if (!(mesh.length2(h) < limit * limit)) return 0;
+        const int a = mesh.from(h), b = mesh.to(h);
+        const bool a_goes = collapse.attempt(h, a);
+        if (!a_goes && !collapse.attempt(h, b)) return 0;
+        mesh.neighbours(a_goes ? b : a, [&](int u) {
+            mesh.around(u, [&](int out) {
+                next.push_back(first_half(mesh, out));
+                return true;
+            });
+        });
+        return 1;
+    });
 }
 
 }  // namespace strake

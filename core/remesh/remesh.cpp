@@ -189,7 +189,8 @@ private:
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
-        if (count == 0 || expected_triangles() < 6 * most_expected_) return;
+        constexpr double takes_seconds = 1e5;
+        if (count == 0 || expected_triangles() < std::max(6 * most_expected_, takes_seconds)) return;
         // Wires, thin all over, would become surfaces of a hundred thousand triangles and still be thin.
         mesh_.limit = std::move(before);
         takes_limits_ = false;
@@ -283,17 +284,27 @@ void validate(const RemeshOptions& o) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
+    // What tangles at one length seldom does at another; what does so everywhere stays as it is in the input.
+    constexpr std::array<double, 2> other_lengths{0.98, 1.02};
+    RemeshOptions tried = options;
     RemeshResult best;
-    std::vector<char> frozen;
-    for (int attempt = 0, count = 0; attempt < 4; ++attempt) {
-        Remesher remesher(given, options, progress, frozen);
+    std::vector<char> tangled, frozen;
+    for (std::size_t attempt = 0, count = 0; attempt < 4 + other_lengths.size(); ++attempt) {
+        Remesher remesher(given, tried, progress, frozen);
         RemeshResult result = remesher.run();
-        result.frozen_triangles = count;
+        result.frozen_triangles = frozen.empty() ? 0 : static_cast<int>(count);
         const int left = result.new_intersections;
+        if (attempt > 0) result.edge_length = best.edge_length;
         if (attempt == 0 || left < best.new_intersections || result.cancelled) best = std::move(result);
         if (left == 0 || best.cancelled) break;
-        count = remesher.freeze(frozen);
-        if (count > 0.05 * given.num_triangles()) break;  // not here and there
+        const bool is_as_wanted = attempt == 0 || attempt > other_lengths.size();
+        if (is_as_wanted) count = static_cast<std::size_t>(remesher.freeze(tangled));
+        const bool is_local = static_cast<double>(count) <= 0.05 * given.num_triangles();
+        if (!is_local) break;  // not here and there
+        const bool tries_length = attempt < other_lengths.size();
+        tried.edge_length = (tries_length ? other_lengths[attempt] : 1) * best.edge_length;
+        tried.max_triangles = std::numeric_limits<int>::max();
+        if (!tries_length) frozen = tangled;
     }
     return best;
 }

@@ -110,7 +110,7 @@ const Broken broken[] = {
      "case.yaml:14:50: parameters.variables[0] = laod must be one of load, load_normal, strain, strain_rotation, "
      "strain_translation, stiffness; did you mean 'load'?"},
     {"spring: 0}", "spring: 010}", "case.yaml:9:53: shell.spring = 010 must be written without leading zeros"},
-    {"spring: 0}", "solver: direct}", "case.yaml:9:45: key 'solver' in shell is not supported by this version"},
+    {"spring: 0}", "solver: sparse}", "case.yaml:9:53: shell.solver = sparse must be one of auto, direct, multigrid"},
     {"case: wing", "case: wing\nrepair: {weld: -1e-6}", "case.yaml:2:16: repair.weld = -1e-6 must be >= 0"},
     {"case: wing", "case: wing\ncase: body", "case.yaml:2:1: key 'case' given twice (first on line 1)"},
     {"case: wing", "case: 'wi ng'", "case.yaml:1:7: case = wi ng must be a name of letters, digits, '_' and '-'"},

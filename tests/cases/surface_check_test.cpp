@@ -14,7 +14,7 @@ TEST_F(BuildProblem, OpenSurfaceIsRefusedOnlyWhereVolumeIsAsked) {
     EXPECT_EQ(error(levels + "objective: {maximize: area}\n"), "");
     const std::string message = error(levels + "objective: {maximize: volume}\n");
     EXPECT_TRUE(contains(message, "s.obj: the surface cannot be used as it is")) << message;
-    EXPECT_TRUE(contains(message, "3 open edges in 1 boundary loops (first: vertices ")) << message;
+    EXPECT_TRUE(contains(message, "3 open edges in 1 boundary loop (first: vertices ")) << message;
     EXPECT_TRUE(contains(message, "volume needs a closed surface")) << message;
 }
 

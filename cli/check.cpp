@@ -164,8 +164,7 @@ void check(const CheckArguments& args) {
     add_serial_warning(built.problem, warnings);
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
-    const CheckFacts facts =
-        args.print_resolved && !args.json ? CheckFacts{} : check_facts(the_case, built, args.wishes);
+    const CheckFacts facts = args.print_resolved && !args.json ? CheckFacts{} : check_facts(built, args.wishes);
     if (args.json) {
         Json j = as_json(built, warnings, pin);
         add_facts(j, facts);

@@ -79,7 +79,7 @@ double look_at_start(const Problem& problem, const std::shared_ptr<const RestFac
 
 }  // namespace
 
-CheckFacts check_facts(const Case&, const BuiltProblem& built, const CheckWishes& wishes) {
+CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     const Problem& problem = built.problem;
     CheckFacts facts;
     facts.health = checkup(problem.surface);

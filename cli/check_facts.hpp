@@ -38,7 +38,7 @@ struct CheckWishes {
 };
 
 /// @throws InvalidInput: no such level; and as the run itself would at its start.
-CheckFacts check_facts(const Case& the_case, const BuiltProblem& built, const CheckWishes& wishes);
+CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes);
 
 void print_facts(const CheckFacts& facts);
 void add_facts(nlohmann::ordered_json& json, const CheckFacts& facts);

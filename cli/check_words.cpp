@@ -67,9 +67,9 @@ void print_start(const CheckFacts& facts) {
 }
 
 void print_cost(const RunCost& cost) {
-    fmt::print("cost        at most {} evaluations of about {}: {}, about {:.2g} GB of memory\n", cost.evaluations,
-               duration_words(cost.seconds_each), duration_words(cost.evaluations * cost.seconds_each),
-               cost.memory_bytes / 1e9);
+    fmt::print("cost        at most {} evaluations of about {}: {} on an idle machine; about {:.2g} GB of memory\n",
+               cost.evaluations, duration_words(cost.seconds_each),
+               duration_words(cost.evaluations * cost.seconds_each), cost.memory_bytes / 1e9);
     if (!cost.programs.empty())
         fmt::print("            and what {} take{}; strake check --evaluate measures it\n", joined(cost.programs),
                    cost.programs.size() == 1 ? "s" : "");

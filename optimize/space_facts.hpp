@@ -14,7 +14,7 @@ struct SpaceFacts {
     double condition = std::numeric_limits<double>::quiet_NaN();
     std::vector<char> moves;      ///< per vertex: some variable moves it by more than 1e-6 of its largest displacement
     bool changes_height = false;  ///< stiffness variables move nothing at rest: `moves` knows nothing of them
-    double rest_seconds = 0;      ///< of one assembly, ordering and factorization
+    double rest_seconds = 0;      ///< of one assembly, ordering and factorization, on a machine that does nothing else
 };
 
 /// @param mode called with every shape variable and its displacement (n x 3) at x = 1; may be empty.

@@ -68,10 +68,16 @@ def one(name, make, has, runs):
         told, text = init(folder, surface)
         for expression in has:
             expect(re.search(expression, text, re.M), "%s: no %s in\n%s" % (name, expression, text))
-        checked = json.loads(run(folder, STRAKE, "check", "new.yaml", "--json", *([] if runs else ["--quick"])).stdout or "{}")
+        checked = json.loads(run(folder, STRAKE, "check", "new.yaml", "--json", *(["--modes", "modes.vtp"] if runs else ["--quick"])).stdout or "{}")
         expect(checked.get("status") == "ok", "%s: check says %s" % (name, checked.get("status")))
         if runs:
             expect(checked.get("space") and checked["space"]["variables"] and checked["cost"]["seconds"] > 0, "%s: %s" % (name, checked))
+            modes = (folder / "modes.vtp").read_bytes()
+            for variable in checked["space"]["variables"] + ["moves", "patch"]:
+                expect(b'Name="%s"' % variable.encode() in modes, "%s: no %s in modes.vtp" % (name, variable))
+            expect(0 < len(checked["space"]["still_vertices"]) < checked["surface"]["vertices"] / 2, "%s: what stands still" % name)
+            expect(all(row["met"] for row in checked["start"]["constraints"]), "%s: the start" % name)
+            expect(checked["parts"][0]["held"] > 0 and checked["parts"][0]["by"], "%s: what holds it" % name)
             result = json.loads(run(folder, STRAKE, "run", "new.yaml", "--out", "out", "--json").stdout or "{}")
             expect(result.get("evaluations") == 2, "%s: %s" % (name, result))
         picture = (folder / "new-patches.svg").read_text()

@@ -13,6 +13,7 @@ import termios
 import time
 
 STRAKE = str(pathlib.Path(sys.argv[1]).resolve())
+sys.dont_write_bytecode = True
 sys.argv[1:] = [STRAKE]
 sys.path.insert(0, str(pathlib.Path(__file__).parent))
 from mistakes_test import BODY, body, case, obj, program  # noqa: E402

@@ -91,8 +91,11 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
                             "thickness");
             break;
         case MinimizeStop::failed:
-            r.status = "failed";
-            r.reason = words;
+            r.status = r.best_evaluation > 0 ? "blocked" : "failed";
+            r.reason = r.best_evaluation > 0
+                           ? text("level ", r.level, " cannot begin where the one before ended: ", words,
+                                  "; retries get over what fails only now and then")
+                           : words;
             break;
         default:
             r.status = "budget";

@@ -135,11 +135,12 @@ struct Attempt {
     bool is_buckling() const { return !options.fallbacks && clipped >= clipped_limit; }
 
     /// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
-    /// left, but no less than a few iterations give.
+    /// left, but no less than a few iterations give. A design on the way of many is left a hundredth of the last step
+    /// that is allowed, a shape of its own next to nothing.
     void adapt(double size, CgOptions& cg) {
         const double left = size_before > 0 ? size / size_before : 0;  // by the last step
         const double step = end.last_step * left;                      // to be expected
-        const double enough = step > 0 ? 0.1 * options.min_step / step : 0;
+        const double enough = step > 0 ? (options.keep_factor ? 0.01 : 0.002) * options.min_step / step : 0;
         const double squared = size_before > 0 ? left * left : first_share;
         cg.tolerance = enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
         if (shell.is_kept_here && shell.kept.is_exact())

@@ -89,7 +89,7 @@ BlockMatrix with_unit_diagonal(const BlockRows<Real>& A) {
 /// Softest mode of the last level, by inverse iteration: of what single precision leaves of it little is true below
 /// some hundred units in its last place.
 template <class Real>
-constexpr double softest_resolved = 100 * std::numeric_limits<Real>::epsilon();
+constexpr double softest_resolved = 16 * std::numeric_limits<Real>::epsilon();
 
 double softest_mode(const SpdSolver& factor, int size) {
     Eigen::VectorXd x(6L * size);

@@ -20,7 +20,8 @@ void expect_equilibria(const TriMesh& mesh, ShellOptions options, const Loads& u
         const Loads loads = scaled_to(shell, mesh, unit, share);
         const Equilibrium end = shell.solve(loads);
         ASSERT_EQ(end.status, SolveStatus::converged) << share << ": " << end.reason;
-        EXPECT_LT(end.iterations, 20) << share;
+        EXPECT_LT(end.iterations, 30) << share;
+        EXPECT_LT(end.factorizations, 8) << share;
         EXPECT_EQ(end.load_steps, 1) << share;
         EXPECT_LT(end.last_step, 1e-9) << share;
         EXPECT_LT(end.relative_gradient, gradient_floor) << share;
@@ -41,7 +42,7 @@ TEST(LargeDeformation, WingFromOneToFiftyPercent) {
     options.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
     pin_where(mesh, options, fixed_prism, [](const Eigen::Vector3d& c) { return c.y() < 0.03; });
     const Loads lift = traction_where(mesh, {0, 0, 1}, [](const Eigen::Vector3d& c) { return c.y() > 0.3; });
-    expect_equilibria(mesh, options, lift, {0.01, 0.1, 0.5}, 5e-8);
+    expect_equilibria(mesh, options, lift, {0.01, 0.1, 0.5}, 1e-7);
 }
 
 TEST(LargeDeformation, BunnyPulledAtAnEar) {

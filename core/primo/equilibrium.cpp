@@ -34,6 +34,7 @@ constexpr double usual = 6;              // substitutions of a solve beside a fa
 constexpr int clipped_limit = 2;         // indefinite matrices near the end after which the shell is said to buckle
 constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
 constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
+constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
 constexpr double near_step = 0.02;       // diagonals: near the end
 
 struct Iterate {
@@ -98,6 +99,7 @@ struct Attempt {
     double rate = 1;  // of conjugate gradients
     bool is_rate_measured = false;
     double contraction = 1;  // of the last step beside the one before
+    bool is_last = false;    // step: to round-off, or nearly
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -142,7 +144,9 @@ struct Attempt {
         const double step = end.last_step * left;                      // to be expected
         const double enough = step > 0 ? (options.keep_factor ? 0.01 : 0.002) * options.min_step / step : 0;
         const double squared = size_before > 0 ? left * left : first_share;
-        cg.tolerance = enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
+        cg.tolerance = is_last       ? closing_share
+                       : enough >= 1 ? 1
+                                     : std::max(enough, std::clamp(squared, tightest, loosest));
         if (shell.is_kept_here && shell.kept.is_exact())
             cg.expected_rate = exact_rate;
         else if (is_rate_measured)
@@ -229,7 +233,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
     reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
-    size_before = 0, contraction = 1;
+    size_before = 0, contraction = 1, is_last = false;
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
     Stages stages;
@@ -270,6 +274,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
 /// Exact Newton steps to the floor, and the proof that the end is a minimum.
 bool Attempt::finish(const Loads& loads) {
     Iterate at = iterate(shell, loads);
+    is_last = false;
     bool reuse = true;
     const int clipped_before = clipped;
     const auto buckles = [this] {
@@ -277,7 +282,8 @@ bool Attempt::finish(const Loads& loads) {
         return false;
     };
     for (int i = 0; i < 8 && !out_of_budget(); ++i) {
-        if (end.last_step >= options.min_step) {
+        if (!is_last) {
+            is_last = end.last_step < options.min_step;
             const Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);
             if (twist.size() == 0 || clipped > clipped_before) return buckles();
             if (!twist.allFinite()) return false;
@@ -286,7 +292,7 @@ bool Attempt::finish(const Loads& loads) {
             shell.advance(twist);
             at = iterate(shell, loads);
             record(at, loads, step_size(shell.rest, twist));
-            if (end.last_step >= options.min_step) continue;
+            if (!is_last) continue;
             if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         }
         end.gradient_norm = at.norm;
@@ -303,6 +309,7 @@ bool Attempt::finish(const Loads& loads) {
 
 bool Attempt::line_search(const Loads& loads) {
     Iterate at = iterate(shell, loads);
+    is_last = false;
     while (!out_of_budget()) {
         bool reuse = false;
         Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);

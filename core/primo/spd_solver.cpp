@@ -4,6 +4,7 @@
 #include <metis.h>
 
 #include <cmath>
+#include <mutex>
 
 #include "core/error.hpp"
 #include "core/primo/supernodes.hpp"
@@ -38,6 +39,8 @@ std::vector<idx_t> block_order(const BlockMatrix& A) {
     idx_t options[METIS_NOPTIONS], size = n;
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = 1;
+    static std::mutex one_at_a_time;  // METIS draws from the generator of the C library, which threads share
+    const std::lock_guard lock(one_at_a_time);
     if (METIS_NodeND(&size, begin.data(), neighbour.data(), nullptr, options, order.data(), place.data()) != METIS_OK)
         throw SolverError(text("METIS could not order ", n, " block rows"));
     return order;

@@ -6,7 +6,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-STANDARD = {"algorithm", "array", "atomic", "chrono", "cmath", "cstddef", "cstdint", "cstring", "deque", "exception",
+STANDARD = {"algorithm", "array", "atomic", "chrono", "cmath", "cstddef", "cstdint", "cstdlib", "cstring", "deque", "exception",
             "filesystem", "fstream", "functional", "future", "limits", "locale", "map", "memory", "mutex", "numeric",
             "optional", "set", "span", "sstream", "stdexcept", "string", "string_view", "thread", "tuple", "utility",
             "variant", "vector", "stddef.h", "stdint.h"}

@@ -36,6 +36,7 @@ bool says(const std::string& words, const std::string& part) { return words.find
 TEST(Verdict, TwoConstraintsThatExcludeEachOtherAreNamed) {
     Problem problem = volume_problem();
     problem.constraints = {{"volume", 1.02, {}, {}, true}, {"area", {}, 0.98, {}, true}};
+    problem.optimize.max_evaluations = 60;  // 46 are needed
     const RunResult r = optimize(problem);
     EXPECT_EQ(r.status, "conflict") << r.reason;
     EXPECT_EQ(r.conflict, (std::vector<std::string>{"volume", "area"}));

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 namespace strake {
 namespace {
@@ -22,8 +23,26 @@ STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>
 constexpr long ahead = 1024;   // entries
 constexpr int wide_panel = 4;  // columns
 
+template <int lanes>
+struct LanesOf;  // spelled out: the attribute does not take a parameter of a template
+template <>
+struct LanesOf<4> {
+    using Type = float __attribute__((vector_size(16)));
+    using Loose = float __attribute__((vector_size(16), aligned(4), may_alias));
+};
+template <>
+struct LanesOf<8> {
+    using Type = float __attribute__((vector_size(32)));
+    using Loose = float __attribute__((vector_size(32), aligned(4), may_alias));
+};
+
+/// One right-hand side is a matter of reading the factor, and is summed in double precision; several are one of
+/// arithmetic, and take half of the time in single.
+template <int width>
+using Number = std::conditional_t<width == 1, double, float>;
+
 /// `panel` columns of the factor, from below the block on its diagonal, and `width` right-hand sides that lie beside
-/// each other: one, or a multiple of four.
+/// each other: one, four, or a multiple of eight.
 template <int width, int panel>
 struct Panel;
 
@@ -62,81 +81,72 @@ struct Panel<1, panel> {
 
 template <int width, int panel>
 struct Panel {
-    static constexpr int fours = width / 4;
+    static constexpr int groups = (width + 7) / 8;
+    using Lanes = typename LanesOf<width / groups>::Type;
+    using Loose = typename LanesOf<width / groups>::Loose;
+    static constexpr int lanes = width / groups;
 
-    /// Entries of at most four rows as doubles, four apart from column to column.
-    static STRAKE_INLINE void convert(const float* L, long height, int rows, double* wide) {
-        for (int j = 0; j < panel; ++j)
-            if (rows == 4)
-                four(wide + 4 * j) = STRAKE_ENTRIES(L + j * height);
-            else
-                for (int i = 0; i < rows; ++i) wide[4 * j + i] = static_cast<double>(L[j * height + i]);
+    static STRAKE_INLINE Loose& at(float* values, int group) {
+        return *reinterpret_cast<Loose*>(values + lanes * group);
     }
-    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, const double* x, double* y) {
-        Four from[panel][fours];
+
+    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, float* x, float* y) {
+        Lanes from[panel][groups];
         for (int j = 0; j < panel; ++j)
-            for (int f = 0; f < fours; ++f) from[j][f] = four(x + j * width + 4 * f);
-        for (int i = 0; i < rows; i += 4) {
-            __builtin_prefetch(L + panel * i + ahead);
-            double wide[4 * panel];
-            const int some = rows - i < 4 ? rows - i : 4;
-            convert(L + i, height, some, wide);
-            for (int k = 0; k < some; ++k)
-                for (int f = 0; f < fours; ++f) {
-                    Four sum = {};
-                    for (int j = 0; j < panel; ++j) sum += from[j][f] * wide[4 * j + k];
-                    four(y + static_cast<long>(i + k) * width + 4 * f) -= sum;
-                }
+            for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g);
+        for (int i = 0; i < rows; ++i, y += width) {
+            if (i % 4 == 0) __builtin_prefetch(L + panel * i + ahead);
+            for (int g = 0; g < groups; ++g) {
+                Lanes sum = from[0][g] * L[i];
+                for (int j = 1; j < panel; ++j) sum += from[j][g] * L[j * height + i];
+                at(y, g) -= sum;
+            }
         }
     }
-    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, const double* y, double* x) {
-        Four to[panel][fours];
+    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, float* y, float* x) {
+        Lanes to[panel][groups];
         for (int j = 0; j < panel; ++j)
-            for (int f = 0; f < fours; ++f) to[j][f] = four(x + j * width + 4 * f);
-        for (int i = 0; i < rows; i += 4) {
-            __builtin_prefetch(L + panel * i - ahead);
-            double wide[4 * panel];
-            const int some = rows - i < 4 ? rows - i : 4;
-            convert(L + i, height, some, wide);
-            for (int k = 0; k < some; ++k)
-                for (int f = 0; f < fours; ++f) {
-                    const Four other = four(y + static_cast<long>(i + k) * width + 4 * f);
-                    for (int j = 0; j < panel; ++j) to[j][f] -= other * wide[4 * j + k];
-                }
+            for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g);
+        for (int i = 0; i < rows; ++i, y += width) {
+            if (i % 4 == 0) __builtin_prefetch(L + panel * i - ahead);
+            for (int g = 0; g < groups; ++g) {
+                const Lanes other = at(y, g);
+                for (int j = 0; j < panel; ++j) to[j][g] -= other * L[j * height + i];
+            }
         }
         for (int j = 0; j < panel; ++j)
-            for (int f = 0; f < fours; ++f) four(x + j * width + 4 * f) = to[j][f];
+            for (int g = 0; g < groups; ++g) at(x + j * width, g) = to[j][g];
     }
 };
 
 /// The panel's own columns of the right-hand side divided by its triangle, and taken off the rows below.
 template <int width, int panel>
-STRAKE_INLINE void forward_panel(const float* L, long height, int rows, double* x) {
+STRAKE_INLINE void forward_panel(const float* L, long height, int rows, Number<width>* x) {
     for (int p = 0; p < panel; ++p) {
-        const double inverse = 1 / static_cast<double>(L[p * height + p]);
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
         for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
         for (int i = p + 1; i < panel; ++i)
             for (int k = 0; k < width; ++k)
-                x[i * width + k] -= static_cast<double>(L[p * height + i]) * x[p * width + k];
+                x[i * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[p * width + k];
     }
     Panel<width, panel>::subtract_columns(L + panel, height, rows - panel, x, x + panel * width);
 }
 
 template <int width, int panel>
-STRAKE_INLINE void backward_panel(const float* L, long height, int rows, double* x) {
+STRAKE_INLINE void backward_panel(const float* L, long height, int rows, Number<width>* x) {
     Panel<width, panel>::subtract_rows(L + panel, height, rows - panel, x + panel * width, x);
     for (int p = panel - 1; p >= 0; --p) {
         for (int i = p + 1; i < panel; ++i)
             for (int k = 0; k < width; ++k)
-                x[p * width + k] -= static_cast<double>(L[p * height + i]) * x[i * width + k];
-        const double inverse = 1 / static_cast<double>(L[p * height + p]);
+                x[p * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[i * width + k];
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
         for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
     }
 }
 
 /// `local` holds the rows of the supernode: its own, known so far, then zeros that collect what goes to rows below.
 template <int width>
-STRAKE_INLINE void forward(const float* L, int columns, int rows, double* local) {
+STRAKE_INLINE void forward(const float* L, int columns, int rows, Number<width>* local) {
     int j = 0;
     const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
     for (; j + wide_panel <= columns; j += wide_panel)
@@ -148,7 +158,7 @@ STRAKE_INLINE void forward(const float* L, int columns, int rows, double* local)
 
 /// `local` holds the solution in the rows below and the right-hand side in the supernode's own.
 template <int width>
-STRAKE_INLINE void backward(const float* L, int columns, int rows, double* local) {
+STRAKE_INLINE void backward(const float* L, int columns, int rows, Number<width>* local) {
     int j = columns;  // the panels of `forward`, from behind
     const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
     if (j % 2) --j, backward_panel<width, 1>(at(), rows, rows - j, local + static_cast<long>(j) * width);
@@ -158,16 +168,16 @@ STRAKE_INLINE void backward(const float* L, int columns, int rows, double* local
 }
 
 template <int width>
-STRAKE_INLINE void substitute(const Supernodes& f, double* x, double* local) {
+STRAKE_INLINE void substitute(const Supernodes& f, Number<width>* x, Number<width>* local) {
     const int last = f.num_supernodes();
     for (int s = 0; s < last; ++s) {
         const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(double) * columns * width);
-        std::memset(local + static_cast<long>(columns) * width, 0, sizeof(double) * (rows - columns) * width);
+        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
+        std::memset(local + static_cast<long>(columns) * width, 0, sizeof(Number<width>) * (rows - columns) * width);
         forward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(double) * columns * width);
+        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
         for (int i = columns; i < rows; ++i)
             for (int k = 0; k < width; ++k)
                 x[static_cast<long>(row[i]) * width + k] += local[static_cast<long>(i) * width + k];
@@ -176,34 +186,42 @@ STRAKE_INLINE void substitute(const Supernodes& f, double* x, double* local) {
         const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(double) * columns * width);
+        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
         for (int i = columns; i < rows; ++i)
             for (int k = 0; k < width; ++k)
                 local[static_cast<long>(i) * width + k] = x[static_cast<long>(row[i]) * width + k];
         backward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(double) * columns * width);
+        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
     }
 }
 
 #if defined(__x86_64__)
 template <int width>
-__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, double* x, double* local) {
+__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, Number<width>* x, Number<width>* local) {
     substitute<width>(f, x, local);
 }
 #endif
 template <int width>
-void substitute_plain(const Supernodes& f, double* x, double* local) {
+void substitute_plain(const Supernodes& f, Number<width>* x, Number<width>* local) {
     substitute<width>(f, x, local);
 }
 
-/// Columns [first, first + width) of B to X; those beyond the last are zeros.
+/// Columns [first, first + width) of B to X; those beyond the last are zeros. Their sizes are taken out before and put
+/// back, so that single precision neither over- nor underflows.
 template <int width>
 void solve_block(const Supernodes& f, const Eigen::MatrixXd& B, Eigen::MatrixXd& X, Eigen::Index first) {
     const int given = static_cast<int>(std::min<Eigen::Index>(width, B.cols() - first));
-    std::vector<double> x(static_cast<std::size_t>(f.size) * width, 0.0),
+    double size[width];
+    for (int k = 0; k < given; ++k) {
+        size[k] = width > 1 ? B.col(first + k).lpNorm<Eigen::Infinity>() : 1;
+        if (!(size[k] > 0)) size[k] = 1;
+    }
+    std::vector<Number<width>> x(static_cast<std::size_t>(f.size) * width, 0),
         local(static_cast<std::size_t>(f.most_rows) * width);
     for (int i = 0; i < f.size; ++i)
-        for (int k = 0; k < given; ++k) x[static_cast<std::size_t>(i) * width + k] = B(f.permutation[i], first + k);
+        for (int k = 0; k < given; ++k)
+            x[static_cast<std::size_t>(i) * width + k] =
+                static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2"))
         substitute_wide<width>(f, x.data(), local.data());
@@ -211,7 +229,8 @@ void solve_block(const Supernodes& f, const Eigen::MatrixXd& B, Eigen::MatrixXd&
 #endif
         substitute_plain<width>(f, x.data(), local.data());
     for (int i = 0; i < f.size; ++i)
-        for (int k = 0; k < given; ++k) X(f.permutation[i], first + k) = x[static_cast<std::size_t>(i) * width + k];
+        for (int k = 0; k < given; ++k)
+            X(f.permutation[i], first + k) = size[k] * x[static_cast<std::size_t>(i) * width + k];
 }
 
 }  // namespace
@@ -236,8 +255,10 @@ void Supernodes::solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
             solve_block<1>(*this, B, X, first), first += 1;
         else if (left <= 4)
             solve_block<4>(*this, B, X, first), first += 4;
-        else
+        else if (left <= 8)
             solve_block<8>(*this, B, X, first), first += 8;
+        else
+            solve_block<16>(*this, B, X, first), first += 16;
     }
 }
 

@@ -33,8 +33,10 @@ SeriesPolicy series_policy(ParaView wanted) {
     return SeriesPolicy::every_accepted;
 }
 
+/// What begins as round-off begins at zero.
 std::string percent(double from, double to) {
-    return from != 0 ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from)) : "from zero";
+    return std::abs(from) > 1e-9 * std::abs(to) ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from))
+                                                : "from zero";
 }
 
 /// What a level has brought; a failed one has no values to tell.

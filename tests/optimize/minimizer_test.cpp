@@ -175,7 +175,7 @@ TEST(Minimizer, FailureShrinksTheBoxAndGoesOnToTheOptimum) {
     EXPECT_GT(r.shrinks, 0);
     EXPECT_LT((r.x - vec({1, 1})).norm(), 1e-4) << r.reason;
     ASSERT_FALSE(events.empty());
-    EXPECT_NE(events[0].find("triangle 3 is inverted"), std::string::npos);
+    EXPECT_NE(events[0].find("the largest step is cut to"), std::string::npos) << events[0];
 }
 
 TEST(Minimizer, FailureEverywhereElseIsBlocked) {

@@ -10,15 +10,87 @@ int BlockMatrix::find(int a, int b) const {
     return static_cast<int>(std::lower_bound(first, last, wanted) - row.begin());
 }
 
-Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd y(x.size());
-    for (int j = 0; j < size(); ++j) y.segment<6>(6 * j).noalias() = diagonal[j] * x.segment<6>(6 * j);
-    for (int j = 0; j < size(); ++j)
-        for (int k = begin[j]; k < begin[j + 1]; ++k) {
-            y.segment<6>(6 * row[k]).noalias() += below[k] * x.segment<6>(6 * j);
-            y.segment<6>(6 * j).noalias() += below[k].transpose() * x.segment<6>(6 * row[k]);
+namespace {
+
+#define STRAKE_INLINE inline __attribute__((always_inline))
+
+// Lanes beside each other: the same sums, whether the machine has registers for four doubles or for two.
+using Four = double __attribute__((vector_size(32)));
+using Two = double __attribute__((vector_size(16)));
+using LooseFour = double __attribute__((vector_size(32), aligned(8), may_alias));
+using LooseTwo = double __attribute__((vector_size(16), aligned(8), may_alias));
+
+STRAKE_INLINE const LooseFour& four(const double* at) { return *reinterpret_cast<const LooseFour*>(at); }
+STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>(at); }
+STRAKE_INLINE LooseTwo& two(double* at) { return *reinterpret_cast<LooseTwo*>(at); }
+
+/// y += A x. Two columns of A at a time: twelve numbers are three registers of four.
+STRAKE_INLINE void add_block(const double* A, const double* x, double* y) {
+    Four low = {}, middle = {}, high = {};
+    for (int pair = 0; pair < 3; ++pair, A += 12, x += 2) {
+        low += four(A) * x[0];
+        middle += four(A + 4) * Four{x[0], x[0], x[1], x[1]};
+        high += four(A + 8) * x[1];
+    }
+    four(y) += low + __builtin_shufflevector(middle, high, 2, 3, 4, 5);
+    two(y + 4) += __builtin_shufflevector(middle, middle, 0, 1) + __builtin_shufflevector(high, high, 2, 3);
+}
+
+/// y += A^T x.
+STRAKE_INLINE void add_transposed_block(const double* A, const double* x, double* y) {
+    const Four first = four(x), second = {x[4], x[5], x[0], x[1]}, third = four(x + 2);
+    for (int pair = 0; pair < 3; ++pair, A += 12, y += 2) {
+        const Four low = four(A) * first, middle = four(A + 4) * second, high = four(A + 8) * third;
+        const Two a = __builtin_shufflevector(low, low, 0, 1) + __builtin_shufflevector(low, low, 2, 3) +
+                      __builtin_shufflevector(middle, middle, 0, 1);
+        const Two b = __builtin_shufflevector(middle, middle, 2, 3) + __builtin_shufflevector(high, high, 0, 1) +
+                      __builtin_shufflevector(high, high, 2, 3);
+        two(y) += __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
+    }
+}
+
+/// Y += H X for `columns` columns: the matrix is read once for all.
+STRAKE_INLINE void add_product(const BlockMatrix& H, const double* X, double* Y, long columns) {
+    const long height = 6L * H.size();
+    for (int j = 0; j < H.size(); ++j) {
+        for (long c = 0; c < columns; ++c)
+            add_block(H.diagonal[j].data(), X + c * height + 6L * j, Y + c * height + 6L * j);
+        for (int k = H.begin[j]; k < H.begin[j + 1]; ++k) {
+            const double* A = H.below[k].data();
+            const long at = 6L * j, other = 6L * H.row[k];
+            for (long c = 0; c < columns; ++c) {
+                add_block(A, X + c * height + at, Y + c * height + other);
+                add_transposed_block(A, X + c * height + other, Y + c * height + at);
+            }
         }
+    }
+}
+
+#if defined(__x86_64__)
+__attribute__((target("avx2"))) void add_product_wide(const BlockMatrix& H, const double* X, double* Y, long columns) {
+    add_product(H, X, Y, columns);
+}
+#endif
+
+void add_product_here(const BlockMatrix& H, const double* X, double* Y, long columns) {
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) return add_product_wide(H, X, Y, columns);
+#endif
+    add_product(H, X, Y, columns);
+}
+
+}  // namespace
+
+Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const {
+    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
+    add_product_here(*this, x.data(), y.data(), 1);
     return y;
+}
+
+Eigen::MatrixXd BlockMatrix::multiply_columns(const Eigen::MatrixXd& X) const {
+    Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(X.rows(), X.cols());
+    add_product_here(*this, X.data(), Y.data(), X.cols());
+    return Y;
 }
 
 BlockMatrix block_matrix(int size, const std::vector<std::pair<int, int>>& pairs) {

@@ -18,6 +18,7 @@ struct BlockMatrix {
     /// Position in `below` of the block (max, min) of two different rows. @pre it exists.
     int find(int a, int b) const;
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
+    Eigen::MatrixXd multiply_columns(const Eigen::MatrixXd& X) const;  ///< read once for all of them; the same sums
 };
 
 /// All-zero matrix with blocks at the listed pairs (any order, duplicates allowed, equal members ignored).

@@ -12,6 +12,7 @@ constexpr int most_probes = 6, most_inexact_probes = 40;
 constexpr int least_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
 constexpr double settled = 0.8;           // a least Ritz value that falls no further than this is the eigenvalue
 constexpr double settled_inexactly = 0.99;
+constexpr double alike = 1e-6;        // share of the largest eigenvalue of a Gram matrix that counts as none
 constexpr int few_iterations = 6;     // after which the rate means something
 constexpr int usual = 3;              // iterations on the matrix's own factor
 constexpr int most_iterations = 120;  // of a solve to full accuracy
@@ -41,6 +42,27 @@ double least_ritz(const std::vector<double>& alpha, const std::vector<double>& b
 template <class Before, class Z>
 double since(const Before& before, const Z& z) {
     return before.size() > 0 ? before.dot(z) : 0;
+}
+
+/// The X of least error in energy that is made of the columns of `similar`, and R = B - H X.
+/// @return per column the square of X in energy: what is left adds to it, whatever it is.
+Eigen::VectorXd start_among(const PrimoShell::Impl& shell, const Eigen::MatrixXd& B, const Eigen::MatrixXd& similar,
+                            Eigen::MatrixXd& X, Eigen::MatrixXd& R) {
+    const Eigen::MatrixXd HW = shell.products(similar);
+    Eigen::MatrixXd G = similar.transpose() * HW;
+    const Eigen::VectorXd size = G.diagonal().cwiseMax(0).cwiseSqrt();
+    const Eigen::VectorXd scale = (size.array() > 0).select(size.cwiseInverse(), 0);
+    G = (scale.asDiagonal() * G * scale.asDiagonal()).eval();
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (G + G.transpose()));
+    const Eigen::VectorXd& value = eigen.eigenvalues();
+    // Columns that are nearly alike would only add up round-off.
+    const Eigen::VectorXd inverse = (value.array() > alike * value.maxCoeff()).select(value.cwiseInverse(), 0);
+    const Eigen::MatrixXd WB = scale.asDiagonal() * (similar.transpose() * B);
+    const Eigen::MatrixXd C =
+        scale.asDiagonal() * (eigen.eigenvectors() * inverse.asDiagonal() * (eigen.eigenvectors().transpose() * WB));
+    X.noalias() = similar * C;
+    R.noalias() -= HW * C;
+    return X.cwiseProduct(B).colwise().sum().transpose().cwiseMax(0);
 }
 
 }  // namespace
@@ -88,10 +110,12 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
     return result;
 }
 
-Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance) {
+Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
+                              const Eigen::MatrixXd& similar) {
     Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols()), before;
     if (!shell.kept.is_exact()) before = Eigen::MatrixXd::Zero(B.rows(), B.cols());
-    Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, Hp;
+    Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, rate = rz;
+    if (similar.cols() > 0) first = start_among(shell, B, similar, X, R);
     const double price = 1 + static_cast<double>(B.cols()) / 8;  // of a block, in single columns
     std::vector<Eigen::Index> open;
     for (Eigen::Index c = 0; c < B.cols(); ++c)
@@ -99,27 +123,31 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
     for (int k = 0; !open.empty() && k < most_iterations; ++k) {
         if (k >= usual) shell.spent += price;
         const Eigen::MatrixXd Z = shell.precondition(R(Eigen::all, open));
-        std::vector<Eigen::Index> left;
+        std::vector<Eigen::Index> ahead, left;
         for (std::size_t q = 0; q < open.size(); ++q) {
             const Eigen::Index c = open[q];
             const auto z = Z.col(static_cast<Eigen::Index>(q));
             const double next = R.col(c).dot(z);
             if (!(next > 0) || !std::isfinite(next)) continue;
-            double rate = 1;
+            rate[c] = k == 0 ? 1 : std::min(1.0, std::sqrt(next / rz[c]));
             if (k == 0)
-                first[c] = next, P.col(c) = z;
+                first[c] += next, P.col(c) = z;
             else
-                rate = std::min(1.0, std::sqrt(next / rz[c])),
                 P.col(c) = z + (next - (before.size() > 0 ? before.col(c).dot(z) : 0)) / rz[c] * P.col(c);
             rz[c] = next;
-            Hp = shell.product(P.col(c));
+            ahead.push_back(c);
+        }
+        const Eigen::MatrixXd HP = shell.products(P(Eigen::all, ahead));
+        for (std::size_t q = 0; q < ahead.size(); ++q) {
+            const Eigen::Index c = ahead[q];
+            const auto Hp = HP.col(static_cast<Eigen::Index>(q));
             const double curvature = P.col(c).dot(Hp);
             if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
             const double length = P.col(c).dot(R.col(c)) / curvature;
             if (before.size() > 0) before.col(c) = R.col(c);
             X.col(c) += length * P.col(c);
             R.col(c) -= length * Hp;
-            if (rate * std::sqrt(next / first[c]) > tolerance) left.push_back(c);
+            if (rate[c] * std::sqrt(rz[c] / first[c]) > tolerance) left.push_back(c);
         }
         open = left;
     }

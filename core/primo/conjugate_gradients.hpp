@@ -25,8 +25,11 @@ struct CgResult {
 };
 CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, const CgOptions& options);
 
-/// H X = B, all columns side by side, each to `tolerance`. @throws SolverError: H is not positive definite.
-Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance);
+/// H X = B, all columns side by side, each to `tolerance`. @param similar columns in whose span parts of X are to be
+/// expected, such as the solution at a neighbouring design; any number, also none. They cost a product each.
+/// @throws SolverError: H is not positive definite.
+Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
+                              const Eigen::MatrixXd& similar = {});
 
 /// Is the present Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
 /// of them turns indefinite first. Beside a definite preconditioner two to six substitutions tell; false: in doubt.

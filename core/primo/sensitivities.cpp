@@ -117,6 +117,27 @@ Eigen::VectorXd height_sensitivities(const RestState& rest, const std::vector<Ei
     return dJ_dh;
 }
 
+/// Those of the design before, turned with the prisms: neighbours have nearly the same.
+Eigen::MatrixXd last_adjoints(const PrimoShell::Impl& shell) {
+    Eigen::MatrixXd Y = shell.adjoints.cast<double>();
+    if (Y.cols() == 0) return Y;
+    const std::vector<Eigen::Quaterniond> now = shell.free_rotations();
+    for (int f = 0; f < shell.rest.num_free(); ++f) {
+        const Eigen::Matrix3d turn = (now[f] * shell.adjoint_rotation[f].conjugate()).toRotationMatrix();
+        Y.middleRows<3>(6 * f) = (turn * Y.middleRows<3>(6 * f)).eval();
+        Y.middleRows<3>(6 * f + 3) = (turn * Y.middleRows<3>(6 * f + 3)).eval();
+    }
+    return Y;
+}
+
+void keep_adjoints(PrimoShell::Impl& shell, const Eigen::MatrixXd& Y) {
+    shell.adjoints.resize(0, 0);
+    if (Y.cols() > block_width) return;
+    const Eigen::RowVectorXd size = Y.colwise().lpNorm<Eigen::Infinity>().cwiseMax(1e-300);
+    shell.adjoints = (Y * size.cwiseInverse().asDiagonal()).cast<float>();
+    shell.adjoint_rotation = shell.free_rotations();
+}
+
 }  // namespace
 
 Matrix6 motion_twist(const RigidMotion& motion, const Vector3d& rest_centroid) {
@@ -208,7 +229,8 @@ std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& o
     const Jumps jump = jumps(rest, shell.poses, turn);
     Eigen::MatrixXd B(6 * rest.num_free(), dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) B.col(c) = vertex_wrenches(rest, turn, dJ_dv[c]);
-    const Eigen::MatrixXd Y = solve_columns(shell, B, options.tolerance);
+    const Eigen::MatrixXd Y = solve_columns(shell, B, options.tolerance, last_adjoints(shell));
+    keep_adjoints(shell, Y);
     std::vector<ShellSensitivities> all(dJ_dv.size());
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) {
         const Eigen::VectorXd y = Y.col(c);

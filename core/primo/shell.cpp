@@ -119,8 +119,7 @@ bool PrimoShell::Impl::factorize() {
         is_kept_here = kept.build(H, free_centroids());
     }
     if (!is_kept_here) return false;
-    kept_rotation.resize(rest.num_free());
-    for (int f = 0; f < rest.num_free(); ++f) kept_rotation[f] = poses.rotation[rest.free_prisms[f]];
+    kept_rotation = free_rotations();
     return true;
 }
 
@@ -128,6 +127,16 @@ Eigen::VectorXd PrimoShell::Impl::product(const Eigen::VectorXd& x) const {
     Eigen::VectorXd y = H.multiply(x);
     if (spring.size() > 0) add_spring_product(rest, spring_turn, spring, x, y);
     return y;
+}
+
+Eigen::MatrixXd PrimoShell::Impl::products(const Eigen::MatrixXd& X) const {
+    Eigen::MatrixXd Y = H.multiply_columns(X);
+    for (Eigen::Index c = 0; c < X.cols() && spring.size() > 0; ++c) {
+        Eigen::VectorXd y = Y.col(c);
+        add_spring_product(rest, spring_turn, spring, X.col(c), y);
+        Y.col(c) = y;
+    }
+    return Y;
 }
 
 Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
@@ -154,6 +163,12 @@ Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
 
 Points PrimoShell::Impl::free_centroids() const {
     return (rest.centroid + poses.displacement)(rest.free_prisms, Eigen::all);
+}
+
+std::vector<Eigen::Quaterniond> PrimoShell::Impl::free_rotations() const {
+    std::vector<Eigen::Quaterniond> rotations(rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) rotations[f] = poses.rotation[rest.free_prisms[f]];
+    return rotations;
 }
 
 void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {

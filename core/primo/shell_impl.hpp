@@ -22,6 +22,8 @@ struct PrimoShell::Impl {
     bool is_kept_here = false;  ///< `kept` was built at `poses`
     double spent = 0;           ///< substitutions beyond the usual since `kept` was built, also by sensitivities
     int substitutions = 0;      ///< in all
+    Eigen::MatrixXf adjoints;   ///< of the last functionals, as long as they are few, and where the prisms were then
+    std::vector<Eigen::Quaterniond> adjoint_rotation;
     SolveTimes seconds;
 
     Impl(const TriMesh& mesh, const ShellOptions& options);
@@ -34,10 +36,12 @@ struct PrimoShell::Impl {
     /// Builds `kept` from H at `poses`, with lumped springs; false if indefinite. Without springs, true is a proof.
     bool factorize();
     Eigen::VectorXd product(const Eigen::VectorXd& x) const;  ///< the assembled Hessian times x
-    void has_moved();                                         ///< forgets what is known of the poses before
+    Eigen::MatrixXd products(const Eigen::MatrixXd& X) const;
+    void has_moved();  ///< forgets what is known of the poses before
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
     Eigen::MatrixXd precondition(const Eigen::MatrixXd& B);
     Points free_centroids() const;  ///< of the free prisms at `poses`
+    std::vector<Eigen::Quaterniond> free_rotations() const;
     void advance(const Eigen::VectorXd& twist);
     /// Exact Hessian at `poses`, under the loads of the last solve, and something to solve it with.
     void need_tangent();

@@ -19,6 +19,12 @@ function colourChoices(data) {
   return list;
 }
 
+/// Across y; of what is flat there (a wing that lies in x and z) across its length, where a section shows its profile.
+function tellingAxis(size) {
+  const largest = Math.max(...size);
+  return size[1] < 0.3 * largest && size[1] === Math.min(...size) ? size.indexOf(largest) : 1;
+}
+
 class Panel {
   constructor(shape, run) {
     this.shape = shape;
@@ -27,7 +33,7 @@ class Panel {
     this.frame = Math.max(0, this.data.frames.length - 1);
     this.colour = this.data.frames.length > 0 ? 'outward' : (this.data.tree.length > 1 ? 'patches:1' : 'plain');
     this.factor = 1;
-    this.plane = { axis: 1, at: 0, shown: false, cut: false };
+    this.plane = { axis: tellingAxis(shape.size), at: 0, shown: false, cut: false };
     this.selected = null;  // {level, id}
     this.colours = new Map();
   }
@@ -98,7 +104,7 @@ class Panel {
     this.sectionAt = h('output', { class: 'told' });
     return h('div', { class: 'sections' }, h('h3', {}, 'Section through both'),
       h('div', { class: 'controls' },
-        choice('Plane normal to', axes.map((a, k) => [String(k), a]), '1', (v) => {
+        choice('Plane normal to', axes.map((a, k) => [String(k), a]), String(this.plane.axis), (v) => {
           this.plane.axis = Number(v);
           range.input.value = 500;
           this.plane.at = 0;

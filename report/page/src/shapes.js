@@ -3,7 +3,7 @@
 import { h, section, choice, slider, tick, newId } from './dom.js';
 import { number, change } from './format.js';
 import { Shape, acrossOf } from './shape.js';
-import { Viewer } from './viewer.js';
+import { Viewer, likelyUp } from './viewer.js';
 import { scaleOf, colorAt, gradient, patchColors, plain, css } from './colors.js';
 import { SectionPlot } from './section_plot.js';
 
@@ -67,6 +67,7 @@ class Panel {
         this.viewer.draw();
       }),
       choice('Exaggerate', ['1', '2', '5', '10', '20'].map((v) => [v, `${v} ×`]), '1', (v) => { this.factor = Number(v); this.move(); }),
+      choice('Up', axes.map((a, k) => [String(k), a]), String(likelyUp(this.shape.size)), (v) => this.viewer.setUp(Number(v))),
       h('span', { class: 'buttons', role: 'group', 'aria-label': 'Look from' },
         views.map(([v, words]) => h('button', { type: 'button', onclick: () => this.viewer.look(v) }, words))),
     ];

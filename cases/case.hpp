@@ -212,6 +212,7 @@ struct ConstraintEntry {
 };
 
 enum class ParaView { every_accepted, best, none };
+enum class Keep { all, failed, best, none };
 
 struct Case {
     std::filesystem::path file;  ///< the case file, as it was given
@@ -250,9 +251,10 @@ struct Case {
     struct Output {
         std::filesystem::path dir;  ///< may be set by the program before the problem is built
         ParaView paraview = ParaView::every_accepted;
-        bool report = false;   ///< report.html at the end
-        bool goes_on = false;  ///< the folder is that of a run which goes on
-        bool by_hand = false;  ///< programs are not run: their folders are handed out (`strake step`)
+        Keep keep = Keep::all;  ///< folders of evaluations
+        bool report = false;    ///< report.html at the end
+        bool goes_on = false;   ///< the folder is that of a run which goes on
+        bool by_hand = false;   ///< programs are not run: their folders are handed out (`strake step`)
     } output;
     /// Asked while the surface is remeshed; true ends that by throwing Interrupted. May be set by the program.
     std::function<bool()> stop_wanted;

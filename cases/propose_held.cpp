@@ -119,6 +119,11 @@ public:
                 regions.push_back({text("part_", p), text("component: ", p), "a separate part, held as it is"});
     }
 
+    double held_share() const { return area_in(held_) / area_.sum(); }
+    void forget() {
+        std::fill(held_.begin(), held_.end(), 0);
+        regions.clear();
+    }
     bool holds_anything() const { return std::find(held_.begin(), held_.end(), 1) != held_.end(); }
 
     std::vector<ProposedRegion> regions;
@@ -148,6 +153,8 @@ Eigen::Vector3d flat_end(const Holder& holder, const std::optional<SymmetryPlane
         }
     return best;
 }
+
+constexpr double most_held = 0.4;  ///< of the area, by a guess
 
 void hold_middle(Holder& holder, const Checkup& c, const SymmetryPlane& plane) {
     int axis = 0;
@@ -196,6 +203,8 @@ std::vector<ProposedRegion> held_regions(const Mended& surface, const std::optio
             holder.hold("base", holder.band(end), "the flattest end of the body");
         else if (mirror && axis_letter(mirror->normal))
             hold_middle(holder, c, *mirror);
+        // Of a thin body that mirrors itself across its thickness the band is nearly all of it.
+        if (holder.held_share() > most_held) holder.forget(), down.setZero();
     }
     if (!holder.holds_anything() && !c.loops.empty()) {
         const auto loop = std::max_element(c.loops.begin(), c.loops.end(),

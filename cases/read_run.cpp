@@ -43,6 +43,11 @@ void CaseReader::read_output(const Value& map) {
         case_.output.paraview = v->text == "best"   ? ParaView::best
                                 : v->text == "none" ? ParaView::none
                                                     : ParaView::every_accepted;
+    if (const Value* v = map.find("keep"))
+        case_.output.keep = v->text == "failed" ? Keep::failed
+                            : v->text == "best" ? Keep::best
+                            : v->text == "none" ? Keep::none
+                                                : Keep::all;
     if (const Value* v = map.find("report")) case_.output.report = v->text == "true";
 }
 

@@ -138,6 +138,15 @@ std::vector<Key> run_keys() {
          .doc = "Shapes written for ParaView.",
          .fallback = "every_accepted",
          .words = {"every_accepted", "best", "none"}},
+        {.path = "output.keep",
+         .type = Type::word,
+         .doc =
+             "Which folders of evaluations (evaluations/000012) of programs stay: all; failed: of those that gave no "
+             "value; best: these, and that of the best design; none. The others are removed once the journal holds "
+             "what they gave: `strake resume` pays for nothing again. Where a gradient may still be asked for "
+             "(gradient_command) the folders of the last and of the best evaluation stay.",
+         .fallback = "all",
+         .words = {"all", "failed", "best", "none"}},
         {.path = "output.report",
          .type = Type::flag,
          .doc = "Whether report.html is written at the end, however the run ends: a page for the browser (`strake "

@@ -6,9 +6,6 @@
 namespace strake {
 namespace {
 
-/// Keys of the design that this version does not have yet: a better answer than "unknown".
-const std::vector<std::string> later_keys{"output.keep"};
-
 const char* described(Type type) {
     switch (type) {
         case Type::map:
@@ -98,7 +95,7 @@ public:
             if (any)
                 named(entry, pattern, shown);
             else
-                unknown(entry, names, pattern, shown);
+                unknown(entry, names, shown);
         }
     }
 
@@ -201,14 +198,9 @@ private:
         node(entry.value, below(pattern, "*"), shown_path);
     }
 
-    void unknown(const Entry& entry, const std::vector<std::string>& names, const std::string& pattern,
-                 const std::string& shown) {
+    void unknown(const Entry& entry, const std::vector<std::string>& names, const std::string& shown) {
         const std::string in = shown.empty() ? "" : " in " + shown;
         const std::string key = printable(entry.key);
-        if (std::find(later_keys.begin(), later_keys.end(), below(pattern, entry.key)) != later_keys.end()) {
-            errors_.add(entry.key_place, text("key '", key, "'", in, " is not supported by this version"));
-            return;
-        }
         if (entry.value.null && !key.empty() && key.find_first_not_of("0123456789") == std::string::npos) {
             errors_.add(entry.key_place,
                         text("unknown key '", key, "'", in, "; numbers take a decimal point, no comma"));

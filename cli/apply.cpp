@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
@@ -89,7 +90,7 @@ Other read_other(const ApplyArguments& args, Kind kind) {
     Other other;
     other.kind = kind;
     if (kind == Kind::list) other.list = read_points(args.other);
-    if (kind == Kind::surface) other.surface = read_surface(args.other).mesh;
+    if (kind == Kind::surface) other.surface = read_told(args.other).mesh;
     if (kind == Kind::volume) other.volume = read_volume(args.other);
     return other;
 }

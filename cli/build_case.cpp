@@ -1,4 +1,5 @@
 #include "cli/build_case.hpp"
+#include "cli/detail.hpp"
 
 #include "cli/commands.hpp"
 #include "cli/signals.hpp"
@@ -6,6 +7,7 @@
 #include <fmt/core.h>
 
 #include <cstring>
+#include <utility>
 
 namespace strake::cli {
 namespace {
@@ -16,17 +18,32 @@ namespace {
     throw ExitStatus{interrupted};
 }
 
+BuiltProblem told(BuiltProblem built) {
+    const Problem& problem = built.problem;
+    std::string levels;
+    for (std::size_t k = 1; k < problem.tree.levels.size(); ++k)
+        levels += fmt::format("{}{}", k > 1 ? ", " : "", problem.tree.levels[k].patches.size());
+    tell_step(fmt::format("problem: {} vertices, {} triangles, {} of them fixed, patches by level: {}",
+                          problem.surface.num_vertices(), problem.surface.num_triangles(), problem.fixed.size(),
+                          levels.empty() ? "none" : levels));
+    for (const Quantity& quantity : problem.quantities)
+        tell_step(fmt::format("quantity: {}{}", printable(joined(quantity.names), 400),
+                              quantity.program.empty() ? "" : ", of the program " + printable(quantity.program, 400)));
+    return built;
+}
+
 }  // namespace
 
 BuiltProblem build_case(Case the_case, Purpose purpose) {
-    if (!the_case.remesh) return build_problem(the_case, purpose);  // takes no time
+    tell_step(fmt::format("building the problem of {}", printable(the_case.file.string(), 400)));
+    if (!the_case.remesh) return told(build_problem(the_case, purpose));  // takes no time
     watch_signals();
     the_case.stop_wanted = stop_wanted;
     try {
         BuiltProblem built = build_problem(the_case, purpose);
         leave_signals();
         if (stop_wanted()) end();
-        return built;
+        return told(std::move(built));
     } catch (const Interrupted&) {
         end();
     }

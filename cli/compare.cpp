@@ -1,5 +1,6 @@
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
@@ -47,7 +48,7 @@ struct Compared {
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
 Shape shape_of(const std::string& path, bool at_start = false) {
-    if (!is_run_folder(path)) return {read_surface(path).mesh, {}, {}};
+    if (!is_run_folder(path)) return {read_told(path).mesh, {}, {}};
     const Deformation d = run_deformation(path);
     const StoredDesign design = read_design(std::filesystem::path(path) / "levels/best.design");
     Shape out{at_start ? d.rest : with_vertices(d.rest, d.vertices), d.symmetry, {}};

@@ -1,4 +1,5 @@
 #include "cli/designs.hpp"
+#include "cli/detail.hpp"
 
 #include "cases/case.hpp"
 #include "cases/prepare_surface.hpp"
@@ -23,7 +24,7 @@ Points shape_of(const fs::path& run, int evaluation, const TriMesh& rest) {
             fmt::format("{}: the shape of evaluation {} was not kept (there is no {}); kept are those "
                         "that output.paraview says",
                         printable(run.native(), 400), evaluation, file.filename().string()));
-    const TriMesh shape = read_surface(file).mesh;
+    const TriMesh shape = read_told(file).mesh;
     if (!same_triangles(shape, rest))
         throw InputError(fmt::format("{}: is of another surface than the case's", printable(file.native(), 400)));
     return shape.vertices;
@@ -61,8 +62,8 @@ Deformation run_deformation(const fs::path& run, const fs::path& design, int eva
 }
 
 Deformation surface_deformation(const fs::path& rest, const fs::path& moved) {
-    Deformation d{read_surface(rest).mesh, {}, 0, {}};
-    const TriMesh shape = read_surface(moved).mesh;
+    Deformation d{read_told(rest).mesh, {}, 0, {}};
+    const TriMesh shape = read_told(moved).mesh;
     if (!same_triangles(shape, d.rest))
         throw InputError(fmt::format("{}: {} vertices and {} triangles, which are not those of {} ({} and {})",
                                      printable(moved.native(), 400), shape.num_vertices(), shape.num_triangles(),

@@ -1,4 +1,5 @@
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
@@ -24,7 +25,7 @@ struct Report {
 };
 
 Report examine(const std::string& file) {
-    Report r{.surface = read_surface(file), .found = {}};
+    Report r{.surface = read_told(file), .found = {}};
     check_coordinates(file, r.surface.mesh);
     r.found = checkup(r.surface.mesh);
     return r;

@@ -1,6 +1,7 @@
 #include "cases/build_problem.hpp"
 #include "cases/propose.hpp"
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
@@ -132,8 +133,10 @@ void init(const InitArguments& args) {
             fs::exists(fs::symlink_status(file, ignored)))
             throw InvalidInput(text("init: ", printable(file.string(), 400),
                                     " is there already and is never overwritten; choose another name with -o"));
+    tell_step("looking at what " + printable(args.surface, 400) + " needs");
     const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations});
     NewFile written(case_file, proposal.yaml);
+    tell_step("trying " + printable(case_file.string(), 400));
     const Case the_case = load_case(case_file, Purpose::run);
     const BuiltProblem built = build_problem(the_case, Purpose::run);
     const std::vector<std::string> notes = check_shell(the_case, built.problem);

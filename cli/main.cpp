@@ -1,10 +1,13 @@
 #include "cli/command_table.hpp"
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/errors.hpp"
 #include "core/version.hpp"
 
+#include <fcntl.h>
 #include <malloc.h>
 #include <algorithm>
+#include <cerrno>
 #include <cstdio>
 #include <exception>
 
@@ -18,11 +21,19 @@ void keep_large_blocks() {
 #endif
 }
 
+/// Where nobody gave us one of the three streams, the next file that is opened would take its number, and what is
+/// printed would go into that.
+void keep_standard_streams() {
+    for (int descriptor = 0; descriptor <= 2; ++descriptor)
+        if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF && ::open("/dev/null", O_RDWR) < 0) return;
+}
+
 }  // namespace
 
 /// The `strake` program: parses the command line, runs a subcommand, turns errors into exit statuses.
 int main(int argc, char** argv) {
     using namespace strake;
+    keep_standard_streams();
     keep_large_blocks();
     CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
     app.set_version_flag("--version", "strake " + version());
@@ -50,10 +61,11 @@ int main(int argc, char** argv) {
     cli::add_explain(app);
     cli::add_completion(app);
     cli::add_man(app);
+    cli::add_detail_options(app);
     app.footer("\n" + cli::exit_help());
+    int status = cli::done;
     try {
         app.parse(argc, argv);
-        return cli::done;
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
         std::fprintf(stderr, "%s\n", cli::usage_words(app, e, {argv + std::min(argc, 1), argv + argc}).c_str());
@@ -61,6 +73,10 @@ int main(int argc, char** argv) {
     } catch (...) {
         const cli::ProgramEnd end = cli::end_of(std::current_exception());
         if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());
-        return end.status;
+        const std::string more = cli::debug_words(std::current_exception());
+        if (!more.empty()) std::fprintf(stderr, "%s\n", more.c_str());
+        status = end.status;
     }
+    cli::tell_end(status);
+    return status;
 }

@@ -1,6 +1,7 @@
 #include "cases/build_problem.hpp"
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
@@ -42,7 +43,7 @@ DesignOfRun design_of(const fs::path& run) {
 
 /// A run's best design, or a surface.
 TriMesh shape_of(const std::string& path) {
-    if (!is_run_folder(path)) return read_surface(path).mesh;
+    if (!is_run_folder(path)) return read_told(path).mesh;
     const Deformation d = run_deformation(path);
     return with_vertices(d.rest, d.vertices);
 }

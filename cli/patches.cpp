@@ -1,4 +1,5 @@
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
@@ -206,7 +207,7 @@ void patches(const Options& options) {
         throw InvalidInput(text("-o ", options.vtp, ": patches are written as .vtp; for a table use --labels"));
 
     check_outputs({options.vtp, options.labels}, {options.surface});
-    const TriMesh mesh = read_surface(options.surface).mesh;
+    const TriMesh mesh = read_told(options.surface).mesh;
     check_triangles(split, mesh);
     const Adjacency adjacent = adjacency(mesh);
     if (mesh.num_triangles() == 0 || (angles.empty() && !(surface_area(mesh) > 0)))

@@ -175,7 +175,8 @@ void Progress::evaluation(const EvaluationRecord& r) {
 }
 
 void Progress::level_end(const LevelSummary& s) {
-    note(fmt::format("level {}: {} after {} evaluations", s.level, first_line(s.stop), s.evaluations));
+    note(fmt::format("level {}: {} after {} evaluation{}", s.level, first_line(s.stop), s.evaluations,
+                     s.evaluations == 1 ? "" : "s"));
 }
 
 }  // namespace strake::cli

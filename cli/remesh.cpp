@@ -1,6 +1,7 @@
 #include "core/remesh/remesh.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "cli/signals.hpp"
 #include "core/error.hpp"
@@ -168,7 +169,7 @@ void remesh_file(Options& options) {
     length_of(options.edge_length, "--edge-length", "auto", 1);  // before anything is read
     length_of(options.curvature, "--curvature", "none", 1);
     length_of(options.shortest_edge, "--shortest-edge", "auto", 1);
-    const TriMesh mesh = read_surface(options.surface).mesh;
+    const TriMesh mesh = read_told(options.surface).mesh;
     const double diagonal = box_diagonal(mesh);
     options.remesh.edge_length = length_of(options.edge_length, "--edge-length", "auto", diagonal);
     options.remesh.chord_error = length_of(options.curvature, "--curvature", "none", diagonal);

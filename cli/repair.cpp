@@ -1,6 +1,7 @@
 #include "core/repair/repair.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "cli/signals.hpp"
 #include "core/error.hpp"
@@ -187,7 +188,7 @@ void repair_file(const Options& options) {
             "repair: nothing is asked for; --all, or some of --weld, --duplicates, --degenerate, --cracks, "
             "--orient, --split, --holes, --components, --isolated");
     end_on_signals("strake: repair: interrupted; nothing is written\n");
-    const TriMesh mesh = read_surface(options.surface).mesh;
+    const TriMesh mesh = read_told(options.surface).mesh;
     check_coordinates(options.surface, mesh);
     const RepairResult result = repair(mesh, resolved(options, box_diagonal(mesh)));
     watch_signals();  // from here on what is begun is written

@@ -1,4 +1,5 @@
 #include "cli/commands.hpp"
+#include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "cli/report_subject.hpp"
 #include "optimize/journal.hpp"

@@ -1,4 +1,5 @@
 #include "cli/session.hpp"
+#include "cli/detail.hpp"
 
 #include "cases/scalars.hpp"
 #include "cli/build_case.hpp"
@@ -31,6 +32,20 @@ SeriesPolicy series_policy(ParaView wanted) {
             return SeriesPolicy::none;
     }
     return SeriesPolicy::every_accepted;
+}
+
+KeepPolicy keep_policy(Keep wanted) {
+    switch (wanted) {
+        case Keep::all:
+            return KeepPolicy::all;
+        case Keep::failed:
+            return KeepPolicy::failed;
+        case Keep::best:
+            return KeepPolicy::best;
+        case Keep::none:
+            return KeepPolicy::none;
+    }
+    return KeepPolicy::all;
 }
 
 /// What begins as round-off begins at zero.
@@ -95,6 +110,16 @@ std::vector<std::string> value_names(const Problem& problem) {
     return names;
 }
 
+/// With -v, below the line of the evaluation.
+std::string evaluation_detail(const std::vector<std::string>& names, const EvaluationRecord& r) {
+    std::string out = fmt::format("       evaluation {}: {:.3g} s", r.evaluation, r.seconds);
+    for (std::size_t i = 0; i < std::min(names.size(), r.values.size()); ++i)
+        out += fmt::format(", {} = {:.9g}", names[i], r.values[i]);
+    if (r.is_taken_over) out += " (the shape is that of the level before: nothing was called)";
+    if (r.is_replayed) out += " (from the journal)";
+    return r.reason.empty() ? out : out + ": " + r.reason;
+}
+
 std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
     JournalFacts facts;
     facts.case_yaml = resolved_case(the_case, the_case.output.dir);
@@ -127,12 +152,14 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
                  std::unique_ptr<Journal> journal = nullptr) {
     const Problem& problem = built.problem;
     bool has_evaluated = journal != nullptr;
+    const std::vector<std::string> names = value_names(problem);
     RunEvents events;
     events.stop_wanted = stop_wanted;
     events.level = [&](const LevelStart& level) { progress.level(level), folder.add(level); };
     events.evaluation = [&](const EvaluationRecord& record) {
         has_evaluated = true;
         progress.evaluation(record), folder.add(record);
+        if (wants_detail()) progress.note(evaluation_detail(names, record));
     };
     events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
     events.sensitivities = [&](int evaluation, const Points&, const Points& dJ_dv) {
@@ -145,7 +172,8 @@ RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& fol
         if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
         folder.write_case(resolved_case(the_case, the_case.output.dir));
         if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
-        folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview));
+        folder.begin(problem, names, built.format, series_policy(the_case.output.paraview),
+                     keep_policy(the_case.output.keep));
         return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {
         journal.reset();

@@ -108,8 +108,22 @@ public:
 
     /// @param dJ_dv, by_axis may be null; by_axis is dJ / d(direction of the stream).
     double drag(const TriMesh& mesh, const Vector3d& axis, Points* dJ_dv, Vector3d* by_axis) const;
+    /// Of each vertex.
+    VectorXd cf(const TriMesh& mesh, const Vector3d& axis) const {
+        return lengths(mesh, axis).unaryExpr([this](double l) { return at(l).cf; });
+    }
 
 private:
+    /// Of each vertex along the stream, from where the plate begins.
+    VectorXd lengths(const TriMesh& mesh, const Vector3d& axis) const {
+        const VectorXd along = mesh.vertices * axis;
+        VectorXd length(along.size());
+        for (Eigen::Index v = 0; v < along.size(); ++v) {
+            const Begin& begin = begins_[static_cast<std::size_t>(v)];
+            length[v] = along[v] - (1 - begin.t) * along[begin.a] - begin.t * along[begin.b];
+        }
+        return length;
+    }
     struct Friction {
         double cf, by_length;
     };
@@ -125,12 +139,8 @@ private:
 };
 
 double Plates::drag(const TriMesh& mesh, const Vector3d& axis, Points* dJ_dv, Vector3d* by_axis) const {
-    const VectorXd along = mesh.vertices * axis;
-    VectorXd length(along.size()), by_length = VectorXd::Zero(along.size());
-    for (Eigen::Index v = 0; v < along.size(); ++v) {
-        const Begin& begin = begins_[static_cast<std::size_t>(v)];
-        length[v] = along[v] - (1 - begin.t) * along[begin.a] - begin.t * along[begin.b];
-    }
+    const VectorXd length = lengths(mesh, axis);
+    VectorXd by_length = VectorXd::Zero(length.size());
     double sum = 0;
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         const auto v = mesh.triangles.row(t);
@@ -199,7 +209,7 @@ Quantity friction(const std::string& name, const TriMesh& start, const FrictionF
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     if (start.num_triangles() == 0) throw InvalidInput(text(name, ": the surface has no triangles"));
     const auto plates = std::make_shared<const Plates>(start, flow, symmetry);
-    return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
+    Quantity quantity = checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         const TriMesh& mesh = request.surface;
         const StreamState at = stream_state(name, flow.stream, request.own);
         if (!request.wants(0)) return QuantityResult{{plates->drag(mesh, at.axes.drag, nullptr, nullptr)}, {}, {}};
@@ -210,6 +220,11 @@ Quantity friction(const std::string& name, const TriMesh& start, const FrictionF
         result.dJ_down.push_back(own_derivatives(at, request, by_axis));
         return result;
     });
+    quantity.fields = [=](const QuantityRequest& request) {
+        const StreamState at = stream_state(name, flow.stream, request.own);
+        return std::vector<SurfaceField>{{name + ".cf", plates->cf(request.surface, at.axes.drag)}};
+    };
+    return quantity;
 }
 
 }  // namespace strake

@@ -24,6 +24,7 @@ struct FrictionFlow {
 /// laminar plate has 1.328 Re^(-1/2), the turbulent one 0.074 Re^(-1/5); near the leading edge the seven points leave
 /// an error of order (edge / length)^(1/2) or ^(4/5). All of the surface counts, a base too. With `symmetry` half
 /// of the whole body's. Cost: one pass over the triangles. Kinks: none but those of the area (triangles of area zero).
+/// Its field is name.cf, at the vertices.
 /// @throws InvalidInput: numbers outside of their limits, a plane of symmetry that the flow crosses.
 Quantity friction(const std::string& name, const TriMesh& start, const FrictionFlow& flow,
                   const std::optional<SymmetryPlane>& symmetry = {});

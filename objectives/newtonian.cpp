@@ -46,6 +46,15 @@ public:
     /// Derivatives of value i: by the vertices (n x 3), and by alpha and beta.
     Points gradient(int i, std::array<double, 2>& by_angle) const;
     const StreamState& state() const { return at_; }
+    /// Of each triangle, what hides it taken into account.
+    Eigen::VectorXd felt_cp() const {
+        Eigen::VectorXd cp(mesh_.num_triangles());
+        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+            const Facet facet = facet_of(t);
+            cp[t] = facet.cp * facet.seen;
+        }
+        return cp;
+    }
 
 private:
     struct Facet {
@@ -147,6 +156,20 @@ Points Impact::gradient(int i, std::array<double, 2>& by_angle) const {
     return dJ_dv;
 }
 
+/// At each vertex the mean over its triangles by their areas; 0 where they have none.
+Eigen::VectorXd vertex_means(const TriMesh& mesh, const Eigen::VectorXd& of_triangles) {
+    Eigen::VectorXd sum = Eigen::VectorXd::Zero(mesh.num_vertices()), areas = sum;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const double area = area_vector(mesh, t).stableNorm();
+        for (int k = 0; k < 3; ++k) {
+            sum[mesh.triangles(t, k)] += area * of_triangles[t];
+            areas[mesh.triangles(t, k)] += area;
+        }
+    }
+    for (Eigen::Index v = 0; v < sum.size(); ++v) sum[v] = areas[v] > 0 ? sum[v] / areas[v] : 0;
+    return sum;
+}
+
 void check(const std::string& name, const TriMesh& start, const NewtonianFlow& flow) {
     check_stream(name, flow.stream);
     const auto require = [&](bool ok, const char* what, double value, const char* limit) {
@@ -172,7 +195,7 @@ Quantity newtonian(const std::string& name, const TriMesh& start, const Newtonia
     const double cp_max = flow.cp_max ? *flow.cp_max : stagnation_cp(flow.mach, flow.gamma);
     std::vector<std::string> names;
     for (const std::string& value : newtonian_values) names.push_back(name + "." + value);
-    return checked_quantity(name, names, start, [=](const QuantityRequest& request) {
+    Quantity quantity = checked_quantity(name, names, start, [=](const QuantityRequest& request) {
         const Impact impact(name, flow, cp_max, request);
         QuantityResult result;
         for (int i = 0; i < num_values; ++i) result.values.push_back(impact.value(i));
@@ -187,6 +210,11 @@ Quantity newtonian(const std::string& name, const TriMesh& start, const Newtonia
         }
         return result;
     });
+    quantity.fields = [=](const QuantityRequest& request) {
+        const Impact impact(name, flow, cp_max, request);
+        return std::vector<SurfaceField>{{name + ".cp", vertex_means(request.surface, impact.felt_cp())}};
+    };
+    return quantity;
 }
 
 }  // namespace strake

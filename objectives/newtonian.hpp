@@ -28,6 +28,7 @@ struct NewtonianFlow {
 /// s_t is the outward area vector, c_t the centroid, u the flow's direction and nu_t the share of the triangle that the
 /// stream reaches (`VisibleAreas`). The surface must be oriented outward.
 /// Smooth where u . n passes zero with lee side `zero`; with `prandtl_meyer` the pressure has a kink there.
+/// Its field is name.cp: Cp nu, the mean over the triangles at the vertex by their areas.
 /// @throws InvalidInput: numbers outside of their limits; a start surface that is turned inside out (closed, negative
 /// volume).
 Quantity newtonian(const std::string& name, const TriMesh& start, const NewtonianFlow& flow);

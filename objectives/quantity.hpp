@@ -85,6 +85,12 @@ struct Residuals {
 /// where there are no residuals or one is not finite.
 using ResidualFunction = std::function<Residuals(const TriMesh& surface, const TriMesh& matched)>;
 
+/// A number for each vertex, to be looked at: what a quantity sees there.
+struct SurfaceField {
+    std::string name;        ///< "aero.cp"
+    Eigen::VectorXd values;  ///< n
+};
+
 /// How a value follows from other values of the same evaluation.
 struct Combination {
     std::vector<std::string> of;  ///< values of quantities further up in the list, or own variables
@@ -108,6 +114,9 @@ struct Quantity {
     int parallel = 1;  ///< of a program: so many evaluations of it may run at the same time, each in its own thread
     std::filesystem::path cache = {};  ///< folder of answers that several runs share; empty: none
     std::string cache_key = {};        ///< what an answer depends on beside surface and variables
+    /// What it sees on the request's surface, point by point, for reports and ParaView: no part of a search. Empty
+    /// where there is nothing to show.
+    std::function<std::vector<SurfaceField>(const QuantityRequest&)> fields = {};
     /// Instead of `evaluate`: the one value is made of others.
     std::optional<Combination> combination = {};
 };

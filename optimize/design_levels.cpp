@@ -253,8 +253,11 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
         if (!rest->mirror)
             throw InvalidInput("parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
         const Eigen::Vector3d n = rest->mirror->normal;
-        rest->notes.push_back(text("mirror images are tied about the plane ", n[0], " x + ", n[1], " y + ", n[2],
-                                   " z = ", rest->mirror->offset));
+        Eigen::Index axis = 0;
+        const bool is_straight = n.cwiseAbs().maxCoeff(&axis) > 1 - 1e-12 && n[axis] > 0;
+        const std::string left =
+            is_straight ? std::string(1, "xyz"[axis]) : text(n[0], " x + ", n[1], " y + ", n[2], " z");
+        rest->notes.push_back(text("mirror images are tied about the plane ", left, " = ", rest->mirror->offset));
     }
     return rest;
 }

@@ -15,6 +15,7 @@ struct EvaluationRecord {
     std::vector<double> own;     ///< values of the own variables, in their order
     double max_violation = std::numeric_limits<double>::quiet_NaN();  ///< largest scaled constraint violation
     bool accepted = false;                                            ///< the best design so far
+    bool level_best = false;                                          ///< the best one of its level so far
     double max_displacement = 0;                                      ///< of the surface from its start, length
     double seconds = 0;          ///< wall clock of this evaluation; not part of the history
     bool is_taken_over = false;  ///< values of the same shape on the level before: nothing was called

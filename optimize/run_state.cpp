@@ -134,6 +134,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
         result.x = x;
         result.level = space.level;
     }
+    record.level_best = is_level_best;
     if (events.evaluation) events.evaluation(record);
     if (record.accepted && events.accepted)
         events.accepted({record, space, x, evaluation.vertices, dJ_dv, evaluator.poses(), at_rest_});

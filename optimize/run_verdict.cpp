@@ -50,7 +50,7 @@ std::string flat_note(const RunEnd& end) {
 
 /// Of a search that got next to nowhere the budget is not what it lacks.
 std::string failures_note(const RunEnd& end) {
-    if (2 * end.level.failures <= end.level.evaluations) return "";
+    if (end.level.failures < 5 || 2 * end.level.failures <= end.level.evaluations) return "";
     return text("; ", end.level.failures, " of the ", end.level.evaluations,
                 " evaluations of this level failed: look at why (history.csv, the report) before you raise anything");
 }

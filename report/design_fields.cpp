@@ -131,23 +131,60 @@ void add_distance(const Quantity& quantity, const TriMesh& surface, Collected& o
     }
 }
 
+void add_seen(const Quantity& quantity, const ShownDesign& design, Collected& out) {
+    QuantityRequest request{design.surface, false, 0, 0, {}};
+    request.own = design.own;
+    try {
+        for (SurfaceField& field : quantity.fields(request))
+            if (field.values.size() == design.surface.num_vertices() && field.values.allFinite())
+                out.fields.push_back({std::move(field.name), std::move(field.values)});
+            else
+                out.problems.push_back(text("field '", field.name, "' is left out: a value is not finite"));
+    } catch (const std::runtime_error& error) {
+        out.problems.push_back(text("fields of ", quantity.names.front(), " are left out: ", error.what()));
+    } catch (const InvalidInput& error) {
+        out.problems.push_back(text("fields of ", quantity.names.front(), " are left out: ", error.what()));
+    }
+}
+
+/// What programs said of a design when it was written, their folder being gone.
+void add_of_data_set(const fs::path& file, int vertices, Collected& out) {
+    std::error_code ignored;
+    if (file.empty() || !fs::is_regular_file(file, ignored)) return;
+    try {
+        for (VtpField& found : parse_vtp(read_bytes(file), file.string()).point_fields)
+            if (!is_taken(found.name) && !out.has(found.name) && found.values.cols() == 1 &&
+                found.values.rows() == vertices)
+                out.fields.push_back({found.name, Eigen::VectorXd(found.values.col(0))});
+    } catch (const InputError& error) {
+        out.problems.push_back(text("fields of programs are left out: ", error.what()));
+    }
+}
+
 }  // namespace
 
-std::vector<Field> design_fields(const Problem& problem, const TriMesh& surface, const fs::path& evaluation,
+std::vector<Field> design_fields(const Problem& problem, const ShownDesign& design,
                                  std::vector<std::string>& problems) {
     std::vector<Field> fields;
     Collected out{fields, problems};
-    for (const Quantity& quantity : problem.quantities)
-        if (quantity.residuals) add_distance(quantity, surface, out);
-    add_of_program(evaluation, surface.num_vertices(), out);
-    std::vector<fs::path> below;
+    const int vertices = design.surface.num_vertices();
+    for (const Quantity& quantity : problem.quantities) {
+        if (quantity.fields) add_seen(quantity, design, out);
+        if (quantity.residuals) add_distance(quantity, design.surface, out);
+    }
     std::error_code why;
-    for (fs::directory_iterator at(evaluation, why), end; !why && at != end; at.increment(why)) {
+    if (!fs::exists(design.evaluation, why)) {
+        add_of_data_set(design.data_set, vertices, out);
+        return fields;
+    }
+    add_of_program(design.evaluation, vertices, out);
+    std::vector<fs::path> below;
+    for (fs::directory_iterator at(design.evaluation, why), end; !why && at != end; at.increment(why)) {
         std::error_code ignored;
         if (at->is_directory(ignored) && !at->is_symlink(ignored)) below.push_back(at->path());
     }
     std::sort(below.begin(), below.end());
-    for (const fs::path& folder : below) add_of_program(folder, surface.num_vertices(), out);
+    for (const fs::path& folder : below) add_of_program(folder, vertices, out);
     return fields;
 }
 

@@ -8,6 +8,7 @@
 #include "report/json_number.hpp"
 #include "report/paraview_script.hpp"
 
+#include <algorithm>
 #include <cstdio>
 #include <iomanip>
 #include <nlohmann/json.hpp>
@@ -38,6 +39,12 @@ const char* kind_word(VariableKind kind) {
             return "own";
     }
     return "unknown";
+}
+
+std::string data_set_name(int evaluation) {
+    std::ostringstream name;
+    name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
+    return name.str();
 }
 
 std::string labels_csv(const PatchLevel& level) {
@@ -141,6 +148,11 @@ void RunFolder::discard() {
     made_.clear();
 }
 
+void RunFolder::add_problems(const std::vector<std::string>& problems) {
+    for (const std::string& words : problems)
+        if (std::find(problems_.begin(), problems_.end(), words) == problems_.end()) problems_.push_back(words);
+}
+
 void RunFolder::remember(const std::string& name) {
     if (std::find(files_.begin(), files_.end(), name) == files_.end()) files_.push_back(name);
 }
@@ -161,8 +173,11 @@ void RunFolder::write_start(const TriMesh& surface, SurfaceFormat format, const 
 }
 
 void RunFolder::begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,
-                      SeriesPolicy policy) {
+                      SeriesPolicy policy, KeepPolicy keep) {
     problem_ = &problem;
+    const bool may_ask_again = std::any_of(problem.quantities.begin(), problem.quantities.end(),
+                                           [](const Quantity& q) { return bool(q.differentiate); });
+    evaluations_ = std::make_unique<EvaluationFolders>(folder_, keep, may_ask_again);
     format_ = format;
     policy_ = policy;
     std::vector<std::string> own;
@@ -175,6 +190,7 @@ void RunFolder::add(const EvaluationRecord& record) {
     std::error_code ignored;
     if (goes_on_ && !record.is_replayed) fs::remove(folder_ / "run.json", ignored);  // it tells of an earlier end
     history_->add(record);
+    evaluations_->add(record);
 }
 
 void RunFolder::add(const LevelStart& level) {
@@ -210,10 +226,11 @@ RunFolder::DataSet RunFolder::data_set(const AcceptedDesign& design) {
     std::snprintf(number, sizeof number, "%06d", design.record.evaluation);
     std::vector<std::string> problems;
     DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label, {}};
-    out.fields = design_fields(*problem_, with_vertices(problem_->surface, design.vertices),
-                               folder_ / "evaluations" / number, problems);
-    for (const std::string& words : problems)
-        if (std::find(problems_.begin(), problems_.end(), words) == problems_.end()) problems_.push_back(words);
+    const TriMesh surface = with_vertices(problem_->surface, design.vertices);
+    const ShownDesign shown{surface, folder_ / "evaluations" / number, own_values(design.space, design.x),
+                            folder_ / data_set_name(design.record.evaluation)};
+    out.fields = design_fields(*problem_, shown, problems);
+    add_problems(problems);
     const Points force = demand(design.space, design.x).loads.force;
     if (force.rows() == 0) return out;
     const Eigen::VectorXd& area = design.space.rest->vertex_area;
@@ -234,13 +251,12 @@ void RunFolder::write_data_set(const std::string& name, const DataSet& design) c
 }
 
 void RunFolder::add_to_series(int evaluation, DataSet design) {
-    std::ostringstream name;
-    name << "series/design_" << std::setw(6) << std::setfill('0') << evaluation << ".vtp";
+    const std::string name = data_set_name(evaluation);
     make_folder(folder_ / "series");
     // What a replay comes past has been written, whole and with the same bytes.
-    if (evaluation >= best_from_ || !fs::exists(folder_ / name.str())) write_data_set(name.str(), design);
+    if (evaluation >= best_from_ || !fs::exists(folder_ / name)) write_data_set(name, design);
     last_ = std::move(design);
-    steps_.emplace_back(evaluation, name.str());
+    steps_.emplace_back(evaluation, name);
     write_pvd(folder_ / "series.pvd", steps_);
     remember("series.pvd");
     if (steps_.size() == 1) write("series.py", paraview_script());
@@ -250,7 +266,8 @@ void RunFolder::finish(const RunResult& result) {
     const bool is_over = result.status != "interrupted" && result.status != "waiting";
     if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
         add_to_series(result.best_evaluation, last_best_);
-    if (is_over) history_->finish();
+    if (is_over) history_->finish(), evaluations_->finish(result);
+    add_problems(evaluations_->problems());
     remember("run.json");
     write("run.json", run_json(result, files_) + "\n");
 }

@@ -2,6 +2,7 @@
 #include "core/mesh/io.hpp"
 #include "core/mesh/vtp.hpp"
 #include "optimize/history.hpp"
+#include "report/evaluation_folders.hpp"
 #include "report/run_lock.hpp"
 
 #include <filesystem>
@@ -26,7 +27,7 @@ public:
 
     /// Starts the records. `problem` must outlive the folder.
     void begin(const Problem& problem, const std::vector<std::string>& value_names, SurfaceFormat format,
-               SeriesPolicy policy);
+               SeriesPolicy policy, KeepPolicy keep = KeepPolicy::all);
 
     void add(const EvaluationRecord& record);
     /// levels/labels_K.csv (patch of each triangle, file order) and levels/variables_K.csv.
@@ -52,7 +53,7 @@ public:
     const std::filesystem::path& folder() const { return folder_; }
     /// Names of the files written so far, relative to the folder.
     const std::vector<std::string>& files() const { return files_; }
-    /// What could not be shown, each once: fields of programs that are none.
+    /// What could not be shown or removed, each once: fields of programs that are none, folders.
     const std::vector<std::string>& problems() const { return problems_; }
 
 private:
@@ -69,6 +70,7 @@ private:
     void write_data_set(const std::string& name, const DataSet& design) const;
     void add_to_series(int evaluation, DataSet design);
     void remember(const std::string& name);
+    void add_problems(const std::vector<std::string>& problems);
 
     std::filesystem::path folder_;
     bool goes_on_ = false;
@@ -76,6 +78,7 @@ private:
     int best_from_ = 0;
     const Problem* problem_ = nullptr;
     std::unique_ptr<HistoryWriter> history_;
+    std::unique_ptr<EvaluationFolders> evaluations_;
     SurfaceFormat format_ = SurfaceFormat::stl_binary;
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;

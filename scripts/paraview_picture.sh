@@ -3,16 +3,17 @@
 # Needs pvpython (apt-get install python3-paraview, which takes the place of python3-vtk9) and xvfb-run.
 set -euo pipefail
 [ $# = 2 ] || { echo "usage: paraview_picture.sh RUN OUT.png" >&2; exit 2; }
-here=$(cd "$(dirname "$0")" && pwd)
 run=$(realpath "$1") out=$(realpath "$2")
-cd "$run"
-xvfb-run -a pvpython - "$out" <<'PY'
+script=$(mktemp --suffix=.py)
+trap 'rm -f "$script"' EXIT
+cat >"$script" <<'PY'
+import os
 import runpy
-import sys
 
 from paraview.simple import *
 
 runpy.run_path("series.py")
-SaveScreenshot(sys.argv[1], list(GetLayouts().values())[0], ImageResolution=[1200, 480])
+SaveScreenshot(os.environ["PICTURE"], list(GetLayouts().values())[0], ImageResolution=[1200, 480])
 PY
-/usr/bin/python3 "$here/smaller_png.py" "$out"
+cd "$run"
+PICTURE=$out xvfb-run -a pvpython "$script"

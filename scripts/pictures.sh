@@ -105,5 +105,5 @@ if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \
         --titles "local bump: splits above a patch|its patches|global twist: splits above a patch|its patches"
 fi
-# Palettes instead of true colours: a third of the size.
-/usr/bin/python3 scripts/smaller_png.py $out/*.png
+# Large ones get a palette instead of true colours: a third of the size.
+find $out -name "*.png" -size +150k -exec /usr/bin/python3 scripts/smaller_png.py {} +

@@ -87,6 +87,10 @@ const Broken broken[] = {
     {"fixed: [root]", "fixed: [flap]",
      "case.yaml:13:14: region 'flap' is under fixed and under strains; it can only be one"},
     {"default: 2%", "default: 0", "case.yaml:9:30: shell.thickness.default = 0 must be > 0"},
+    {"spring: 0}", "spring: -1}", "case.yaml:9:53: shell.spring = -1 must be >= 0"},
+    {"default: 2%", "default: -5%", "case.yaml:9:30: shell.thickness.default = -5% must be > 0"},
+    {"method: slsqp, budget: {evaluations: 200}}", "method: slsqp}\noutput: {keep: faild}",
+     "case.yaml:21:16: output.keep = faild must be one of all, failed, best, none; did you mean 'failed'?"},
     {"root: 4%", "roto: 4%",
      "case.yaml:9:34: region 'roto' is not declared; did you mean 'root'? Regions: root, tip, flap"},
     {"file: wing.obj, units", "file: wnig.obj, units",
@@ -327,6 +331,18 @@ TEST_F(CaseErrors, FilesThatAreNone) {
     EXPECT_THROW(load_case(folder.path()), CaseError);
     EXPECT_THROW(load_case("/dev/zero"), CaseError);
     EXPECT_EQ(errors("case: wing\nsurface: {file: .}\n"), "case.yaml:2:17: surface.file = . is not a regular file");
+}
+
+TEST_F(CaseErrors, PathsAreTakenAsTheyStandAndRelativeToTheCase) {
+    for (const char* name : {"~/wing.obj", "${HOME}/wing.obj", "$PWD/wing.obj", "%HOME%/wing.obj"})
+        EXPECT_EQ(errors(text("case: wing\nsurface: {file: '", name, "'}\n")),
+                  text("case.yaml:2:17: surface.file = ", name, " does not exist (", name, ")"));
+    const std::string path = file("case: wing\nsurface: {file: wing.obj}\n");
+    const std::filesystem::path before = std::filesystem::current_path();
+    std::filesystem::current_path("/");
+    const Case elsewhere = load_case(path);
+    std::filesystem::current_path(before);
+    EXPECT_EQ(elsewhere.surface, folder.path() / "wing.obj");
 }
 
 TEST_F(CaseErrors, MessagesAreSafeToPrint) {

@@ -107,7 +107,7 @@ quantities:
   match: {type: target_shape, file: wing.obj, match: closest}
 fit: [scan, spars, rib, match]
 optimize: {loss: cauchy, loss_scale: 0.2%, associations: 2}
-output: {paraview: none}
+output: {paraview: none, keep: best}
 )";
 
 const char* goals = R"(surface: {file: wing.obj}

@@ -99,3 +99,17 @@ TEST(Friction, WhatCannotBeIsRefused) {
     flow.wall_temperature = -1;
     EXPECT_TRUE(has(refusal([&] { friction("f", mesh, flow); }), "wall_temperature"));
 }
+
+TEST(Friction, FieldIsTheLocalCoefficient) {
+    const TriMesh plate = strip(2, 0.5, 40, 10);
+    const std::vector<SurfaceField> fields =
+        friction("f", plate, flow_of(true)).fields(QuantityRequest{plate, false, 1, 0, {}});
+    ASSERT_EQ(fields.size(), 1U);
+    EXPECT_EQ(fields[0].name, "f.cf");
+    const double foremost = plate.vertices.col(0).minCoeff();
+    for (int v = 0; v < plate.num_vertices(); ++v) {
+        const double along = plate.vertices(v, 0) - foremost;
+        if (along < 0.2) continue;
+        EXPECT_NEAR(fields[0].values[v], 0.0592 * std::pow(1e6 * along, -0.2), 1e-5) << along;
+    }
+}

@@ -204,3 +204,41 @@ TEST(Newtonian, WhatCannotBeIsRefused) {
     std::swap(mixed.triangles(7, 0), mixed.triangles(7, 1));
     EXPECT_TRUE(has(refusal([&] { newtonian("aero", mixed, {}); }), "disagree in orientation; repair: {orient: true}"));
 }
+
+TEST(Newtonian, FieldIsThePressureThatEachVertexFeels) {
+    const TriMesh ball = icosphere(4);
+    const Quantity flow = newtonian("aero", ball, plain());
+    const std::vector<SurfaceField> fields = flow.fields(QuantityRequest{ball, false, 1, 0, {}});
+    ASSERT_EQ(fields.size(), 1U);
+    EXPECT_EQ(fields[0].name, "aero.cp");
+    ASSERT_EQ(fields[0].values.size(), ball.num_vertices());
+    // 2 cos^2 of the angle from the nose at -x; nothing behind.
+    for (int v = 0; v < ball.num_vertices(); ++v) {
+        const double cosine = std::max(0.0, -ball.vertices(v, 0));
+        EXPECT_NEAR(fields[0].values[v], 2 * cosine * cosine, 0.02) << v;
+    }
+    // A ball in the wind's shadow of another feels nothing.
+    const TriMesh two = two_spheres({3, 0, 0}, 3);
+    const Eigen::VectorXd cp = newtonian("aero", two, plain()).fields(QuantityRequest{two, false, 1, 0, {}})[0].values;
+    const int first = two.num_vertices() / 2;
+    EXPECT_GT(cp.head(first).maxCoeff(), 1.9);
+    EXPECT_LT(cp.tail(first).maxCoeff(), 1e-9);
+}
+
+TEST(Newtonian, FieldFollowsAnOwnVariable) {
+    const TriMesh ball = icosphere(3);
+    NewtonianFlow flow = plain();
+    flow.stream.alpha.variable = "alpha";
+    const Quantity aero = newtonian("aero", ball, flow);
+    const auto pressures = [&](double alpha) {
+        QuantityRequest request{ball, false, 1, 0, {}};
+        request.own = {{"alpha", alpha}};
+        return Eigen::VectorXd(aero.fields(request)[0].values);
+    };
+    // At 90 degrees the flow comes from below: the lowest vertex is the nose.
+    Eigen::Index lowest = 0, most = 0;
+    ball.vertices.col(2).minCoeff(&lowest);
+    pressures(pi / 2).maxCoeff(&most);
+    EXPECT_LT((ball.vertices.row(most) - ball.vertices.row(lowest)).norm(), 0.2);
+    EXPECT_GT((pressures(0) - pressures(pi / 2)).norm(), 1);
+}

@@ -147,6 +147,23 @@ class Page(unittest.TestCase):
         self.assertNotEqual(b.run("document.querySelector('.section-plot').getAttribute('viewBox')"), "")
         b.choose("Plane normal to", "1")
 
+    def test_5_another_axis_may_be_up(self):
+        b = self.browser
+        b.run("document.querySelector('canvas.view').focus()")
+        b.key("Home")
+        before = canvas(b)
+        was = b.run("[...document.querySelectorAll('#shapes label')].find((l) => l.textContent.startsWith('Up')).querySelector('select').value")
+        seen = set()
+        for axis in "012":
+            b.choose("Up", axis)
+            seen.add(canvas(b))
+            b.run("document.querySelector('canvas.view').focus()")
+            b.key("ArrowLeft")
+            seen.add(canvas(b))
+        self.assertEqual(len(seen), 6)
+        b.choose("Up", was)
+        self.assertEqual(canvas(b), before)
+
     def test_5_view_by_keyboard_and_pick(self):
         b = self.browser
         before = canvas(b)

@@ -1,5 +1,6 @@
 #include "report/design_fields.hpp"
 
+#include "core/error.hpp"
 #include "core/mesh/temp_folder.hpp"
 #include "objectives/target_shape.hpp"
 #include "surfaces.hpp"
@@ -19,7 +20,7 @@ protected:
 
     void SetUp() override { problem.surface = ellipsoid({1, 0.7, 0.5}, 1); }
     int vertices() const { return problem.surface.num_vertices(); }
-    std::vector<Field> fields() { return design_fields(problem, problem.surface, folder.path(), problems); }
+    std::vector<Field> fields() { return design_fields(problem, {problem.surface, folder.path()}, problems); }
     /// Row k holds 0.5 k; backwards, under a header.
     std::string rows() const {
         std::string csv = "index,cp\n";
@@ -88,6 +89,46 @@ TEST_F(DesignFields, OtherFilesAreNoConcernOfTheirs) {
         EXPECT_TRUE(fields().empty()) << text;
     }
     EXPECT_TRUE(problems.empty());
+}
+
+TEST_F(DesignFields, OfBuiltInQuantitiesAtTheDesignsOwnVariables) {
+    Quantity aero;
+    aero.names = {"aero.drag"};
+    aero.fields = [](const QuantityRequest& request) {
+        return std::vector<SurfaceField>{{"aero.cp", request.own.at(0).second * request.surface.vertices.col(0)},
+                                         {"short", Eigen::VectorXd::Zero(1)},
+                                         {"bad", Eigen::VectorXd::Constant(request.surface.num_vertices(), NAN)}};
+    };
+    Quantity broken;
+    broken.names = {"broken"};
+    broken.fields = [](const QuantityRequest&) -> std::vector<SurfaceField> { throw InvalidInput("no such flow"); };
+    problem.quantities = {aero, broken};
+    const std::vector<Field> found =
+        design_fields(problem, {problem.surface, folder.path(), {{"alpha", 3.0}}, {}}, problems);
+    ASSERT_EQ(found.size(), 1U);
+    EXPECT_EQ(found[0].name, "aero.cp");
+    EXPECT_EQ(std::get<Eigen::VectorXd>(found[0].values), Eigen::VectorXd(3 * problem.surface.vertices.col(0)));
+    ASSERT_EQ(problems.size(), 3U);
+    EXPECT_NE(problems[2].find("fields of broken are left out: no such flow"), std::string::npos);
+}
+
+TEST_F(DesignFields, OfAFolderThatHasGoneAreThoseOfTheDataSet) {
+    const Eigen::VectorXd cp = Eigen::VectorXd::LinSpaced(vertices(), 0, 1), other = 2 * cp;
+    write_vtp(folder / "design.vtp", problem.surface,
+              {{"cp", cp}, {"load", other}, {"displacement", problem.surface.vertices}});
+    const fs::path gone = folder / "evaluations/000003";
+    const auto shown = [&](const fs::path& data_set) {
+        return design_fields(problem, {problem.surface, gone, {}, data_set}, problems);
+    };
+    ASSERT_EQ(shown(folder / "design.vtp").size(), 1U);
+    EXPECT_EQ(std::get<Eigen::VectorXd>(shown(folder / "design.vtp")[0].values), cp);
+    EXPECT_TRUE(shown(folder / "none.vtp").empty());
+    EXPECT_TRUE(problems.empty());
+    folder.write("bad.vtp", "<VTKFile>");
+    EXPECT_TRUE(shown(folder / "bad.vtp").empty());
+    EXPECT_EQ(problems.size(), 1U);
+    fs::create_directories(gone);  // it is there: what it says counts
+    EXPECT_TRUE(shown(folder / "design.vtp").empty());
 }
 
 }  // namespace

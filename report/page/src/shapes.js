@@ -3,7 +3,7 @@
 import { h, section, choice, slider, tick, newId } from './dom.js';
 import { number, change } from './format.js';
 import { Shape, acrossOf } from './shape.js';
-import { Viewer } from './viewer.js';
+import { Viewer, likelyUp } from './viewer.js';
 import { scaleOf, colorAt, gradient, patchColors, plain, css } from './colors.js';
 import { SectionPlot } from './section_plot.js';
 
@@ -19,6 +19,12 @@ function colourChoices(data) {
   return list;
 }
 
+/// Across y; of what is flat there (a wing that lies in x and z) across its length, where a section shows its profile.
+function tellingAxis(size) {
+  const largest = Math.max(...size);
+  return size[1] < 0.3 * largest && size[1] === Math.min(...size) ? size.indexOf(largest) : 1;
+}
+
 class Panel {
   constructor(shape, run) {
     this.shape = shape;
@@ -27,7 +33,7 @@ class Panel {
     this.frame = Math.max(0, this.data.frames.length - 1);
     this.colour = this.data.frames.length > 0 ? 'outward' : (this.data.tree.length > 1 ? 'patches:1' : 'plain');
     this.factor = 1;
-    this.plane = { axis: 1, at: 0, shown: false, cut: false };
+    this.plane = { axis: tellingAxis(shape.size), at: 0, shown: false, cut: false };
     this.selected = null;  // {level, id}
     this.colours = new Map();
   }
@@ -61,6 +67,7 @@ class Panel {
         this.viewer.draw();
       }),
       choice('Exaggerate', ['1', '2', '5', '10', '20'].map((v) => [v, `${v} ×`]), '1', (v) => { this.factor = Number(v); this.move(); }),
+      choice('Up', axes.map((a, k) => [String(k), a]), String(likelyUp(this.shape.size)), (v) => this.viewer.setUp(Number(v))),
       h('span', { class: 'buttons', role: 'group', 'aria-label': 'Look from' },
         views.map(([v, words]) => h('button', { type: 'button', onclick: () => this.viewer.look(v) }, words))),
     ];
@@ -98,7 +105,7 @@ class Panel {
     this.sectionAt = h('output', { class: 'told' });
     return h('div', { class: 'sections' }, h('h3', {}, 'Section through both'),
       h('div', { class: 'controls' },
-        choice('Plane normal to', axes.map((a, k) => [String(k), a]), '1', (v) => {
+        choice('Plane normal to', axes.map((a, k) => [String(k), a]), String(this.plane.axis), (v) => {
           this.plane.axis = Number(v);
           range.input.value = 500;
           this.plane.at = 0;

@@ -58,6 +58,18 @@ class Model {
   }
 }
 
+/** The axis across which the body is flat, else z: what is taken for up until the reader says otherwise. */
+export function likelyUp(size) {
+  const order = [0, 1, 2].sort((a, b) => size[a] - size[b]);
+  return size[order[0]] < 0.5 * size[order[1]] ? order[0] : 2;
+}
+
+/** A direction that is told for z up, for another axis. */
+function turned([x, y, z], up) {
+  if (up === 1) return [x, z, -y];
+  return up === 0 ? [z, y, -x] : [x, y, z];
+}
+
 export class Viewer {
   /** @throws where there is no WebGL. */
   constructor(canvas, shape) {
@@ -71,17 +83,24 @@ export class Viewer {
     this.start = new Model(shape, this.clip);
     this.design = new Model(shape, this.clip);
     this.camera = new OrthographicCamera(-1, 1, 1, -1, -50, 50);
-    this.camera.up.set(0, 0, 1);
     this.radius = shape.diagonal / 2;
-    this.controls = new OrbitControls(this.camera, canvas);
-    this.controls.enableDamping = false;
-    this.controls.addEventListener('change', () => this.draw());
     this.both = true;
     this.overlay = false;
-    this.look('iso');
+    this.setUp(likelyUp(shape.size));
     canvas.addEventListener('keydown', (e) => this.key(e));
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.makeFrame();
+  }
+
+  /** 0, 1, 2: x, y, z. */
+  setUp(axis) {
+    this.up = axis;
+    this.camera.up.set(...turned([0, 0, 1], axis));
+    if (this.controls) this.controls.dispose();
+    this.controls = new OrbitControls(this.camera, this.canvas);  // they keep what was up when they were made
+    this.controls.enableDamping = false;
+    this.controls.addEventListener('change', () => this.draw());
+    this.look('iso');
   }
 
   /** The rectangle of the section plane. */
@@ -125,8 +144,8 @@ export class Viewer {
     const [x, y, z] = directions[name];
     const size = Math.hypot(x, y, z);
     this.controls.target.set(0, 0, 0);
-    this.camera.up.set(0, Math.abs(z) === size ? 1 : 0, Math.abs(z) === size ? 0 : 1);
-    this.camera.position.set(x, y, z).multiplyScalar((4 * this.radius) / size);
+    this.camera.up.set(...turned(Math.abs(z) === size ? [0, 1, 0] : [0, 0, 1], this.up));
+    this.camera.position.set(...turned([x, y, z], this.up)).multiplyScalar((4 * this.radius) / size);
     this.camera.zoom = 1;
     this.controls.update();
     this.fit();

@@ -229,6 +229,29 @@ TEST(Repair, HalfModelsKeepTheirCut) {
     EXPECT_EQ(repair(inward, everything(inward)).count(RepairKind::orient), 1);  // a flat lid would close it
 }
 
+TEST(Repair, AStatedPlaneOfSymmetryIsNeitherClosedNorTold) {
+    const TriMesh half = without(box_surface({1, 1, 1}, 4), [](int t) { return t < 32; });
+    const BoundaryLoop cut = checkup(half).loops.at(0);
+    ASSERT_GE(cut.symmetry_axis, 0);
+    RepairOptions options;
+    options.orient = true;
+    const auto told = [&] {
+        std::string all;
+        for (const std::string& words : repair(half, options).remaining) all += words + "\n";
+        return all;
+    };
+    EXPECT_NE(told().find("1 open loop(s): not asked for"), std::string::npos);
+    for (const double sign : {1.0, -1.0}) {
+        options.symmetry = SymmetryPlane{sign * Eigen::Vector3d::Unit(cut.symmetry_axis), sign * cut.symmetry_at};
+        options.holes.reset();
+        EXPECT_EQ(told(), "");
+        options.holes = 100;
+        EXPECT_EQ(repair(half, options).after.facts.boundary_loops.size(), 1U);
+    }
+    options.symmetry->offset += 0.1;  // another plane: the opening is a hole
+    EXPECT_TRUE(repair(half, options).after.facts.closed);
+}
+
 TEST(Repair, CommonWallsOfTouchingPartsGo) {
     TriMesh boxes = joined(box_surface({1, 1, 1}, 3), moved(box_surface({1, 1, 1}, 3), {1, 0, 0}));
     RepairOptions options;

@@ -167,3 +167,25 @@ TEST(Sensitivities, WarmSolveWithAKeptFactorEndsAtTheSameShape) {
     ASSERT_EQ(cold.solve(f.loads).status, SolveStatus::converged);
     EXPECT_LT((warm.vertices() - cold.vertices()).cwiseAbs().maxCoeff(), 1e-10);
 }
+
+TEST(Sensitivities, AdjointsDoNotDependOnThoseOfOtherDesignsAndFunctionals) {
+    const Fixture f(0.2, false, true);
+    const auto functional = [&](int seed) {
+        return Points(
+            Points::Map(random_vector(3 * f.mesh.num_vertices(), seed).eval().data(), f.mesh.num_vertices(), 3));
+    };
+    Loads other = f.loads;
+    other.force *= 0.9;
+    PrimoShell shell(f.mesh, f.options), fresh(f.mesh, f.options);
+    ASSERT_EQ(shell.solve(other, f.motions).status, SolveStatus::converged);
+    shell.adjoint({functional(1), functional(2), functional(2), Points::Zero(f.mesh.num_vertices(), 3)});
+    ASSERT_EQ(shell.solve(f.loads, f.motions).status, SolveStatus::converged);
+    ASSERT_EQ(fresh.solve(f.loads, f.motions).status, SolveStatus::converged);
+    for (const std::vector<Points>& asked : {std::vector<Points>{functional(2), functional(3)}, {functional(4)}}) {
+        const auto one = shell.adjoint(asked);
+        for (std::size_t k = 0; k < asked.size(); ++k) {
+            const ShellSensitivities same = fresh.adjoint({asked[k]})[0];
+            EXPECT_LE((one[k].force - same.force).norm(), 1e-7 * same.force.norm()) << k;
+        }
+    }
+}

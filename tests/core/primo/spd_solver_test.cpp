@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 /// What a factorization is trusted with: libraries call a factor of NaN a success and print warnings of their own.
 namespace strake {
 namespace {
@@ -29,6 +31,42 @@ TEST(SpdSolver, SolvesWhatIsPositiveDefinite) {
     const Eigen::VectorXd x = solver.solve(b), left = b - A.multiply(x);
     EXPECT_LT(left.norm(), 1e-6 * b.norm());  // the factor is held in single precision,
     EXPECT_LT((A.multiply(x + solver.solve(left)) - b).norm(), 1e-12 * b.norm());  // which a correction makes up for
+}
+
+TEST(SpdSolver, AnyNumberOfColumnsOfAnySizeIsSolvedAsOne) {
+    BlockMatrix A = chain(41);
+    for (std::size_t k = 0; k < A.below.size(); ++k) A.below[k](static_cast<int>(k % 6), 2) -= 0.3;
+    SpdSolver solver;
+    solver.analyze(A);
+    ASSERT_TRUE(solver.factorize(A));
+    for (const int columns : {1, 2, 4, 5, 8, 9, 16, 19}) {
+        Eigen::MatrixXd B(246, columns);
+        for (int c = 0; c < columns; ++c)
+            for (int i = 0; i < 246; ++i) B(i, c) = std::pow(10.0, 9 * (c % 7) - 27) * std::sin(1.7 * i + c);
+        B.col(columns / 2).setZero();
+        const Eigen::MatrixXd X = solver.solve(B), AX = A.multiply_columns(X);
+        for (int c = 0; c < columns; ++c) {
+            EXPECT_LE((AX.col(c) - B.col(c)).norm(), 1e-5 * B.col(c).norm()) << columns << ", " << c;
+            EXPECT_EQ(AX.col(c), A.multiply(X.col(c))) << columns << ", " << c;
+        }
+    }
+}
+
+TEST(SpdSolver, ProductsAreThoseOfTheFullMatrix) {
+    BlockMatrix A = chain(7);
+    for (std::size_t k = 0; k < A.below.size(); ++k)
+        for (int r = 0; r < 6; ++r)
+            for (int c = 0; c < 6; ++c) A.below[k](r, c) = std::cos(static_cast<double>(36 * k) + 6 * r + c);
+    Eigen::MatrixXd full = Eigen::MatrixXd::Zero(42, 42);
+    for (int j = 0; j < 7; ++j) {
+        full.block<6, 6>(6 * j, 6 * j) = A.diagonal[j];
+        for (int k = A.begin[j]; k < A.begin[j + 1]; ++k) {
+            full.block<6, 6>(6 * A.row[k], 6 * j) = A.below[k];
+            full.block<6, 6>(6 * j, 6 * A.row[k]) = A.below[k].transpose();
+        }
+    }
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(42, -1, 2);
+    EXPECT_LE((A.multiply(x) - full * x).norm(), 1e-14 * (full * x).norm());
 }
 
 TEST(SpdSolver, AnIndefiniteMatrixHasNoFactorAndNothingIsPrinted) {

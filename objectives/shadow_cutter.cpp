@@ -13,7 +13,7 @@ using Eigen::Vector3d;
 constexpr double same_depth_rel = 1e-9;  // of the diagonal: what touches does not hide
 constexpr double along_border = 1e-10;   // an edge that close to a triangle's border runs along it
 
-Vector2d centre_of(const Piece& piece) {
+Vector2d centre_of(const ShadowPiece& piece) {
     Vector2d sum = Vector2d::Zero();
     for (const Vector2d& corner : piece) sum += corner;
     return sum / static_cast<double>(piece.size());
@@ -21,7 +21,7 @@ Vector2d centre_of(const Piece& piece) {
 
 }  // namespace
 
-double area_of(const Piece& piece) {
+double area_of(const ShadowPiece& piece) {
     double twice = 0;
     for (std::size_t i = 1; i + 1 < piece.size(); ++i) twice += cross(piece[i] - piece[0], piece[i + 1] - piece[0]);
     return 0.5 * twice;
@@ -113,12 +113,12 @@ double ShadowCutter::depth_at(int t, const Vector2d& x) const {
 }
 
 /// The parts of a convex piece on either side of edge k of t.
-void ShadowCutter::split(const Piece& piece, int t, int k, Piece* inside, Piece* outside) const {
+void ShadowCutter::split(const ShadowPiece& piece, int t, int k, ShadowPiece* inside, ShadowPiece* outside) const {
     const std::size_t n = piece.size();
     for (std::size_t i = 0; i < n; ++i) {
         const Vector2d &a = piece[i], &b = piece[(i + 1) % n];
         const double da = side(t, k, a), db = side(t, k, b);
-        if (Piece* side_of_a = da >= 0 ? inside : outside) side_of_a->push_back(a);
+        if (ShadowPiece* side_of_a = da >= 0 ? inside : outside) side_of_a->push_back(a);
         if ((da >= 0) == (db >= 0)) continue;
         const Vector2d at = a + da / (da - db) * (b - a);
         if (inside) inside->push_back(at);
@@ -128,9 +128,9 @@ void ShadowCutter::split(const Piece& piece, int t, int k, Piece* inside, Piece*
 
 /// Whether o lies upstream of t where both project to the same places.
 bool ShadowCutter::hides(int o, int t) const {
-    Piece common = piece_of(t);
+    ShadowPiece common = piece_of(t);
     for (int k = 0; k < 3; ++k) {
-        Piece inside;
+        ShadowPiece inside;
         split(common, o, k, &inside, nullptr);
         common = std::move(inside);
         if (common.size() < 3) return false;
@@ -139,11 +139,11 @@ bool ShadowCutter::hides(int o, int t) const {
     return depth_at(o, centre) < depth_at(t, centre) - tolerance;
 }
 
-void ShadowCutter::subtract(std::vector<Piece>& pieces, int o, double least) const {
-    std::vector<Piece> left;
-    for (Piece& piece : pieces) {
+void ShadowCutter::subtract(std::vector<ShadowPiece>& pieces, int o, double least) const {
+    std::vector<ShadowPiece> left;
+    for (ShadowPiece& piece : pieces) {
         for (int k = 0; k < 3; ++k) {
-            Piece inside, outside;
+            ShadowPiece inside, outside;
             split(piece, o, k, &inside, &outside);
             if (outside.size() >= 3 && area_of(outside) > least) left.push_back(std::move(outside));
             piece = std::move(inside);
@@ -156,9 +156,9 @@ void ShadowCutter::subtract(std::vector<Piece>& pieces, int o, double least) con
 /// What is left of triangle front[i] when all that hides some of it is cut out; `hiders` become these, in ascending
 /// order. Where none hides any of it nothing is returned.
 auto ShadowCutter::cut_out(int i, double least, std::vector<int>& seen, std::vector<int>& hiders) const
-    -> std::optional<std::vector<Piece>> {
+    -> std::optional<std::vector<ShadowPiece>> {
     const int t = front[i];
-    std::optional<std::vector<Piece>> pieces;
+    std::optional<std::vector<ShadowPiece>> pieces;
     hiders.clear();
     cells_of(t, [&](int c) {
         for (int item = begin[c]; item < begin[c + 1]; ++item) {

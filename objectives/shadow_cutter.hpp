@@ -9,7 +9,7 @@
 /// What cuts the shadows out, in the plane across the stream. Internal to `VisibleAreas`.
 namespace strake {
 
-using Piece = std::vector<Eigen::Vector2d>;  ///< convex polygon, anticlockwise
+using ShadowPiece = std::vector<Eigen::Vector2d>;  ///< convex polygon, anticlockwise
 
 /// A part of a segment; empty unless from < to.
 struct Interval {
@@ -17,7 +17,7 @@ struct Interval {
 };
 
 inline double cross(const Eigen::Vector2d& a, const Eigen::Vector2d& b) { return a[0] * b[1] - a[1] * b[0]; }
-double area_of(const Piece& piece);
+double area_of(const ShadowPiece& piece);
 
 /// The projected triangles, in a grid of square cells.
 struct ShadowCutter {
@@ -38,7 +38,7 @@ struct ShadowCutter {
     void cells_of(int t, const Visit& visit) const;
 
     Eigen::Vector2d corner(int t, int k) const { return at.row(mesh.triangles(t, k)); }
-    Piece piece_of(int t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
+    ShadowPiece piece_of(int t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }
     /// Twice the area of x with edge k of t: > 0 inside. From the smaller to the larger vertex, so that both triangles
     /// at an edge get the same bits.
     double side(int t, int k, const Eigen::Vector2d& x) const {
@@ -49,11 +49,11 @@ struct ShadowCutter {
     bool apart(int t, int o) const;
     bool share_edge(int t, int o) const;
     double depth_at(int t, const Eigen::Vector2d& x) const;
-    void split(const Piece& piece, int t, int k, Piece* inside, Piece* outside) const;
+    void split(const ShadowPiece& piece, int t, int k, ShadowPiece* inside, ShadowPiece* outside) const;
     bool hides(int o, int t) const;
-    void subtract(std::vector<Piece>& pieces, int o, double least) const;
-    std::optional<std::vector<Piece>> cut_out(int i, double least, std::vector<int>& seen,
-                                              std::vector<int>& hiders) const;
+    void subtract(std::vector<ShadowPiece>& pieces, int o, double least) const;
+    std::optional<std::vector<ShadowPiece>> cut_out(int i, double least, std::vector<int>& seen,
+                                                    std::vector<int>& hiders) const;
     Interval within(int o, const Eigen::Vector2d& a, const Eigen::Vector2d& b, double margin) const;
     bool goes_on(int o, int k, const std::vector<int>& hiders) const;
     std::vector<Interval> seen_of_edge(int t, int o, int k, const std::vector<int>& hiders) const;

@@ -25,7 +25,7 @@ VisibleAreas::VisibleAreas(const TriMesh& mesh, const Vector3d& u) : mesh_(mesh)
         hidden_[t] = pieces.has_value();
         if (!pieces) area_[t] = full;
         if (!pieces || pieces->empty()) continue;
-        for (const Piece& piece : *pieces) area_[t] += area_of(piece);
+        for (const ShadowPiece& piece : *pieces) area_[t] += area_of(piece);
         add_borders(cutter, t, t, hiders);
         for (const int o : hiders) add_borders(cutter, t, o, hiders);
     }

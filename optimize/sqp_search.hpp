@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/first_order.hpp"
+#include "optimize/guard.hpp"
 #include "optimize/quadratic_model.hpp"
 #include "optimize/sqp.hpp"
 

@@ -5,10 +5,12 @@
   the examples' surfaces are small ones. Lines that start `./run.sh` or `./test.sh` are not run here (this script is
   part of test.sh, which runs the same job in its step "main job"): the script and the case named must exist.
 - ```yaml blocks that are whole cases (they have the keys `case` and `surface`) go through `strake check`, in the
-  page's folder.
+  page's folder; other ones that begin with a key of a case are held against `strake schema --json`, where python3-yaml
+  and python3-jsonschema are installed.
 - ```python blocks of a page run as one program after its other blocks, where BIN/python holds the Python module.
 Other fences (text, console, cpp) are output or code for reading. Exit status 1 if anything fails.
 """
+import json
 import os
 import pathlib
 import re
@@ -64,12 +66,38 @@ def run(command, where, folder, environment, failures, text=None):
         failures.append(f"{where}: exit status {done.returncode}\n    {tail}")
 
 
+def fragment_checker(bin_folder):
+    """What is wrong with a part of a case, by its JSON Schema: keys may be missing, but none may be unknown or mistaken."""
+    try:
+        import jsonschema
+        import yaml
+    except ImportError:
+        return lambda code: []
+
+    class Loader(yaml.SafeLoader):
+        """As yaml-cpp reads: `on` is a word, 8e5 a number."""
+
+    Loader.yaml_implicit_resolvers = {
+        first: [(tag, form) for tag, form in forms if not tag.endswith((":bool", ":float"))]
+        for first, forms in yaml.SafeLoader.yaml_implicit_resolvers.items()}
+    Loader.add_implicit_resolver("tag:yaml.org,2002:bool", re.compile("true|false"), list("tf"))
+    Loader.add_implicit_resolver("tag:yaml.org,2002:float", re.compile(r"[-+]?(\d+\.?\d*|\.\d+)(e[-+]?\d+)?$", re.I),
+                                 list("-+.0123456789"))
+    schema = json.loads(subprocess.run([str(bin_folder / "strake"), "schema", "--json"], check=True,
+                                       stdout=subprocess.PIPE).stdout)
+    schema.pop("required", None)
+    validator = jsonschema.Draft7Validator(schema)
+    return lambda code: [f"{'.'.join(map(str, e.absolute_path))}: {e.message[:200]}"
+                         for e in validator.iter_errors(yaml.load(code, Loader))]
+
+
 def main():
     if len(sys.argv) != 2:
         sys.exit(__doc__)
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
     environment = dict(os.environ, PATH=f"{bin_folder}{os.pathsep}{os.environ['PATH']}")
     failures, counts = [], {"sh": 0, "yaml": 0, "python": 0}
+    wrong_in = fragment_checker(bin_folder)
     module = bin_folder / "python"
     has_module = any(module.glob("strake/_core*"))
     with tempfile.TemporaryDirectory() as temporary:
@@ -95,6 +123,9 @@ def main():
                     snippet = folder / f"snippet_{line}.yaml"
                     snippet.write_text(code, encoding="utf-8")
                     run([str(bin_folder / "strake"), "check", str(snippet)], where, folder, environment, failures)
+                elif kind == "yaml" and code[0].isalpha():
+                    counts["yaml"] += 1
+                    failures += [f"{where}: {words}" for words in wrong_in(code)]
             if program and has_module:
                 run(["/usr/bin/python3", "-"], f"{page.relative_to(ROOT)} (python)", folder,
                     dict(environment, PYTHONPATH=str(module)), failures, "\n".join(program))

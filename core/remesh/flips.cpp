@@ -39,7 +39,7 @@ constexpr double poor = 0.45;  ///< below, quality counts for more than valence
 
 class Flips {
 public:
-    Flips(WorkingMesh& mesh, const Guard& guard)
+    Flips(WorkingMesh& mesh, const StepGuard& guard)
         : mesh_(mesh), guard_(guard), wanted_(mesh.num_vertices(), 6), quality_(mesh.num_triangles()) {
         for (int v = 0; v < mesh.num_vertices(); ++v)
             if (mesh.half[v] >= 0 && mesh.role[v] != VertexRole::free) wanted_[v] = wanted_valence(mesh, v);
@@ -106,7 +106,7 @@ private:
     }
 
     WorkingMesh& mesh_;
-    const Guard& guard_;
+    const StepGuard& guard_;
     std::vector<int> wanted_;
     std::vector<double> quality_;
     std::vector<int> changed_;  ///< triangles
@@ -114,6 +114,6 @@ private:
 
 }  // namespace
 
-int flip_edges(WorkingMesh& mesh, const Guard& guard) { return Flips(mesh, guard).run(); }
+int flip_edges(WorkingMesh& mesh, const StepGuard& guard) { return Flips(mesh, guard).run(); }
 
 }  // namespace strake

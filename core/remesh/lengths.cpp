@@ -41,7 +41,8 @@ constexpr double cos_at_tips = 0.75;
 
 class Collapse {
 public:
-    Collapse(WorkingMesh& mesh, const Guard& guard, double longest) : mesh_(mesh), guard_(guard), longest_(longest) {}
+    Collapse(WorkingMesh& mesh, const StepGuard& guard, double longest)
+        : mesh_(mesh), guard_(guard), longest_(longest) {}
 
     /// Removes the end a of edge h if nothing speaks against it.
     bool attempt(int h, int a) {
@@ -131,7 +132,7 @@ private:
     }
 
     WorkingMesh& mesh_;
-    const Guard& guard_;
+    const StepGuard& guard_;
     double longest_;
 };
 
@@ -185,7 +186,7 @@ int split_long(WorkingMesh& mesh, double factor) {
     });
 }
 
-int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest) {
+int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, double longest) {
     Collapse collapse(mesh, guard, longest);
     return sweep_edges(mesh, 4, [&](int h, std::vector<int>& next) {
         const double limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));

@@ -9,7 +9,7 @@
 namespace strake {
 
 /// What no operation may break.
-struct Guard {
+struct StepGuard {
     double chord_slack;         ///< how far the input's curves may leave their chords
     double cos_natural;         ///< normals may always stand off the input's by this
     double cos_turn, sin_turn;  ///< and by this more where they already do
@@ -39,28 +39,28 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
     return facing(mesh, a, b, c, mesh.pos[a], mesh.pos[b], mesh.pos[c]);
 }
 /// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread.
-inline double allowed_dot(const Guard& guard, double before) {
+inline double allowed_dot(const StepGuard& guard, double before) {
     if (before >= guard.cos_natural) return guard.cos_natural;
     const double sine = std::sqrt(std::max(0.0, 1 - before * before));
     return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, 0.05, guard.cos_natural);
 }
 constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
 /// Whether `made` faces another way than `old`, or that way was wrong, or not known.
-inline bool has_turned(const Guard& guard, const Facing& old, const Facing& made) {
+inline bool has_turned(const StepGuard& guard, const Facing& old, const Facing& made) {
     return old.quality < 0.02 || old.dot < 0.05 || made.normal.dot(old.normal) < guard.cos_turn;
 }
 
 int split_long(WorkingMesh& mesh, double factor);
-int collapse_short(WorkingMesh& mesh, const Guard& guard, double factor, double longest);
-int flip_edges(WorkingMesh& mesh, const Guard& guard);
+int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, double longest);
+int flip_edges(WorkingMesh& mesh, const StepGuard& guard);
 /// Centres spread vertices evenly; equilateral triangles are the finish, with the worst of them counting most.
 enum class Towards { centres, equilateral };
 /// Moves vertices along the surface. @return the largest move in wanted lengths.
-double smooth(WorkingMesh& mesh, const Guard& guard, Towards goal);
+double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal);
 
 /// Moves the vertices of triangles of lower quality than `below` to where the worst triangle around each is best.
 /// @return how many moved.
-int polish(WorkingMesh& mesh, const Guard& guard, double below);
+int polish(WorkingMesh& mesh, const StepGuard& guard, double below);
 
 /// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
 struct RidgeEdges {

@@ -14,7 +14,7 @@ constexpr int most_tries = 12;  ///< of a vertex in a sweep: where hundreds of t
 
 class Polish {
 public:
-    Polish(WorkingMesh& mesh, const Guard& guard) : mesh_(mesh), guard_(guard) {}
+    Polish(WorkingMesh& mesh, const StepGuard& guard) : mesh_(mesh), guard_(guard) {}
 
     /// @return how many vertices were moved.
     int run(double below) {
@@ -143,11 +143,11 @@ private:
     }
 
     WorkingMesh& mesh_;
-    const Guard& guard_;
+    const StepGuard& guard_;
 };
 
 }  // namespace
 
-int polish(WorkingMesh& mesh, const Guard& guard, double below) { return Polish(mesh, guard).run(below); }
+int polish(WorkingMesh& mesh, const StepGuard& guard, double below) { return Polish(mesh, guard).run(below); }
 
 }  // namespace strake

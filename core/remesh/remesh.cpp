@@ -260,7 +260,7 @@ private:
     Sizing sizing_;
     bool takes_limits_ = true;  ///< thin places may still ask for shorter edges
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
-    Guard firm_, loose_;        ///< of collapses; of flips and smoothing
+    StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     Crossings crossings_{base_};

@@ -63,7 +63,7 @@ void move_free(const WorkingMesh& mesh, Towards goal, int v, Moves& moves) {
     moves.normal[v] = normal;
 }
 
-void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves) {
+void move_ridge(const WorkingMesh& mesh, const StepGuard& guard, int v, Moves& moves) {
     const auto [before, after] = ridge_edges(mesh, v);
     if (before < 0 || after < 0) return;
     const FeatureEdge &e = mesh.features[before], &f = mesh.features[after];
@@ -85,7 +85,7 @@ void move_ridge(const WorkingMesh& mesh, const Guard& guard, int v, Moves& moves
 }
 
 /// Triangles that the moves would spoil; their vertices stay.
-bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const Guard& guard, int t) {
+bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const StepGuard& guard, int t) {
     const int a = mesh.corner[3 * t], b = mesh.corner[3 * t + 1], c = mesh.corner[3 * t + 2];
     if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
     const Facing now = facing(mesh, a, b, c);
@@ -108,7 +108,7 @@ void shift_features(WorkingMesh& mesh, const std::vector<double>& s) {
 }
 
 /// Takes back the moves of the triangles that they spoil, and of those that this spoils in turn.
-void take_back(WorkingMesh& mesh, Moves& before, const Guard& guard) {
+void take_back(WorkingMesh& mesh, Moves& before, const StepGuard& guard) {
     const int m = mesh.num_triangles();
     std::vector<char> spoilt(m);
     in_parts(m, guard.threads, [&](int begin, int end) {
@@ -165,7 +165,7 @@ RidgeEdges ridge_edges(const WorkingMesh& mesh, int v) {
     return edges;
 }
 
-double smooth(WorkingMesh& mesh, const Guard& guard, Towards goal) {
+double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal) {
     const int n = mesh.num_vertices();
     Moves moves{mesh.pos, mesh.normal, mesh.foot, std::vector<double>(n, 0.0)};
     in_parts(n, guard.threads, [&](int begin, int end) {

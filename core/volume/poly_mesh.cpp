@@ -7,7 +7,7 @@
 #include <charconv>
 
 /// OpenFOAM's polyMesh: points, faces, owner, neighbour and boundary, a file each.
-namespace strake::volume {
+namespace strake::volume_formats {
 namespace {
 
 namespace fs = std::filesystem;
@@ -127,4 +127,4 @@ VolumeFile read_poly_mesh(const fs::path& path) {
     return out;
 }
 
-}  // namespace strake::volume
+}  // namespace strake::volume_formats

@@ -6,7 +6,7 @@
 #include <array>
 
 /// SU2's native mesh with its volume elements. The file is scanned, not built anew: only coordinates are replaced.
-namespace strake::volume {
+namespace strake::volume_formats {
 namespace {
 
 constexpr TextScanner::Syntax syntax{.comment = '%', .continuation = false, .fortran = false};
@@ -107,4 +107,4 @@ VolumeFile read_su2(std::string bytes, const std::string& name) {
     return out;
 }
 
-}  // namespace strake::volume
+}  // namespace strake::volume_formats

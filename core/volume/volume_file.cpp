@@ -62,16 +62,16 @@ bool is_volume(const fs::path& path) {
 VolumeFile read_volume(const fs::path& path) {
     std::error_code ignored;
     const std::string name = printable(path.native());
-    if (fs::is_directory(path, ignored) || is_points_file(path)) return volume::read_poly_mesh(path);
+    if (fs::is_directory(path, ignored) || is_points_file(path)) return volume_formats::read_poly_mesh(path);
     if (path.extension() != ".su2" && path.extension() != ".vtu")
         throw InvalidInput(text(name, ": no volume mesh (a polyMesh folder, its points, .su2 or .vtu)"));
-    const auto read = path.extension() == ".su2" ? volume::read_su2 : volume::read_vtu;
+    const auto read = path.extension() == ".su2" ? volume_formats::read_su2 : volume_formats::read_vtu;
     VolumeFile file = read(read_bytes(path), name);
     file.source = path;
     return file;
 }
 
-void volume::check_corners(const VolumeMesh& mesh, const std::string& name) {
+void volume_formats::check_corners(const VolumeMesh& mesh, const std::string& name) {
     const auto check = [&](const Polygons& polygons, const std::string& what) {
         for (int f = 0; f < polygons.size(); ++f)
             for (const int v : polygons[f])
@@ -94,7 +94,7 @@ std::string with_points(const VolumeFile& file, const Points& points) {
         case VolumeFormat::vtu:
             break;
     }
-    return volume::vtu_with_points(file, points);
+    return volume_formats::vtu_with_points(file, points);
 }
 
 void check_volume_output(const fs::path& out, const fs::path& in) {

@@ -53,7 +53,7 @@ void write_volume(const std::filesystem::path& out, const VolumeFile& file, cons
 /// Throws what `write_volume` would throw about the name alone.
 void check_volume_output(const std::filesystem::path& out, const std::filesystem::path& in);
 
-namespace volume {
+namespace volume_formats {
 /// The single formats; internal.
 VolumeFile read_poly_mesh(const std::filesystem::path& path);
 VolumeFile read_su2(std::string bytes, const std::string& name);
@@ -61,6 +61,6 @@ VolumeFile read_vtu(std::string bytes, const std::string& name);
 std::string vtu_with_points(const VolumeFile& file, const Points& points);
 /// @throws InputError when a face or cell names a point that there is none of.
 void check_corners(const VolumeMesh& mesh, const std::string& name);
-}  // namespace volume
+}  // namespace volume_formats
 
 }  // namespace strake

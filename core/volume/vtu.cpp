@@ -13,7 +13,7 @@
 #include <set>
 
 /// VTK's XML file of an unstructured grid.
-namespace strake::volume {
+namespace strake::volume_formats {
 namespace {
 
 using vtk::Array;
@@ -205,4 +205,4 @@ std::string vtu_with_points(const VolumeFile& file, const Points& points) {
     return out.replace(place.begin, place.end - place.begin, element + "</DataArray>");
 }
 
-}  // namespace strake::volume
+}  // namespace strake::volume_formats

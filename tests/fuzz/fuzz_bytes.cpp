@@ -172,8 +172,8 @@ constexpr Target targets[] = {{"stl", try_reader<formats::read_stl>},
                               {"vtp_fields", try_vtp_fields},
                               {"gz", try_gzip},
                               {"npy", try_npy},
-                              {"su2_volume", try_volume<volume::read_su2>},
-                              {"vtu", try_volume<volume::read_vtu>},
+                              {"su2_volume", try_volume<volume_formats::read_su2>},
+                              {"vtu", try_volume<volume_formats::read_vtu>},
                               {"foam", try_foam},
                               {"repair", try_repair}};
 

@@ -1,4 +1,9 @@
-"""Installs the build into a fresh folder and builds the example of docs/library.md against it: install_test.py BUILD."""
+"""Installs the build into a fresh folder, compiles its headers, and builds the programs of docs/library.md and
+docs/developer.md against it: install_test.py BUILD
+
+Headers are compiled all together, in two opposite orders, so that one that lacks an include is found where nothing before
+it happens to bring it; with STRAKE_LONG=1 (./test.sh --long) each by itself, which takes minutes."""
+import os
 import pathlib
 import re
 import subprocess
@@ -30,19 +35,51 @@ def check_headers(include):
             assert known, f"{header.relative_to(include)} includes {quoted or angled}"
 
 
+def eigen():
+    for folder in (pathlib.Path("/usr/include/eigen3"), pathlib.Path("/usr/local/include/eigen3")):
+        if folder.is_dir():
+            return folder
+    return pathlib.Path(run("pkg-config", "--variable=includedir", "eigen3").strip()) / "eigen3"
+
+
+def compile_headers(include, folder):
+    """Also as other people's compilers see them: with warnings, of which there are none."""
+    headers = [str(h.relative_to(include)) for h in sorted(include.rglob("*.hpp"))]
+    one_by_one = os.environ.get("STRAKE_LONG")
+    for number, group in enumerate([[h] for h in headers] if one_by_one else [headers, headers[::-1]]):
+        source = folder / f"headers{number}.cpp"
+        source.write_text("".join(f'#include "{h}"\n' for h in group))
+        run(os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", f"-I{include}",
+            f"-isystem{eigen()}", source)
+    (folder / "plugin.c").write_text("#include <strake/plugin.h>\n")
+    run(os.environ.get("CC", "cc"), "-std=c99", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
+        f"-I{include.parent}", folder / "plugin.c")
+    return len(headers)
+
+
+def programs(name):
+    """The blocks of C++ of a page, and its CMakeLists.txt if it has one."""
+    page = (ROOT / "docs" / name).read_text(encoding="utf-8")
+    return [code for kind, code in re.findall(r"^```(cmake|cpp)\n(.*?)^```", page, re.M | re.S)]
+
+
 def main():
     build = pathlib.Path(sys.argv[1]).resolve()
-    page = (ROOT / "docs/library.md").read_text(encoding="utf-8")
-    blocks = {kind: code for kind, code in re.findall(r"^```(cmake|cpp)\n(.*?)^```", page, re.M | re.S)}
+    cmake, bend = programs("library.md")
+    quantity, = programs("developer.md")
     with tempfile.TemporaryDirectory() as temporary:
         prefix, project = pathlib.Path(temporary) / "prefix", pathlib.Path(temporary) / "project"
         run("cmake", "--install", build, "--prefix", prefix)
         check_headers(prefix / "include/strake")
         project.mkdir()
-        (project / "CMakeLists.txt").write_text(blocks["cmake"])
-        (project / "bend.cpp").write_text(blocks["cpp"])
+        print(compile_headers(prefix / "include/strake", project), "headers compile")
+        (project / "CMakeLists.txt").write_text(cmake + "add_executable(quantity quantity.cpp)\n"
+                                                        "target_link_libraries(quantity PRIVATE strake::objectives)\n")
+        (project / "bend.cpp").write_text(bend)
+        (project / "quantity.cpp").write_text(quantity)
         run("cmake", "-S", project, "-B", project / "build", "-G", "Ninja", f"-DCMAKE_PREFIX_PATH={prefix}")
         run("cmake", "--build", project / "build")
+        print(run(project / "build/quantity", cwd=project))
         told = run(project / "build/bend", cwd=project)
         print(told)
         lifted = float(re.search(r"lifted by ([-0-9.e]+)", told)[1])

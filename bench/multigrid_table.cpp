@@ -1,5 +1,3 @@
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <string>
 #include <vector>
@@ -16,51 +14,20 @@ namespace {
 
 using namespace strake;
 
-double cpu() {
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+double mean_edge(const TriMesh& mesh) { return std::sqrt(triangle_areas(mesh).mean() * 4 / std::sqrt(3.0)); }
+
+/// @param edges prism height in mean edge lengths; 0: 2 % of the diagonal
+HeldShell held_shell(const std::string& name, double edges) {
+    TriMesh mesh = bench_surface(name);
+    const double height = edges > 0 ? edges * mean_edge(mesh) / box_diagonal(mesh) : 0.02;
+    HeldShell held(std::move(mesh), height);
+    held.options.couple_nonmanifold = true;
+    held.options.solver = LinearSolver::multigrid;
+    return held;
 }
-
-double peak_gigabytes() {
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / (1 << 20);
-}
-
-/// Fixed and loaded as LoadedShell, which solves to scale its loads: that is not wanted here.
-struct HeldShell {
-    TriMesh mesh;
-    ShellOptions options;
-    Loads loads;
-    double edge;
-
-    HeldShell(const std::string& name, double edges) : mesh(bench_surface(name)) {
-        const Box box = bounding_box(mesh);
-        edge = std::sqrt(triangle_areas(mesh).mean() * 4 / std::sqrt(3.0));
-        const double height = edges > 0 ? edges * edge : 0.02 * box_diagonal(mesh);
-        options.prism_height = Eigen::VectorXd::Constant(mesh.num_vertices(), height);
-        options.pin.assign(mesh.num_triangles(), free_prism);
-        options.couple_nonmanifold = true;
-        options.solver = LinearSolver::multigrid;
-        const Points centroid = triangle_centroids(mesh);
-        int axis = 0;
-        const double length = (box.max - box.min).maxCoeff(&axis);
-        Points traction = Points::Zero(mesh.num_triangles(), 3);
-        for (int t = 0; t < mesh.num_triangles(); ++t) {
-            const double at = (centroid(t, axis) - box.min[axis]) / length;
-            if (at < 0.05) options.pin[t] = fixed_prism;
-            if (at > 0.3) traction(t, axis == 2 ? 0 : 2) = 1;
-        }
-        loads.force = traction_forces(mesh, traction);
-    }
-};
 
 void one_solve(const std::string& name, double edges) {
-    const HeldShell held(name, edges);
+    const HeldShell held = held_shell(name, edges);
     const RestState rest = rest_state(held.mesh, held.options);
     const Poses still{std::vector<Eigen::Quaterniond>(rest.num_prisms(), Eigen::Quaterniond::Identity()),
                       Points::Zero(rest.num_prisms(), 3)};
@@ -69,7 +36,7 @@ void one_solve(const std::string& name, double edges) {
     BlockMatrix H = hessian_pattern(rest);
     assemble_hessian(rest, turn, jumps(rest, still, turn), none, StressTerm::none, H);
     const Points centre = rest.centroid(rest.free_prisms, Eigen::all);
-    const double height_in_edges = held.options.prism_height[0] / held.edge;
+    const double height_in_edges = held.options.prism_height[0] / mean_edge(held.mesh);
     Multigrid multigrid(Preconditioner::options_for(height_in_edges));
     const double start = cpu();
     if (!multigrid.setup(H, centre)) {
@@ -80,7 +47,7 @@ void one_solve(const std::string& name, double edges) {
     const KrylovResult end = multigrid.solve(H, vertex_wrenches(rest, turn, held.loads.force), 1e-8, 300);
     const double done = cpu();
     std::string sizes;
-    for (const int size : multigrid.level_sizes()) sizes += (sizes.empty() ? "" : " ") + std::to_string(size);
+    for (const int size : multigrid.level_sizes()) sizes += text(sizes.empty() ? "" : " ", size);
     std::printf("| %-12s | %5.2f | %3d | %7.2f | %7.2f | %5.0f MB%s | %s |\n", name.c_str(), height_in_edges,
                 end.relative_residual <= 1e-8 ? end.iterations : -1, ready - start, done - ready,
                 static_cast<double>(multigrid.bytes()) / 1e6, multigrid.is_single_precision() ? "" : " (double)",
@@ -89,11 +56,9 @@ void one_solve(const std::string& name, double edges) {
 }
 
 void cold_solve(const std::string& name, double edges) {
-    HeldShell held(name, edges);
+    HeldShell held = held_shell(name, edges);
+    held.scale_loads(0.1);
     PrimoShell shell(held.mesh, held.options);
-    const double diagonal = box_diagonal(held.mesh);
-    const double moved = (shell.linear_response(held.loads) - held.mesh.vertices).rowwise().norm().maxCoeff();
-    held.loads.force *= 0.1 * diagonal / moved;
     const double start = cpu();
     const Equilibrium end = shell.solve(held.loads);
     std::printf("| %-12s | %s | %d it, %d set-ups, %d cycles | %7.2f s | peak %.2f GB |\n", name.c_str(),

@@ -1,6 +1,4 @@
-#include "cases/geometry/wing.hpp"
-#include "core/mesh/geometry.hpp"
-#include "core/primo/shell.hpp"
+#include "bench/shell_cases.hpp"
 
 #include <benchmark/benchmark.h>
 
@@ -9,29 +7,14 @@ namespace {
 
 using namespace strake;
 
-struct LoadedWing {
-    TriMesh mesh;
-    ShellOptions options;
-    Loads loads;
-
-    explicit LoadedWing(int triangles) : mesh(example::wing(triangles)) {
-        const double diagonal = box_diagonal(mesh);
-        options.prism_height = Eigen::VectorXd::Constant(mesh.num_vertices(), 0.02 * diagonal);
-        options.pin.assign(mesh.num_triangles(), free_prism);
-        const Points centroid = triangle_centroids(mesh);
-        Points traction = Points::Zero(mesh.num_triangles(), 3);
-        for (int t = 0; t < mesh.num_triangles(); ++t) {
-            if (centroid(t, 1) < 0.03) options.pin[t] = fixed_prism;
-            if (centroid(t, 1) > 0.3) traction(t, 2) = 1;
-        }
-        loads.force = traction_forces(mesh, traction);
-        PrimoShell shell(mesh, options);
-        loads.force *= 0.1 * diagonal / (shell.linear_response(loads) - mesh.vertices).rowwise().norm().maxCoeff();
-    }
-};
+HeldShell loaded_wing(const benchmark::State& state) {
+    HeldShell wing(example::wing(static_cast<int>(state.range(0))));
+    wing.scale_loads(0.1);
+    return wing;
+}
 
 void cold_equilibrium(benchmark::State& state) {
-    const LoadedWing wing(static_cast<int>(state.range(0)));
+    const HeldShell wing = loaded_wing(state);
     PrimoShell shell(wing.mesh, wing.options);
     for (auto _ : state) {
         shell.reset();
@@ -42,7 +25,7 @@ BENCHMARK(cold_equilibrium)->Arg(5000)->Arg(22000)->Arg(83000)->Unit(benchmark::
 
 /// Loads changed to and fro by 1 %, with the factor of the design before.
 void warm_equilibrium(benchmark::State& state) {
-    const LoadedWing wing(static_cast<int>(state.range(0)));
+    const HeldShell wing = loaded_wing(state);
     Loads other = wing.loads;
     other.force *= 1.01;
     PrimoShell shell(wing.mesh, wing.options);
@@ -59,7 +42,7 @@ void warm_equilibrium(benchmark::State& state) {
 BENCHMARK(warm_equilibrium)->Arg(5000)->Arg(22000)->Arg(83000)->Unit(benchmark::kMillisecond);
 
 void adjoint(benchmark::State& state) {
-    const LoadedWing wing(static_cast<int>(state.range(0)));
+    const HeldShell wing = loaded_wing(state);
     PrimoShell shell(wing.mesh, wing.options);
     shell.solve(wing.loads);
     for (auto _ : state) benchmark::DoNotOptimize(shell.adjoint({wing.loads.force}).front().force.data());

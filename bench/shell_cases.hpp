@@ -6,6 +6,8 @@
 #include "core/mesh/io.hpp"
 #include "core/primo/shell.hpp"
 
+#include <sys/resource.h>
+
 #include <cmath>
 #include <string>
 
@@ -21,31 +23,65 @@ inline TriMesh bench_surface(const std::string& name) {
     return read_surface(name).mesh;
 }
 
-/// The first 5 % of the longest axis are fixed; the traction acts across it, from 30 % on.
+/// CPU seconds of the process, user and system.
+inline double cpu() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    const auto seconds = [](const timeval& t) {
+        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
+    };
+    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
+}
+
+inline double peak_gigabytes() {
+    rusage usage;
+    getrusage(RUSAGE_SELF, &usage);
+    return static_cast<double>(usage.ru_maxrss) / (1 << 20);
+}
+
+/// The first 5 % of the longest axis are fixed; the traction of one acts across it, from 30 % on.
+struct HeldShell {
+    TriMesh mesh;
+    ShellOptions options;
+    Loads loads;
+    double diagonal = box_diagonal(mesh);
+
+    /// @param prism_height over the diagonal
+    explicit HeldShell(TriMesh surface, double prism_height = 0.02) : mesh(std::move(surface)) {
+        options.prism_height = Eigen::VectorXd::Constant(mesh.num_vertices(), prism_height * diagonal);
+        options.pin.assign(mesh.num_triangles(), free_prism);
+        const Box box = bounding_box(mesh);
+        const Points centroid = triangle_centroids(mesh);
+        int axis = 0;
+        const double length = (box.max - box.min).maxCoeff(&axis);
+        Points traction = Points::Zero(mesh.num_triangles(), 3);
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const double at = (centroid(t, axis) - box.min[axis]) / length;
+            if (at < 0.05) options.pin[t] = fixed_prism;
+            if (at > 0.3) traction(t, axis == 2 ? 0 : 2) = 1;
+        }
+        loads.force = traction_forces(mesh, traction);
+    }
+
+    /// Scales the loads so that the linear response is that many diagonals.
+    void scale_loads(double displacement) {
+        PrimoShell shell(mesh, options);
+        const Points moved = shell.linear_response(loads) - mesh.vertices;
+        loads.force *= displacement * diagonal / moved.rowwise().norm().maxCoeff();
+    }
+};
+
+/// Held and loaded so, with springs where asked for.
 struct LoadedShell {
     TriMesh mesh;
     ShellOptions options;
     Loads unit;  ///< linear response of one diagonal
 
-    explicit LoadedShell(const std::string& name, double spring_distance = 0) : mesh(bench_surface(name)) {
-        const Box box = bounding_box(mesh);
-        const double diagonal = box_diagonal(mesh);
-        options.prism_height = Eigen::VectorXd::Constant(mesh.num_vertices(), 0.02 * diagonal);
-        options.pin.assign(mesh.num_triangles(), free_prism);
-        const Points centroid = triangle_centroids(mesh);
-        int axis = 0;
-        const double length = (box.max - box.min).maxCoeff(&axis);
-        const int across = axis == 2 ? 0 : 2;
-        Points traction = Points::Zero(mesh.num_triangles(), 3);
-        for (int t = 0; t < mesh.num_triangles(); ++t) {
-            const double at = (centroid(t, axis) - box.min[axis]) / length;
-            if (at < 0.05) options.pin[t] = fixed_prism;
-            if (at > 0.3) traction(t, across) = 1;
-        }
-        unit.force = traction_forces(mesh, traction);
-        PrimoShell shell(mesh, options);
-        unit.force *= diagonal / (shell.linear_response(unit) - mesh.vertices).rowwise().norm().maxCoeff();
-        if (spring_distance > 0) unit.spring = unit.force.rowwise().norm() / (2 * spring_distance * diagonal);
+    explicit LoadedShell(const std::string& name, double spring_distance = 0) {
+        HeldShell held(bench_surface(name));
+        held.scale_loads(1);
+        mesh = held.mesh, options = held.options, unit = held.loads;
+        if (spring_distance > 0) unit.spring = unit.force.rowwise().norm() / (2 * spring_distance * held.diagonal);
     }
 
     Loads loads(double share) const {

@@ -2,8 +2,6 @@
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell_impl.hpp"
 
-#include <sys/resource.h>
-
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -18,25 +16,10 @@ namespace {
 
 using namespace strake;
 
-double cpu() {
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    const auto seconds = [](const timeval& t) {
-        return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
-    };
-    return seconds(usage.ru_utime) + seconds(usage.ru_stime);
-}
-
 double timed(const std::function<void()>& work) {
     const double before = cpu();
     work();
     return cpu() - before;
-}
-
-double peak_gigabytes() {
-    rusage usage;
-    getrusage(RUSAGE_SELF, &usage);
-    return static_cast<double>(usage.ru_maxrss) / (1 << 20);
 }
 
 struct Table {

@@ -26,8 +26,10 @@ RepairOptions options_of(const RepairEntry& entry, double diagonal) {
     return options;
 }
 
-void mend(const RepairEntry& entry, PreparedSurface& surface) {
-    RepairResult result = repair(surface.mesh, options_of(entry, box_diagonal(surface.mesh)));
+void mend(const RepairEntry& entry, const std::optional<SymmetryPlane>& symmetry, PreparedSurface& surface) {
+    RepairOptions options = options_of(entry, box_diagonal(surface.mesh));
+    options.symmetry = symmetry;
+    RepairResult result = repair(surface.mesh, options);
     std::string counts;
     for (int k = 0; k <= static_cast<int>(RepairKind::isolated); ++k)
         if (const int count = result.count(static_cast<RepairKind>(k)); count > 0)
@@ -77,7 +79,7 @@ PreparedSurface prepare_surface(const Case& the_case) {
         }
         errors.throw_if_any();
     };
-    if (the_case.repair) at(the_case.repair->place, [&] { mend(*the_case.repair, surface); });
+    if (the_case.repair) at(the_case.repair->place, [&] { mend(*the_case.repair, the_case.symmetry, surface); });
     if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, the_case.stop_wanted, surface); });
     surface.is_changed = the_case.repair || the_case.remesh;
     return surface;

@@ -123,16 +123,50 @@ std::string parameters_text(const Mended& surface, const std::optional<SymmetryP
     return out;
 }
 
-std::string goal_text(bool has_volume) {
+/// Twice the enclosed volume by the area: of a thin body its mean thickness.
+double mean_thickness(const Mended& surface, const std::optional<SymmetryPlane>& half) {
+    const Eigen::RowVector3d origin =
+        half ? Eigen::RowVector3d(half->offset * half->normal.transpose()) : surface.mesh.vertices.row(0);
+    const auto corner = [&](int t, int k) {
+        return Eigen::RowVector3d(surface.mesh.vertices.row(surface.mesh.triangles(t, k)) - origin);
+    };
+    double volume = 0;
+    for (int t = 0; t < surface.mesh.num_triangles(); ++t)
+        volume += corner(t, 0).dot(corner(t, 1).cross(corner(t, 2))) / 6;
+    return 2 * std::abs(volume) / surface.checkup.area;
+}
+
+/// The root mean square that the surface may move: what suits a thin body as well as a stout one, and makes any
+/// objective end in a shape that is still that body.
+std::string change_text(double rms, const std::string& of) {
+    std::ostringstream value, shown;
+    value.imbue(std::locale::classic()), shown.imbue(std::locale::classic());
+    shown.precision(2), value.precision(4);
+    shown << rms;
+    const double rounded = std::strtod(shown.str().c_str(), nullptr);
+    value << rounded * rounded;
+    return padded("  change: {max: " + value.str() + "}", "(" + shown.str() + ")^2: mean square motion, " + of);
+}
+
+std::string goal_text(const Mended& surface, const std::optional<SymmetryPlane>& half, bool has_volume) {
+    const double diagonal = surface.checkup.diagonal;
     std::string out =
         "\n# REPLACE THIS by what you want: a built-in quantity (docs/objectives.md) or your own program "
         "(docs/external.md).\n"
         "# It is here so that the case runs as it is.\n";
-    if (has_volume)
-        return out + "objective: {maximize: volume}\nconstraints:\n" +
-               padded("  area: {max: 1.01, relative: true}", "at most one percent more than at the start");
-    return out + padded("objective: {minimize: area}", "nothing here encloses a volume");
+    const std::string stays = "quantities:\n" + padded("  change: {type: displacement}",
+                                                       "how far the shape is from the start's; keep or drop it");
+    if (!has_volume)
+        return out + padded("objective: {minimize: area}", "nothing here encloses a volume") + stays +
+               "constraints:\n" + change_text(0.005 * diagonal, "0.5 % of the diagonal");
+    const double thickness = mean_thickness(surface, half), rms = std::min(0.05 * thickness, 0.01 * diagonal);
+    return out + "objective: {maximize: volume}\n" + stays + "constraints:\n" +
+           padded("  area: {max: 1.01, relative: true}", "at most one percent more than at the start") +
+           change_text(rms, rms < 0.01 * diagonal ? "5 % of the mean thickness" : "1 % of the diagonal");
 }
+
+/// Slivers turn over as soon as anything moves.
+bool has_slivers(const Checkup& c) { return c.quality.fifth_percentile < 1e-4; }
 
 double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
 
@@ -151,6 +185,15 @@ std::vector<std::string> sentences(const Mended& surface, const std::vector<Prop
         else
             found.push_back(text("held: ", region.name, ", ", region.why));
     if (parts > 0) found.push_back(text("held as they are: ", parts, " separate parts"));
+    if (has_slivers(surface.checkup))
+        found.push_back(
+            "note: a twentieth of the triangles or more are slivers, which turn over at small motions: a "
+            "better triangulation (strake remesh, or your mesher) would go farther");
+    const auto& pairs = surface.checkup.pairs;
+    if (const std::size_t crossing = pairs ? pairs->apart.size() + pairs->adjacent.size() : 0; crossing > 0)
+        found.push_back(text("note: ", crossing,
+                             " pairs of triangles intersect; a step that brings more is refused, and few may be "
+                             "left: unite the parts in a modeller first"));
     if (surface.couple) found.push_back("edges of more than two triangles are left; their sheets are coupled");
     found.push_back(has_volume ? "objective: the volume, to be replaced"
                                : "objective: the area, to be replaced; nothing encloses a volume");
@@ -182,7 +225,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
                     "\n# The elastic skin: a thicker one bends less.\nshell:\n" +
                     padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
                     (surface.couple ? padded("  nonmanifold: couple", "edges of more than two triangles") : "") +
-                    parameters_text(surface, mirror) + goal_text(proposal.has_volume) + "\noptimize:\n" +
+                    parameters_text(surface, mirror) + goal_text(surface, half, proposal.has_volume) + "\noptimize:\n" +
                     padded(text("  budget: {evaluations: ", options.evaluations, "}"),
                            "strake resume --evaluations +50 gives more");
     return proposal;

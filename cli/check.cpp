@@ -129,8 +129,12 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
                printable(the_case.surface.string(), 400), problem.surface.num_vertices(),
                problem.surface.num_triangles(), box_diagonal(problem.surface), the_case.units.empty() ? "" : " ",
                the_case.units);
-    for (const RegionTriangles& region : built.regions)
-        fmt::print("region      {}: {} triangles, area {:.6g}\n", region.name, region.triangles.size(), region.area);
+    constexpr std::size_t shown = 12;
+    for (std::size_t k = 0; k < std::min(shown, built.regions.size()); ++k)
+        fmt::print("region      {}: {} triangles, area {:.6g}\n", built.regions[k].name,
+                   built.regions[k].triangles.size(), built.regions[k].area);
+    if (built.regions.size() > shown)
+        fmt::print("            and {} more regions (all with --json)\n", built.regions.size() - shown);
     fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
     for (const AttachedPart& part : problem.attached)
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));

@@ -134,7 +134,13 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     options.fallbacks = !start;
     last_.reset();
     shell_x_.resize(0);
-    const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
+    Equilibrium end;
+    try {
+        end = shell_->solve(wanted.loads, wanted.motions, options);
+    } catch (const SolverError& error) {
+        end.reason = error.what();
+        shell_.reset();  // where it stopped is no place to go on from
+    }
     if (end.status != SolveStatus::converged) {
         result.status =
             end.status == SolveStatus::unstable ? EvaluationStatus::unstable : EvaluationStatus::not_converged;
@@ -188,7 +194,13 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     AdjointOptions options;
     options.tolerance = gradient_tolerance;
     options.prism_height = space_.changes_height() || std::ranges::count(kinds, VariableKind::stiffness) > 0;
-    evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv, options);
+    try {
+        evaluation.sensitivities = shell_->adjoint(evaluation.dJ_dv, options);
+    } catch (const SolverError& error) {  // an equilibrium on the brink of buckling
+        evaluation.status = EvaluationStatus::unstable;
+        evaluation.reason = error.what();
+        return;
+    }
     const auto& all = evaluation.sensitivities;
     evaluation.gradients.resize(static_cast<Eigen::Index>(all.size()), space_.size());
     for (std::size_t i = 0; i < all.size(); ++i)
@@ -203,14 +215,23 @@ Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const E
     if (!only_loads(space_)) return {};
     ShapeEvaluation unused;
     if (!(last_ && last_x_ == x && shell_x_ == x) && !deform(x, unused)) return {};
-    return present_product(space_, *shell_, d);
+    try {
+        return present_product(space_, *shell_, d);
+    } catch (const SolverError&) {
+        return {};
+    }
 }
 
 std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, const DesignSpace& finer,
                                                       const Eigen::VectorXd& step, const Eigen::VectorXd& weight) {
     ShapeEvaluation shape;
     if (!only_loads(finer) || !only_loads(space_) || finer.num_own() > 0 || !deform(x, shape)) return {};
-    const Points moved = shell_->response({load_forces(finer, step)}, probe_tolerance)[0];
+    Points moved;
+    try {
+        moved = shell_->response({load_forces(finer, step)}, probe_tolerance)[0];
+    } catch (const SolverError&) {
+        return {};
+    }
     const double size = std::sqrt(moved.rowwise().squaredNorm().maxCoeff());
     if (!(size > 0)) return {};
     const double h = probe_step * rest_->diagonal / size;

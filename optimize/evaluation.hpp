@@ -50,7 +50,7 @@ public:
 
     /// Deforms and evaluates; gradients of quantities come along, those by x only with `differentiate`.
     /// @param number of the evaluation within the run, for external programs. Failing is a result.
-    /// @throws UnheldPart, InvalidInput and SolverError as PrimoShell::solve does.
+    /// A system that cannot be solved is a failure like any other. @throws UnheldPart, InvalidInput.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
     /// These designs will be asked for next, as the evaluations from `first` on: where programs may run in parallel,
     /// the shapes are made one after another in this order and the programs called as slots are free. If others are

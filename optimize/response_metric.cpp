@@ -94,24 +94,6 @@ void set(Responses& responses, int j, const ResponseCache::Column& column, doubl
     responses.swept.col(j) = scale * column.swept;
 }
 
-}  // namespace
-
-PrimoShell shell_at_rest(const DesignSpace& space) {
-    const RestFacts& rest = *space.rest;
-    ShellOptions options = rest.setup.options;
-    options.pin = space.pin;
-    PrimoShell shell(rest.surface, options);
-    std::vector<RigidMotion> still = rest.setup.motions;
-    for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
-    for (std::size_t p = 0; p < space.motion.size(); ++p)
-        if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
-    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
-    if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
-    return shell;
-}
-
-namespace {
-
 /// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, and of each given load, at x = 1.
 Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
     const PatchLevel& leaves = space.rest->tree->levels.back();
@@ -134,6 +116,20 @@ Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
 static_assert(slot::load == 0 && slot::normal == 3, "leaf tractions are stored in the order of the slots");
 
 }  // namespace
+
+PrimoShell shell_at_rest(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    ShellOptions options = rest.setup.options;
+    options.pin = space.pin;
+    PrimoShell shell(rest.surface, options);
+    std::vector<RigidMotion> still = rest.setup.motions;
+    for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
+    for (std::size_t p = 0; p < space.motion.size(); ++p)
+        if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
+    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
+    if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
+    return shell;
+}
 
 void ResponseCache::use(const std::vector<int>& pin) {
     if (pin == pin_) return;

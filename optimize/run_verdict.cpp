@@ -48,6 +48,13 @@ std::string flat_note(const RunEnd& end) {
                              : "";
 }
 
+/// Of a search that got next to nowhere the budget is not what it lacks.
+std::string failures_note(const RunEnd& end) {
+    if (2 * end.level.failures <= end.level.evaluations) return "";
+    return text("; ", end.level.failures, " of the ", end.level.evaluations,
+                " evaluations of this level failed: look at why (history.csv, the report) before you raise anything");
+}
+
 void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
     if (end.level.conflict.size() > 1) {
         r.status = "conflict";
@@ -103,7 +110,7 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
                                 ? text("the limit of evaluations is reached (", r.evaluations, ")")
                                 : words,
                             " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
-                            "; raise optimize.budget to go on", notes);
+                            "; raise optimize.budget to go on", failures_note(end), notes);
     }
 }
 

@@ -60,7 +60,7 @@ bool SqpSearch::failed_at(const VectorXd& d) {
                         guard_.evaluations, ", ", failures_, " in a row); the last failure: ", guard_.failure));
     ++end_.shrinks;
     if (!knows_border) radius_ = (failures_ > 1 ? 0.25 : 0.5) * std::min(radius_, metric_norm(p_, d));
-    tell(text("evaluation ", guard_.evaluations, " failed (", guard_.failure, "); ",
+    tell(text("after the failure of its evaluation ", guard_.evaluations, ": ",
               knows_border ? std::string("steps keep to this side of the plane between what failed and what did not")
                            : text("the largest step is cut to ", radius_)));
     return false;

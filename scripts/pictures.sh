@@ -30,6 +30,13 @@ patches cases/lifting_body/generated/lifting_body.stl body 4,12,32
 "$bin/make_surface" wing --triangles 4000 -o "$work/wing.obj"
 "$bin/strake" init "$work/wing.obj" -o "$work/init.yaml" --quiet
 cp "$work/init-patches.svg" $out/init.svg
+# The start page's commands, on a terminal, while the run goes on.
+(
+    cd "$work"
+    PATH="$OLDPWD/$bin:$bin:$PATH"
+    "$OLDPWD/scripts/terminal_picture.py" "$OLDPWD/$out/terminal.svg" --columns 104 --until '^\[.* (19|2[0-9])/60 ' \
+        --title 'strake init, strake run' -- strake init wing.obj -o first.yaml -- strake run first.yaml --out runs/first
+)
 picture wing-patches.png "$work/wing.vtp:level_1" "$work/wing.vtp:level_2" "$work/wing.vtp:level_3" \
     --view=-0.5,-0.7,1.2 --titles "level 1|level 2|level 3" --size 640,520
 picture lifting_body-patches.png "$work/body.vtp:level_1" "$work/body.vtp:level_2" "$work/body.vtp:level_3" \
@@ -98,3 +105,5 @@ if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \
         --titles "local bump: splits above a patch|its patches|global twist: splits above a patch|its patches"
 fi
+# Palettes instead of true colours: a third of the size.
+/usr/bin/python3 scripts/smaller_png.py $out/*.png

@@ -2,7 +2,8 @@
 """Takes the pictures of docs/report.md with a headless Chromium: report_pictures.py REPORT.html FAILED.html OUT_FOLDER
 
 REPORT is the page of a run with several levels (runs/lifting_body-glide-001), FAILED that of a run in which a program
-failed. Pictures: report-overview, -progress, -shape, -patches, -failures, and -narrow (a window of 400 pixels).
+failed. Pictures: report-overview, -progress, -shape, -field (a pressure), -patches, -failures, and -narrow (a window of
+400 pixels).
 """
 import pathlib
 import sys
@@ -33,6 +34,13 @@ with Browser(1180, 880) as b:
     window(b, "report-overview")
     window(b, "report-progress", "#progress")
     window(b, "report-shape", "#shapes")
+    # What an objective sees, where it has something to show.
+    fields = b.run("[...document.querySelector('#shapes select').options].map((o) => o.value).filter((v) => v.endsWith('.cp'))")
+    if fields:
+        b.choose("Colour", fields[0])
+        b.resize(1180, 620)
+        window(b, "report-field", "#shapes")
+        b.resize(1180, 880)
     b.choose("Colour", "patches:2")
     b.run("document.querySelectorAll('#patches button.patch')[1].click()")
     window(b, "report-patches", "#patches")

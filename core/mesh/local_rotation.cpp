@@ -13,42 +13,43 @@ RowVector3d without_half_normal(const RowVector3d& s, const RowVector3d& n) { re
 
 }  // namespace
 
-LocalRotation::LocalRotation(const TriMesh& mesh)
-    : triangles_(mesh.triangles),
-      normals_(triangle_normals(mesh)),
-      arms_(3 * mesh.num_triangles(), 3),
-      area_(Eigen::VectorXd::Zero(mesh.num_vertices())) {
+TriangleArms::TriangleArms(const TriMesh& mesh)
+    : triangles(mesh.triangles),
+      normals(triangle_normals(mesh)),
+      arms(3 * mesh.num_triangles(), 3),
+      area(Eigen::VectorXd::Zero(mesh.num_vertices())) {
     const Eigen::VectorXd areas = triangle_areas(mesh);
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {
             const RowVector3d edge =
-                mesh.vertices.row(triangles_(t, (k + 2) % 3)) - mesh.vertices.row(triangles_(t, (k + 1) % 3));
-            arms_.row(3 * t + k) = 0.5 * normals_.row(t).cross(edge);
-            area_[triangles_(t, k)] += areas[t];
+                mesh.vertices.row(triangles(t, (k + 2) % 3)) - mesh.vertices.row(triangles(t, (k + 1) % 3));
+            arms.row(3 * t + k) = 0.5 * normals.row(t).cross(edge);
+            area[triangles(t, k)] += areas[t];
         }
 }
 
 Points LocalRotation::apply(const Points& displacement) const {
-    Points w = Points::Zero(area_.size(), 3);
-    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+    Points w = Points::Zero(arms_.area.size(), 3);
+    for (Eigen::Index t = 0; t < arms_.triangles.rows(); ++t) {
         RowVector3d s = RowVector3d::Zero();
         for (int k = 0; k < 3; ++k)
-            s += RowVector3d(arms_.row(3 * t + k)).cross(RowVector3d(displacement.row(triangles_(t, k))));
-        const RowVector3d turned = without_half_normal(s, normals_.row(t));
-        for (int k = 0; k < 3; ++k) w.row(triangles_(t, k)) += turned;
+            s += RowVector3d(arms_.arms.row(3 * t + k)).cross(RowVector3d(displacement.row(arms_.triangles(t, k))));
+        const RowVector3d turned = without_half_normal(s, arms_.normals.row(t));
+        for (int k = 0; k < 3; ++k) w.row(arms_.triangles(t, k)) += turned;
     }
-    for (Eigen::Index v = 0; v < w.rows(); ++v) w.row(v) /= area_[v] > 0 ? area_[v] : 1.0;
+    for (Eigen::Index v = 0; v < w.rows(); ++v) w.row(v) /= arms_.area[v] > 0 ? arms_.area[v] : 1.0;
     return w;
 }
 
 Points LocalRotation::transpose(const Points& g) const {
-    Points back = Points::Zero(area_.size(), 3);
-    for (Eigen::Index t = 0; t < triangles_.rows(); ++t) {
+    Points back = Points::Zero(arms_.area.size(), 3);
+    for (Eigen::Index t = 0; t < arms_.triangles.rows(); ++t) {
         RowVector3d s = RowVector3d::Zero();
         for (int k = 0; k < 3; ++k)
-            if (const int v = triangles_(t, k); area_[v] > 0) s += g.row(v) / area_[v];
-        const RowVector3d turned = without_half_normal(s, normals_.row(t));
-        for (int k = 0; k < 3; ++k) back.row(triangles_(t, k)) += turned.cross(RowVector3d(arms_.row(3 * t + k)));
+            if (const int v = arms_.triangles(t, k); arms_.area[v] > 0) s += g.row(v) / arms_.area[v];
+        const RowVector3d turned = without_half_normal(s, arms_.normals.row(t));
+        for (int k = 0; k < 3; ++k)
+            back.row(arms_.triangles(t, k)) += turned.cross(RowVector3d(arms_.arms.row(3 * t + k)));
     }
     return back;
 }

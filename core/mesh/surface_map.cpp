@@ -3,7 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/local_rotation.hpp"
+#include "core/mesh/near_part.hpp"
 #include "core/mesh/surface_samples.hpp"
 
 #include <Eigen/Geometry>
@@ -30,13 +30,6 @@ double wendland(double x) {
 double smoothstep(double x) {
     const double t = std::clamp(x, 0.0, 1.0);
     return t * t * (3 - 2 * t);
-}
-
-/// a x b, row by row.
-Points cross(const Points& a, const Points& b) {
-    Points out(a.rows(), 3);
-    for (Eigen::Index i = 0; i < a.rows(); ++i) out.row(i) = RowVector3d(a.row(i)).cross(RowVector3d(b.row(i)));
-    return out;
 }
 
 Eigen::VectorXd edge_lengths(const TriMesh& mesh) {
@@ -107,10 +100,11 @@ struct SurfaceMap::Impl {
     std::vector<int> source;  ///< of the vertices that are images
     TriMesh whole;            ///< with the image
     LocalRotation rotation;
+    LocalGradient gradient;
     SurfaceSamples samples;
-    Vector3d centre;    ///< arms of far rotations are measured from here
-    Weights near, far;  ///< P x vertices of `whole`, P x samples
-    Points offset;      ///< P x 3: p - q where near counts
+    Vector3d centre;  ///< arms of far rotations are measured from here
+    NearPart near;
+    Weights far;  ///< P x samples
     Eigen::VectorXd distance;
     std::vector<int> vertex;     ///< per point: the vertex that it is, else -1
     std::vector<char> on_plane;  ///< per point
@@ -122,25 +116,23 @@ struct SurfaceMap::Impl {
           points(given),
           whole(with_image(surface, wanted.symmetry, on_plane_rel * diagonal, source)),
           rotation(whole),
+          gradient(whole),
           samples(surface_samples(whole, edge_lengths(whole), wanted.symmetry)),
           centre(0.5 * (bounding_box(surface).min + bounding_box(surface).max)),
           near(given.rows(), whole.num_vertices()),
           far(given.rows(), samples.size()),
-          offset(Points::Zero(given.rows(), 3)),
           distance(given.rows()),
           vertex(static_cast<std::size_t>(given.rows()), -1),
           on_plane(static_cast<std::size_t>(given.rows()), 0) {
         const ClosestPointTree tree(whole);
         const Eigen::VectorXd edge = edge_lengths(whole);
-        near.reserve(3 * given.rows());
         for (int p = 0; p < static_cast<int>(given.rows()); ++p) add_point(p, tree, edge);
-        near.finalize();
+        near.finish();
         far.finalize();
         samples.position.rowwise() -= centre.transpose();
     }
 
     void add_point(int p, const ClosestPointTree& tree, const Eigen::VectorXd& edge) {
-        near.startVec(p);
         far.startVec(p);
         const Vector3d x = points.row(p);
         const ClosestPoint at = tree.find(x);
@@ -149,20 +141,21 @@ struct SurfaceMap::Impl {
             on_plane[p] =
                 std::abs(x.dot(options.symmetry->normal) - options.symmetry->offset) <= on_plane_rel * diagonal;
         const double fade = wendland(at.distance / (options.reach * diagonal));
-        if (fade == 0) return;
-        std::array<std::pair<int, double>, 3> corners;
+        std::vector<std::pair<int, double>> corners;
+        if (fade == 0) return near.add(p, whole.vertices, corners, at.point, Vector3d::Zero());
         const std::array<double, 3> b = barycentric(whole, at);
         double h = 0;
         for (int k = 0; k < 3; ++k) {
-            corners[k] = {whole.triangles(at.triangle, k), b[k]};
-            h += b[k] * edge[corners[k].first];
-            if (b[k] == 1 && at.distance == 0 && corners[k].first < rest.rows()) vertex[p] = corners[k].first;
+            const int v = whole.triangles(at.triangle, k);
+            if (b[k] > 0) corners.emplace_back(v, b[k]);
+            h += b[k] * edge[v];
+            if (b[k] == 1 && at.distance == 0 && v < rest.rows()) vertex[p] = v;
         }
         const double share = at.distance == 0 ? 0 : smoothstep(at.distance / h);
         std::sort(corners.begin(), corners.end());
-        for (const auto& [v, weight] : corners)
-            if (weight > 0 && share < 1) near.insertBack(p, v) = fade * (1 - share) * weight;
-        if (share < 1) offset.row(p) = x - at.point;
+        for (auto& corner : corners) corner.second *= fade * (1 - share);
+        if (share == 1) corners.clear();
+        near.add(p, whole.vertices, corners, at.point, x - at.point);
         if (share > 0) add_far(p, x, at.distance, fade * share);
     }
 
@@ -227,8 +220,8 @@ struct SurfaceMap::Impl {
     Points apply(const Points& displacement) const {
         const Points u = extended(displacement), w = rotation.apply(u);
         const Points su = samples.mean(u), sw = samples.mean(w);
-        const Points still = su - cross(sw, samples.position);  // u_i + w_i x (p - r_i) = still_i + w_i x p
-        Points out = near * u + cross(near * w, offset) + far * still + cross(far * sw, arms());
+        const Points still = su - cross_rows(sw, samples.position);  // u_i + w_i x (p - r_i) = still_i + w_i x p
+        Points out = near.apply(u, w, gradient.apply(u)) + far * still + cross_rows(far * sw, arms());
         keep_on_plane(out);
         return out;
     }
@@ -237,10 +230,12 @@ struct SurfaceMap::Impl {
         Points g = sensitivities;
         keep_on_plane(g);
         const Points at_samples = far.transpose() * g;
-        const Points turning = Points(far.transpose() * cross(arms(), g)) - cross(samples.position, at_samples);
-        Points u = near.transpose() * g + samples.transposed_mean(at_samples);
-        const Points w = near.transpose() * cross(offset, g) + samples.transposed_mean(turning);
-        u += rotation.transpose(w);
+        const Points turning =
+            Points(far.transpose() * cross_rows(arms(), g)) - cross_rows(samples.position, at_samples);
+        const NearPart::Sensitivities close = near.transpose(g);
+        Points u = close.u + samples.transposed_mean(at_samples);
+        u += rotation.transpose(close.w + samples.transposed_mean(turning));
+        u += gradient.transpose(close.gradients);
         return folded(u);
     }
 };

@@ -15,9 +15,12 @@ struct SurfaceMapOptions {
 
 /// A map that is linear in the displacement of the vertices, made once for a surface at rest and points at rest, so
 /// that its transpose carries sensitivities back exactly. With d the distance of a point p from the surface, q the
-/// closest place, h the edge length there, and w_i the rotation vector at i (`LocalRotation`):
+/// closest place, h the edge length there, w_i the rotation vector at i (`LocalRotation`), and v_k, b_k, G_k the
+/// corners of the closest triangle, the barycentric coordinates of q and the gradients of the displacement
+/// (`LocalGradient`):
 ///   u(p) = psi(d / reach) ((1 - s) near(p) + s far(p)),   s = smoothstep(d / h)
-///   near(p) = u(q) + w(q) x (p - q)                       barycentric at q: exact on the surface and at its vertices
+///   near(p) = sum_k b_k (u_k + G_k (q - v_k) / 2 + w_k x (p - q))                 exact at the vertices, to second
+///             order between them: finer surfaces are carried smoothly, not by the coarse one's triangles
 ///   far(p)  = sum_i a_i phi(|p - r_i| / R) (u_i + w_i x (p - r_i)) / sum_i a_i phi(|p - r_i| / R)
 ///   psi(x) = phi(x) = (1 - x)^4 (4 x + 1) for x < 1, else 0                        (Wendland 1995, C2)
 /// The r_i are centroids of the vertices in cells of edge h_l, with mean displacement and rotation, areas a_i, and

@@ -1,6 +1,7 @@
 #include "core/patches/segmentation.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/disjoint_sets.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/patches/names.hpp"
 #include "core/patches/small_patches.hpp"
@@ -14,20 +15,6 @@ namespace strake {
 namespace {
 
 constexpr double radians = std::numbers::pi / 180;
-
-/// Disjoint sets of triangles; the representative is always the smallest triangle.
-struct Sets {
-    std::vector<int> up;
-    explicit Sets(int n) : up(n) { std::iota(up.begin(), up.end(), 0); }
-    int find(int t) {
-        while (up[t] != t) t = up[t] = up[up[t]];
-        return t;
-    }
-    void join(int a, int b) {
-        a = find(a), b = find(b);
-        up[std::max(a, b)] = std::min(a, b);
-    }
-};
 
 void check(const PatchLevel& level, double angle_deg, std::size_t flags, const SegmentationOptions& options) {
     if (!(angle_deg > 0 && angle_deg <= 90))
@@ -115,7 +102,7 @@ void refine(PatchHierarchy& tree, const SurfaceFeatures& features, double angle_
         const auto side = adjacent.edge_triangles[e];
         return above.label[side[0]] == above.label[side[1]] && chosen[above.label[side[0]]];
     };
-    Sets sets(m);
+    DisjointSets sets(m);
     for (const Patch& patch : above.patches)
         if (!chosen[patch.id])
             for (const int t : patch.triangles) sets.join(patch.triangles.front(), t);
@@ -126,20 +113,20 @@ void refine(PatchHierarchy& tree, const SurfaceFeatures& features, double angle_
     for (int t = 0; t < m; ++t) {
         const Patch& parent = above.patches[above.label[t]];
         if (!chosen[parent.id]) {
-            patch_class[sets.find(t)] = parent.patch_class;
+            patch_class[sets.root(t)] = parent.patch_class;
             continue;
         }
         for (int k = 0; k < 3; ++k)
             if (!is_nonsmooth(features.vertices[mesh.triangles(t, k)], tau))
-                patch_class[sets.find(t)] = PatchClass::smooth;
+                patch_class[sets.root(t)] = PatchClass::smooth;
     }
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (!barrier[e] || !inside(e) || features.dihedral[e] >= sigma - angle_slack) continue;
-        const int a = sets.find(adjacent.edge_triangles[e][0]), b = sets.find(adjacent.edge_triangles[e][1]);
+        const int a = sets.root(adjacent.edge_triangles[e][0]), b = sets.root(adjacent.edge_triangles[e][1]);
         if (patch_class[a] == PatchClass::nonsmooth && patch_class[b] == PatchClass::nonsmooth) sets.join(a, b);
     }
     std::vector<int> root(m);
-    for (int t = 0; t < m; ++t) root[t] = sets.find(t);
+    for (int t = 0; t < m; ++t) root[t] = sets.root(t);
     if (options.min_patch_percent > 0)
         merge_small_patches(adjacent, above.label, options.min_patch_percent, root, patch_class);
     append_level(tree, features, angle_deg, root, patch_class);

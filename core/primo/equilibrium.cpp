@@ -35,6 +35,7 @@ constexpr int clipped_limit = 2;         // indefinite matrices near the end aft
 constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
 constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
 constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
+constexpr double before_last = 0.1;      // of the last step that is allowed, left by the ones before the closing one
 constexpr double near_step = 0.02;       // diagonals: near the end
 
 struct Iterate {
@@ -137,12 +138,12 @@ struct Attempt {
     bool is_buckling() const { return !options.fallbacks && clipped >= clipped_limit; }
 
     /// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
-    /// left, but no less than a few iterations give. A design on the way of many is left a hundredth of the last step
-    /// that is allowed, a shape of its own next to nothing.
+    /// left, but no less than a few iterations give, nor than a share of the last step that is allowed: the closing
+    /// step is still to come.
     void adapt(double size, CgOptions& cg) {
         const double left = size_before > 0 ? size / size_before : 0;  // by the last step
         const double step = end.last_step * left;                      // to be expected
-        const double enough = step > 0 ? (options.keep_factor ? 0.01 : 0.002) * options.min_step / step : 0;
+        const double enough = step > 0 ? before_last * options.min_step / step : 0;
         const double squared = size_before > 0 ? left * left : first_share;
         cg.tolerance = is_last       ? closing_share
                        : enough >= 1 ? 1

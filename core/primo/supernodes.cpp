@@ -2,162 +2,182 @@
 
 #include <algorithm>
 #include <cstring>
+#include <type_traits>
 
 namespace strake {
 namespace {
 
 #define STRAKE_INLINE inline __attribute__((always_inline))
 
-// Four entries of the factor, and as many numbers to work with. Vectors are lanes beside each other: the same sums,
+// Four numbers to work with, and four entries of the factor. Vectors are lanes beside each other: the same sums,
 // whether the machine has registers for four doubles or for two.
 using Four = double __attribute__((vector_size(32)));
-using FourSingles = float __attribute__((vector_size(16)));
+using LooseFour = double __attribute__((vector_size(32), aligned(8), may_alias));
+using LooseSingles = float __attribute__((vector_size(16), aligned(4), may_alias));
 
-STRAKE_INLINE void load(Four& to, const float* from) {
-    FourSingles singles;
-    std::memcpy(&singles, from, sizeof singles);
-    to = __builtin_convertvector(singles, Four);
-}
+STRAKE_INLINE const LooseFour& four(const double* at) { return *reinterpret_cast<const LooseFour*>(at); }
+STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>(at); }
+#define STRAKE_ENTRIES(at) __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(at), Four)
 
-/// y_i -= sum of four columns L_ij x_j, one right-hand side.
-STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, const double* x, double* y) {
-    const float *a = L, *b = L + height, *c = L + 2 * height, *d = L + 3 * height;
-    int i = 0;
-    for (; i + 4 <= rows; i += 4) {
-        Four la, lb, lc, ld, sum;
-        load(la, a + i), load(lb, b + i), load(lc, c + i), load(ld, d + i);
-        std::memcpy(&sum, y + i, sizeof sum);
-        sum -= (la * x[0] + lb * x[1]) + (lc * x[2] + ld * x[3]);
-        std::memcpy(y + i, &sum, sizeof sum);
-    }
-    for (; i < rows; ++i)
-        y[i] -= (static_cast<double>(a[i]) * x[0] + static_cast<double>(b[i]) * x[1]) +
-                (static_cast<double>(c[i]) * x[2] + static_cast<double>(d[i]) * x[3]);
-}
+// The factor is read once, in order, but in pieces too short for the processor to see that.
+constexpr long ahead = 1024;   // entries
+constexpr int wide_panel = 4;  // columns
 
-/// x_j -= sum over i of L_ij y_i for four columns j.
-STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, const double* y, double* x) {
-    Four sum[4] = {};
-    int i = 0;
-    for (; i + 4 <= rows; i += 4) {
-        Four factor, other;
-        std::memcpy(&other, y + i, sizeof other);
-        for (int j = 0; j < 4; ++j) {
-            load(factor, L + j * height + i);
-            sum[j] += factor * other;
-        }
-    }
-    for (int j = 0; j < 4; ++j) {
-        double rest = 0;
-        for (int k = i; k < rows; ++k) rest += static_cast<double>(L[j * height + k]) * y[k];
-        x[j] -= ((sum[j][0] + sum[j][1]) + (sum[j][2] + sum[j][3])) + rest;
-    }
-}
+template <int lanes>
+struct LanesOf;  // spelled out: the attribute does not take a parameter of a template
+template <>
+struct LanesOf<4> {
+    using Type = float __attribute__((vector_size(16)));
+    using Loose = float __attribute__((vector_size(16), aligned(4), may_alias));
+};
+template <>
+struct LanesOf<8> {
+    using Type = float __attribute__((vector_size(32)));
+    using Loose = float __attribute__((vector_size(32), aligned(4), may_alias));
+};
 
+/// One right-hand side is a matter of reading the factor, and is summed in double precision; several are one of
+/// arithmetic, and take half of the time in single.
 template <int width>
-struct RowOf;  // spelled out: the attribute does not take a parameter of a template
-template <>
-struct RowOf<4> {
-    using Type = double __attribute__((vector_size(32)));
-};
-template <>
-struct RowOf<8> {
-    using Type = double __attribute__((vector_size(64)));
-};
+using Number = std::conditional_t<width == 1, double, float>;
 
-/// The same for `width` right-hand sides that lie beside each other.
-template <int width>
-struct Beside {
-    using Row = typename RowOf<width>::Type;
-    static_assert(sizeof(Row) == 8 * width);
+/// `panel` columns of the factor, from below the block on its diagonal, and `width` right-hand sides that lie beside
+/// each other: one, four, or a multiple of eight.
+template <int width, int panel>
+struct Panel;
 
+template <int panel>
+struct Panel<1, panel> {
+    /// y_i -= sum of the columns L_ij x_j.
     static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, const double* x, double* y) {
-        Row from[4];
-        std::memcpy(from, x, sizeof from);
-        for (int i = 0; i < rows; ++i) {
-            Row sum;
-            std::memcpy(&sum, y + static_cast<long>(i) * width, sizeof sum);
-            sum -=
-                (from[0] * static_cast<double>(L[i]) + from[1] * static_cast<double>(L[height + i])) +
-                (from[2] * static_cast<double>(L[2 * height + i]) + from[3] * static_cast<double>(L[3 * height + i]));
-            std::memcpy(y + static_cast<long>(i) * width, &sum, sizeof sum);
+        int i = 0;
+        for (; i + 4 <= rows; i += 4) {
+            __builtin_prefetch(L + panel * i + ahead);
+            Four sum = {};
+            for (int j = 0; j < panel; ++j) sum += STRAKE_ENTRIES(L + j * height + i) * x[j];
+            four(y + i) -= sum;
+        }
+        for (; i < rows; ++i) {
+            double sum = 0;
+            for (int j = 0; j < panel; ++j) sum += static_cast<double>(L[j * height + i]) * x[j];
+            y[i] -= sum;
         }
     }
-
+    /// x_j -= sum over i of L_ij y_i.
     static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, const double* y, double* x) {
-        Row to[4];
-        std::memcpy(to, x, sizeof to);
-        for (int i = 0; i < rows; ++i) {
-            Row other;
-            std::memcpy(&other, y + static_cast<long>(i) * width, sizeof other);
-            for (int j = 0; j < 4; ++j) to[j] -= other * static_cast<double>(L[j * height + i]);
+        Four sum[panel] = {};
+        int i = 0;
+        for (; i + 4 <= rows; i += 4) {
+            __builtin_prefetch(L + panel * i - ahead);
+            const Four other = four(y + i);
+            for (int j = 0; j < panel; ++j) sum[j] += STRAKE_ENTRIES(L + j * height + i) * other;
         }
-        std::memcpy(x, to, sizeof to);
+        double rest[panel] = {};
+        for (; i < rows; ++i)
+            for (int j = 0; j < panel; ++j) rest[j] += static_cast<double>(L[j * height + i]) * y[i];
+        for (int j = 0; j < panel; ++j) x[j] -= ((sum[j][0] + sum[j][1]) + (sum[j][2] + sum[j][3])) + rest[j];
     }
 };
-template <>
-struct Beside<1> {
-    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, const double* x, double* y) {
-        strake::subtract_columns(L, height, rows, x, y);
+
+template <int width, int panel>
+struct Panel {
+    static constexpr int groups = (width + 7) / 8;
+    using Lanes = typename LanesOf<width / groups>::Type;
+    using Loose = typename LanesOf<width / groups>::Loose;
+    static constexpr int lanes = width / groups;
+
+    static STRAKE_INLINE Loose& at(float* values, int group) {
+        return *reinterpret_cast<Loose*>(values + lanes * group);
     }
-    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, const double* y, double* x) {
-        strake::subtract_rows(L, height, rows, y, x);
+
+    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, float* x, float* y) {
+        Lanes from[panel][groups];
+        for (int j = 0; j < panel; ++j)
+            for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g);
+        for (int i = 0; i < rows; ++i, y += width) {
+            if (i % 4 == 0) __builtin_prefetch(L + panel * i + ahead);
+            for (int g = 0; g < groups; ++g) {
+                Lanes sum = from[0][g] * L[i];
+                for (int j = 1; j < panel; ++j) sum += from[j][g] * L[j * height + i];
+                at(y, g) -= sum;
+            }
+        }
+    }
+    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, float* y, float* x) {
+        Lanes to[panel][groups];
+        for (int j = 0; j < panel; ++j)
+            for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g);
+        for (int i = 0; i < rows; ++i, y += width) {
+            if (i % 4 == 0) __builtin_prefetch(L + panel * i - ahead);
+            for (int g = 0; g < groups; ++g) {
+                const Lanes other = at(y, g);
+                for (int j = 0; j < panel; ++j) to[j][g] -= other * L[j * height + i];
+            }
+        }
+        for (int j = 0; j < panel; ++j)
+            for (int g = 0; g < groups; ++g) at(x + j * width, g) = to[j][g];
     }
 };
+
+/// The panel's own columns of the right-hand side divided by its triangle, and taken off the rows below.
+template <int width, int panel>
+STRAKE_INLINE void forward_panel(const float* L, long height, int rows, Number<width>* x) {
+    for (int p = 0; p < panel; ++p) {
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
+        for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
+        for (int i = p + 1; i < panel; ++i)
+            for (int k = 0; k < width; ++k)
+                x[i * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[p * width + k];
+    }
+    Panel<width, panel>::subtract_columns(L + panel, height, rows - panel, x, x + panel * width);
+}
+
+template <int width, int panel>
+STRAKE_INLINE void backward_panel(const float* L, long height, int rows, Number<width>* x) {
+    Panel<width, panel>::subtract_rows(L + panel, height, rows - panel, x + panel * width, x);
+    for (int p = panel - 1; p >= 0; --p) {
+        for (int i = p + 1; i < panel; ++i)
+            for (int k = 0; k < width; ++k)
+                x[p * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[i * width + k];
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
+        for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
+    }
+}
 
 /// `local` holds the rows of the supernode: its own, known so far, then zeros that collect what goes to rows below.
 template <int width>
-STRAKE_INLINE void forward(const float* L, int columns, int rows, double* local) {
-    for (int j = 0; j < columns;) {
-        const int panel = columns - j >= 4 ? 4 : 1;
-        for (int p = j; p < j + panel; ++p) {
-            const double inverse = 1 / static_cast<double>(L[static_cast<long>(p) * rows + p]);
-            for (int k = 0; k < width; ++k) local[static_cast<long>(p) * width + k] *= inverse;
-            for (int i = p + 1; i < (panel == 1 ? rows : j + panel); ++i)
-                for (int k = 0; k < width; ++k)
-                    local[static_cast<long>(i) * width + k] -= static_cast<double>(L[static_cast<long>(p) * rows + i]) *
-                                                               local[static_cast<long>(p) * width + k];
-        }
-        if (panel == 4)
-            Beside<width>::subtract_columns(L + static_cast<long>(j) * rows + j + 4, rows, rows - j - 4,
-                                            local + static_cast<long>(j) * width,
-                                            local + static_cast<long>(j + 4) * width);
-        j += panel;
-    }
+STRAKE_INLINE void forward(const float* L, int columns, int rows, Number<width>* local) {
+    int j = 0;
+    const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
+    for (; j + wide_panel <= columns; j += wide_panel)
+        forward_panel<width, wide_panel>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    for (; j + 2 <= columns; j += 2)
+        forward_panel<width, 2>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    for (; j < columns; ++j) forward_panel<width, 1>(at(), rows, rows - j, local + static_cast<long>(j) * width);
 }
 
 /// `local` holds the solution in the rows below and the right-hand side in the supernode's own.
 template <int width>
-STRAKE_INLINE void backward(const float* L, int columns, int rows, double* local) {
-    for (int end = columns; end > 0;) {
-        const int panel = end % 4 == 0 ? 4 : 1, j = end - panel;  // the panels of `forward`, from behind
-        if (panel == 4)
-            Beside<width>::subtract_rows(L + static_cast<long>(j) * rows + j + 4, rows, rows - j - 4,
-                                         local + static_cast<long>(j + 4) * width,
-                                         local + static_cast<long>(j) * width);
-        for (int p = end - 1; p >= j; --p) {
-            for (int i = p + 1; i < (panel == 1 ? rows : end); ++i)
-                for (int k = 0; k < width; ++k)
-                    local[static_cast<long>(p) * width + k] -= static_cast<double>(L[static_cast<long>(p) * rows + i]) *
-                                                               local[static_cast<long>(i) * width + k];
-            const double inverse = 1 / static_cast<double>(L[static_cast<long>(p) * rows + p]);
-            for (int k = 0; k < width; ++k) local[static_cast<long>(p) * width + k] *= inverse;
-        }
-        end = j;
-    }
+STRAKE_INLINE void backward(const float* L, int columns, int rows, Number<width>* local) {
+    int j = columns;  // the panels of `forward`, from behind
+    const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
+    if (j % 2) --j, backward_panel<width, 1>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    while (j % wide_panel) j -= 2, backward_panel<width, 2>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    while (j > 0)
+        j -= wide_panel, backward_panel<width, wide_panel>(at(), rows, rows - j, local + static_cast<long>(j) * width);
 }
 
 template <int width>
-STRAKE_INLINE void substitute(const Supernodes& f, double* x, double* local) {
+STRAKE_INLINE void substitute(const Supernodes& f, Number<width>* x, Number<width>* local) {
     const int last = f.num_supernodes();
     for (int s = 0; s < last; ++s) {
         const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(double) * columns * width);
-        std::memset(local + static_cast<long>(columns) * width, 0, sizeof(double) * (rows - columns) * width);
+        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
+        std::memset(local + static_cast<long>(columns) * width, 0, sizeof(Number<width>) * (rows - columns) * width);
         forward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(double) * columns * width);
+        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
         for (int i = columns; i < rows; ++i)
             for (int k = 0; k < width; ++k)
                 x[static_cast<long>(row[i]) * width + k] += local[static_cast<long>(i) * width + k];
@@ -166,42 +186,51 @@ STRAKE_INLINE void substitute(const Supernodes& f, double* x, double* local) {
         const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(double) * columns * width);
+        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
         for (int i = columns; i < rows; ++i)
             for (int k = 0; k < width; ++k)
                 local[static_cast<long>(i) * width + k] = x[static_cast<long>(row[i]) * width + k];
         backward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(double) * columns * width);
+        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
     }
 }
 
 #if defined(__x86_64__)
 template <int width>
-__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, double* x, double* local) {
+__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, Number<width>* x, Number<width>* local) {
     substitute<width>(f, x, local);
 }
 #endif
 template <int width>
-void substitute_plain(const Supernodes& f, double* x, double* local) {
+void substitute_plain(const Supernodes& f, Number<width>* x, Number<width>* local) {
     substitute<width>(f, x, local);
 }
 
-/// Columns [first, first + width) of B to X; those beyond the last are zeros.
+/// Columns [first, first + width) of B to X; those beyond the last are zeros. Their sizes are taken out before and put
+/// back, so that single precision neither over- nor underflows.
 template <int width>
 void solve_block(const Supernodes& f, const Eigen::MatrixXd& B, Eigen::MatrixXd& X, Eigen::Index first) {
     const int given = static_cast<int>(std::min<Eigen::Index>(width, B.cols() - first));
-    std::vector<double> x(static_cast<std::size_t>(f.size) * width, 0.0),
+    double size[width];
+    for (int k = 0; k < given; ++k) {
+        size[k] = width > 1 ? B.col(first + k).lpNorm<Eigen::Infinity>() : 1;
+        if (!(size[k] > 0)) size[k] = 1;
+    }
+    std::vector<Number<width>> x(static_cast<std::size_t>(f.size) * width, 0),
         local(static_cast<std::size_t>(f.most_rows) * width);
-    for (int k = 0; k < given; ++k)
-        for (int i = 0; i < f.size; ++i) x[static_cast<std::size_t>(i) * width + k] = B(f.permutation[i], first + k);
+    for (int i = 0; i < f.size; ++i)
+        for (int k = 0; k < given; ++k)
+            x[static_cast<std::size_t>(i) * width + k] =
+                static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2"))
         substitute_wide<width>(f, x.data(), local.data());
     else
 #endif
         substitute_plain<width>(f, x.data(), local.data());
-    for (int k = 0; k < given; ++k)
-        for (int i = 0; i < f.size; ++i) X(f.permutation[i], first + k) = x[static_cast<std::size_t>(i) * width + k];
+    for (int i = 0; i < f.size; ++i)
+        for (int k = 0; k < given; ++k)
+            X(f.permutation[i], first + k) = size[k] * x[static_cast<std::size_t>(i) * width + k];
 }
 
 }  // namespace
@@ -226,8 +255,10 @@ void Supernodes::solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
             solve_block<1>(*this, B, X, first), first += 1;
         else if (left <= 4)
             solve_block<4>(*this, B, X, first), first += 4;
-        else
+        else if (left <= 8)
             solve_block<8>(*this, B, X, first), first += 8;
+        else
+            solve_block<16>(*this, B, X, first), first += 16;
     }
 }
 

@@ -1,5 +1,5 @@
 #include "core/error.hpp"
-#include "core/repair/disjoint_sets.hpp"
+#include "core/mesh/disjoint_sets.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>

@@ -18,10 +18,10 @@ int group_around(const TriMesh& mesh, const OpenLoop& loop) {
         ->first;
 }
 
-/// Loops whose every edge is one of a symmetry plane's.
-bool looks_like_symmetry(const std::vector<BoundaryLoop>& planes, int vertex) {
+/// Loops that are to stay open, by one of their vertices.
+bool stays_open(const RepairOptions& options, double diagonal, const std::vector<BoundaryLoop>& planes, int vertex) {
     for (const BoundaryLoop& plane : planes)
-        if (plane.symmetry_axis >= 0 &&
+        if (((options.keep_symmetry_loops && plane.symmetry_axis >= 0) || is_meant(options, plane, diagonal)) &&
             std::find(plane.vertices.begin(), plane.vertices.end(), vertex) != plane.vertices.end())
             return true;
     return false;
@@ -79,7 +79,9 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
     int blocked = 0;
     std::vector<OpenLoop> loops = open_loops(mesh, adjacent, blocked);
     std::vector<BoundaryLoop> planes;
-    if (options.keep_symmetry_loops) planes = measured_loops(mesh, adjacent, topology(mesh, adjacent).boundary_loops);
+    const double diagonal = box_diagonal(mesh);
+    if (options.keep_symmetry_loops || options.symmetry)
+        planes = measured_loops(mesh, adjacent, topology(mesh, adjacent).boundary_loops);
     std::erase_if(loops, [&](const OpenLoop& loop) {
         const bool is_lone = loop.vertices.size() == 3 && loop.triangles[0] == loop.triangles[1] &&
                              loop.triangles[1] == loop.triangles[2];
@@ -87,8 +89,7 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
         Points polygon(static_cast<Eigen::Index>(loop.vertices.size()), 3);
         for (std::size_t i = 0; i < loop.vertices.size(); ++i)
             polygon.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(loop.vertices[i]);
-        return size_of(polygon) > *options.holes ||
-               (options.keep_symmetry_loops && looks_like_symmetry(planes, loop.vertices[0]));
+        return size_of(polygon) > *options.holes || stays_open(options, diagonal, planes, loop.vertices[0]);
     });
     return loops;
 }

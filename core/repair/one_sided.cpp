@@ -1,6 +1,6 @@
 #include "core/repair/one_sided.hpp"
 
-#include "core/repair/disjoint_sets.hpp"
+#include "core/mesh/disjoint_sets.hpp"
 
 #include <algorithm>
 

@@ -16,6 +16,7 @@ void loops_that_remain(const Checkup& after, const RepairOptions& options, int r
     int symmetry = 0, larger = 0, other = 0;
     double largest = 0;
     for (const BoundaryLoop& loop : after.loops) {
+        if (is_meant(options, loop, after.diagonal)) continue;
         largest = std::max(largest, loop.size);
         if (options.holes && loop.size <= *options.holes && !(options.keep_symmetry_loops && loop.symmetry_axis >= 0))
             ++other;
@@ -41,6 +42,13 @@ void loops_that_remain(const Checkup& after, const RepairOptions& options, int r
 }
 
 }  // namespace
+
+bool is_meant(const RepairOptions& options, const BoundaryLoop& loop, double diagonal) {
+    if (!options.symmetry || loop.symmetry_axis < 0) return false;
+    const double along = options.symmetry->normal[loop.symmetry_axis];
+    return std::abs(along) > 1 - 1e-9 &&
+           std::abs(loop.symmetry_at - along * options.symmetry->offset) <= 1e-6 * diagonal;
+}
 
 std::vector<std::string> what_remains(const Checkup& after, const RepairOptions& o, int refused_fills) {
     std::vector<std::string> list;

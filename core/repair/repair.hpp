@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "core/repair/checkup.hpp"
 
 #include <optional>
@@ -24,10 +25,12 @@ struct RepairOptions {
     std::optional<double> holes;   ///< close open loops whose box has at most this diagonal; > 0, may be infinity
     HoleFill fill = HoleFill::planar;
     bool keep_symmetry_loops = false;  ///< `holes` leaves loops that look like the cut of a half model
-    int keep_largest = 0;              ///< drop all components but so many of the largest area; 0: none
-    double min_area_share = 0;         ///< drop components with less than this share of the area; in [0, 1)
-    int min_triangles = 0;             ///< drop components with fewer triangles
-    bool isolated = false;             ///< remove vertices that no triangle uses
+    /// Open loops in this plane are what a half model has there: neither closed nor told as left.
+    std::optional<SymmetryPlane> symmetry = {};
+    int keep_largest = 0;       ///< drop all components but so many of the largest area; 0: none
+    double min_area_share = 0;  ///< drop components with less than this share of the area; in [0, 1)
+    int min_triangles = 0;      ///< drop components with fewer triangles
+    bool isolated = false;      ///< remove vertices that no triangle uses
 };
 void validate(const RepairOptions& options);  ///< throws InvalidInput: field, value, limit
 

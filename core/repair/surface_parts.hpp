@@ -66,6 +66,8 @@ struct Patch {
 Patch smooth_patch(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& loop,
                    std::vector<std::array<int, 3>> fill, int first_new);
 
+/// The loop lies in the plane of `options.symmetry`.
+bool is_meant(const RepairOptions& options, const BoundaryLoop& loop, double diagonal);
 std::vector<std::string> what_remains(const Checkup& after, const RepairOptions& options, int refused_fills);
 
 }  // namespace strake::mending

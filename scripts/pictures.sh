@@ -98,7 +98,7 @@ solver openfoam_drag.png $external/openfoam_drag/generated/body.obj runs/openfoa
     "before|after: less drag, same volume" --view=-1,-1,0.5
 solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj runs/openfoam_supersonic \
     "before|after: less wave drag, same volume" --view side --edges
-solver openfoam_wing.png $external/openfoam_wing/generated/wing.obj runs/openfoam_wing \
+solver openfoam_wing.png $external/openfoam_wing/generated/start.obj runs/openfoam_wing \
     "before|after: less drag, same lift" --view=-1,-0.7,0.45
 if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp.vtp" ]; then
     bump=$evidence/local_bump-slsqp.vtp twist=$evidence/global_twist-slsqp.vtp

@@ -177,7 +177,7 @@ TEST(RealSlurm, EachEvaluationIsPaidOnce) {
             const std::string file = external_case(
                 no_gradients + ", retries: 1, parallel: 4, scheduler: {slurm: [--partition=main]}", twenty);
             mark("sleep-3");
-            mark("sleep-6");
+            mark("sleep-16");  // of level 2, which begins when all of level 1 is there
             const auto begin = std::chrono::steady_clock::now();
             const Started run(folder, {"run", file, "--out", path("jobs")});
             while (!fs::exists(folder / "sleeping")) pause_ms(5);
@@ -189,15 +189,15 @@ TEST(RealSlurm, EachEvaluationIsPaidOnce) {
             pause_ms(500);
             fs::remove(folder / "sleeping");
             while (!fs::exists(folder / "sleeping")) pause_ms(5);
-            fs::remove(folder / "sleep-6");
-            std::string job = bytes_of(folder / "jobs/evaluations/000006/job");
-            while (job.empty()) pause_ms(20), job = bytes_of(folder / "jobs/evaluations/000006/job");
+            fs::remove(folder / "sleep-16");
+            std::string job = bytes_of(folder / "jobs/evaluations/000016/job");
+            while (job.empty()) pause_ms(20), job = bytes_of(folder / "jobs/evaluations/000016/job");
             EXPECT_EQ(std::system(text("scancel ", job).c_str()), 0);
             EXPECT_EQ(again.wait(), 0) << again.messages();
             const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
             expect_same("whole", "jobs");
-            EXPECT_EQ(calls().count(6), 2u) << "the cancelled one";
-            for (const int number : calls()) EXPECT_TRUE(calls().count(number) == 1 || number == 6) << number;
+            EXPECT_EQ(calls().count(16), 2u) << "the cancelled one";
+            for (const int number : calls()) EXPECT_TRUE(calls().count(number) == 1 || number == 16) << number;
             std::cout << recorded("jobs").size() << " evaluations, " << calls().size() << " jobs, " << seconds.count()
                       << " s\n";
         }

@@ -32,9 +32,15 @@ def build(template, folder, surface, sizes):
     steps(folder, 1)
     foam.run(folder, "blockMesh")
     foam.run(folder, "snappyHexMesh", "-overwrite")
-    told = foam.run(folder, "checkMesh", "-constant")
+    return check(folder)
+
+
+def check(folder):
+    """The number of cells of a mesh that is good enough."""
+    steps(folder, 1)
+    told = foam.run(folder, "checkMesh", "-constant", "-noFunctionObjects")
     if "Mesh OK" not in told:
-        foam.fail(f"the mesh is not good; see {folder}/log.checkMesh")
+        foam.fail(f"the mesh about this shape is not good; see {folder}/log.checkMesh")
     return int(re.search(r"cells:\s+(\d+)", told)[1])
 
 
@@ -109,9 +115,8 @@ def displacement_field(at_body, outside):
             f"\nbody {{ type fixedValue; value nonuniform List<vector> {values}; }}\n}}\n")
 
 
-def move(base, folder, vertices, outside, half=None):
-    """The base's case in `folder` with its mesh moved to a surface of the same vertices; returns the SurfaceMap.
-    half: the number of a coordinate; the mesh ends where it is 0, and what lies there stays there."""
+def move(base, folder, vertices, outside):
+    """The base's case in `folder` with its mesh moved to a surface of the same vertices; returns the SurfaceMap."""
     stored, carried = read_map(base)
     if len(vertices) != carried.num_vertices:
         foam.fail(f"the surface has {len(vertices)} vertices, the one that the mesh was made about "
@@ -119,8 +124,6 @@ def move(base, folder, vertices, outside, half=None):
     shutil.rmtree(folder, ignore_errors=True)
     clone(base, folder)
     shift = carried.apply(vertices - stored["vertices"])
-    if half is not None:
-        shift[np.abs(stored["points"][:, half]) < 1e-9, half] = 0
     if not shift.any():
         return carried
     field = os.path.join(folder, "0/pointDisplacement")

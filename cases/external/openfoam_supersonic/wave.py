@@ -48,15 +48,6 @@ def solve(folder, steps):
     return float(last)
 
 
-def check(folder):
-    """The number of cells of a mesh that is good enough."""
-    flow.steps(folder, 1)
-    told = foam.run(folder, "checkMesh", "-constant")
-    if "Mesh OK" not in told:
-        foam.fail(f"the mesh about this shape is not good; see {folder}/log.checkMesh")
-    return int(re.search(r"cells:\s+(\d+)", told)[1])
-
-
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
         surface = foam.read_obj(json.load(file)["surface"])
@@ -66,7 +57,7 @@ def evaluate(request_file, result_file):
     flow.clone(BASE, "case")
     os.remove("case/constant/polyMesh/points")  # the base's
     foam.write_points("case/constant/polyMesh", layout(surface, CELLS, MACH).points(surface))
-    check("case")
+    flow.check("case")
     with open(result_file, "w", encoding="ascii") as file:
         json.dump({"value": solve("case", 250)}, file)
     flow.clean("case")
@@ -81,7 +72,7 @@ def build(folder, surface, sizes, mach):
     points, mesh = cells.points(surface), os.path.join(folder, "constant/polyMesh")
     around.write_topology(mesh, cells, points)
     foam.write_points(mesh, points)
-    return check(folder)
+    return flow.check(folder)
 
 
 def prepare(file):

@@ -1,5 +1,5 @@
 #!/bin/bash
-# Makes the start shape, the mesh about it and the flow to start from, in generated/: prepare.sh [BIN]
+# Makes a plain wing, the mesh about it, the flow to start from, and the start shape, in generated/: prepare.sh [BIN]
 # BIN holds make_surface (default: what ./run.sh has built). Needs: scripts/setup.sh openfoam
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)

@@ -2,10 +2,10 @@
 """Drag and lift of a wing at Reynolds number 1e6 by OpenFOAM: Spalart-Allmaras and wall functions, half of the space.
 
     wing.py REQUEST RESULT                  an evaluation for Strake, in the current folder
-    wing.py prepare SURFACE                 builds mesh and start solution about the start shape, in generated/base
-    wing.py rebuild FACTOR SURFACE:DEG..    coefficients of surfaces at angles of attack in degrees, on new meshes of
-                                            FACTOR times the resolution, one line each, begun from the flow in
-                                            generated/base
+    wing.py prepare SURFACE                 builds mesh and flow about a plain wing, in generated/base
+    wing.py rebuild FACTOR PLAIN FILE:DEG.. coefficients of surfaces at angles of attack in degrees, on a mesh of FACTOR
+                                            times the resolution, made about the plain wing and moved to the others,
+                                            one line each, begun from the flow in generated/base
 
 The angle of attack, `variables.alpha` of the request, turns the stream, not the mesh. The coefficients are those of the
 half wing on its area of 0.78.
@@ -22,15 +22,17 @@ import numpy as np
 HERE = os.path.dirname(os.path.realpath(__file__))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(HERE, "../openfoam"))
+import around_wing
 import flow
 import foam
 
 TEMPLATE, BASE = os.path.join(HERE, "foam"), os.path.join(HERE, "generated/base")
-CELLS = {"cellsAlong": 20, "cellsAcross": 10, "cellsHigh": 16}  # of the wind tunnel, before refinement
-OUTSIDE = {"far": "fixed", "symmetry": "symmetryPlane"}
+CELLS = {"chord": 24, "wake": 10, "span": 12, "tip": 3, "outward": 24}
+FIRST = 1.4e-3  # thickness of the cells at the wall
 FIELDS = ["U", "p", "nut", "nuTilda"]
 START_ALPHA = math.radians(6)
 MEAN = 20      # iterations that the coefficients are averaged over
+FROM_REST = 200  # iterations from the uniform stream
 STEADY = 5e-3  # largest difference between the means of the last iterations and those before
 
 
@@ -70,30 +72,49 @@ def solve(folder, iterations):
     return values
 
 
-def both_sides(surface):
-    """The half model and its mirror image: the mesher then meets a closed wing, of which it keeps a half."""
-    vertices, triangles = surface
-    return np.vstack([vertices, vertices * [1, -1, 1]]), np.vstack([triangles, triangles[:, ::-1] + len(vertices)])
-
-
 def evaluate(request_file, result_file):
     with open(request_file, encoding="utf-8") as file:
         request = json.load(file)
-    flow.move(BASE, "case", foam.read_obj(request["surface"])[0], OUTSIDE, half=1)
+    move(BASE, "case", foam.read_obj(request["surface"])[0])
+    flow.check("case")
     turn_stream("case", request["variables"]["alpha"])
     with open(result_file, "w", encoding="ascii") as file:
-        json.dump({"values": solve("case", 120)}, file)
+        json.dump({"values": solve("case", 100)}, file)
     flow.clean("case")
 
 
-def build(folder, surface, alpha, sizes):
-    template = folder + "-template"
-    shutil.rmtree(template, ignore_errors=True)
-    shutil.copytree(TEMPLATE, template)
-    stream(template, alpha)
-    cells = flow.build(template, folder, both_sides(surface), sizes)
-    shutil.rmtree(template)
-    return cells
+def layout(factor):
+    return around_wing.Layout(flow.refined(CELLS, factor), FIRST / factor)
+
+
+def build(folder, surface, alpha, factor):
+    """A mesh about the surface, tied to it; returns the number of cells."""
+    shutil.rmtree(folder, ignore_errors=True)
+    shutil.copytree(TEMPLATE, folder)
+    stream(folder, alpha)
+    made, mesh = layout(factor), os.path.join(folder, "constant/polyMesh")
+    carried, on_wing, distance = made.wing(surface)
+    points = made.points(on_wing)
+    around_wing.write_topology(mesh, made, points)
+    foam.write_points(mesh, points)
+    np.savez(os.path.join(folder, "map.npz"), vertices=surface[0], corners=carried.corners, weights=carried.weights,
+             on_wing=on_wing, factor=factor)
+    return flow.check(folder), distance
+
+
+def move(base, folder, vertices):
+    """The base's case in `folder` with the mesh about a wing of the same vertices."""
+    stored, carried = flow.read_map(base)
+    if len(vertices) != carried.num_vertices:
+        foam.fail(f"the surface has {len(vertices)} vertices, the one that the mesh was made about "
+                  f"{carried.num_vertices}; run prepare.sh again")
+    shutil.rmtree(folder, ignore_errors=True)
+    flow.clone(base, folder)
+    shift = carried.apply(vertices - stored["vertices"])
+    shift[stored["on_wing"][:, 1] == 0, 1] = 0
+    os.remove(os.path.join(folder, "constant/polyMesh/points"))  # the base's
+    points = layout(float(stored["factor"])).points(stored["on_wing"] + shift)
+    foam.write_points(os.path.join(folder, "constant/polyMesh"), points)
 
 
 def y_plus(folder):
@@ -103,23 +124,21 @@ def y_plus(folder):
 
 
 def prepare(file):
-    """The flow about the start shape is where every evaluation starts."""
-    surface = foam.read_obj(file)
-    cells = build(BASE, surface, START_ALPHA, CELLS)
-    distance = flow.save_map(BASE, surface)
-    values = solve(BASE, 300)
+    """The flow about the plain wing is where every evaluation starts."""
+    cells, distance = build(BASE, foam.read_obj(file), START_ALPHA, 1)
+    values = solve(BASE, FROM_REST)
     flow.start_from(BASE, FIELDS)
     print(f"{cells} cells, boundary within {distance:.1e} of the diagonal from the surface, {y_plus(BASE)}, {values}")
 
 
 def rebuild(factor, files):
-    sizes = flow.refined(CELLS, factor)
-    for name in files:
-        file, degrees = name.rsplit(":", 1)
-        cells = build("rebuilt", foam.read_obj(file), math.radians(float(degrees)), sizes)
-        flow.start_near(BASE, "rebuilt")
+    cells, _ = build("rebuilt-base", foam.read_obj(files[0]), START_ALPHA, float(factor))
+    flow.start_near(BASE, "rebuilt-base")
+    for file, degrees in (name.rsplit(":", 1) for name in files[1:]):
+        move("rebuilt-base", "rebuilt", foam.read_obj(file)[0])
         turn_stream("rebuilt", math.radians(float(degrees)))
-        print(f"{name}: {cells} cells, {solve('rebuilt', round(150 * float(factor)))}, {y_plus('rebuilt')}", flush=True)
+        values = solve("rebuilt", round(80 * float(factor)))
+        print(f"{file}:{degrees}: {cells} cells, {values}, {y_plus('rebuilt')}", flush=True)
         flow.clean("rebuilt")
 
 

@@ -8,7 +8,7 @@ namespace {
 
 /// A reasonable step takes four to eight; more than these are better spent on a shorter step.
 constexpr int max_iterations = 14;
-constexpr double gradient_tolerance = 1e-7;  ///< of an adjoint: far below what any method can make use of
+constexpr double gradient_tolerance = 1e-8;  ///< of an adjoint: far below what any method can make use of
 constexpr double same_shape = 1e-10;         ///< diagonals, as is promised of a level's start
 constexpr std::size_t known_shapes = 3;      ///< equilibria of a level from which the nearest is the start of the next
 constexpr double probe_step = 1e-4;          ///< diagonals: far above round-off, far below an edge

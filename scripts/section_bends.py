@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Bends of plane sections through a surface before and after a run: section_bends.py START BEST OUT.svg AXIS PLACE...
 
 START and BEST are binary STL files, AXIS is x, y or z. For each place, cuts both surfaces by the plane AXIS = PLACE, prints

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """Rewrites PNG files with a palette of at most 256 colours: smaller_png.py FILE.png... (Python with numpy)
 
 The colours are means of the most frequent ones; nothing is dithered. A file that would not become smaller stays.

@@ -1,4 +1,4 @@
-#!/usr/bin/env python3
+#!/usr/bin/python3
 """A picture (SVG) of a terminal while commands run in it (standard library only):
 
     terminal_picture.py OUT.svg [--columns 100] [--until PATTERN] [--rows 34] -- COMMAND... [-- COMMAND...]...

@@ -2,7 +2,7 @@
 """Renders surfaces to a PNG with VTK, off screen (run it under xvfb-run where there is no display).
 
     render.py OUT.png FILE[:SCALARS] ... [--view front|top|side|left|rear|iso|below|DX,DY,DZ] [--edges] [--columns N]
-              [--titles "before|after"] [--zoom Z] [--centre X,Y,Z] [--size W,H] [--feature-angle DEG]
+              [--titles "before|after"] [--zoom Z] [--centre X,Y,Z] [--size W,H] [--feature-angle DEG] [--up y|z]
 
 Each FILE (.obj .stl .ply .vtp) gets its own pane. `:SCALARS` colours by that cell or point field of a .vtp; integer
 fields (patches) get one colour a value.
@@ -161,7 +161,7 @@ def frame_of(surfaces, direction, sky):
 def aim(panes, surfaces, options, width, height):
     """One camera for all panes, so that before and after are seen at the same scale."""
     direction = unit(VIEWS.get(options.view) or tuple(float(c) for c in options.view.split(",")))
-    sky = (0, 1, 0) if abs(direction[2]) > 0.95 else (0, 0, 1)
+    sky = (0, 1, 0) if options.up == "y" or abs(direction[2]) > 0.95 else (0, 0, 1)
     ((left, right_end), (low, high)), right, up = frame_of(surfaces, direction, sky)
     middle = tuple((left + right_end) / 2 * r + (low + high) / 2 * u for r, u in zip(right, up))
     if options.centre:
@@ -189,6 +189,7 @@ def main():
     parser.add_argument("--edges", action="store_true")
     parser.add_argument("--columns", type=int, default=0)
     parser.add_argument("--titles", default="")
+    parser.add_argument("--up", choices="yz", default="z")
     parser.add_argument("--zoom", type=float, default=1.0)
     parser.add_argument("--centre", default="")
     parser.add_argument("--size", default="800,600")

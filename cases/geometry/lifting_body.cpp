@@ -156,4 +156,9 @@ TriMesh lifting_body(int triangles, const LiftingBodyShape& shape) {
                                [&](double edge_length) { return lifting_body_of_edge_length(shape, edge_length); });
 }
 
+LiftingBodyShape winged_vehicle() {
+    return {
+        .nose_radius = 0.015, .half_width = 0.10, .canopy_height = 0.03, .winglet_span = 0.26, .winglet_cant_deg = 6};
+}
+
 }  // namespace strake::example

@@ -23,4 +23,7 @@ struct LiftingBodyShape {
 /// @param triangles wanted, 1 500 to 5 000 000; met within 5 %. @throws InvalidInput outside of it.
 TriMesh lifting_body(int triangles, const LiftingBodyShape& shape = {});
 
+/// The same family with a slender fuselage and a wing that grows out of it: a winged hypersonic vehicle.
+LiftingBodyShape winged_vehicle();
+
 }  // namespace strake::example

@@ -1,6 +1,7 @@
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/slender_body.hpp"
+#include "cases/geometry/waverider.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
 #include "core/mesh/io.hpp"
@@ -49,6 +50,9 @@ const std::map<std::string, Kind> kinds{
           return strake::example::tube(n, {4, 0.7, 0.7});
       }}},
     {"engine", {2'000, engine}},
+    {"winged_vehicle",
+     {100'000, [](int n) { return strake::example::lifting_body(n, strake::example::winged_vehicle()); }}},
+    {"waverider", {100'000, [](int n) { return strake::example::waverider(n); }}},
     {"wavy_body", {6'000, [](int n) { return strake::example::wavy_body(n); }}},
 };
 
@@ -58,15 +62,15 @@ int main(int argc, char** argv) {
     CLI::App app{"Makes an example surface from its definition", "make_surface"};
     std::string name, file;
     int triangles = 0;
-    app.add_option("surface", name,
-                   "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid, wavy_body, nacelle, engine "
-                   "(closed), "
-                   "naca0012 (open ends)")
+    app.add_option(
+           "surface", name,
+           "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid, wavy_body, nacelle, engine, "
+           "winged_vehicle, waverider (closed; cells of the last one crowd towards its edges), naca0012 (open ends)")
         ->required()
         ->check(CLI::IsMember(kinds));
     app.add_option("--triangles", triangles,
                    "wanted number; defaults: wing 22000, lifting_body 30000, naca0012 10000, wavy_body 6000, engine "
-                   "2000, others 5000")
+                   "2000, winged_vehicle and waverider 100000, others 5000")
         ->check(CLI::Range(1, 5'000'000));
     app.add_option("-o,--out", file, "surface file: .stl .obj .ply .off .tri")->required();
     CLI11_PARSE(app, argc, argv);

@@ -1,6 +1,7 @@
 #include "core/mesh/geometry.hpp"
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
+#include "cases/geometry/waverider.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
@@ -248,10 +249,47 @@ TEST(Examples, HaveNoDefects) {
 
 TEST(Examples, RefuseWrongRequests) {
     EXPECT_THROW(example::wing(999), InvalidInput);
+    EXPECT_THROW(example::waverider(999), InvalidInput);
+    EXPECT_THROW(example::waverider(5000, {.crowding = 0.5}), InvalidInput);
     EXPECT_THROW(example::lifting_body(0), InvalidInput);
     EXPECT_THROW(example::lifting_body(6'000'000), InvalidInput);
     EXPECT_THROW(example::naca_wing(0.12, 1, 5), InvalidInput);
     EXPECT_THROW(example::naca_wing(0, 10, 5), InvalidInput);
+}
+
+double largest_aspect_ratio(const TriMesh& mesh) {
+    const Eigen::VectorXd areas = triangle_areas(mesh);
+    double largest = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        double longest = 0;
+        for (int c = 0; c < 3; ++c)
+            longest = std::max(
+                longest,
+                (mesh.vertices.row(mesh.triangles(t, (c + 1) % 3)) - mesh.vertices.row(mesh.triangles(t, c))).norm());
+        largest = std::max(largest, longest * longest / (2 * areas[t]));
+    }
+    return largest;
+}
+
+TEST(Waverider, IsClosedSymmetricAndFullOfLongCells) {
+    for (const int wanted : {1000, 12'000}) {
+        const TriMesh mesh = example::waverider(wanted);
+        EXPECT_NEAR(mesh.num_triangles(), wanted, 0.05 * wanted);
+        const Adjacency adjacent = adjacency(mesh);
+        const EdgeCounts counts = edge_counts(adjacent);
+        EXPECT_EQ(counts.boundary + counts.bad, 0);
+        EXPECT_EQ(euler(mesh, adjacent), 2);
+        EXPECT_GT(enclosed_volume(mesh), 0);
+        EXPECT_GT(largest_aspect_ratio(mesh), 300);
+    }
+    EXPECT_LT(largest_aspect_ratio(example::waverider(12'000, {.crowding = 1})), 300);
+}
+
+TEST(WingedVehicle, IsClosed) {
+    const TriMesh mesh = example::lifting_body(10'000, example::winged_vehicle());
+    const EdgeCounts counts = edge_counts(adjacency(mesh));
+    EXPECT_EQ(counts.boundary + counts.bad, 0);
+    EXPECT_GT(enclosed_volume(mesh), 0);
 }
 
 }  // namespace

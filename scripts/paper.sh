@@ -61,7 +61,7 @@ wing() {
     deform wing_lift obj
     figures wing $generated/wing.obj "$out/wing_sweep.obj" "$out/wing_lift.obj"
     picture paper-wing.png "$out/wing-patches.vtp:level_1" "$out/wing_sweep.obj" "$out/wing_lift.obj" --view=-1,-0.8,0.5 \
-        --titles "patches at 10 degrees|shear along the flow: sweep|force across it: dihedral and twist" --size 560,400
+        --titles "patches at 10 degrees|shear along the flow|force across it" --size 560,400
 }
 lifting_body() {
     "$bin/make_surface" lifting_body --triangles $((131000 / small)) -o $generated/lifting_body.stl
@@ -91,7 +91,7 @@ vehicle() {
     "$bin/make_surface" winged_vehicle --triangles $((418000 / small)) -o $generated/vehicle.stl
     local wing
     wing=$(/usr/bin/python3 scripts/paper_figures.py triangle_near $generated/vehicle.stl 7 2 0.1)
-    timed "vehicle: patches, three levels" "$bin/strake" patches $generated/vehicle.stl --angle 10 --angle 2 --angle 0.5 --min-size 0.5% \
+    timed "vehicle: patches, three levels" "$bin/strake" patches $generated/vehicle.stl --angle 10 --angle 2 --angle 0.3 --min-size 0.5% \
         --split "containing:$wing" -o "$out/vehicle-patches.vtp"
     picture paper-vehicle.png "$out/vehicle-patches.vtp:level_1" "$out/vehicle-patches.vtp:level_2" "$out/vehicle-patches.vtp:level_3" \
         --view=-1,-1,1.2 --titles "level 1|level 2|level 3" --size 560,400
@@ -102,8 +102,8 @@ jet() {
     edge=$(edge_for $generated/jet.ply $((112000 / small)))
     timed "jet: remesh" "$bin/strake" remesh $generated/jet.ply --edge-length "$edge" -o "$out/jet.ply"
     figures jet $generated/jet.ply "$out/jet.ply"
-    picture paper-jet.png $generated/jet.ply "$out/jet.ply" --edges --view=-1,-1,1 --centre 15,1.2,0.8 --zoom 5 \
-        --titles "as converted|strake remesh" --size 720,520
+    picture paper-jet.png $generated/jet.ply "$out/jet.ply" --edges --view=-1,-1,1 --centre 15,1.2,0.8 --zoom 7 \
+        --titles "as converted|strake remesh" --size 480,360
 }
 
 for example in "${examples[@]}"; do "$example"; done

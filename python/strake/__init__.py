@@ -1,30 +1,45 @@
-"""Shape optimization of surface triangulations without CAD.
+"""Shape optimization of surface triangulations that have no CAD behind them.
 
-A surface becomes an elastic skin; patches of it become design variables; the skin's equilibrium is the shape.
+A surface becomes an elastic skin, patches of it become design variables, and the equilibrium of the skin is the shape. A
+whole optimization, of a wing that is to hold more with hardly more skin:
 
+    import numpy as np
     import strake
-    surface = strake.read_surface("wing.stl")
-    problem = strake.Problem(surface, fixed=root, symmetry=((0, 1, 0), 0.0))
+
+    wing = strake.read_surface("wing.stl")
+    y = wing.vertices[wing.triangles][:, :, 1]          # of the corners of each triangle
+    root = (y < 0.05).all(axis=1)                       # a mask: a boolean for each triangle
+    problem = strake.Problem(wing, fixed=root, symmetry=((0, 1, 0), 0.0))
     problem.maximize("volume")
     problem.constrain("area", max=1.001, relative=True)
     result = strake.run(problem, callback=print)
-    strake.write_surface("bigger.stl", surface.with_vertices(result.vertices))
+    print(result.status, result.reason)
+    strake.write_surface("bigger.stl", wing.with_vertices(result.vertices))
 
 What there is, from the outside in:
 
-    run, fit, load_case         whole optimizations, stated in Python or in a case file
-    Problem, Result, Evaluation
-    DesignSpace                 x -> shape, dJ/dv -> dJ/dx, for an optimizer of your own
-    Shell, Motion, traction_forces
-                                one skin: solve, adjoint
-    patches, PatchTree          the tree of patches
-    Surface, read_surface, write_surface, SurfaceMap
-                                surfaces as numpy arrays, and other meshes that move with them
+    load_case, run, fit                   a case file, and whole optimizations
+    Problem, Result, Evaluation           one stated in Python, and what comes of it
+    DesignSpace                           x -> shape, dJ/dv -> dJ/dx, for an optimizer of your own
+    Shell, Motion, traction_forces        one skin: solve, adjoint
+    patches, PatchTree                    the tree of patches
+    Surface, read_surface, write_surface  surfaces as numpy arrays
+    SurfaceMap                            other meshes that move with a surface
 
-Arrays are float64 and C-contiguous: vertices n x 3, gradients dJ/dv n x 3, triangles m x 3 from 0. Such arrays are taken
-without a copy; those that come out of a surface are read-only views of it. Lengths are in the surface's own unit, angles
-in radians but for `angles` of patches. While a skin is solved other threads of Python run on; one object is to be used
-from one thread at a time. All errors are kinds of `strake.Error`, and also of ValueError, OSError or RuntimeError.
+Arrays. n is the number of vertices, m that of triangles. Vertices, and derivatives dJ/dv of a number J by them, are
+n x 3 floats; triangles are m x 3 ints, numbers of vertices from 0. C-contiguous float64 is taken without a copy, other
+numbers are converted; what comes out of a surface is a read-only view of it.
+
+Triangles are chosen by their numbers or by a mask of m booleans. Numbers that are not whole are refused, never rounded.
+
+Units. Lengths are in the unit of the surface, whatever it is; angles are in radians but where a name says `deg`, and in
+`angles` of `patches`.
+
+Errors are kinds of `strake.Error`, and also of ValueError, OSError or RuntimeError; they name the argument, the value and
+the limit. An argument of a wrong type is a TypeError.
+
+Threads. While a skin is solved other threads of Python run on; one object is to be used from one thread at a time. The
+same input gives the same bits.
 """
 from ._core import (CaseError, DesignSpace, Equilibrium, Error, Evaluation, EvaluationFailed, InputError, InvalidInput,
                     Motion, OutputError, Patch, PatchLevel, PatchTree, Problem, Result, Sensitivities, Shell,

@@ -148,7 +148,7 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["loops"] = loops_json(c);
     j["quality"] = quality_json(q);
     j["defects"] = defects_in_words(mesh, c);
-    j["advice"] = advice(c);
+    j["advice"] = advice(mesh, c);
     return j;
 }
 
@@ -204,7 +204,7 @@ void print_words(const std::string& file, const Report& r) {
                                 q.mean, q.fifth_percentile, q.smallest));
     line("", shares(q.ratios, ""));
     line("valence", text("at most ", q.max_valence, " triangles at a vertex"));
-    const auto list = defects_in_words(mesh, c), advised = advice(c);
+    const auto list = defects_in_words(mesh, c), advised = advice(mesh, c);
     out += list.empty() ? "no defects\n" : "defects (numbers count from 0 in the order of the file):\n";
     for (const auto& d : list) out += "  " + d + "\n";
     if (!advised.empty()) out += "advice:\n";

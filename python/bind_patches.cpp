@@ -54,14 +54,7 @@ void bind_patches(py::module_& m) {
             return segment_automatically(surface, adjacency(surface), automatic);
         },
         "surface"_a, py::kw_only(), "angles"_a = std::vector<double>{}, "patches_per_level"_a = py::tuple(),
-        "min_patch"_a = 0.0, R"(patches(surface, *, angles=(), patches_per_level=(), min_patch=0.0)
---
-
-Cuts the Surface `surface` into nested patches: a PatchTree.
-
-`angles`: thresholds in degrees, falling, one a level (20, 10). Without them levels are chosen automatically.
-`patches_per_level`: how many patches there should be on each automatic level, whole numbers; 4, 16, 64 if not given.
-`min_patch`: the smallest patch, in percent of the triangles; with `angles` only.)");
+        "min_patch"_a = 0.0);
 }
 
 }  // namespace strake::python

@@ -337,11 +337,7 @@ or cobyla, which needs no gradients. `max_seconds`: of the whole run, a float; 0
             repr_doc);
     bind_facts(problem);
     bind_quantities(problem);
-    m.def("load_case", &load, "file"_a, R"(load_case(file)
---
-
-The Problem that a case file states. `file`: the path of the YAML. Raises CaseError with all errors of the case, and
-InputError about its surface.)");
+    m.def("load_case", &load, "file"_a);
 }
 
 }  // namespace strake::python

@@ -315,18 +315,7 @@ void bind_run(py::module_& m) {
         [](PythonProblem& p, const py::object& callback, const std::optional<std::filesystem::path>& output) {
             return run(p, callback, output, false);
         },
-        "problem"_a, "callback"_a = py::none(), "output"_a = py::none(), R"(run(problem, callback=None, output=None)
---
-
-The whole coarse-to-fine optimization of the Problem `problem`: a Result.
-
-`callback`: is called as callback(evaluation) with an Evaluation after each; where it returns False the run ends, with
-status interrupted.
-`output`: a path; the run keeps a folder there, as `strake run --out` does, with journal, history, designs and report.
-`strake status`, `resume`, `report` and `apply` take it. The problem must then be that of a case file (`load_case`), with
-no more changed than its budget (max_evaluations, max_seconds of its options). None: nothing is written.
-
-Exceptions of the callback and of quantities, and Ctrl-C, come out of `run` as they are.)");
+        "problem"_a, "callback"_a = py::none(), "output"_a = py::none());
     m.def(
         "fit",
         [](PythonProblem& p, const std::vector<std::string>& targets, const py::object& callback,
@@ -337,15 +326,7 @@ Exceptions of the callback and of quantities, and Ctrl-C, come out of `run` as t
             }
             return run(p, callback, output, true);
         },
-        "problem"_a, "targets"_a = std::vector<std::string>{}, "callback"_a = py::none(), "output"_a = py::none(),
-        R"(fit(problem, targets=(), callback=None, output=None)
---
-
-Moves the surface of the Problem `problem` onto targets, by least squares: a Result, whose objective is the mean square
-distance.
-
-`targets`: names given to `Problem.add_target`; of a problem from a case file, those that it names.
-`callback`, `output`: as in `run`.)");
+        "problem"_a, "targets"_a = std::vector<std::string>{}, "callback"_a = py::none(), "output"_a = py::none());
 }
 
 }  // namespace strake::python

@@ -194,11 +194,7 @@ Energy (float, in unit squared) where the skin is now, under `force` (n x 3 floa
             check_rows(traction, surface.num_triangles(), "traction_forces: traction");
             return traction_forces(surface, traction);
         },
-        "surface"_a, "traction"_a, R"(traction_forces(surface, traction)
---
-
-Forces at the vertices (n x 3 floats) of `traction`, a force per area on each triangle of the Surface `surface` (m x 3
-floats, in 1 / unit). `traction[mask] = [0, 0, 1e-6]` loads the triangles of a mask.)");
+        "surface"_a, "traction"_a);
 }
 
 }  // namespace strake::python

@@ -184,22 +184,14 @@ A Surface of the same triangles on other `vertices` (n x 3 floats).)")
             const py::gil_scoped_release release;
             return std::make_shared<TriMesh>(read_surface(file).mesh);
         },
-        "file"_a, R"(read_surface(file)
---
-
-The Surface in `file` (a path): STL, OBJ, PLY, OFF, TRI, VTK, VTP, SU2, Gmsh or NASTRAN, told by what is in it.
-Raises InputError with the place of what is wrong.)");
+        "file"_a);
     m.def(
         "write_surface",
         [](const std::filesystem::path& file, const TriMesh& surface) {
             const py::gil_scoped_release release;
             write_surface(file, surface, format_of(file));
         },
-        "file"_a, "surface"_a, R"(write_surface(file, surface)
---
-
-Writes the Surface `surface` to `file` (a path) in the format that the ending of its name tells, such as .stl or .obj.
-The file is whole or not there. Raises OutputError, or InvalidInput about an ending that is not known.)");
+        "file"_a, "surface"_a);
     bind_map(m);
 }
 

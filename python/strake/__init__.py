@@ -41,13 +41,75 @@ the limit. An argument of a wrong type is a TypeError.
 Threads. While a skin is solved other threads of Python run on; one object is to be used from one thread at a time. The
 same input gives the same bits.
 """
+from . import _core
 from ._core import (CaseError, DesignSpace, Equilibrium, Error, Evaluation, EvaluationFailed, InputError, InvalidInput,
                     Motion, OutputError, Patch, PatchLevel, PatchTree, Problem, Result, Sensitivities, Shell,
-                    SolverError, Surface, SurfaceMap, UnheldPart, fit, load_case, patches, read_surface, run,
-                    traction_forces, write_surface)
+                    SolverError, Surface, SurfaceMap, UnheldPart)
 from ._core import version as __version__
 
 __all__ = ["CaseError", "DesignSpace", "Equilibrium", "Error", "Evaluation", "EvaluationFailed", "InputError",
            "InvalidInput", "Motion", "OutputError", "Patch", "PatchLevel", "PatchTree", "Problem", "Result",
            "Sensitivities", "Shell", "SolverError", "Surface", "SurfaceMap", "UnheldPart", "fit", "load_case", "patches",
            "read_surface", "run", "traction_forces", "write_surface"]
+
+
+def read_surface(file):
+    """The Surface in `file` (a path): STL, OBJ, PLY, OFF, TRI, VTK, VTP, SU2, Gmsh or NASTRAN, told by what is in it.
+    Raises InputError with the place of what is wrong.
+    """
+    return _core.read_surface(file)
+
+
+def write_surface(file, surface):
+    """Writes the Surface `surface` to `file` (a path) in the format that the ending of its name tells, such as .stl or .obj.
+    The file is whole or not there. Raises OutputError, or InvalidInput about an ending that is not known.
+    """
+    return _core.write_surface(file, surface)
+
+
+def patches(surface, *, angles=(), patches_per_level=(), min_patch=0.0):
+    """Cuts the Surface `surface` into nested patches: a PatchTree.
+
+    `angles`: thresholds in degrees, falling, one a level (20, 10). Without them levels are chosen automatically.
+    `patches_per_level`: how many patches there should be on each automatic level, whole numbers; 4, 16, 64 if not given.
+    `min_patch`: the smallest patch, in percent of the triangles; with `angles` only.
+    """
+    return _core.patches(surface, angles=angles, patches_per_level=patches_per_level, min_patch=min_patch)
+
+
+def traction_forces(surface, traction):
+    """Forces at the vertices (n x 3 floats) of `traction`, a force per area on each triangle of the Surface `surface` (m x 3
+    floats, in 1 / unit). `traction[mask] = [0, 0, 1e-6]` loads the triangles of a mask.
+    """
+    return _core.traction_forces(surface, traction)
+
+
+def load_case(file):
+    """The Problem that a case file states. `file`: the path of the YAML. Raises CaseError with all errors of the case, and
+    InputError about its surface.
+    """
+    return _core.load_case(file)
+
+
+def run(problem, callback=None, output=None):
+    """The whole coarse-to-fine optimization of the Problem `problem`: a Result.
+
+    `callback`: is called as callback(evaluation) with an Evaluation after each; where it returns False the run ends, with
+    status interrupted.
+    `output`: a path; the run keeps a folder there, as `strake run --out` does, with journal, history, designs and report.
+    `strake status`, `resume`, `report` and `apply` take it. The problem must then be that of a case file (`load_case`), with
+    no more changed than its budget (max_evaluations, max_seconds of its options). None: nothing is written.
+
+    Exceptions of the callback and of quantities, and Ctrl-C, come out of `run` as they are.
+    """
+    return _core.run(problem, callback, output)
+
+
+def fit(problem, targets=(), callback=None, output=None):
+    """Moves the surface of the Problem `problem` onto targets, by least squares: a Result, whose objective is the mean square
+    distance.
+
+    `targets`: names given to `Problem.add_target`; of a problem from a case file, those that it names.
+    `callback`, `output`: as in `run`.
+    """
+    return _core.fit(problem, targets, callback, output)

@@ -84,13 +84,16 @@ def test_a_stopped_run_in_a_folder_goes_on(body, program, tmp_path):
 def test_the_budget_of_a_run_in_a_folder_is_the_one_given(body, program, tmp_path):
     strake.write_surface(tmp_path / "body.obj", body)
     (tmp_path / "case.yaml").write_text(CASE)
+    (tmp_path / "less.yaml").write_text(CASE.replace("evaluations: 8", "evaluations: 3"))
     case = strake.load_case(tmp_path / "case.yaml")
-    whole = strake.run(case)
     case.options(max_evaluations=3)
-    assert strake.run(case, output=tmp_path / "short").evaluations == 3
-    arguments = [program, "resume", "short", "--evaluations", "8", "--json", "-q"]
-    told = json.loads(subprocess.run(arguments, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout)
-    assert told["evaluations"] == whole.evaluations and told["objective"] == whole.objective
+    assert strake.run(case, output=tmp_path / "ours").evaluations == 3
+    subprocess.run([program, "run", "less.yaml", "--out", "theirs", "-q"], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    ends = []
+    for folder in ("ours", "theirs"):
+        arguments = [program, "resume", folder, "--evaluations", "8", "--json", "-q"]
+        ends.append(json.loads(subprocess.run(arguments, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout))
+    assert ends[0]["evaluations"] == ends[1]["evaluations"] > 3 and ends[0]["objective"] == ends[1]["objective"]
 
 
 def test_what_a_folder_cannot_hold_is_refused(body, tmp_path):

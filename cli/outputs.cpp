@@ -53,7 +53,7 @@ std::string lost_output() {
         [[maybe_unused]] const ssize_t tried = ::write(STDOUT_FILENO, "\n", 1);  // the reason, which is long forgotten
     }
     return text("strake: standard output: cannot write", errno != 0 ? text(": ", std::strerror(errno)) : "",
-                "; what was to be printed is lost, files are not concerned");
+                "; what was to be printed is lost, what went to files is not");
 }
 
 }  // namespace strake::cli

@@ -1,6 +1,7 @@
 #include "core/error.hpp"
 #include "core/repair/checkup.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 /// What was found, in words for people.
@@ -99,7 +100,7 @@ std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& c)
         first_few(f.duplicate_vertices));
     if (c.pairs) {
         const auto [through, on] = by_kind(mesh, c);
-        add(through.size(), "pair(s) of triangles intersect (they pass through each other), triangles",
+        add(through.size(), "pair(s) of triangles intersect (they pass through each other, or touch), triangles",
             first_pairs(mesh, through));
         add(on.size(),
             "pair(s) of triangles overlap in one plane (bodies that touch, or a face that is there twice), "

@@ -63,7 +63,8 @@ TEST(Info, TrianglesThatLieOnOneAnotherAreNotSaidToPassThrough) {
     EXPECT_NE(on.find("delete one of the two faces"), std::string::npos) << on;
     EXPECT_EQ(on.find("pass through"), std::string::npos) << on;
     const std::string through = told("v 0.2 0.2 0.5\nv 0.8 0.2 0.5\nv 0.8 0.8 1.5\nf 9 10 11\n");
-    EXPECT_NE(through.find("intersect (they pass through each other, or touch), triangles: "), std::string::npos) << through;
+    EXPECT_NE(through.find("intersect (they pass through each other, or touch), triangles: "), std::string::npos)
+        << through;
     EXPECT_EQ(through.find("in one plane"), std::string::npos) << through;
 }
 

@@ -4,6 +4,7 @@
 #include "cases/propose_parts.hpp"
 #include "core/error.hpp"
 #include "core/mesh/io.hpp"
+#include "core/shell_word.hpp"
 #include "optimize/mirror.hpp"
 
 #include <algorithm>
@@ -217,8 +218,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     proposal.plane = half ? half : mirror;
     proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume);
     const std::string shown = case_file.filename().string();
-    proposal.yaml = "# Proposed by strake init from the surface alone. Next: strake check " + yaml_text(shown) +
-                    ", strake run " + yaml_text(shown) +
+    proposal.yaml = "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) +
+                    ", strake run " + typed_path(shown) +
                     ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
                     surface_text(path_from(file, case_file), stated_units(file), surface.checkup) +
                     repair_text(surface) + regions_text(regions) + (half ? symmetry_text(*half) : "") +

@@ -1,3 +1,5 @@
+#include "cases/diagnostics.hpp"
+#include "cli/applied.hpp"
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
 #include "cli/detail.hpp"
@@ -15,27 +17,16 @@
 #include "objectives/external/gradient.hpp"
 #include "objectives/external/refused.hpp"
 #include "objectives/point_list.hpp"
-#include "report/json_number.hpp"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <memory>
-#include <nlohmann/json.hpp>
 
 /// `strake apply`: other points move as the surface of a run did.
 namespace strake::cli {
 namespace {
 
 namespace fs = std::filesystem;
-
-struct ApplyArguments {
-    std::string run, other, out, design, moved, sensitivities;
-    std::vector<std::string> hold;
-    int evaluation = 0;
-    double reach = SurfaceMapOptions{}.reach;
-    bool undo = false, force = false, json = false;
-};
-
-constexpr double gentle = 0.2;  // displacement by reach up to which the map outside is far from folding
 
 enum class Kind { surface, list, volume };
 
@@ -50,15 +41,6 @@ struct Other {
     }
 };
 
-struct Applied {
-    int points = 0, evaluation = 0, on_surface = 0, still = 0;
-    double diagonal = 0, max_displacement = 0, max_distance = 0, max_surface_displacement = 0;
-    std::optional<Unmapped> undone;
-    std::optional<CellCheck> cells;
-    int unchecked_cells = 0;
-    bool written = true;
-};
-
 /// The mesh of a volume stays one; of an .su2 the surface is taken where a surface is asked for.
 Kind kind_of(const ApplyArguments& args) {
     if (is_point_list(args.other)) return Kind::list;
@@ -67,8 +49,50 @@ Kind kind_of(const ApplyArguments& args) {
     return is_volume(args.other) ? Kind::volume : Kind::surface;
 }
 
+void check_hold(const ApplyArguments& args, Kind kind) {
+    if (args.hold.empty()) return;
+    const std::string other = printable(args.other, 400), name = printable(args.hold.front());
+    if (kind == Kind::surface && fs::path(args.other).extension() == ".su2")
+        throw InvalidInput(fmt::format(
+            "--hold {}: only the surface of {} is moved where -o is no .su2; write an .su2, or leave out --hold", name,
+            other));
+    if (kind != Kind::volume)
+        throw InvalidInput(fmt::format(
+            "--hold {}: it keeps a boundary of a volume mesh, and {} is a {}: leave out --hold, or give the "
+            "mesh (a folder polyMesh, .su2)",
+            name, other, kind == Kind::list ? "list of points" : "surface"));
+    if (args.undo)
+        throw InvalidInput(
+            fmt::format("--hold {}: --undo cannot bring back a mesh that was moved with --hold; take the mesh of the "
+                        "start, from which it came, and leave out both",
+                        name));
+}
+
+/// @throws InvalidInput for a name that no boundary has, with those that there are.
+void check_held(const ApplyArguments& args, const VolumeFile& file) {
+    std::vector<std::string> known;
+    for (const BoundaryPart& part : file.mesh.boundary) known.push_back(part.name);
+    for (const std::string& name : args.hold) {
+        if (std::count(known.begin(), known.end(), name) > 0) continue;
+        std::string there;
+        for (const std::string& one : known) there += (there.empty() ? "" : ", ") + printable(one);
+        const std::string like = nearest(name, known), what = "--hold " + printable(name) + ": ",
+                          mesh = printable(args.other, 400);
+        if (!known.empty())
+            throw InvalidInput(what + mesh + " has no boundary of that name" +
+                               (like.empty() ? "" : "; did you mean '" + printable(like) + "'?") +
+                               " There are: " + there);
+        throw InvalidInput(
+            what + mesh +
+            (file.format == VolumeFormat::open_foam && file.folder.empty()
+                 ? " stands without the file of its boundaries; give the folder polyMesh"
+                 : " names no boundaries; leave out --hold, and lower --reach so that what is far stays"));
+    }
+}
+
 void check_names(const ApplyArguments& args, Kind kind) {
     const std::string out = printable(args.out, 400), ending = fs::path(args.out).extension();
+    check_hold(args, kind);
     if (!args.sensitivities.empty()) {
         if (args.undo) throw InvalidInput("--sensitivities belong to points at the start: leave out --undo");
         if (kind == Kind::volume)
@@ -77,8 +101,6 @@ void check_names(const ApplyArguments& args, Kind kind) {
             throw InvalidInput(out + ": sensitivities are written as .csv, .npy or .vtp");
         return;
     }
-    if (!args.hold.empty() && (kind != Kind::volume || args.undo))
-        throw InvalidInput("--hold: only for the mesh of a volume, and not with --undo");
     if (kind == Kind::volume) return check_volume_output(args.out, args.other);
     if (kind == Kind::list && !is_point_list(args.out))
         throw InvalidInput(fmt::format("{}: {} is a list of points, not a surface: write .csv or .npy", out,
@@ -102,7 +124,7 @@ Deformation deformation_of(const ApplyArguments& args) {
 
 void write_moved(const ApplyArguments& args, const Other& other, const Points& moved) {
     if (other.kind == Kind::volume) return write_volume(args.out, other.volume, moved);
-    if (is_point_list(args.out)) return write_points(args.out, {moved, other.list.ids});
+    if (is_point_list(args.out)) return write_points(args.out, {moved, other.list.ids, other.list.text});
     write_surface(args.out, with_vertices(other.surface, moved), format_of(args.out));
 }
 
@@ -139,6 +161,7 @@ Applied facts(const ApplyArguments& args, const Deformation& d, const Points& fr
     told.diagonal = box_diagonal(d.rest);
     const Eigen::VectorXd by = (to - from).rowwise().norm();
     if (by.size() > 0) told.max_displacement = by.maxCoeff(), told.max_distance = distances.maxCoeff();
+    if (by.size() > 0) told.min_distance = distances.minCoeff();
     told.on_surface = static_cast<int>((distances.array() <= 1e-9 * told.diagonal).count());
     told.still = static_cast<int>((distances.array() >= args.reach * told.diagonal).count());
     told.max_surface_displacement = (d.vertices - d.rest.vertices).rowwise().norm().maxCoeff();
@@ -150,6 +173,7 @@ Applied apply(const ApplyArguments& args) {
     check_names(args, kind);
     const Deformation d = deformation_of(args);
     const Other other = read_other(args, kind);
+    if (!args.hold.empty()) check_held(args, other.volume);
     const Points& from = other.points();
     const SurfaceMapOptions options{args.reach, d.symmetry};
     const SurfaceMap map(args.undo ? with_vertices(d.rest, d.vertices) : d.rest, from, options);
@@ -161,6 +185,7 @@ Applied apply(const ApplyArguments& args) {
     if (!to.allFinite()) throw SolverError("apply: a moved point is not finite");
     Applied told = facts(args, d, from, to, map.distances());
     told.undone = undone;
+    if (is_npy(args.out) && args.sensitivities.empty()) told.left_out = other_columns(other.list);
     if (kind == Kind::volume && other.volume.mesh.num_cells > 0) told.cells = check_cells(other.volume.mesh, from, to);
     if (kind == Kind::volume) told.unchecked_cells = other.volume.mesh.num_unchecked;
     told.written = args.force || !told.cells || told.cells->newly_bad == 0;
@@ -169,90 +194,6 @@ Applied apply(const ApplyArguments& args) {
     else if (told.written)
         write_moved(args, other, to);
     return told;
-}
-
-std::string place_of(const CellCheck& c) {
-    return fmt::format("cell {} at ({:.6g}, {:.6g}, {:.6g})", c.worst, c.worst_at[0], c.worst_at[1], c.worst_at[2]);
-}
-
-void warn(const ApplyArguments& args, const Applied& told) {
-    if (told.max_surface_displacement > gentle * args.reach * told.diagonal)
-        fmt::print(stderr,
-                   "warning: the surface moves by {:.3g}, more than a fifth of the reach of {:.3g}: cells between may "
-                   "fold; raise --reach\n",
-                   told.max_surface_displacement, args.reach * told.diagonal);
-    if (told.undone && told.undone->num_unsolved > 0)
-        fmt::print(
-            stderr,
-            "warning: {} of {} points have no place from which they came (the worst, point {}, misses by {:.3g}): "
-            "were they moved by this design, with this --reach?\n",
-            told.undone->num_unsolved, told.points, told.undone->worst, told.undone->residual);
-    if (told.unchecked_cells > 0)
-        fmt::print(stderr, "warning: {} cells of other kinds were not checked\n", told.unchecked_cells);
-    if (!told.cells) return;
-    const CellCheck& c = *told.cells;
-    if (c.inverted_before + c.folded_before > 0)
-        fmt::print(stderr, "warning: {} cells were inverted or folded before anything moved\n",
-                   c.inverted_before + c.folded_before);
-    if (c.newly_bad > 0)
-        fmt::print(stderr,
-                   "{}: {} of {} cells are inverted or folded by the motion; the worst is {}: volume {:.3g} becomes "
-                   "{:.3g}; {}\n",
-                   told.written ? "warning" : "strake: apply", c.newly_bad, c.cells, place_of(c), c.worst_before,
-                   c.worst_after,
-                   told.written ? "written all the same (--force)"
-                                : "nothing was written; apply an earlier design (--evaluation), raise --reach, or "
-                                  "write it all the same by --force");
-}
-
-nlohmann::ordered_json json_of(const CellCheck& c, int unchecked) {
-    nlohmann::ordered_json j;
-    j["checked"] = c.cells;
-    j["unchecked"] = unchecked;
-    j["inverted_before"] = c.inverted_before;
-    j["folded_before"] = c.folded_before;
-    j["inverted"] = c.inverted;
-    j["folded"] = c.folded;
-    j["newly_bad"] = c.newly_bad;
-    j["smallest_ratio"] = json_number(c.smallest_ratio);
-    j["largest_ratio"] = json_number(c.largest_ratio);
-    if (c.worst >= 0)
-        j["worst"] = {{"cell", c.worst},
-                      {"at", {c.worst_at[0], c.worst_at[1], c.worst_at[2]}},
-                      {"before", json_number(c.worst_before)},
-                      {"after", json_number(c.worst_after)}};
-    return j;
-}
-
-void print_json(const ApplyArguments& args, const Applied& told) {
-    nlohmann::ordered_json j;
-    j["status"] = told.written ? "ok" : "inverted";
-    j["evaluation"] = told.evaluation;
-    j["points"] = told.points;
-    j["on_surface"] = told.on_surface;
-    j["beyond_reach"] = told.still;
-    j["max_displacement"] = json_number(told.max_displacement);
-    j["max_distance"] = json_number(told.max_distance);
-    if (told.cells) j["cells"] = json_of(*told.cells, told.unchecked_cells);
-    if (told.undone)
-        j["undo"] = {{"residual", json_number(told.undone->residual)}, {"unsolved", told.undone->num_unsolved}};
-    j["file"] = told.written ? nlohmann::ordered_json(args.out) : nlohmann::ordered_json(nullptr);
-    fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
-}
-
-void print_words(const Applied& told) {
-    if (told.evaluation > 0) fmt::print("design            evaluation {}\n", told.evaluation);
-    fmt::print("points            {}: {} on the surface, {} beyond the reach\n", told.points, told.on_surface,
-               told.still);
-    fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", told.max_displacement,
-               100 * told.max_displacement / told.diagonal);
-    fmt::print("max distance      {:.6g} from the surface\n", told.max_distance);
-    if (told.undone) fmt::print("undone to         {:.3g}\n", told.undone->residual);
-    if (!told.cells) return;
-    fmt::print("cells             {}: {} inverted, {} folded ({} and {} before)\n", told.cells->cells,
-               told.cells->inverted, told.cells->folded, told.cells->inverted_before, told.cells->folded_before);
-    fmt::print("cell volumes      change by factors of {:.3g} to {:.3g}; the smallest in {}\n",
-               told.cells->smallest_ratio, told.cells->largest_ratio, place_of(*told.cells));
 }
 
 }  // namespace

@@ -20,7 +20,7 @@ void print_health(const Checkup& c) {
                c.facts.closed ? "closed" : "open", c.facts.components, c.facts.components == 1 ? "" : "s",
                c.loops.size(), c.loops.size() == 1 ? "y" : "ies",
                !c.pairs       ? "intersections not looked for"
-               : crossing > 0 ? fmt::format("{} pairs of triangles that intersect", crossing)
+               : crossing > 0 ? fmt::format("{} pairs of triangles that intersect or lie on one another", crossing)
                               : "no intersections",
                c.quality.angle_min_deg, c.quality.angle_max_deg);
 }

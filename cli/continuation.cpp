@@ -1,6 +1,7 @@
 #include "cli/continuation.hpp"
 
 #include "core/error.hpp"
+#include "report/recorded_run.hpp"
 
 namespace strake::cli {
 namespace {

@@ -9,9 +9,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -148,7 +146,7 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["loops"] = loops_json(c);
     j["quality"] = quality_json(q);
     j["defects"] = defects_in_words(mesh, c);
-    j["advice"] = advice(c);
+    j["advice"] = advice(mesh, c);
     return j;
 }
 
@@ -165,8 +163,7 @@ std::string shares(const Histogram& h, const char* unit) {
 }
 
 void print(const std::string& words) {
-    if (std::fputs(words.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-        throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
 }
 
 std::string vector_text(const Eigen::Vector3d& v) { return text(v.x(), " ", v.y(), " ", v.z()); }
@@ -204,7 +201,7 @@ void print_words(const std::string& file, const Report& r) {
                                 q.mean, q.fifth_percentile, q.smallest));
     line("", shares(q.ratios, ""));
     line("valence", text("at most ", q.max_valence, " triangles at a vertex"));
-    const auto list = defects_in_words(mesh, c), advised = advice(c);
+    const auto list = defects_in_words(mesh, c), advised = advice(mesh, c);
     out += list.empty() ? "no defects\n" : "defects (numbers count from 0 in the order of the file):\n";
     for (const auto& d : list) out += "  " + d + "\n";
     if (!advised.empty()) out += "advice:\n";

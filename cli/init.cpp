@@ -8,6 +8,7 @@
 #include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/vtp.hpp"
+#include "core/shell_word.hpp"
 #include "report/drawing.hpp"
 
 #include <fcntl.h>
@@ -100,10 +101,10 @@ std::string picture(const Problem& problem, const ProposedCase& proposal) {
     legend.push_back({grey, fmt::format("held ({} triangles)", problem.fixed.size())});
     const Eigen::Vector3d up = up_of(problem, proposal);
     const Eigen::Vector3d side = proposal.plane ? proposal.plane->normal : up.unitOrthogonal(), ahead = side.cross(up);
-    std::vector<Panel> panels;
+    std::vector<Panel> panels;  // two of them and their margins fit a window of 1000 pixels
     for (const double sign : {1.0, -1.0}) {
         const Eigen::Vector3d from = sign * (-0.7 * ahead - 0.7 * side + 0.6 * up);
-        Panel panel{draw_surface(problem.surface, colour, label, {from, up}, 560, 420), "", {}};
+        Panel panel{draw_surface(problem.surface, colour, label, {from, up}, 460, 345), "", {}};
         panel.title = sign > 0 ? "from above" : "from below, the other side";
         panel.names = names_in(panel.drawing, label, names, 150);
         panels.push_back(std::move(panel));
@@ -157,7 +158,7 @@ void init(const InitArguments& args) {
     for (const std::string& line : notes) fmt::print(stderr, "warning: {}\n", line);
     fmt::print("wrote        {}, {} (open it in a browser), {} (ParaView)\n", printable(case_file.string(), 400),
                printable(svg.string(), 400), printable(vtp.string(), 400));
-    fmt::print("next         strake check {0}; strake run {0}\n", printable(case_file.string(), 400));
+    fmt::print("next         strake check {0}; strake run {0}\n", typed_path(case_file.string()));
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/errors.hpp"
+#include "cli/outputs.hpp"
 #include "core/version.hpp"
 
 #include <fcntl.h>
@@ -26,6 +27,17 @@ void keep_large_blocks() {
 void keep_standard_streams() {
     for (int descriptor = 0; descriptor <= 2; ++descriptor)
         if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF && ::open("/dev/null", O_RDWR) < 0) return;
+}
+
+/// The message of what ended the program, and its status.
+int told_end(const std::exception_ptr& thrown) {
+    using namespace strake;
+    if (cli::is_lost_output(thrown)) return cli::output_failed;  // lost_output() tells it
+    const cli::ProgramEnd end = cli::end_of(thrown);
+    if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());
+    const std::string more = cli::debug_words(thrown);
+    if (!more.empty()) std::fprintf(stderr, "%s\n", more.c_str());
+    return end.status;
 }
 
 }  // namespace
@@ -67,15 +79,18 @@ int main(int argc, char** argv) {
     try {
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
-        if (e.get_exit_code() == 0) return app.exit(e);  // --help, --version
-        std::fprintf(stderr, "%s\n", cli::usage_words(app, e, {argv + std::min(argc, 1), argv + argc}).c_str());
-        return cli::usage;
+        if (e.get_exit_code() != 0) {
+            std::fprintf(stderr, "%s\n", cli::usage_words(app, e, {argv + std::min(argc, 1), argv + argc}).c_str());
+            return cli::usage;
+        }
+        app.exit(e);  // --help, --version
     } catch (...) {
-        const cli::ProgramEnd end = cli::end_of(std::current_exception());
-        if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());
-        const std::string more = cli::debug_words(std::current_exception());
-        if (!more.empty()) std::fprintf(stderr, "%s\n", more.c_str());
-        status = end.status;
+        status = told_end(std::current_exception());
+    }
+    const std::string lost = cli::lost_output();
+    if (!lost.empty()) {
+        std::fprintf(stderr, "%s\n", lost.c_str());
+        if (status != cli::interrupted) status = cli::output_failed;
     }
     cli::tell_end(status);
     return status;

@@ -2,6 +2,12 @@
 
 #include "core/error.hpp"
 
+#include <unistd.h>
+#include <cerrno>
+#include <cstdio>
+#include <cstring>
+#include <system_error>
+
 namespace strake::cli {
 namespace {
 
@@ -26,6 +32,28 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
             if (!outputs[j].empty() && is_same(outputs[i], outputs[j]))
                 throw InvalidInput(text(outputs[i].string(), ": two outputs of the same name"));
     }
+}
+
+bool is_lost_output(const std::exception_ptr& thrown) {
+    try {
+        std::rethrow_exception(thrown);
+    } catch (const fs::filesystem_error&) {
+        return false;
+    } catch (const std::system_error&) {  // what fmt throws
+        return std::ferror(stdout) != 0;
+    } catch (...) {
+        return false;
+    }
+}
+
+std::string lost_output() {
+    errno = 0;
+    if (std::fflush(stdout) == 0) {
+        if (std::ferror(stdout) == 0) return "";
+        [[maybe_unused]] const ssize_t tried = ::write(STDOUT_FILENO, "\n", 1);  // the reason, which is long forgotten
+    }
+    return text("strake: standard output: cannot write", errno != 0 ? text(": ", std::strerror(errno)) : "",
+                "; what was to be printed is lost, what went to files is not");
 }
 
 }  // namespace strake::cli

@@ -10,11 +10,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -192,8 +190,7 @@ std::string as_words(const PatchHierarchy& tree) {
 }
 
 void print(const std::string& words) {
-    if (std::fputs(words.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-        throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
 }
 
 void patches(const Options& options) {

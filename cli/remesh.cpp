@@ -12,11 +12,9 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cerrno>
 #include <charconv>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
@@ -147,8 +145,7 @@ void warn(const RemeshResult& result) {
 }
 
 void print(const std::string& words) {
-    if (std::fputs(words.c_str(), stdout) < 0 || std::fflush(stdout) != 0)
-        throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
 }
 
 /// One line that is written over and over, on a terminal only.

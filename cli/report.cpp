@@ -1,8 +1,8 @@
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
-#include "cli/report_subject.hpp"
 #include "optimize/journal.hpp"
+#include "report/report_subject.hpp"
 
 #include <fmt/core.h>
 #include <memory>

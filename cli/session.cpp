@@ -5,14 +5,16 @@
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
-#include "cli/report_subject.hpp"
 #include "cli/signals.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/shell_word.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
 #include "optimize/own_variables.hpp"
+#include "report/recorded_run.hpp"
 #include "report/run_folder.hpp"
+#include "report/run_report.hpp"
 
 #include <fmt/core.h>
 #include <csignal>
@@ -21,32 +23,6 @@
 
 namespace strake::cli {
 namespace {
-
-SeriesPolicy series_policy(ParaView wanted) {
-    switch (wanted) {
-        case ParaView::every_accepted:
-            return SeriesPolicy::every_accepted;
-        case ParaView::best:
-            return SeriesPolicy::best;
-        case ParaView::none:
-            return SeriesPolicy::none;
-    }
-    return SeriesPolicy::every_accepted;
-}
-
-KeepPolicy keep_policy(Keep wanted) {
-    switch (wanted) {
-        case Keep::all:
-            return KeepPolicy::all;
-        case Keep::failed:
-            return KeepPolicy::failed;
-        case Keep::best:
-            return KeepPolicy::best;
-        case Keep::none:
-            return KeepPolicy::none;
-    }
-    return KeepPolicy::all;
-}
 
 /// What begins as round-off begins at zero.
 std::string percent(double from, double to) {
@@ -94,20 +70,13 @@ void report(const Problem& problem, const RunResult& r, const RunFolder& folder,
     fmt::print("\n");
     const auto& files = folder.files();
     if (std::find(files.begin(), files.end(), "series.pvd") != files.end())
-        fmt::print("view         paraview {}\n", (folder.folder() / "series.pvd").string());
+        fmt::print("view         paraview {}\n", typed_path((folder.folder() / "series.pvd").string()));
 }
 
 void print_json(const RunResult& result, const RunFolder& folder) {
     std::vector<std::string> files;
     for (const std::string& file : folder.files()) files.push_back((folder.folder() / file).string());
     fmt::print("{}\n", run_json(result, files));
-}
-
-std::vector<std::string> value_names(const Problem& problem) {
-    std::vector<std::string> names;
-    for (const Quantity& quantity : problem.quantities)
-        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
-    return names;
 }
 
 /// With -v, below the line of the evaluation.
@@ -120,69 +89,20 @@ std::string evaluation_detail(const std::vector<std::string>& names, const Evalu
     return r.reason.empty() ? out : out + ": " + r.reason;
 }
 
-std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
-    JournalFacts facts;
-    facts.case_yaml = resolved_case(the_case, the_case.output.dir);
-    facts.case_dir = std::filesystem::absolute(the_case.dir()).lexically_normal();
-    facts.host = host_name();
-    facts.is_fit = is_fit;
-    facts.values = value_names(problem);
-    for (const OwnVariable& variable : problem.own) facts.own.push_back(variable.name);
-    facts.files = file_hashes(the_case);
-    for (const char* companion : {"journal.sqlite-wal", "journal.sqlite-shm"}) folder.aside(companion);
-    return Journal::create(folder.aside("journal.sqlite"), facts,
-                           {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
-}
+void warn(const std::string& words) { fmt::print(stderr, "warning: {}\n", words); }
 
-/// report.html beside the other records. What keeps it from being made is told, and changes nothing else.
-void make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
-    try {
-        ReportSubject subject = report_subject(the_case, &built);
-        subject.is_over = true;
-        write_report(folder, subject, folder / "report.html");
-    } catch (const std::exception& error) {
-        fmt::print(stderr, "warning: report.html is not written: {}\n", error.what());
-    }
-}
-
-/// Runs the search and writes its records. A run that fails before its first evaluation leaves no folder behind, so
-/// that the corrected one can go there.
-/// @param journal of a run that goes on; without it a new one is made.
-RunResult search(const BuiltProblem& built, const Case& the_case, RunFolder& folder, Progress& progress, bool is_fit,
-                 std::unique_ptr<Journal> journal = nullptr) {
-    const Problem& problem = built.problem;
-    bool has_evaluated = journal != nullptr;
-    const std::vector<std::string> names = value_names(problem);
+/// What the user sees of the search, and how the user ends it.
+RunEvents shown(const Problem& problem, Progress& progress) {
     RunEvents events;
     events.stop_wanted = stop_wanted;
-    events.level = [&](const LevelStart& level) { progress.level(level), folder.add(level); };
-    events.evaluation = [&](const EvaluationRecord& record) {
-        has_evaluated = true;
-        progress.evaluation(record), folder.add(record);
+    events.level = [&](const LevelStart& level) { progress.level(level); };
+    events.evaluation = [&, names = value_names(problem)](const EvaluationRecord& record) {
+        progress.evaluation(record);
         if (wants_detail()) progress.note(evaluation_detail(names, record));
-    };
-    events.accepted = [&](const AcceptedDesign& design) { folder.add(design); };
-    events.sensitivities = [&](int evaluation, const Points&, const Points& dJ_dv) {
-        folder.add_sensitivities(evaluation, dJ_dv);
     };
     events.level_end = [&](const LevelSummary& level) { progress.level_end(level); };
     events.note = [&](const std::string& words) { progress.note(words); };
-    try {
-        watch_signals();
-        if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
-        folder.write_case(resolved_case(the_case, the_case.output.dir));
-        if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
-        folder.begin(problem, names, built.format, series_policy(the_case.output.paraview),
-                     keep_policy(the_case.output.keep));
-        return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
-    } catch (...) {
-        journal.reset();
-        if (!has_evaluated)
-            folder.discard();
-        else if (the_case.output.report)
-            make_report(built, the_case, folder.folder());
-        throw;
-    }
+    return events;
 }
 
 /// The end of `run`, `fit` and `resume`: what is told, and the exit status.
@@ -192,7 +112,8 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     const bool wants_report = request.the_case.output.report && result.status != "waiting";
     if (wants_report && has_report_page()) folder.tell("report.html");
     folder.finish(result);
-    if (wants_report) make_report(built, request.the_case, folder.folder());
+    if (wants_report)
+        if (const std::string why = make_report(built, request.the_case, folder.folder()); !why.empty()) warn(why);
     constexpr std::size_t enough = 5;
     for (std::size_t i = 0; i < std::min(enough, folder.problems().size()); ++i)
         fmt::print(stderr, "warning: {}\n", folder.problems()[i]);
@@ -211,7 +132,7 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     }
     if (result.is_done()) return;
     const std::string again = request.is_step ? std::string("`strake step`")
-                                              : fmt::format("`strake resume {}`", printable(folder.folder().string()));
+                                              : fmt::format("`strake resume {}`", typed_path(folder.folder().string()));
     if (result.status == "interrupted") {
         fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
                    ::sigabbrev_np(stop_signal()), result.evaluations, again);
@@ -245,12 +166,6 @@ void set_output_folder(Case& the_case, const std::string& wanted) {
     if (the_case.output.dir.empty()) the_case.output.dir = std::filesystem::path("runs") / the_case.name;
 }
 
-std::map<std::string, std::string> file_hashes(const Case& the_case) {
-    std::map<std::string, std::string> hashes;
-    for (const auto& [key, file] : files_of(the_case)) hashes[key] = content_hash(read_bytes(file));
-    return hashes;
-}
-
 void carry_out(RunRequest request) {
     const Case& the_case = request.the_case;
     const BuiltProblem built = build_case(the_case, request.is_fit ? Purpose::fit : Purpose::run);
@@ -263,7 +178,9 @@ void carry_out(RunRequest request) {
     for (const std::string& words : built.warnings) progress.warning(words);
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;
-    const RunResult result = search(built, the_case, folder, progress, request.is_fit, std::move(request.journal));
+    watch_signals();
+    const RunResult result = recorded_run(built, the_case, folder, request.is_fit, shown(built.problem, progress),
+                                          std::move(request.journal), [](const std::string& words) { warn(words); });
     progress.end();
     conclude(built, result, request);
 }

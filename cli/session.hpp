@@ -30,7 +30,4 @@ void carry_out(RunRequest request);
 /// The folder that was asked for, else that of the case.
 void set_output_folder(Case& the_case, const std::string& wanted);
 
-/// Of the files that the case names, by key. @throws InputError where one cannot be read.
-std::map<std::string, std::string> file_hashes(const Case& the_case);
-
 }  // namespace strake::cli

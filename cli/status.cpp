@@ -2,6 +2,7 @@
 #include "cli/progress.hpp"
 #include "core/error.hpp"
 #include "optimize/history.hpp"
+#include "report/json_number.hpp"
 #include "report/run_status.hpp"
 
 #include <fmt/core.h>
@@ -9,8 +10,9 @@
 #include <algorithm>
 #include <cerrno>
 #include <chrono>
-#include <cstring>
 #include <memory>
+#include <nlohmann/json.hpp>
+#include <system_error>
 #include <thread>
 
 namespace strake::cli {
@@ -59,7 +61,7 @@ void watch(const StatusArguments& args) {
             fmt::print("\r{}\x1b[K", line);
         else if (line != before)
             fmt::print("{}\n", line);
-        if (std::fflush(stdout) != 0) throw OutputError(text("standard output: cannot write: ", std::strerror(errno)));
+        if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
         before = line;
         std::this_thread::sleep_for(std::chrono::duration<double>(args.every));
     }
@@ -69,7 +71,7 @@ void watch(const StatusArguments& args) {
 
 struct HistoryArguments {
     std::string folder;
-    bool csv = false;
+    bool csv = false, json = false;
 };
 
 void print_row(const JournalEvaluation& e, bool is_cached) {
@@ -80,8 +82,35 @@ void print_row(const JournalEvaluation& e, bool is_cached) {
         fmt::print("{:5}  {:5}  {}: {}\n", e.number, e.level, e.status, e.reason.substr(0, e.reason.find('\n')));
 }
 
+/// One object an evaluation.
+void print_json(const Journal& journal) {
+    nlohmann::ordered_json rows = nlohmann::ordered_json::array();
+    const std::vector<int> cached = journal.cached();
+    const std::vector<std::string>& names = journal.facts().values;
+    for (const JournalEvaluation& e : journal.evaluations()) {
+        const EvaluationRecord record = record_of(e);
+        nlohmann::ordered_json row{{"evaluation", e.number},
+                                   {"level", e.level},
+                                   {"status", e.status},
+                                   {"reason", e.reason},
+                                   {"objective", json_number(e.objective)},
+                                   {"max_violation", json_number(e.max_violation)},
+                                   {"best", e.accepted},
+                                   {"cached", std::binary_search(cached.begin(), cached.end(), e.number)},
+                                   {"max_displacement", json_number(record.max_displacement)},
+                                   {"seconds", json_number(e.seconds)}};
+        row["values"] = nlohmann::ordered_json::object();
+        for (std::size_t k = 0; k < std::min(names.size(), record.values.size()); ++k)
+            row["values"][names[k]] = json_number(record.values[k]);
+        rows.push_back(std::move(row));
+    }
+    fmt::print("{}\n", rows.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
+}
+
 void history(const HistoryArguments& args) {
+    need_run(args.folder);
     const auto journal = Journal::look(std::filesystem::path(args.folder) / "journal.sqlite");
+    if (args.json) return print_json(*journal);
     const JournalFacts& facts = journal->facts();
     if (args.csv)
         fmt::print("{}\n", history_header(facts.values, facts.own));
@@ -115,7 +144,8 @@ void add_history(CLI::App& app) {
     auto args = std::make_shared<HistoryArguments>();
     CLI::App* command = app.add_subcommand("history", "all evaluations of a run, also while it goes on");
     command->add_option("RUN", args->folder, "folder of the run")->required();
-    command->add_flag("--csv", args->csv, "as history.csv, with all digits");
+    CLI::Option* csv = command->add_flag("--csv", args->csv, "as history.csv, with all digits");
+    command->add_flag("--json", args->json, "as JSON: an array with an object for each evaluation")->excludes(csv);
     command->callback([args] { history(*args); });
 }
 

@@ -36,20 +36,27 @@ Points read_array(const std::filesystem::path& file) {
     }
 }
 
+constexpr std::size_t most_columns = 100000;
+
 /// Rows under a header that names x, y and z.
 class NamedColumns {
 public:
-    NamedColumns(const std::string& name, const std::vector<std::string_view>& header)
-        : name_(name), count_(header.size()), id_(column_of_number(header)) {
-        for (const char* axis : {"x", "y", "z"}) place_.push_back(column_named(header, axis));
+    NamedColumns(const std::string& name, std::string_view header_line) : name_(name) {
+        const auto header = csv_fields(header_line, most_columns);
+        count_ = header.size();
+        id_ = column_of_number(header);
+        text_.header = header_line;
+        for (int c = 0; c < 3; ++c)
+            text_.xyz[static_cast<std::size_t>(c)] = column_named(header, std::string(1, "xyz"[c]));
     }
-    bool has_all() const { return std::count(place_.begin(), place_.end(), -1) == 0; }
+    bool has_all() const { return std::count(text_.xyz.begin(), text_.xyz.end(), -1) == 0; }
 
     void add(std::string_view line, long number) {
         line_ = number;
-        const auto fields = csv_fields(line);
+        const auto fields = csv_fields(line, most_columns);
         if (fields.size() != count_) fail(text(fields.size(), " columns, ", count_, " in the header"));
-        for (const int column : place_) coordinates_.push_back(value(fields, column));
+        text_.rows.emplace_back(line);
+        for (const int column : text_.xyz) coordinates_.push_back(value(fields, column));
         if (id_ < 0) return;
         const double id = value(fields, id_);
         if (id != std::floor(id) || std::abs(id) > 9e15)
@@ -63,7 +70,7 @@ public:
         const auto twice = std::adjacent_find(sorted.begin(), sorted.end());
         if (twice != sorted.end()) throw InputError(text(name_, ": two points have the number ", *twice));
         return {Eigen::Map<const Points>(coordinates_.data(), static_cast<Eigen::Index>(coordinates_.size() / 3), 3),
-                ids_};
+                ids_, text_};
     }
 
 private:
@@ -76,9 +83,9 @@ private:
         return number;
     }
     std::string name_;
-    std::size_t count_;
-    int id_;
-    std::vector<int> place_;
+    std::size_t count_ = 0;
+    int id_ = -1;
+    NamedText text_;
     std::vector<double> coordinates_;
     std::vector<std::int64_t> ids_;
     long line_ = 0;
@@ -88,7 +95,7 @@ NumberedPoints read_text(const std::filesystem::path& file) {
     const std::string bytes = read_bytes(file);
     std::string_view rest = bytes;
     const std::size_t first_end = rest.find('\n');
-    NamedColumns columns(printable(file.native()), csv_fields(rest.substr(0, first_end)));
+    NamedColumns columns(printable(file.native()), rest.substr(0, first_end));
     if (columns.has_all() && first_end != std::string_view::npos) {
         rest.remove_prefix(first_end + 1);
         for (long line = 2; !rest.empty(); ++line) {
@@ -108,7 +115,39 @@ NumberedPoints read_text(const std::filesystem::path& file) {
     return points;
 }
 
+/// The text as it was, with other coordinates.
+std::string text_with(const NamedText& old, const Points& at) {
+    std::string out = old.header + '\n';
+    std::vector<std::string_view> fields;
+    for (Eigen::Index i = 0; i < at.rows(); ++i) {
+        split_csv(old.rows[static_cast<std::size_t>(i)], fields, most_columns);
+        for (std::size_t k = 0; k < fields.size(); ++k) {
+            if (k > 0) out += ',';
+            const auto axis = std::find(old.xyz.begin(), old.xyz.end(), static_cast<int>(k));
+            if (axis == old.xyz.end()) {
+                out += fields[k];
+                continue;
+            }
+            formats::append(out, at(i, axis - old.xyz.begin()));
+            if (fields[k].ends_with('\r')) out += '\r';
+        }
+        out += '\n';
+    }
+    return out;
+}
+
 }  // namespace
+
+std::vector<std::string> other_columns(const NumberedPoints& points) {
+    std::vector<std::string> names;
+    if (points.text.rows.empty()) return names;
+    const auto header = csv_fields(points.text.header, most_columns);
+    const int id = column_of_number(header);
+    for (int k = 0; k < static_cast<int>(header.size()); ++k)
+        if (k != id && std::count(points.text.xyz.begin(), points.text.xyz.end(), k) == 0)
+            names.push_back(std::string(header[static_cast<std::size_t>(k)]));
+    return names;
+}
 
 bool is_point_list(const std::filesystem::path& file) { return list_kind(file) != ListKind::none; }
 bool is_npy(const std::filesystem::path& file) { return list_kind(file) == ListKind::npy; }
@@ -130,6 +169,8 @@ void write_points(const std::filesystem::path& file, const NumberedPoints& point
     if (kind == ListKind::none)
         throw InvalidInput(text(printable(file.native()), ": points are written as .npy, .csv, .txt or .xyz"));
     if (kind == ListKind::npy) return write_atomically(file, npy_bytes(points.at));
+    if (static_cast<Eigen::Index>(points.text.rows.size()) == points.at.rows() && points.at.rows() > 0)
+        return write_atomically(file, text_with(points.text, points.at));
     std::string out = points.ids.empty() ? "x,y,z\n" : "PointID,x,y,z\n";
     for (Eigen::Index i = 0; i < points.at.rows(); ++i) {
         if (!points.ids.empty()) out += std::to_string(points.ids[static_cast<std::size_t>(i)]) + ",";

@@ -1,15 +1,26 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
+#include <array>
 #include <cstdint>
 #include <filesystem>
+#include <string>
+#include <vector>
 
 /// Lists of points: a solver's boundary or volume mesh without its cells.
 namespace strake {
 
+/// A text whose header names its columns, as it was read.
+struct NamedText {
+    std::string header;
+    std::vector<std::string> rows;  ///< n
+    std::array<int, 3> xyz{};       ///< columns of the coordinates
+};
+
 struct NumberedPoints {
     Points at;                           ///< n x 3
     std::vector<std::int64_t> ids = {};  ///< the program's own numbers; empty: none are given
+    NamedText text = {};                 ///< of a file with a header; without rows: none
 };
 
 /// Points from
@@ -22,8 +33,11 @@ NumberedPoints read_points(const std::filesystem::path& file);
 bool is_point_list(const std::filesystem::path& file);  ///< by its extension: a list, no surface
 bool is_npy(const std::filesystem::path& file);         ///< by its extension
 
-/// As .npy (double precision) or text whose numbers read back to the same bits, with the header x,y,z, or
-/// PointID,x,y,z.
+/// Names of the columns that are neither coordinates nor numbers of points.
+std::vector<std::string> other_columns(const NumberedPoints& points);
+
+/// As .npy (double precision) or text whose numbers read back to the same bits: with all columns of `text`, else with
+/// the header x,y,z, or PointID,x,y,z.
 /// @throws InvalidInput for another extension, OutputError.
 void write_points(const std::filesystem::path& file, const NumberedPoints& points);
 

@@ -7,6 +7,7 @@
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
 
+#include <limits>
 #include <variant>
 
 namespace strake::python {
@@ -46,10 +47,10 @@ Eigen::VectorXd heights(const TriMesh& surface, const ThicknessArgument& thickne
     return vertex_heights(surface, of_triangles);
 }
 
-PythonProblem make_problem(const SurfacePointer& surface, const ThicknessArgument& thickness,
-                           const std::vector<int>& fixed, const std::optional<PlaneTuple>& symmetry,
-                           const std::optional<PatchHierarchy>& tree, const std::vector<std::string>& variables,
-                           double max_displacement, const std::string& split, const std::string& name) {
+PythonProblem make_problem(const SurfacePointer& surface, const ThicknessArgument& thickness, const py::object& fixed,
+                           const std::optional<PlaneTuple>& symmetry, const std::optional<PatchHierarchy>& tree,
+                           const std::vector<std::string>& variables, double max_displacement, const std::string& split,
+                           const std::string& name) {
     PythonProblem out;
     Problem& p = out.problem;
     p.name = name;
@@ -74,8 +75,9 @@ PythonProblem make_problem(const SurfacePointer& surface, const ThicknessArgumen
 
 PythonProblem load(const std::filesystem::path& file) {
     const py::gil_scoped_release release;
-    BuiltProblem built = build_problem(load_case(file, Purpose::any));
     PythonProblem out;
+    out.the_case = load_case(file, Purpose::any);
+    BuiltProblem built = build_problem(*out.the_case);
     out.warnings = std::move(built.warnings);
     out.problem = std::move(built.problem);
     out.surface = std::make_shared<TriMesh>(out.problem.surface);
@@ -87,6 +89,7 @@ void add(PythonProblem& p, const std::string& name, Quantity quantity) {
         for (const std::string& known : other.names)
             if (known == name) throw InvalidInput("Problem: there is a quantity '" + name + "' already");
     quantity.names = {name};
+    p.the_case.reset();
     p.problem.quantities.push_back(std::move(quantity));
 }
 
@@ -166,6 +169,7 @@ void need_value(PythonProblem& p, const std::string& name) {
 
 void set_goal(PythonProblem& p, const std::string& name, bool maximize) {
     need_value(p, name);
+    p.the_case.reset();
     p.problem.objective = name;
     p.problem.maximize = maximize;
 }
@@ -174,6 +178,7 @@ void constrain(PythonProblem& p, const std::string& name, const std::optional<do
                const std::optional<double>& max, const std::optional<double>& equals, bool relative) {
     need_value(p, name);
     if (!min && !max && !equals) throw InvalidInput("Problem.constrain: give min, max or equals");
+    p.the_case.reset();
     p.problem.constraints.push_back({name, min, max, equals, relative});
 }
 
@@ -183,31 +188,36 @@ std::vector<std::string> value_names(const PythonProblem& p) {
     return names;
 }
 
-}  // namespace
+void set_options(PythonProblem& p, const std::optional<int>& evaluations, const std::optional<std::string>& method,
+                 const std::optional<double>& seconds, const std::optional<long long>& seed) {
+    if (evaluations && *evaluations < 1)
+        throw InvalidInput(text("Problem.options: max_evaluations = ", *evaluations, " must be >= 1"));
+    constexpr long long most = std::numeric_limits<unsigned>::max();
+    if (seed && (*seed < 0 || *seed > most))
+        throw InvalidInput(text("Problem.options: seed = ", *seed, ", limits 0 and ", most));
+    if (seconds && !(*seconds >= 0))
+        throw InvalidInput(text("Problem.options: max_seconds = ", *seconds, " must be >= 0"));
+    if (evaluations) p.problem.optimize.max_evaluations = *evaluations;
+    if (method) {
+        const MethodFacts* facts = method_named(*method);
+        if (!facts) throw InvalidInput("Problem.options: method '" + *method + "' is not known");
+        p.problem.optimize.method = facts->method;
+    }
+    if (seconds) p.problem.optimize.max_seconds = *seconds;
+    if (seed) p.problem.optimize.seed = static_cast<unsigned>(*seed);
+    if (method || seed) p.the_case.reset();  // of a folder the journal has the budget, and the case all else
+    if (p.the_case) p.the_case->optimize = p.problem.optimize;
+}
 
-void bind_problem(py::module_& m) {
-    py::class_<PythonProblem>(
-        m, "Problem",
-        "A shape optimization problem: a surface, what holds it, its design variables and goals.\n\n"
-        "Defaults are those of a case file; the same problem gives the same bits either way.")
-        .def(
-            py::init(&make_problem), "surface"_a, py::kw_only(), "thickness"_a = 0.02, "fixed"_a = std::vector<int>{},
-            "symmetry"_a = py::none(), "tree"_a = py::none(), "variables"_a = std::vector<std::string>{"load"},
-            "max_displacement"_a = 0.05, "split"_a = "all", "name"_a = "python",
-            "`thickness`: of the skin, as a share of the diagonal, or m of them. `fixed`: triangles that stay.\n"
-            "`symmetry`: (normal, offset) of half a body's plane. `tree`: from `patches`; None: automatic.\n"
-            "`variables`: load, load_normal, strain, stiffness. `max_displacement`: how far one variable may move the\n"
-            "surface, as a share of the diagonal. `split`: all, sensitivity or gradient.")
-        .def_property_readonly(
-            "surface", [](const PythonProblem& p) { return p.surface; }, "At the start.")
-        .def_property_readonly("tree", [](const PythonProblem& p) { return p.problem.tree; })
-        .def_property_readonly(
-            "fixed", [](const PythonProblem& p) { return p.problem.fixed; }, "Triangles.")
-        .def_property_readonly("name", [](const PythonProblem& p) { return p.problem.name; })
-        .def_property_readonly("quantities", &value_names, "Names of all values.")
-        .def_property_readonly("objective", [](const PythonProblem& p) { return p.problem.objective; })
-        .def_readonly("warnings", &PythonProblem::warnings, "Of the case file.")
-        .def("add", &add_builtin, "type"_a, "name"_a = "", "A built-in quantity: volume or area.")
+using ProblemClass = py::class_<PythonProblem>;
+
+void bind_quantities(ProblemClass& problem) {
+    problem
+        .def("add", &add_builtin, "type"_a, "name"_a = "", R"(add(self, type, name='')
+--
+
+Adds a built-in quantity. `type`: volume (unit cubed) or area (unit squared). `name`: its name; that of the type if empty.
+`minimize`, `maximize` and `constrain` do so by themselves.)")
         .def(
             "add_target",
             [](PythonProblem& p, const std::string& name, const TriMesh& target, bool same) {
@@ -215,50 +225,119 @@ void bind_problem(py::module_& m) {
                     same ? target_shape_same(name, p.problem.surface, target)
                          : target_shape_closest(name, p.problem.surface, target));
             },
-            "name"_a, "target"_a, "same_triangles"_a = false, "Mean square distance from a target surface.")
+            "name"_a, "target"_a, "same_triangles"_a = false, R"(add_target(self, name, target, same_triangles=False)
+--
+
+Adds a quantity `name`: the mean square distance from the Surface `target`, in unit squared. It is that of closest
+points, or with `same_triangles`, where both have the same triangles, that of each vertex from its own place there.)")
         .def(
             "add_quantity",
             [](PythonProblem& p, const std::string& name, const py::function& function, bool gradient) {
                 add(p, name, python_quantity(name, function, gradient, p.thrown));
             },
-            "name"_a, "function"_a, "gradient"_a = true,
-            "A quantity in Python: `function(surface, want_gradient)` returns a number or (number, dJ/dv), dJ/dv n x "
-            "3.\n"
-            "`gradient=False`: it never has one. An exception ends the run and comes out of `run`; EvaluationFailed\n"
-            "says that there is no value for this shape: the run tries a shorter step.")
+            "name"_a, "function"_a, "gradient"_a = true, R"(add_quantity(self, name, function, gradient=True)
+--
+
+Adds a quantity `name` that is computed in Python.
+
+`function`: is called as function(surface, want_gradient) with a Surface and a bool. It returns a float or, when
+`want_gradient` is true, a pair: that float, and its derivative by the vertices (n x 3 floats).
+`gradient`: False says that it never has a derivative; `options` must then choose a method that needs none.
+
+An exception of the function ends the run and comes out of `run`. EvaluationFailed says that there is no value for this
+shape: the run tries a shorter step.)")
         .def(
-            "minimize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, false); }, "quantity"_a)
+            "minimize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, false); }, "quantity"_a,
+            R"(minimize(self, quantity)
+--
+
+Makes the quantity of that name the objective: as small as possible. `quantity`: volume, area, or one that was added.)")
         .def(
-            "maximize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, true); }, "quantity"_a)
+            "maximize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, true); }, "quantity"_a,
+            R"(maximize(self, quantity)
+--
+
+Makes the quantity of that name the objective: as large as possible. `quantity`: volume, area, or one that was added.)")
         .def("constrain", &constrain, "quantity"_a, py::kw_only(), "min"_a = py::none(), "max"_a = py::none(),
              "equals"_a = py::none(), "relative"_a = false,
-             "Limits of a quantity; `relative`: as multiples of its value at the start.")
+             R"(constrain(self, quantity, *, min=None, max=None, equals=None, relative=False)
+--
+
+Limits a quantity. `quantity`: its name. `min`, `max`, `equals`: floats in the unit of the quantity; one at least.
+`relative`: they are multiples of its value at the start.)");
+}
+
+void bind_facts(ProblemClass& problem) {
+    problem
+        .def_property_readonly(
+            "surface", [](const PythonProblem& p) { return p.surface; }, "The Surface at the start.")
+        .def_property_readonly(
+            "tree", [](const PythonProblem& p) { return p.problem.tree; }, "The PatchTree.")
+        .def_property_readonly(
+            "fixed", [](const PythonProblem& p) { return p.problem.fixed; },
+            "List of ints: the triangles that stay, ascending.")
+        .def_property_readonly(
+            "name", [](const PythonProblem& p) { return p.problem.name; }, "String: its name, as reports tell it.")
+        .def_property_readonly("quantities", &value_names, "List of strings: the names of all values.")
+        .def_property_readonly(
+            "objective", [](const PythonProblem& p) { return p.problem.objective; },
+            "String: the name of the quantity that is minimized or maximized; empty: none yet.")
+        .def_readonly("warnings", &PythonProblem::warnings, "List of strings: what reading the case file warned of.");
+}
+
+}  // namespace
+
+void bind_problem(py::module_& m) {
+    ProblemClass problem(m, "Problem",
+                         R"(A shape optimization problem: a surface, what holds it, its design variables and its goals.
+
+    problem = strake.Problem(surface, fixed=root, max_displacement=0.03)
+    problem.maximize("volume")
+    problem.constrain("area", max=1.001, relative=True)
+    result = strake.run(problem)
+
+Defaults are those of a case file, and the same problem gives the same bits either way.)");
+    problem
         .def(
-            "options",
-            [](PythonProblem& p, const std::optional<int>& evaluations, const std::optional<std::string>& method,
-               const std::optional<double>& seconds, const std::optional<unsigned>& seed) {
-                if (evaluations && *evaluations < 1)
-                    throw InvalidInput(text("Problem.options: max_evaluations = ", *evaluations, " must be >= 1"));
-                if (evaluations) p.problem.optimize.max_evaluations = *evaluations;
-                if (method) {
-                    const MethodFacts* facts = method_named(*method);
-                    if (!facts) throw InvalidInput("Problem.options: method '" + *method + "' is not known");
-                    p.problem.optimize.method = facts->method;
-                }
-                if (seconds) p.problem.optimize.max_seconds = *seconds;
-                if (seed) p.problem.optimize.seed = *seed;
+            py::init(&make_problem), "surface"_a, py::kw_only(), "thickness"_a = 0.02, "fixed"_a = py::tuple(),
+            "symmetry"_a = py::none(), "tree"_a = py::none(), "variables"_a = std::vector<std::string>{"load"},
+            "max_displacement"_a = 0.05, "split"_a = "all", "name"_a = "python",
+            R"(__init__(self, surface, *, thickness=0.02, fixed=(), symmetry=None, tree=None, variables=['load'], max_displacement=0.05, split='all', name='python')
+--
+
+`surface`: the Surface at the start.
+`thickness`: of the skin, as a share of the diagonal: one float, or one for each of the m triangles.
+`fixed`: triangles that stay, as numbers from 0 or as a mask of m booleans.
+`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.
+`tree`: a PatchTree made by `patches`; None: automatic.
+`variables`: what each patch is driven by, a list of load, load_normal, strain, stiffness.
+`max_displacement`: how far one variable may move the surface, as a share of the diagonal.
+`split`: which patches are refined on the next level: all, sensitivity or gradient.
+`name`: of the problem.)")
+        .def("options", &set_options, py::kw_only(), py::arg("max_evaluations").noconvert() = py::none(),
+             "method"_a = py::none(), "max_seconds"_a = py::none(), py::arg("seed").noconvert() = py::none(),
+             R"(options(self, *, max_evaluations=None, method=None, max_seconds=None, seed=None)
+--
+
+How to search; what is None stays as it is.
+
+`max_evaluations`: of the whole run, an int (60 at first). `method`: its name as in a case file, such as slsqp (at first)
+or cobyla, which needs no gradients. `max_seconds`: of the whole run, a float; 0: no limit.
+`seed`: an int, of all that is random.)")
+        .def(
+            "__repr__",
+            [](const PythonProblem& p) {
+                return text("<strake.Problem '", p.problem.name, "': ", p.problem.surface.num_triangles(),
+                            " triangles, ",
+                            p.problem.objective.empty()
+                                ? "no objective"
+                                : (p.problem.maximize ? "maximize " : "minimize ") + p.problem.objective,
+                            ">");
             },
-            py::kw_only(), "max_evaluations"_a = py::none(), "method"_a = py::none(), "max_seconds"_a = py::none(),
-            "seed"_a = py::none(), "How to search. What is not given stays; methods are those of a case file.")
-        .def("__repr__", [](const PythonProblem& p) {
-            return text("<strake.Problem '", p.problem.name, "': ", p.problem.surface.num_triangles(), " triangles, ",
-                        p.problem.objective.empty()
-                            ? "no objective"
-                            : (p.problem.maximize ? "maximize " : "minimize ") + p.problem.objective,
-                        ">");
-        });
-    m.def("load_case", &load, "file"_a,
-          "The problem of a case file (YAML). Raises CaseError with all its errors, InputError about the surface.");
+            repr_doc);
+    bind_facts(problem);
+    bind_quantities(problem);
+    m.def("load_case", &load, "file"_a);
 }
 
 }  // namespace strake::python

@@ -1,9 +1,12 @@
+#include "cases/build_problem.hpp"
 #include "core/error.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
 #include "optimize/validity.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
+#include "report/recorded_run.hpp"
+#include "report/run_report.hpp"
 
 namespace strake::python {
 namespace {
@@ -96,7 +99,32 @@ auto unlocked(const Work& work) {
     return work();
 }
 
-RunResult run(PythonProblem& p, const py::object& callback, bool is_fit) {
+/// In its own folder, from the case file: the problem is built anew, so that programs are run in that folder, too.
+RunResult run_in_folder(const PythonProblem& p, const std::filesystem::path& output, const RunEvents& events,
+                        bool is_fit) {
+    Case the_case = *p.the_case;
+    the_case.output.dir = output;
+    check_run_folder(output);
+    const BuiltProblem built = build_problem(the_case, is_fit ? Purpose::fit : Purpose::run);
+    RunFolder folder(output);
+    RunResult result = recorded_run(built, the_case, folder, is_fit, events);
+    if (the_case.output.report && has_report_page()) folder.tell("report.html");
+    folder.finish(result);
+    if (the_case.output.report) make_report(built, the_case, output);
+    return result;
+}
+
+void check_output(const PythonProblem& p, const std::optional<std::filesystem::path>& output) {
+    if (output && !p.the_case)
+        throw InvalidInput(
+            "run: output: a run folder holds the case file that was run, and this problem is none, or no longer: take "
+            "it "
+            "as load_case gives it (its budget may be changed), or leave out output");
+}
+
+RunResult run(PythonProblem& p, const py::object& callback, const std::optional<std::filesystem::path>& output,
+              bool is_fit) {
+    check_output(p, output);
     *p.thrown = nullptr;
     bool stops = false;
     RunEvents events;
@@ -125,7 +153,10 @@ RunResult run(PythonProblem& p, const py::object& callback, bool is_fit) {
     RunResult result;
     {
         const py::gil_scoped_release release;
-        result = is_fit ? fit(p.problem, events) : optimize(p.problem, events);
+        if (output)
+            result = run_in_folder(p, *output, events, is_fit);
+        else
+            result = is_fit ? fit(p.problem, events) : optimize(p.problem, events);
     }
     if (const std::exception_ptr thrown = std::exchange(*p.thrown, nullptr)) std::rethrow_exception(thrown);
     return result;
@@ -137,18 +168,31 @@ py::object best_x(const RunResult& r) {
 }
 
 void bind_space(py::module_& m) {
-    py::class_<Space>(
+    py::class_<Space> space(
         m, "DesignSpace",
-        "The design variables of one level of a problem: x <-> loads, strains, heights <-> a shape.\n\n"
-        "x is scaled: 1 moves the surface by about `max_displacement`. To be used from one thread at a time;\n"
-        "other threads of Python run on while it solves.")
+        R"(The design variables of one level of a Problem: x -> shape, dJ/dv -> dJ/dx, for an optimizer of your own.
+
+    space = strake.DesignSpace(problem, level=1)
+    vertices = space.shape(x)
+    dJ_dx = space.gradient(dJ_dv)
+
+x has a number for each variable, scaled so that 1 moves the surface by about `max_displacement`. An object is to be used
+from one thread at a time; other threads of Python run on while it solves.)");
+    space
         .def(py::init([](const PythonProblem& p, int level) {
                  return unlocked([&] { return std::make_unique<Space>(p, level); });
              }),
-             "problem"_a, "level"_a = 1)
+             "problem"_a, py::arg("level").noconvert() = 1, R"(__init__(self, problem, level=1)
+--
+
+`problem`: a Problem. `level`: of its tree, an int; 1 is the coarsest that has variables.)")
         .def_property_readonly(
-            "size", [](const Space& s) { return s.space().size(); }, "How many variables.")
-        .def("__len__", [](const Space& s) { return s.space().size(); })
+            "size", [](const Space& s) { return s.space().size(); }, "Int: the number of variables, as len().")
+        .def(
+            "__len__", [](const Space& s) { return s.space().size(); }, R"(__len__(self)
+--
+
+The number of variables.)")
         .def_property_readonly(
             "names",
             [](const Space& s) {
@@ -156,7 +200,7 @@ void bind_space(py::module_& m) {
                 for (const Variable& v : s.space().variables) names.push_back(v.name);
                 return names;
             },
-            "patch.component")
+            "List of strings: patch.component for each variable.")
         .def_property_readonly(
             "units",
             [](const Space& s) {
@@ -165,66 +209,100 @@ void bind_space(py::module_& m) {
                     units[j] = s.space().variables[static_cast<std::size_t>(j)].unit;
                 return units;
             },
-            "Physical value of each variable at x = 1.")
-        .def_property_readonly("lower", [](const Space& s) { return s.space().lower; })
-        .def_property_readonly("upper", [](const Space& s) { return s.space().upper; })
+            "A float for each variable: its physical value at x = 1.")
         .def_property_readonly(
-            "surface", [](const Space& s) { return s.surface(); }, "At the start.")
+            "lower", [](const Space& s) { return s.space().lower; }, "A float for each variable: the lower bound of x.")
+        .def_property_readonly(
+            "upper", [](const Space& s) { return s.space().upper; }, "A float for each variable: the upper bound of x.")
+        .def_property_readonly(
+            "surface", [](const Space& s) { return s.surface(); }, "The Surface at the start.")
         .def(
             "shape", [](Space& s, const Eigen::VectorXd& x) { return unlocked([&] { return s.shape(x); }); }, "x"_a,
-            "Vertices (n x 3) of the equilibrium at x, sought from the last shape. Raises EvaluationFailed where "
-            "there\n"
-            "is none, or the surface is no valid one (inverted, folded, crossing itself).")
+            R"(shape(self, x)
+--
+
+Vertices (n x 3 floats) of the equilibrium at `x` (a float for each variable), sought from the last shape. Raises
+EvaluationFailed where there is none, or where the surface is no valid one (inverted, folded, crossing itself).)")
         .def(
             "gradient", [](Space& s, const Rows& dJ_dv) { return unlocked([&] { return s.gradient(dJ_dv); }); },
-            "dJ_dv"_a, "dJ/dx at the last shape, from dJ/dv (n x 3): one adjoint solve, however many variables.")
+            "dJ_dv"_a, R"(gradient(self, dJ_dv)
+--
+
+dJ/dx (a float for each variable) at the last shape, from `dJ_dv`, the derivative by the vertices (n x 3 floats): one
+adjoint solve, however many variables there are.)")
         .def(
             "response", [](Space& s, const Eigen::VectorXd& dx) { return unlocked([&] { return s.response(dx); }); },
-            "dx"_a, "dv (n x 3) of a small change dx at the last shape; a solve for each variable.")
-        .def("reset", &Space::reset, "Forgets the last shape: the next one is sought from rest.")
-        .def("__repr__", [](const Space& s) {
-            return text("<strake.DesignSpace: level ", s.space().level, ", ", s.space().size(), " variables>");
-        });
+            "dx"_a, R"(response(self, dx)
+--
+
+How the vertices move (n x 3 floats) by a small change `dx` of the variables at the last shape; a solve for each variable.)")
+        .def("reset", &Space::reset, R"(reset(self)
+--
+
+Forgets the last shape: the next one is sought from rest.)")
+        .def(
+            "__repr__",
+            [](const Space& s) {
+                return text("<strake.DesignSpace: level ", s.space().level, ", ", s.space().size(), " variables>");
+            },
+            repr_doc);
 }
 
 void bind_records(py::module_& m) {
     py::class_<EvaluationRecord>(m, "Evaluation", "One evaluation of a run, as its callback is given it.")
-        .def_readonly("evaluation", &EvaluationRecord::evaluation, "From 1.")
-        .def_readonly("level", &EvaluationRecord::level)
-        .def_readonly("status", &EvaluationRecord::status, "ok, or why there is no value.")
-        .def_readonly("reason", &EvaluationRecord::reason)
-        .def_readonly("objective", &EvaluationRecord::objective, "NaN when not ok.")
-        .def_readonly("values", &EvaluationRecord::values, "Of all quantities.")
-        .def_readonly("max_violation", &EvaluationRecord::max_violation)
-        .def_readonly("accepted", &EvaluationRecord::accepted, "The best design so far.")
-        .def_readonly("max_displacement", &EvaluationRecord::max_displacement, "From the start, length.")
-        .def_readonly("seconds", &EvaluationRecord::seconds)
-        .def("__repr__", [](const EvaluationRecord& r) {
-            return text("<strake.Evaluation ", r.evaluation, ": ", r.status, ", objective ", r.objective, ">");
-        });
+        .def_readonly("evaluation", &EvaluationRecord::evaluation, "Int: its number, from 1.")
+        .def_readonly("level", &EvaluationRecord::level, "Int: the level of patches on which it was.")
+        .def_readonly("status", &EvaluationRecord::status, "String: ok, or in a word why there is no value.")
+        .def_readonly("reason", &EvaluationRecord::reason, "String: the same in words; empty when ok.")
+        .def_readonly("objective", &EvaluationRecord::objective, "Float: value of the objective; NaN when not ok.")
+        .def_readonly("values", &EvaluationRecord::values,
+                      "List of floats: values of all quantities, in the order of `Problem.quantities`.")
+        .def_readonly("max_violation", &EvaluationRecord::max_violation,
+                      "Float: the largest violation of a constraint, scaled; 0: feasible.")
+        .def_readonly("accepted", &EvaluationRecord::accepted, "True where this is the best design so far.")
+        .def_readonly("max_displacement", &EvaluationRecord::max_displacement,
+                      "Float: how far a vertex is from its start at most, in the surface's unit.")
+        .def_readonly("seconds", &EvaluationRecord::seconds, "Float: how long it took.")
+        .def(
+            "__repr__",
+            [](const EvaluationRecord& r) {
+                return text("<strake.Evaluation ", r.evaluation, ": ", r.status, ", objective ", r.objective, ">");
+            },
+            repr_doc);
     py::class_<RunResult>(m, "Result", "How a run has ended, and its best design.")
-        .def_readonly("status", &RunResult::status, "converged, budget, progress, infeasible, interrupted, ...")
-        .def_readonly("reason", &RunResult::reason, "Why it stopped, and what to do next.")
+        .def_readonly("status", &RunResult::status,
+                      "String: converged, budget, progress, roundoff, blocked, conflict, infeasible,\n"
+                      "gradient_inconsistent, failed, evaluation_failed or interrupted.")
+        .def_readonly("reason", &RunResult::reason, "String: why it stopped, and what to do next.")
         .def_property_readonly("done", &RunResult::is_done,
-                               "There is a feasible design, and the run ended as it should.")
-        .def_readonly("level", &RunResult::level)
-        .def_readonly("evaluations", &RunResult::evaluations)
-        .def_readonly("best_evaluation", &RunResult::best_evaluation, "0: there is no design.")
-        .def_readonly("objective", &RunResult::objective, "Of the best design.")
-        .def_readonly("objective_start", &RunResult::objective_start)
-        .def_readonly("max_violation", &RunResult::max_violation)
-        .def_readonly("names", &RunResult::names, "Of all values.")
-        .def_readonly("values", &RunResult::values, "Of the best design.")
-        .def_readonly("values_start", &RunResult::values_start)
+                               "True where there is a feasible design and the run ended as it should, or at a limit.")
+        .def_readonly("level", &RunResult::level, "Int: the last level of patches.")
+        .def_readonly("evaluations", &RunResult::evaluations, "Int: how many evaluations there were.")
+        .def_readonly("best_evaluation", &RunResult::best_evaluation,
+                      "Int: number of the evaluation of the best design; 0: there is no design.")
+        .def_readonly("objective", &RunResult::objective, "Float: of the best design.")
+        .def_readonly("objective_start", &RunResult::objective_start, "Float: at the start.")
+        .def_readonly("max_violation", &RunResult::max_violation,
+                      "Float: the largest violation of a constraint by the best design, scaled; 0: feasible.")
+        .def_readonly("names", &RunResult::names, "List of strings: names of all values.")
+        .def_readonly("values", &RunResult::values,
+                      "List of floats: values of the best design, in the order of `names`.")
+        .def_readonly("values_start", &RunResult::values_start,
+                      "List of floats: values at the start, in the order of `names`.")
         .def_property_readonly(
             "vertices", [](const RunResult& r) -> const Points& { return r.vertices; },
             py::return_value_policy::reference_internal,
-            "Of the best design, n x 3, read-only view; 0 rows: there is none.")
-        .def_property_readonly("x", &best_x, "The best design in the variables of its level.")
-        .def("__repr__", [](const RunResult& r) {
-            return text("<strake.Result: ", r.status, " after ", r.evaluations, " evaluations, objective ", r.objective,
-                        ">");
-        });
+            "n x 3 floats: vertices of the best design, a read-only view; 0 x 3: there is none.")
+        .def_property_readonly(
+            "x", &best_x,
+            "A float for each variable of the level of the best design: that design. None: there is none.")
+        .def(
+            "__repr__",
+            [](const RunResult& r) {
+                return text("<strake.Result: ", r.status, " after ", r.evaluations, " evaluations, objective ",
+                            r.objective, ">");
+            },
+            repr_doc);
 }
 
 }  // namespace
@@ -233,19 +311,22 @@ void bind_run(py::module_& m) {
     bind_space(m);
     bind_records(m);
     m.def(
-        "run", [](PythonProblem& p, const py::object& callback) { return run(p, callback, false); }, "problem"_a,
-        "callback"_a = py::none(),
-        "The whole coarse-to-fine optimization. `callback(evaluation)` is called after each evaluation; False ends "
-        "the\n"
-        "run (status interrupted). Exceptions of the callback and of quantities, and Ctrl-C, come out of it.");
+        "run",
+        [](PythonProblem& p, const py::object& callback, const std::optional<std::filesystem::path>& output) {
+            return run(p, callback, output, false);
+        },
+        "problem"_a, "callback"_a = py::none(), "output"_a = py::none());
     m.def(
         "fit",
-        [](PythonProblem& p, const std::vector<std::string>& targets, const py::object& callback) {
-            if (!targets.empty()) p.problem.fit = targets;
-            return run(p, callback, true);
+        [](PythonProblem& p, const std::vector<std::string>& targets, const py::object& callback,
+           const std::optional<std::filesystem::path>& output) {
+            if (!targets.empty() && targets != p.problem.fit) {
+                p.problem.fit = targets;
+                p.the_case.reset();
+            }
+            return run(p, callback, output, true);
         },
-        "problem"_a, "targets"_a = std::vector<std::string>{}, "callback"_a = py::none(),
-        "Moves the surface onto targets (`Problem.add_target`), by least squares.");
+        "problem"_a, "targets"_a = std::vector<std::string>{}, "callback"_a = py::none(), "output"_a = py::none());
 }
 
 }  // namespace strake::python

@@ -17,9 +17,9 @@ struct Shell {
 
 using HeightArgument = std::variant<double, Eigen::VectorXd>;
 
-std::unique_ptr<Shell> make_shell(const SurfacePointer& surface, const HeightArgument& height,
-                                  const std::vector<int>& fixed, const std::vector<std::vector<int>>& moved,
-                                  const std::optional<PlaneTuple>& symmetry, bool couple_nonmanifold) {
+std::unique_ptr<Shell> make_shell(const SurfacePointer& surface, const HeightArgument& height, const py::object& fixed,
+                                  const std::vector<py::object>& moved, const std::optional<PlaneTuple>& symmetry,
+                                  bool couple_nonmanifold) {
     ShellOptions options;
     if (const auto* one = std::get_if<double>(&height))
         options.prism_height = Eigen::VectorXd::Constant(surface->num_vertices(), *one);
@@ -27,7 +27,7 @@ std::unique_ptr<Shell> make_shell(const SurfacePointer& surface, const HeightArg
         options.prism_height = std::get<Eigen::VectorXd>(height);
     options.pin.assign(static_cast<std::size_t>(surface->num_triangles()), free_prism);
     for (std::size_t k = 0; k < moved.size(); ++k)
-        for (const int t : triangles_of(moved[k], *surface, "Shell: moved")) {
+        for (const int t : triangles_of(moved[k], *surface, text("Shell: moved[", k, "]"))) {
             int& pin = options.pin[static_cast<std::size_t>(t)];
             if (pin != free_prism) throw InvalidInput(text("Shell: moved: triangle ", t, " is in two motions"));
             pin = static_cast<int>(k) + 1;
@@ -67,61 +67,96 @@ ShellSensitivities adjoint(Shell& s, const Rows& dJ_dv) {
 }
 
 void bind_results(py::module_& m) {
-    py::class_<RigidMotion>(m, "Motion", "x -> about + exp(rotation) (x - about) + translation.")
+    const Eigen::Vector3d zero = Eigen::Vector3d::Zero();
+    py::class_<RigidMotion>(m, "Motion",
+                            "A rigid motion: x becomes about + exp(rotation) (x - about) + translation.\n\n"
+                            "    up = strake.Motion(translation=[0, 0, 0.1])")
         .def(py::init(
                  [](const Eigen::Vector3d& rotation, const Eigen::Vector3d& translation, const Eigen::Vector3d& about) {
                      return RigidMotion{rotation, translation, about};
                  }),
-             "rotation"_a = Eigen::Vector3d(Eigen::Vector3d::Zero()),
-             "translation"_a = Eigen::Vector3d(Eigen::Vector3d::Zero()),
-             "about"_a = Eigen::Vector3d(Eigen::Vector3d::Zero()), "Rotation vector in radians, lengths.")
-        .def_readwrite("rotation", &RigidMotion::rotation)
-        .def_readwrite("translation", &RigidMotion::translation)
-        .def_readwrite("about", &RigidMotion::about);
-    py::class_<Equilibrium>(m, "Equilibrium", "How a solve has ended.")
+             "rotation"_a = zero, "translation"_a = zero, "about"_a = zero,
+             R"(__init__(self, rotation=(0, 0, 0), translation=(0, 0, 0), about=(0, 0, 0))
+--
+
+`rotation`: its axis times its angle in radians, 3 floats. `translation`: 3 floats, in the surface's unit.
+`about`: the point that the rotation leaves where it is, 3 floats.)")
+        .def_readwrite("rotation", &RigidMotion::rotation, "3 floats: axis times angle in radians.")
+        .def_readwrite("translation", &RigidMotion::translation, "3 floats, in the surface's unit.")
+        .def_readwrite("about", &RigidMotion::about, "3 floats: the point that the rotation leaves where it is.");
+    py::class_<Equilibrium>(m, "Equilibrium", "How a solve of a Shell has ended.")
         .def_property_readonly(
             "status", [](const Equilibrium& e) { return to_string(e.status); },
-            "converged, not_converged, unstable or cancelled.")
-        .def_property_readonly("converged", [](const Equilibrium& e) { return e.status == SolveStatus::converged; })
-        .def_readonly("reason", &Equilibrium::reason, "The same in words.")
-        .def_readonly("energy", &Equilibrium::energy, "Length squared.")
-        .def_readonly("relative_gradient", &Equilibrium::relative_gradient)
-        .def_readonly("iterations", &Equilibrium::iterations, "Newton iterations.")
-        .def_readonly("stable", &Equilibrium::stable, "The exact Hessian is positive definite.")
-        .def("__repr__", [](const Equilibrium& e) {
-            return text("<strake.Equilibrium: ", to_string(e.status), ", ", e.reason, ">");
-        });
-    py::class_<ShellSensitivities>(m, "Sensitivities", "dJ/d(everything) of one functional at an equilibrium.")
-        .def_readonly("force", &ShellSensitivities::force, "dJ/dF, n x 3.")
-        .def_readonly("spring", &ShellSensitivities::spring, "dJ/d(spring), n.")
-        .def_readonly("height", &ShellSensitivities::prism_height, "dJ/d(height), n.")
+            "String: converged, not_converged, unstable or cancelled.")
+        .def_property_readonly(
+            "converged", [](const Equilibrium& e) { return e.status == SolveStatus::converged; },
+            "True where `status` is converged: the skin is in a stable equilibrium.")
+        .def_readonly("reason", &Equilibrium::reason, "String: the status in words.")
+        .def_readonly("energy", &Equilibrium::energy, "Float: energy at the end, in unit squared.")
+        .def_readonly("relative_gradient", &Equilibrium::relative_gradient,
+                      "Float: what is left of the forces, by those that are applied.")
+        .def_readonly("iterations", &Equilibrium::iterations, "Int: Newton iterations.")
+        .def_readonly("stable", &Equilibrium::stable, "True where the Hessian of the energy is positive definite.")
+        .def(
+            "__repr__",
+            [](const Equilibrium& e) {
+                return text("<strake.Equilibrium: ", to_string(e.status), ", ", e.reason, ">");
+            },
+            repr_doc);
+    py::class_<ShellSensitivities>(
+        m, "Sensitivities", "Derivatives of one functional J by all that is asked of a Shell, at an equilibrium.")
+        .def_readonly("force", &ShellSensitivities::force, "n x 3 floats: dJ/d(force at each vertex).")
+        .def_readonly("spring", &ShellSensitivities::spring, "n floats: dJ/d(spring at each vertex).")
+        .def_readonly("height", &ShellSensitivities::prism_height, "n floats: dJ/d(height at each vertex).")
         .def_readonly("motion", &ShellSensitivities::motion,
-                      "Per motion: dJ/d(rotation vector, translation), six numbers each.");
+                      "List of 6 floats for each motion: dJ/d(rotation), then dJ/d(translation).");
 }
 
 }  // namespace
 
 void bind_shell(py::module_& m) {
     bind_results(m);
-    py::class_<Shell>(
+    py::class_<Shell> shell(
         m, "Shell",
-        "A surface as an elastic skin of rigid prisms (Berkenstock and Aftosmis 2008; Botsch et al. 2006).\n\n"
-        "    shell = strake.Shell(surface, height=0.02 * surface.diagonal, fixed=root)\n"
-        "    end = shell.solve(strake.traction_forces(surface, traction))\n"
-        "    gradients = shell.adjoint(dJ_dv)\n\n"
-        "Energies are lengths squared, forces lengths, tractions 1/length.")
-        .def(py::init(&make_shell), "surface"_a, py::kw_only(), "height"_a, "fixed"_a = std::vector<int>{},
-             "moved"_a = std::vector<std::vector<int>>{}, "symmetry"_a = py::none(), "couple_nonmanifold"_a = false,
-             "`height`: full thickness, one length or n of them. `fixed`: triangles that stay. `moved`: lists of\n"
-             "triangles that follow the motions given to `solve`. `symmetry`: (normal, offset) of half a body's plane.")
+        R"(A surface as an elastic skin of rigid prisms (Berkenstock and Aftosmis 2008; Botsch et al. 2006).
+
+    shell = strake.Shell(surface, height=0.02 * surface.diagonal, fixed=root)
+    end = shell.solve(strake.traction_forces(surface, traction))
+    gradients = shell.adjoint(dJ_dv)
+
+For n vertices and m triangles. Energies are in unit squared, forces in units of length, tractions in 1 / unit.)");
+    shell
+        .def(py::init(&make_shell), "surface"_a, py::kw_only(), "height"_a, "fixed"_a = py::tuple(),
+             "moved"_a = std::vector<py::object>{}, "symmetry"_a = py::none(), "couple_nonmanifold"_a = false,
+             R"(__init__(self, surface, *, height, fixed=(), moved=(), symmetry=None, couple_nonmanifold=False)
+--
+
+`surface`: the Surface at rest.
+`height`: full thickness of the skin, in the surface's unit: one float, or one for each of the n vertices. Thick skins
+bend less.
+`fixed`: triangles that stay, as numbers from 0 or as a mask of m booleans.
+`moved`: a list of such choices of triangles; the first follows the first of the motions given to `solve`, and so on.
+`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.
+`couple_nonmanifold`: where more than two triangles share an edge, couple each pair; else they are refused.)")
         .def("solve", &solve, "force"_a = py::none(), "spring"_a = py::none(), "motions"_a = std::vector<RigidMotion>{},
-             py::kw_only(), "min_step"_a = SolveOptions{}.min_step, "max_iterations"_a = SolveOptions{}.max_iterations,
-             "Moves the skin to the equilibrium under forces (n x 3) and springs (n), from where it is now. Not to\n"
-             "converge is a result (`status`), no exception; the skin then stays where it was. Other threads run on.")
-        .def(
-            "adjoint", &adjoint, "dJ_dv"_a,
-            "Sensitivities of a functional J at the equilibrium of the last converged `solve`, from its derivative by\n"
-            "the vertices (n x 3): one back-substitution.")
+             py::kw_only(), "min_step"_a = SolveOptions{}.min_step,
+             py::arg("max_iterations").noconvert() = SolveOptions{}.max_iterations,
+             R"(solve(self, force=None, spring=None, motions=(), *, min_step=1e-09, max_iterations=60)
+--
+
+Moves the skin to the equilibrium, from where it is now, and tells how that ended: an Equilibrium.
+
+`force`: at each vertex, n x 3 floats. `spring`: stiffness that pulls each vertex back to rest, n floats, >= 0.
+`motions`: a Motion for each choice of triangles in `moved`.
+`min_step`: converged where no prism moves farther than that, in diagonals. `max_iterations`: of Newton's method.
+
+Not to converge is a result, no exception; the skin then stays where it was. Raises UnheldPart where nothing holds a part
+of the surface. Other threads of Python run on.)")
+        .def("adjoint", &adjoint, "dJ_dv"_a, R"(adjoint(self, dJ_dv)
+--
+
+Sensitivities of a functional J at the equilibrium of the last `solve` that converged, from its derivative `dJ_dv` by the
+vertices (n x 3 floats): one back-substitution.)")
         .def(
             "linear_response",
             [](Shell& s, const std::optional<Rows>& force, const std::vector<RigidMotion>& motions) {
@@ -130,26 +165,36 @@ void bind_shell(py::module_& m) {
                 return s.shell.linear_response(loads, motions);
             },
             "force"_a = py::none(), "motions"_a = std::vector<RigidMotion>{},
-            "Vertices (n x 3) displaced by the linear response at rest: the paper's single solve.")
-        .def_property_readonly(
-            "vertices", [](const Shell& s) { return s.shell.vertices(); }, "n x 3, where the skin is now.")
-        .def_property_readonly(
-            "surface",
-            [](const Shell& s) { return std::make_shared<TriMesh>(with_vertices(*s.rest, s.shell.vertices())); },
-            "The surface where the skin is now.")
+            R"(linear_response(self, force=None, motions=())
+--
+
+Vertices (n x 3 floats) after a single linear solve from rest, as in the paper. `force` and `motions` are those of
+`solve`. The skin itself stays where it is.)")
         .def(
-            "reset", [](Shell& s) { s.shell.reset(); }, "Back to rest.")
+            "reset", [](Shell& s) { s.shell.reset(); }, R"(reset(self)
+--
+
+Puts the skin back to rest.)")
         .def(
             "energy",
             [](const Shell& s, const std::optional<Rows>& force) { return s.shell.energy(loads_of(s, force, {})); },
-            "force"_a = py::none(), "At the present place, length squared.");
+            "force"_a = py::none(), R"(energy(self, force=None)
+--
+
+Energy (float, in unit squared) where the skin is now, under `force` (n x 3 floats).)")
+        .def_property_readonly(
+            "vertices", [](const Shell& s) { return s.shell.vertices(); }, "n x 3 floats: where the skin is now.")
+        .def_property_readonly(
+            "surface",
+            [](const Shell& s) { return std::make_shared<TriMesh>(with_vertices(*s.rest, s.shell.vertices())); },
+            "The Surface where the skin is now.");
     m.def(
         "traction_forces",
         [](const TriMesh& surface, const Rows& traction) {
             check_rows(traction, surface.num_triangles(), "traction_forces: traction");
             return traction_forces(surface, traction);
         },
-        "surface"_a, "traction"_a, "Forces at the vertices (n x 3) of a force per area on the triangles (m x 3).");
+        "surface"_a, "traction"_a);
 }
 
 }  // namespace strake::python

@@ -13,16 +13,13 @@ namespace {
 
 using namespace py::literals;
 
-SurfacePointer make_surface(const Rows& vertices, const Eigen::Ref<const Triangles>& triangles) {
+using SurfaceClass = py::class_<TriMesh, SurfacePointer>;
+
+SurfacePointer make_surface(const Rows& vertices, const py::object& triangles) {
     check_rows(vertices, -1, "Surface: vertices");
-    for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-        for (int k = 0; k < 3; ++k)
-            if (triangles(t, k) < 0 || triangles(t, k) >= vertices.rows())
-                throw InvalidInput(text("Surface: triangle ", t, " has vertex ", triangles(t, k), ", limits 0 and ",
-                                        vertices.rows() - 1));
     auto mesh = std::make_shared<TriMesh>();
+    mesh->triangles = corners_of(triangles, vertices.rows(), "Surface: triangles");
     mesh->vertices = vertices;
-    mesh->triangles = triangles;
     return mesh;
 }
 
@@ -43,20 +40,30 @@ py::dict distance(const TriMesh& from, const TriMesh& to) {
 
 void bind_map(py::module_& m) {
     py::class_<SurfaceMap>(m, "SurfaceMap",
-                           "Moves other points (a finer surface, the points of a volume mesh) as a surface moves.\n\n"
-                           "The map is linear in the displacement of the vertices, exact on the surface, and fades to\n"
-                           "nothing at `reach` diagonals of the surface; `transpose` carries gradients back exactly.")
+                           R"(Moves other points as a surface moves: a finer surface, the points of a volume mesh.
+
+    along = strake.SurfaceMap(surface, points)
+    points_then = along.moved(result.vertices)
+
+The map is linear in the displacement of the vertices, exact at the vertices, and fades to nothing at `reach` diagonals
+of the surface. `transpose` carries gradients back exactly. P is the number of points, n that of the vertices.)")
         .def(py::init(
                  [](const TriMesh& rest, const Rows& points, double reach, const std::optional<PlaneTuple>& symmetry) {
+                     check_rows(points, -1, "SurfaceMap: points");
                      const SurfaceMapOptions options{reach, plane_of(symmetry)};
                      const py::gil_scoped_release release;
                      return std::make_unique<SurfaceMap>(rest, points, options);
                  }),
              "rest"_a, "points"_a, py::kw_only(), "reach"_a = 1.0, "symmetry"_a = py::none(),
-             "`rest`: the surface at the start. `points`: P x 3, where they are then.\n"
-             "`symmetry`: (normal, offset) where the surface is half a body.")
+             R"(__init__(self, rest, points, *, reach=1.0, symmetry=None)
+--
+
+`rest`: the Surface at the start.
+`points`: P x 3 floats, where the points are at the start, in the surface's unit.
+`reach`: distance beyond which nothing moves, in diagonals of the surface.
+`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.)")
         .def_property_readonly("distances", &SurfaceMap::distances, py::return_value_policy::reference_internal,
-                               "Of the points from the surface at the start, P.")
+                               "P floats: how far each point is from the surface at the start. Read-only.")
         .def(
             "moved",
             [](const SurfaceMap& map, const Rows& vertices) {
@@ -64,7 +71,10 @@ void bind_map(py::module_& m) {
                 const py::gil_scoped_release release;
                 return map.moved(vertices);
             },
-            "vertices"_a, "Where the points are (P x 3) when the vertices are here (n x 3).")
+            "vertices"_a, R"(moved(self, vertices)
+--
+
+Where the points are (P x 3 floats) when the surface's vertices are at `vertices` (n x 3 floats).)")
         .def(
             "apply",
             [](const SurfaceMap& map, const Rows& displacement) {
@@ -72,7 +82,10 @@ void bind_map(py::module_& m) {
                 const py::gil_scoped_release release;
                 return map.apply(displacement);
             },
-            "displacement"_a, "Displacements of the points (P x 3) from those of the vertices (n x 3).")
+            "displacement"_a, R"(apply(self, displacement)
+--
+
+Displacements of the points (P x 3 floats) from the `displacement` of the vertices (n x 3 floats).)")
         .def(
             "transpose",
             [](const SurfaceMap& map, const Rows& sensitivities) {
@@ -80,69 +93,105 @@ void bind_map(py::module_& m) {
                 const py::gil_scoped_release release;
                 return map.transpose(sensitivities);
             },
-            "sensitivities"_a, "dJ/dv at the vertices (n x 3) from dJ/dp at the points (P x 3).");
+            "sensitivities"_a, R"(transpose(self, sensitivities)
+--
+
+dJ/dv at the vertices (n x 3 floats) from `sensitivities` dJ/dp at the points (P x 3 floats).)");
 }
 
-}  // namespace
-
-void bind_surface(py::module_& m) {
-    py::class_<TriMesh, SurfacePointer>(
-        m, "Surface",
-        "A triangulated surface: `vertices` (n x 3, float64) and `triangles` (m x 3, int32, from 0).\n\n"
-        "Both are read-only views of the surface's own memory. A surface never changes; `with_vertices` makes another\n"
-        "one of the same triangles.")
-        .def(py::init(&make_surface), "vertices"_a, "triangles"_a, "Copies both. Raises InvalidInput with the place.")
-        .def_property_readonly(
-            "vertices", [](const TriMesh& s) -> const Points& { return s.vertices; },
-            py::return_value_policy::reference_internal, "n x 3, read-only view.")
-        .def_property_readonly(
-            "triangles", [](const TriMesh& s) -> const Triangles& { return s.triangles; },
-            py::return_value_policy::reference_internal, "m x 3, read-only view.")
-        .def_property_readonly("num_vertices", &TriMesh::num_vertices, "n")
-        .def_property_readonly("num_triangles", &TriMesh::num_triangles, "m")
-        .def_property_readonly("area", &surface_area, "Length squared.")
-        .def_property_readonly("volume", &closed_volume, "Length cubed. Raises InvalidInput where the surface is open.")
-        .def_property_readonly("diagonal", &box_diagonal, "Of the bounding box; many lengths are relative to it.")
+void bind_measures(SurfaceClass& surface) {
+    surface.def_property_readonly("num_vertices", &TriMesh::num_vertices, "n, the number of vertices.")
+        .def_property_readonly("num_triangles", &TriMesh::num_triangles, "m, the number of triangles.")
+        .def_property_readonly("area", &surface_area, "Float: area of all triangles, in unit squared.")
+        .def_property_readonly("volume", &closed_volume,
+                               "Float: enclosed volume, in unit cubed. Raises InvalidInput where the surface is open.")
+        .def_property_readonly("diagonal", &box_diagonal,
+                               "Float: diagonal of the bounding box, to which many lengths are relative.")
         .def_property_readonly(
             "box",
             [](const TriMesh& s) {
                 const Box box = bounding_box(s);
                 return std::make_pair(box.min, box.max);
             },
-            "Smallest and largest coordinates.")
+            "Two arrays of 3 floats: the smallest and the largest x, y, z.")
         .def_property_readonly(
             "is_closed", [](const TriMesh& s) { return topology(s, adjacency(s)).closed; },
-            "Every edge has two triangles that agree in orientation.")
-        .def("normals", &triangle_normals, "Unit normals of the triangles, m x 3.")
-        .def("areas", &triangle_areas, "Of the triangles, m.")
-        .def("centroids", &triangle_centroids, "Of the triangles, m x 3.")
+            "True where every edge has two triangles that agree in orientation.")
+        .def("normals", &triangle_normals, R"(normals(self)
+--
+
+Unit normals of the triangles, m x 3 floats.)")
+        .def("areas", &triangle_areas, R"(areas(self)
+--
+
+Areas of the triangles, m floats, in unit squared.)")
+        .def("centroids", &triangle_centroids, R"(centroids(self)
+--
+
+Middles of the triangles, m x 3 floats.)")
+        .def("distance", &distance, "other"_a, R"(distance(self, other)
+--
+
+How far this surface is from the Surface `other`, sampled at vertices, middles of edges and centroids: a dict with
+max, mean and rms (floats, in the surface's unit), at (where the largest is), nearest (the place on `other`), triangle
+(the one of `other` there) and at_vertices (n floats). It is one way: for both, call it the other way, too.)");
+}
+
+}  // namespace
+
+void bind_surface(py::module_& m) {
+    SurfaceClass surface(m, "Surface",
+                         R"(A triangulated surface of n vertices and m triangles.
+
+    surface = strake.Surface(vertices, triangles)
+    higher = surface.with_vertices(surface.vertices + [0, 0, 1])
+
+A surface never changes; `with_vertices` makes another one of the same triangles. Lengths are in whatever unit the
+vertices have.)");
+    surface
+        .def(py::init(&make_surface), "vertices"_a, "triangles"_a, R"(__init__(self, vertices, triangles)
+--
+
+`vertices`: n x 3 floats. `triangles`: m x 3 whole numbers, the corners as numbers of vertices from 0,
+counter-clockwise seen from outside. Both are copied. Raises InvalidInput with the place of what is wrong.)")
+        .def_property_readonly(
+            "vertices", [](const TriMesh& s) -> const Points& { return s.vertices; },
+            py::return_value_policy::reference_internal, "n x 3 floats: a read-only view of the surface's own memory.")
+        .def_property_readonly(
+            "triangles", [](const TriMesh& s) -> const Triangles& { return s.triangles; },
+            py::return_value_policy::reference_internal,
+            "m x 3 int32: numbers of the corners from 0, a read-only view of the surface's own memory.")
         .def(
             "with_vertices",
             [](const TriMesh& s, const Rows& vertices) {
                 check_rows(vertices, s.num_vertices(), "Surface.with_vertices");
                 return std::make_shared<TriMesh>(with_vertices(s, vertices));
             },
-            "vertices"_a, "The same triangles on other vertices (n x 3).")
-        .def("distance", &distance, "other"_a,
-             "How far this surface is from another one: a dict of max, mean, rms, at, nearest, triangle and\n"
-             "at_vertices, sampled at vertices, middles of edges and centroids. One way: call it both ways.")
-        .def("__repr__", [](const TriMesh& s) {
-            return text("<strake.Surface: ", s.num_vertices(), " vertices, ", s.num_triangles(), " triangles>");
-        });
+            "vertices"_a, R"(with_vertices(self, vertices)
+--
+
+A Surface of the same triangles on other `vertices` (n x 3 floats).)")
+        .def(
+            "__repr__",
+            [](const TriMesh& s) {
+                return text("<strake.Surface: ", s.num_vertices(), " vertices, ", s.num_triangles(), " triangles>");
+            },
+            repr_doc);
+    bind_measures(surface);
     m.def(
         "read_surface",
         [](const std::filesystem::path& file) {
             const py::gil_scoped_release release;
             return std::make_shared<TriMesh>(read_surface(file).mesh);
         },
-        "file"_a, "Reads STL, OBJ, PLY, OFF, TRI, VTK, VTP, SU2, Gmsh or NASTRAN. Raises InputError with the place.");
+        "file"_a);
     m.def(
         "write_surface",
         [](const std::filesystem::path& file, const TriMesh& surface) {
             const py::gil_scoped_release release;
             write_surface(file, surface, format_of(file));
         },
-        "file"_a, "surface"_a, "Writes the format that the file's ending names, atomically.");
+        "file"_a, "surface"_a);
     bind_map(m);
 }
 

@@ -30,7 +30,18 @@ void check_rows(const Rows& rows, Eigen::Index expected, const char* what);
 /// (normal, offset), the normal of any length. @throws InvalidInput when it has none.
 using PlaneTuple = std::pair<Eigen::Vector3d, double>;
 std::optional<SymmetryPlane> plane_of(const std::optional<PlaneTuple>& plane);
-/// Distinct triangle numbers, ascending. @throws InvalidInput out of range.
-std::vector<int> triangles_of(const std::vector<int>& listed, const TriMesh& surface, const char* what);
+/// Its repr, cut off where it is long.
+std::string shown(const py::object& thing);
+/// Distinct triangle numbers, ascending, from numbers or from a mask of booleans.
+/// @throws InvalidInput `what: ...` out of range, on a mask of another length, on numbers that are not whole.
+std::vector<int> triangles_of(const py::object& chosen, const TriMesh& surface, const std::string& what);
+/// Whole numbers >= 1. @throws InvalidInput
+std::vector<int> counts_of(const py::object& given, const std::string& what);
+/// m x 3 numbers of vertices. @throws InvalidInput
+Triangles corners_of(const py::object& given, Eigen::Index num_vertices, const std::string& what);
+
+/// Docstrings begin with the signature, by which `help` and `inspect` show it as Python's own; pybind11's names types
+/// as C++ does. The tests compare it with the arguments that are really taken.
+constexpr const char* repr_doc = "__repr__(self)\n--\n\n";
 
 }  // namespace strake::python

@@ -6,7 +6,6 @@
 #include "python/evaluation_failed.hpp"
 
 #include <cmath>
-#include <set>
 
 namespace strake::python {
 namespace {
@@ -86,15 +85,9 @@ std::optional<SymmetryPlane> plane_of(const std::optional<PlaneTuple>& plane) {
     return SymmetryPlane{plane->first / size, plane->second / size};
 }
 
-std::vector<int> triangles_of(const std::vector<int>& listed, const TriMesh& surface, const char* what) {
-    const std::set<int> sorted(listed.begin(), listed.end());
-    for (const int t : sorted)
-        if (t < 0 || t >= surface.num_triangles())
-            throw InvalidInput(text(what, ": triangle ", t, ", limits 0 and ", surface.num_triangles() - 1));
-    return {sorted.begin(), sorted.end()};
-}
-
 PYBIND11_MODULE(_core, m) {
+    py::options options;
+    options.disable_function_signatures();
     m.doc() = "What `strake` is made of, compiled.";
     m.attr("__module__") = "strake";  // where users find what is in it
     m.attr("version") = version();

@@ -1,5 +1,6 @@
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "core/shell_word.hpp"
 #include "report/report_parts.hpp"
 
 #include <cmath>
@@ -40,9 +41,18 @@ void about_failures(const RunFiles& run, std::vector<std::string>& out) {
                            "): read the logs below before you pay for more."));
 }
 
+/// As it was named, where that is below the folder of the one who asked; else in full, which is right from anywhere.
+std::string typed_folder(const std::filesystem::path& named) {
+    const std::filesystem::path short_name = (named / "").lexically_normal().parent_path();
+    const bool is_below =
+        named.is_relative() && !short_name.empty() && *short_name.begin() != "." && *short_name.begin() != "..";
+    if (is_below) return typed_path(short_name.string());
+    return typed_path((std::filesystem::absolute(named) / "").lexically_normal().parent_path().string());
+}
+
 void about_budget(const RunFiles& run, std::vector<std::string>& out) {
     const std::string& status = run.status.status;
-    const std::string folder = folder_name(run.folder);
+    const std::string folder = typed_folder(run.folder);
     if (status == "budget")
         out.push_back(text("The budget ended the run, not the search: `strake resume ", folder, " --evaluations +",
                            std::max(10, run.status.max_evaluations / 2),

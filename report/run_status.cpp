@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "core/shell_word.hpp"
 #include "report/json_number.hpp"
 
 #include <algorithm>
@@ -33,12 +34,36 @@ std::vector<std::string> files_in(const fs::path& folder) {
     return files;
 }
 
+/// Folders of runs in this one, as they are typed.
+std::vector<std::string> runs_in(const fs::path& folder) {
+    std::vector<std::string> runs;
+    std::error_code why, ignored;
+    for (fs::directory_iterator at(folder, why), end; !why && at != end; at.increment(why))
+        if (fs::exists(at->path() / "journal.sqlite", ignored)) runs.push_back(typed_path(at->path().string()));
+    std::sort(runs.begin(), runs.end());
+    return runs;
+}
+
 }  // namespace
 
-RunStatus run_status(const fs::path& folder, bool is_over) {
+void need_run(const fs::path& folder) {
     std::error_code ignored;
-    if (!fs::exists(folder / "journal.sqlite", ignored))
-        throw InputError(text(folder.string(), ": holds no run (there is no journal.sqlite)"));
+    if (fs::exists(folder / "journal.sqlite", ignored)) return;
+    const std::string name = printable(folder.native());
+    if (!fs::exists(folder, ignored)) throw InputError(name + ": there is no such folder");
+    if (!fs::is_directory(folder, ignored))
+        throw InputError(name + ": is no folder; give that of a run, as `strake run` has named it");
+    constexpr std::size_t enough = 5;
+    const std::vector<std::string> runs = runs_in(folder);
+    std::string words;
+    for (std::size_t i = 0; i < std::min(enough, runs.size()); ++i) words += (i > 0 ? ", " : "") + runs[i];
+    if (runs.size() > enough) words += text(" and ", runs.size() - enough, " more");
+    throw InputError(
+        text(name, ": holds no run (there is no journal.sqlite)", runs.empty() ? "" : "; runs are in " + words));
+}
+
+RunStatus run_status(const fs::path& folder, bool is_over) {
+    need_run(folder);
     RunStatus status;
     if (!is_over) status.holder = lock_holder(folder);
     const auto journal = Journal::look(folder / "journal.sqlite");
@@ -66,7 +91,7 @@ RunStatus run_status(const fs::path& folder, bool is_over) {
     } else if (status.status.empty()) {
         status.status = "killed";
         status.reason = text("it ended without a word after ", status.evaluations, " evaluations; `strake resume ",
-                             folder.string(), "` goes on");
+                             typed_path(folder.string()), "` goes on");
     }
     return status;
 }

@@ -22,6 +22,8 @@ struct RunStatus {
     std::optional<LockHolder> holder;
 };
 
+/// @throws InputError where the folder holds no run: whether there is a folder at all, and runs below it.
+void need_run(const std::filesystem::path& folder);
 /// @throws InputError: the folder holds no run, or its journal cannot be read.
 /// @param is_over whoever holds the lock has come to the end of its run, and says so.
 RunStatus run_status(const std::filesystem::path& folder, bool is_over = false);

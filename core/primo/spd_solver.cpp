@@ -19,6 +19,9 @@ extern "C" __attribute__((weak)) int omp_get_max_active_levels();
 namespace strake {
 namespace {
 
+/// @throws std::bad_alloc where it is not to be had.
+void require_memory(std::size_t bytes) { ::operator delete(::operator new(bytes)); }
+
 /// Fill-reducing order of the block rows: METIS on the n-node graph costs half of ordering all 6n unknowns
 /// and gives the same fill within 5 %.
 std::vector<idx_t> block_order(const BlockMatrix& A) {
@@ -36,12 +39,18 @@ std::vector<idx_t> block_order(const BlockMatrix& A) {
         for (int j = 0; j < n; ++j) order[j] = j;
         return order;
     }
-    idx_t options[METIS_NOPTIONS], size = n;
+    idx_t options[METIS_NOPTIONS];
     METIS_SetDefaultOptions(options);
     options[METIS_OPTION_SEED] = 1;
     static std::mutex one_at_a_time;  // METIS draws from the generator of the C library, which threads share
     const std::lock_guard lock(one_at_a_time);
-    if (METIS_NodeND(&size, begin.data(), neighbour.data(), nullptr, options, order.data(), place.data()) != METIS_OK)
+    // Not METIS_NodeND: while that works it takes SIGTERM and SIGABRT for itself and jumps out of wherever it is, in
+    // whatever thread the signal arrives, and it puts handlers back without their flags. For one part this gives the
+    // same order and leaves signals alone. Without memory it would end the program, so that is asked for before.
+    require_memory(32 * (order.size() + neighbour.size()));  // it takes 20 to 25
+    idx_t part_size = 0;
+    if (METIS_NodeNDP(n, begin.data(), neighbour.data(), nullptr, 1, options, order.data(), place.data(), &part_size) !=
+        METIS_OK)
         throw SolverError(text("METIS could not order ", n, " block rows"));
     return order;
 }

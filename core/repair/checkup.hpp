@@ -60,7 +60,7 @@ Checkup checkup(const TriMesh& mesh);
 /// Every defect in a sentence of its own, with the first few numbers.
 std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& found);
 /// What to do about them: the options of `strake repair` that would help, and what it cannot mend; empty: nothing.
-std::vector<std::string> advice(const Checkup& found);
+std::vector<std::string> advice(const TriMesh& mesh, const Checkup& found);
 
 /// Every defect marked, for ParaView.
 struct DefectFields {

@@ -1,6 +1,7 @@
 #include "core/error.hpp"
 #include "core/repair/checkup.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 
 /// What was found, in words for people.
@@ -26,8 +27,29 @@ std::string first_edges(const Checkup& c, const std::vector<int>& edges) {
 std::string first_pairs(const TriMesh& mesh, const std::vector<std::array<int, 2>>& pairs) {
     return first_few(pairs.size(), [&](std::size_t i) {
         const Eigen::RowVector3d x = mesh.vertices.row(mesh.triangles(pairs[i][0], 0));
-        return text(pairs[i][0], "/", pairs[i][1], i == 0 ? text(" near (", x[0], ", ", x[1], ", ", x[2], ")") : "");
+        return text(pairs[i][0], " and ", pairs[i][1],
+                    i == 0 ? text(" near (", x[0], ", ", x[1], ", ", x[2], ")") : "");
     });
+}
+
+/// Both in one plane, to round-off: they lie on one another and do not pass through each other.
+bool are_in_one_plane(const TriMesh& mesh, const std::array<int, 2>& pair, double diagonal) {
+    constexpr double flat = 1e-9;  // of the diagonal
+    const auto corner = [&](int t, int k) -> Eigen::RowVector3d { return mesh.vertices.row(mesh.triangles(t, k)); };
+    for (const auto& [t, other] : {std::pair{pair[0], pair[1]}, std::pair{pair[1], pair[0]}}) {
+        const Eigen::RowVector3d at = corner(t, 0), normal = (corner(t, 1) - at).cross(corner(t, 2) - at).normalized();
+        for (int k = 0; k < 3; ++k)
+            if (std::abs(normal.dot(corner(other, k) - at)) > flat * diagonal) return false;
+    }
+    return true;
+}
+
+/// Those that pass through each other, and those that lie on one another.
+std::array<std::vector<std::array<int, 2>>, 2> by_kind(const TriMesh& mesh, const Checkup& c) {
+    std::array<std::vector<std::array<int, 2>>, 2> kinds;
+    if (c.pairs)
+        for (const auto& pair : c.pairs->apart) kinds[are_in_one_plane(mesh, pair, c.diagonal) ? 1 : 0].push_back(pair);
+    return kinds;
 }
 
 std::string first_loops(const Checkup& c) {
@@ -77,8 +99,15 @@ std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& c)
     add(f.duplicate_vertices.size(), "duplicate vertex(es), at the place of an earlier one, vertices",
         first_few(f.duplicate_vertices));
     if (c.pairs) {
-        add(c.pairs->apart.size(), "pair(s) of triangles intersect, triangles", first_pairs(mesh, c.pairs->apart));
-        add(c.pairs->adjacent.size(), "pair(s) of neighbouring triangles overlap beside what they share, triangles",
+        const auto [through, on] = by_kind(mesh, c);
+        add(through.size(), "pair(s) of triangles intersect (they pass through each other, or touch), triangles",
+            first_pairs(mesh, through));
+        add(on.size(),
+            "pair(s) of triangles overlap in one plane (bodies that touch, or a face that is there twice), "
+            "triangles",
+            first_pairs(mesh, on));
+        add(c.pairs->adjacent.size(),
+            "pair(s) of neighbouring triangles are folded onto each other or cross, triangles",
             first_pairs(mesh, c.pairs->adjacent));
     } else {
         list.push_back(
@@ -87,7 +116,7 @@ std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& c)
     return list;
 }
 
-std::vector<std::string> advice(const Checkup& c) {
+std::vector<std::string> advice(const TriMesh& mesh, const Checkup& c) {
     const TopologyFacts& f = c.facts;
     std::string options;
     int kinds = 0;
@@ -122,9 +151,13 @@ std::vector<std::string> advice(const Checkup& c) {
     if (!f.orientable)
         list.push_back(
             "no repair makes a surface of one side orientable: cut it across, or use it as it is, without volume");
-    if (c.pairs && !c.pairs->apart.empty())
+    const auto [through, on] = by_kind(mesh, c);
+    if (!through.empty())
         list.push_back("intersections stay: unite the parts in a modeller, or use them as separate components");
-    else if ((c.pairs && !c.pairs->adjacent.empty()) || !c.inverted_triangles.empty())
+    if (!on.empty())
+        list.push_back(
+            "triangles that lie on one another stay: delete one of the two faces, or unite the parts in a modeller");
+    else if (through.empty() && ((c.pairs && !c.pairs->adjacent.empty()) || !c.inverted_triangles.empty()))
         list.push_back("folds stay: strake remesh may smooth them away");
     return list;
 }

@@ -56,7 +56,6 @@ std::vector<std::string> arguments_of(const ExternalCommand& command, const Call
 double timeout_of(const ExternalCommand& command, const Call& call);  ///< s
 /// A line for a shell that runs exactly these arguments in the call's folder, with its logs.
 std::string shell_line(const ExternalCommand& command, const Call& call);
-std::string shell_word(const std::string& argument);
 
 /// Result and gradients. @throws Refused.
 QuantityResult read_results(const Task& task, const Call& call);

@@ -1,4 +1,5 @@
 #include "core/error.hpp"
+#include "core/shell_word.hpp"
 #include "objectives/external/attempt.hpp"
 
 #include <algorithm>
@@ -43,15 +44,6 @@ std::vector<std::string> arguments_of(const ExternalCommand& command, const Call
 double timeout_of(const ExternalCommand& command, const Call& call) {
     return call.wanted == Wanted::gradients ? command.gradient_timeout_s.value_or(command.timeout_s)
                                             : command.timeout_s;
-}
-
-std::string shell_word(const std::string& argument) {
-    std::string quoted = "'";
-    for (const char c : argument) {
-        if (c == '\'') quoted += "'\\'";  // the quotation is left for this one
-        quoted += c;
-    }
-    return quoted + '\'';
 }
 
 std::string shell_line(const ExternalCommand& command, const Call& call) {

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/io.hpp"
+#include "core/shell_word.hpp"
 #include "objectives/external/attempt.hpp"
 #include "objectives/external/refused.hpp"
 #include "objectives/external/slurm_client.hpp"

@@ -8,6 +8,8 @@ __version__: str
 
 Floats = NDArray[np.float64]
 Ints = NDArray[np.int32]
+Triangles = ArrayLike
+"""Numbers of triangles, or a mask of booleans, one for each."""
 Path = Union[str, PathLike[str]]
 Plane = tuple[ArrayLike, float]
 """(normal, offset): normal . x = offset."""
@@ -91,7 +93,7 @@ def patches(
     surface: Surface,
     *,
     angles: Sequence[float] = ...,
-    patches_per_level: Sequence[int] = ...,
+    patches_per_level: ArrayLike = ...,
     min_patch: float = 0.0,
 ) -> PatchTree: ...
 
@@ -133,8 +135,8 @@ class Shell:
         surface: Surface,
         *,
         height: Union[float, ArrayLike],
-        fixed: Sequence[int] = ...,
-        moved: Sequence[Sequence[int]] = ...,
+        fixed: Triangles = ...,
+        moved: Sequence[Triangles] = ...,
         symmetry: Optional[Plane] = None,
         couple_nonmanifold: bool = False,
     ) -> None: ...
@@ -164,7 +166,7 @@ class Problem:
         surface: Surface,
         *,
         thickness: Union[float, ArrayLike] = 0.02,
-        fixed: Sequence[int] = ...,
+        fixed: Triangles = ...,
         symmetry: Optional[Plane] = None,
         tree: Optional[PatchTree] = None,
         variables: Sequence[str] = ...,
@@ -285,5 +287,7 @@ class Result:
 
 Callback = Callable[[Evaluation], Optional[bool]]
 
-def run(problem: Problem, callback: Optional[Callback] = None) -> Result: ...
-def fit(problem: Problem, targets: Sequence[str] = ..., callback: Optional[Callback] = None) -> Result: ...
+def run(problem: Problem, callback: Optional[Callback] = None, output: Optional[Path] = None) -> Result: ...
+def fit(
+    problem: Problem, targets: Sequence[str] = ..., callback: Optional[Callback] = None, output: Optional[Path] = None
+) -> Result: ...

@@ -179,10 +179,82 @@ TEST_F(ApplyProgram, HeldBoundariesStayHoweverNear) {
     EXPECT_GT((free.bottomRows(n) - was.bottomRows(n)).norm(), 0.01);
     EXPECT_EQ(stays.bottomRows(n), was.bottomRows(n));
     EXPECT_EQ(stays.topRows(n), wide.vertices);
-    words.back() = "fra";
-    const ProgramRun unknown = run_strake(words);
-    EXPECT_EQ(unknown.status, 2);
-    EXPECT_NE(unknown.err.find("it has: far"), std::string::npos) << unknown.err;
+}
+
+TEST_F(ApplyProgram, HoldSaysWhatIsWrongAndWhatToDo) {
+    const TriMesh start = read_surface(path("s.obj")).mesh;
+    folder->write("v.su2", volume_about(start, 6));
+    folder->write("probes.csv", "x,y,z\n0,0,1\n");
+    folder->write("one.vtu",
+                  "<VTKFile type=\"UnstructuredGrid\" version=\"0.1\"><UnstructuredGrid><Piece NumberOfPoints=\"4\" "
+                  "NumberOfCells=\"1\"><Points><DataArray type=\"Float64\" NumberOfComponents=\"3\" format=\"ascii\">"
+                  "0 0 1 1 0 1 0 1 1 0 0 2</DataArray></Points><Cells><DataArray type=\"Int64\" Name=\"connectivity\" "
+                  "format=\"ascii\">0 1 2 3</DataArray><DataArray type=\"Int64\" Name=\"offsets\" format=\"ascii\">4"
+                  "</DataArray><DataArray type=\"UInt8\" Name=\"types\" format=\"ascii\">10</DataArray></Cells></Piece>"
+                  "</UnstructuredGrid></VTKFile>");
+    const auto refused = [&](const std::string& other, const std::string& out, const std::vector<std::string>& more,
+                             const std::vector<std::string>& says) {
+        std::vector<std::string> arguments{"apply", run, path(other), "-o", path(out)};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramRun applied = run_strake(arguments);
+        EXPECT_EQ(applied.status, 2) << applied.err;
+        for (const std::string& words : says)
+            EXPECT_NE(applied.err.find(words), std::string::npos) << words << " in: " << applied.err;
+        EXPECT_FALSE(std::filesystem::exists(path(out)));
+    };
+    refused("v.su2", "n.su2", {"--hold", "fra"},
+            {"--hold fra", "v.su2 has no boundary", "did you mean 'far'?", "There are: far"});
+    refused("v.su2", "n.su2", {"--hold", "far", "--hold", "inlet"}, {"--hold inlet", "There are: far"});
+    refused("v.su2", "n.su2", {"--hold", "far", "--undo"}, {"--undo cannot bring back", "leave out both"});
+    refused("v.su2", "n.obj", {"--hold", "far"}, {"no .su2", "write an .su2"});
+    refused("s.obj", "n.obj", {"--hold", "far"}, {"s.obj is a surface", "leave out --hold"});
+    refused("probes.csv", "n.csv", {"--hold", "far"}, {"probes.csv is a list of points", "leave out --hold"});
+    refused("probes.csv", "n.csv", {"--hold", "far", "--sensitivities", path("g.csv")}, {"is a list of points"});
+    refused("one.vtu", "n.vtu", {"--hold", "far"}, {"one.vtu names no boundaries", "--reach"});
+}
+
+TEST_F(ApplyProgram, WarnsWhereNothingMoves) {
+    folder->write("far.csv", "x,y,z\n900,0,0\n0,1000,0\n");
+    folder->write("near.csv", "x,y,z\n0,0,0.5\n");
+    folder->write("held.csv", "x,y,z\n-1,0,0\n");
+    const auto warned = [&](const std::string& other, const std::vector<std::string>& more) {
+        std::vector<std::string> arguments{"apply", run, path(other), "-o", path("n.csv")};
+        arguments.insert(arguments.end(), more.begin(), more.end());
+        const ProgramRun applied = run_strake(arguments);
+        EXPECT_EQ(applied.status, 0) << applied.err;
+        return applied.err;
+    };
+    const std::string far = warned("far.csv", {});
+    EXPECT_NE(far.find("warning: nothing of"), std::string::npos) << far;
+    EXPECT_NE(far.find("899 away"), std::string::npos) << far;
+    EXPECT_NE(far.find("unit and place"), std::string::npos) << far;
+    const std::string start = warned("near.csv", {"--evaluation", "1"});
+    EXPECT_NE(start.find("the start shape itself; choose another by --evaluation"), std::string::npos) << start;
+    const std::string held = warned("held.csv", {});
+    EXPECT_NE(held.find("the design moves other parts of the surface"), std::string::npos) << held;
+    EXPECT_EQ(warned("near.csv", {}).find("nothing of"), std::string::npos);
+}
+
+TEST_F(ApplyProgram, ColumnsOfAListStayAsTheyAre) {
+    folder->write("rows.csv", "name,y,x, z ,\"p\",PointID\r\nprobe 1,0,0,0.5,1.250e-3,7\r\n,0.1,0.2,0.6,, 3\r\n");
+    const ProgramRun kept = run_strake({"apply", run, path("rows.csv"), "-o", path("rows_moved.csv")});
+    ASSERT_EQ(kept.status, 0) << kept.err;
+    EXPECT_EQ(kept.err, "");
+    const std::string text = bytes_of(path("rows_moved.csv"));
+    EXPECT_EQ(text.substr(0, text.find('\n')), "name,y,x, z ,\"p\",PointID\r");
+    EXPECT_NE(text.find("\nprobe 1,"), std::string::npos) << text;
+    EXPECT_NE(text.find(",1.250e-3,7\r\n,"), std::string::npos) << text;
+    EXPECT_TRUE(text.ends_with(",, 3\r\n")) << text;
+    ASSERT_EQ(run_strake({"apply", run, path("rows_moved.csv"), "--undo", "-o", path("rows_back.csv")}).status, 0);
+    folder->write("plain.npy", npy_bytes((Points(2, 3) << 0, 0, 0.5, 0.2, 0.1, 0.6).finished()));
+    ASSERT_EQ(run_strake({"apply", run, path("plain.npy"), "-o", path("plain_moved.npy")}).status, 0);
+    const ProgramRun lost = run_strake({"apply", run, path("rows.csv"), "-o", path("rows_moved.npy")});
+    EXPECT_NE(lost.err.find("left out are the columns name, \"p\""), std::string::npos) << lost.err;
+    const Points moved = parse_npy(bytes_of(path("rows_moved.npy")));
+    EXPECT_EQ(moved, parse_npy(bytes_of(path("plain_moved.npy")))) << "the columns are taken by their names";
+    ASSERT_EQ(run_strake({"apply", run, path("rows_moved.csv"), "--undo", "-o", path("back.npy")}).status, 0);
+    const Points back = parse_npy(bytes_of(path("back.npy")));
+    EXPECT_LT((back - (Points(2, 3) << 0, 0, 0.5, 0.2, 0.1, 0.6).finished()).norm(), 1e-12);
 }
 
 TEST_F(ApplyProgram, UndoGoesBackToTheStart) {

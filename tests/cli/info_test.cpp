@@ -46,6 +46,28 @@ TEST(Info, WordsNameEveryDefectWithCountAndFirstIds) {
         EXPECT_NE(run.out.find(defect), std::string::npos) << defect << "\nnot in\n" << run.out;
 }
 
+TEST(Info, TrianglesThatLieOnOneAnotherAreNotSaidToPassThrough) {
+    const TempFolder folder;
+    const std::string cube =
+        "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 0 0 1\nv 1 0 1\nv 1 1 1\nv 0 1 1\nf 1 3 2\nf 1 4 3\nf 5 6 7\nf 5 7 8\n"
+        "f 1 2 6\nf 1 6 5\nf 2 3 7\nf 2 7 6\nf 3 4 8\nf 3 8 7\nf 4 1 5\nf 4 5 8\n";
+    const auto told = [&](const std::string& more) {
+        const ProgramRun run = run_strake({"info", folder.write("cube.obj", cube + more).string()});
+        EXPECT_EQ(run.status, 0) << run.err;
+        return run.out;
+    };
+    const std::string on = told("v 0.2 0.2 1\nv 0.8 0.2 1\nv 0.8 0.8 1\nf 9 10 11\n");
+    EXPECT_NE(on.find("overlap in one plane (bodies that touch, or a face that is there twice), triangles: 2 and 12"),
+              std::string::npos)
+        << on;
+    EXPECT_NE(on.find("delete one of the two faces"), std::string::npos) << on;
+    EXPECT_EQ(on.find("pass through"), std::string::npos) << on;
+    const std::string through = told("v 0.2 0.2 0.5\nv 0.8 0.2 0.5\nv 0.8 0.8 1.5\nf 9 10 11\n");
+    EXPECT_NE(through.find("intersect (they pass through each other, or touch), triangles: "), std::string::npos)
+        << through;
+    EXPECT_EQ(through.find("in one plane"), std::string::npos) << through;
+}
+
 TEST(Info, NamesInwardOrientationAndTheWeld) {
     const TempFolder folder;
     TriMesh mesh = icosphere(1);

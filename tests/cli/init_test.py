@@ -84,6 +84,7 @@ def one(name, make, has, runs):
         picture = (folder / "new-patches.svg").read_text()
         panels = re.findall(r"data:image/png;base64,([^\"]*)", picture)
         expect(picture.startswith("<svg") and len(panels) == 2 and ">held (" in picture, "%s: the picture" % name)
+        expect(int(re.search(r'width="(\d+)"', picture)[1]) <= 985, "%s: the picture is wider than a window of 1000 with its bar" % name)
         for panel in panels:
             colours = pixels(base64.b64decode(panel, validate=True))
             body = [c for c in colours if c != (255, 255, 255)]

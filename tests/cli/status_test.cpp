@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
+#include <sstream>
 
 /// The word, the line of reason and the exit status of a run belong together.
 namespace strake {
@@ -64,6 +65,53 @@ TEST_F(Status, AnEndByTheBudgetProvesNothingAboutTheConstraints) {
     EXPECT_EQ(e.word, "infeasible");
     EXPECT_NE(e.reason.find("none of the 2 designs evaluated meets"), std::string::npos) << e.reason;
     EXPECT_NE(e.reason.find("raise optimize.budget"), std::string::npos) << e.reason;
+}
+
+TEST_F(Status, AFolderWithoutARunIsToldSo) {
+    std::filesystem::create_directories(folder / "my runs");
+    folder.write("a.txt", "no folder");
+    for (const std::string command : {"status", "history"}) {
+        const auto refused = [&](const std::string& name, const std::string& words) {
+            const ProgramRun told = run_strake({command, (folder / name).string()});
+            EXPECT_EQ(told.status, 3) << command;
+            EXPECT_EQ(told.out, "");
+            EXPECT_NE(told.err.find(words), std::string::npos) << command << ": " << told.err;
+        };
+        refused("nowhere", "nowhere: there is no such folder");
+        refused("a.txt", "a.txt: is no folder; give that of a run");
+        refused("my runs", "my runs: holds no run (there is no journal.sqlite)\n");
+    }
+    ended(volume + "optimize: {budget: {evaluations: 2}}\n");
+    std::filesystem::rename(folder / "1", folder / "my runs/first");
+    const ProgramRun above = run_strake({"history", (folder / "my runs").string()});
+    EXPECT_EQ(above.status, 3);
+    EXPECT_NE(above.err.find("; runs are in '" + (folder / "my runs/first").string() + "'"), std::string::npos)
+        << above.err;
+}
+
+TEST_F(Status, HistoryAsJsonHoldsWhatTheTableHolds) {
+    ended(volume + "constraints: {area: {max: 1.01, relative: true}}\noptimize: {budget: {evaluations: 3}}\n");
+    const std::string run = (folder / "1").string();
+    const ProgramRun told = run_strake({"history", run, "--json"}), csv = run_strake({"history", run, "--csv"});
+    ASSERT_EQ(told.status, 0) << told.err;
+    const Json rows = Json::parse(told.out);
+    ASSERT_EQ(rows.size(), 3U);
+    std::istringstream lines(csv.out);
+    std::string line;
+    std::getline(lines, line);
+    for (const Json& row : rows) {
+        std::getline(lines, line);
+        std::vector<std::string> fields;
+        std::istringstream cells(line);
+        for (std::string cell; std::getline(cells, cell, ',');) fields.push_back(cell);
+        EXPECT_EQ(row["evaluation"].get<int>(), std::stoi(fields.at(0)));
+        EXPECT_EQ(row["level"].get<int>(), std::stoi(fields.at(1)));
+        EXPECT_EQ(row["objective"].get<double>(), std::stod(fields.at(3)));
+        EXPECT_EQ(row["values"]["volume"], row["objective"]);
+        EXPECT_GT(row["values"]["area"].get<double>(), 0);
+        EXPECT_EQ(row["status"], "ok");
+    }
+    EXPECT_EQ(run_strake({"history", run, "--json", "--csv"}).status, 2);
 }
 
 TEST_F(Status, NothingThatIsReadIsOverwritten) {

@@ -24,17 +24,30 @@ objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 optimize: {budget: {evaluations: 4}}
 """
+FIT = """case: fit
+surface: {file: body.obj}
+fixed: [root]
+regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}}
+parameters: {levels: auto, patches_per_level: [2], variables: [load_normal], max_displacement: 2%}
+quantities: {match: {type: target_shape, file: moved.obj, match: same}}
+fit: [match]
+optimize: {budget: {evaluations: 2}}
+"""
 BENT = CASE.split("parameters:")[0].replace("fixed: [root]", "fixed: [root]\nloads: [{region: tail, displacement: 1%, direction: [0, 0, 1]}]") \
     .replace("regions: {", "regions: {tail: {box: [[6, -9, -9], [99, 9, 9]]}, ")
 # Every command that has --json, in an order in which each finds what it needs.
 JSON = [["info", "body.obj"], ["repair", "body.obj", "-o", "mended.obj", "--orient"],
         ["remesh", "body.obj", "-o", "even.obj", "--edge-length", "10%"], ["patches", "body.obj", "--angle", "20"],
         ["init", "body.obj", "-o", "new.yaml"], ["deform", "bent.yaml", "-o", "bent.obj"], ["check", "case.yaml"],
-        ["run", "case.yaml", "--out", "run"], ["status", "run"], ["resume", "run", "--evaluations", "+1"],
+        ["run", "case.yaml", "--out", "run"], ["status", "run"], ["history", "run"], ["resume", "run", "--evaluations", "+1"],
         ["schema"], ["explain", "objective"], ["gradient-check", "case.yaml"],
         ["sweep", "case.yaml", "--variable", "p1.load_normal", "--from", "0", "--to", "0.1", "--steps", "2"],
         ["apply", "run", "body.obj", "-o", "moved.obj"], ["compare", "body.obj", "moved.obj"],
         ["mix", "run", "body.obj", "--weight", "0.5", "-o", "mixed.obj"]]
+
+# The others that print, and what is asked of the program as a whole.
+WORDS = [["history", "run"], ["history", "run", "--csv"], ["fit", "fit.yaml", "--out", "fitted"], ["step", "stepped.yaml", "--json"],
+         ["report", "run", "-o", "page.html"], ["completion", "bash"], ["man"], ["--help"], ["--version"], ["run", "--help"]]
 
 
 def said(*arguments, **environment):
@@ -76,6 +89,28 @@ class Streams(unittest.TestCase):
         failing = said("info", "none.obj", "--json")
         self.assertEqual((failing.returncode, failing.stdout), (3, ""))
         self.assertIn("none.obj", failing.stderr)
+
+    def test_a_full_disk_for_what_is_printed_is_told_by_every_command(self):
+        commands = set(re.findall(r"^  ([a-z-]+) {2,}", said("--help").stdout.split("Subcommands:")[1].split("Exit statuses")[0], re.M))
+        rows = [[*row, *more] for row in JSON for more in ([], ["--json"])] + WORDS
+        self.assertEqual(commands - {row[0] for row in rows}, set(), "commands that are not tried here")
+        self.assertEqual(said("run", "case.yaml", "--out", "shown").returncode, 0)
+        for name in ("mended", "even", "bent", "moved"):
+            (FOLDER / f"{name}.obj").write_bytes((FOLDER / "body.obj").read_bytes())
+        (FOLDER / "fit.yaml").write_text(FIT)
+        (FOLDER / "stepped.yaml").write_text(CASE + "output: {dir: stepped}\n")
+        for number, row in enumerate(rows):
+            # What is made must not be there yet; the run that is looked at is.
+            row = [{"new.yaml": f"new{number}.yaml", "fitted": f"fitted{number}"}.get(word, word) for word in row]
+            if row[0] == "run" and "--out" in row:
+                row[row.index("--out") + 1] = f"full{number}"
+            else:
+                row[1:] = ["shown" if word == "run" else word for word in row[1:]]
+            with open("/dev/full", "w", encoding="ascii") as full:
+                done = subprocess.run([STRAKE, *row], cwd=FOLDER, stdin=subprocess.DEVNULL, stdout=full, stderr=subprocess.PIPE,
+                                      text=True, timeout=120, check=False)
+            self.assertEqual(done.returncode, 4, f"{row}: {done.stderr}")
+            self.assertIn("standard output: cannot write: No space left on device", done.stderr, row)
 
     def test_no_colour_anywhere_even_on_a_terminal(self):
         for environment in ({}, {"NO_COLOR": "1"}):

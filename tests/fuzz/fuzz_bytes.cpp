@@ -149,7 +149,7 @@ void try_repair(std::string_view bytes) {
         require(result.after.facts.isolated_vertices.empty(), "isolated vertices go");
         repair_csv(result);
         defects_in_words(result.mesh, result.after);
-        advice(result.after);
+        advice(result.mesh, result.after);
         defect_fields(result.mesh, result.after);
     } catch (const InvalidInput&) {
     }

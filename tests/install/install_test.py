@@ -1,8 +1,9 @@
 """Installs the build into a fresh folder, compiles its headers, and builds the programs of docs/library.md and
 docs/developer.md against it: install_test.py BUILD
 
-Headers are compiled all together, in two opposite orders, so that one that lacks an include is found where nothing before
-it happens to bring it; with STRAKE_LONG=1 (./test.sh --long) each by itself, which takes minutes."""
+Each header is compiled by itself, so that one that lacks an include is found, and all of them together, so that two that
+say different things of one name are."""
+import concurrent.futures
 import os
 import pathlib
 import re
@@ -21,7 +22,7 @@ def run(*command, cwd=None):
     done = subprocess.run([str(word) for word in command], cwd=cwd, text=True, stdout=subprocess.PIPE,
                           stderr=subprocess.STDOUT, check=False)
     if done.returncode != 0:
-        sys.exit(f"{command}: status {done.returncode}\n{done.stdout[-4000:]}")
+        raise SystemExit(f"{command}: status {done.returncode}\n{done.stdout[-4000:]}")
     return done.stdout
 
 
@@ -42,15 +43,20 @@ def eigen():
     return pathlib.Path(run("pkg-config", "--variable=includedir", "eigen3").strip()) / "eigen3"
 
 
+def compile_one(include, source):
+    """As other people's compilers see it: with warnings, of which there are none."""
+    return run(os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", f"-I{include}",
+               f"-isystem{eigen()}", source)
+
+
 def compile_headers(include, folder):
-    """Also as other people's compilers see them: with warnings, of which there are none."""
     headers = [str(h.relative_to(include)) for h in sorted(include.rglob("*.hpp"))]
-    one_by_one = os.environ.get("STRAKE_LONG")
-    for number, group in enumerate([[h] for h in headers] if one_by_one else [headers, headers[::-1]]):
-        source = folder / f"headers{number}.cpp"
-        source.write_text("".join(f'#include "{h}"\n' for h in group))
-        run(os.environ.get("CXX", "c++"), "-std=c++20", "-fsyntax-only", "-Wall", "-Wextra", "-Werror", f"-I{include}",
-            f"-isystem{eigen()}", source)
+    sources = []
+    for number, group in enumerate([headers] + [[h] for h in headers]):
+        sources.append(folder / f"headers{number}.cpp")
+        sources[-1].write_text("".join(f'#include "{h}"\n' for h in group))
+    with concurrent.futures.ThreadPoolExecutor(max_workers=2) as two:
+        list(two.map(lambda source: compile_one(include, source), sources))
     (folder / "plugin.c").write_text("#include <strake/plugin.h>\n")
     run(os.environ.get("CC", "cc"), "-std=c99", "-fsyntax-only", "-Wall", "-Wextra", "-Wpedantic", "-Werror",
         f"-I{include.parent}", folder / "plugin.c")

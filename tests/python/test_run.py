@@ -50,6 +50,66 @@ def test_yaml_and_python_give_the_same_bits(body, program, tmp_path):
     assert result.done and result.values[result.names.index("volume")] > body.volume
 
 
+def test_a_run_keeps_the_folder_of_the_program(body, program, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    (tmp_path / "case.yaml").write_text(CASE)
+    subprocess.run([program, "run", "case.yaml", "--out", "theirs", "-q"], cwd=tmp_path, check=False, stdout=subprocess.DEVNULL)
+    seen = []
+    case = strake.load_case(tmp_path / "case.yaml")
+    result = strake.run(case, callback=lambda e: seen.append(e.evaluation), output=tmp_path / "ours")
+    ours, theirs = tmp_path / "ours", tmp_path / "theirs"
+    for name in ("history.csv", "best.obj", "levels/best.design", "series.pvd"):
+        assert (ours / name).read_bytes() == (theirs / name).read_bytes(), name
+    assert {f.name for f in ours.iterdir()} == {f.name for f in theirs.iterdir()}
+    assert json.loads((ours / "run.json").read_text())["status"] == result.status
+    assert seen == list(range(1, result.evaluations + 1))
+    told = json.loads(subprocess.run([program, "status", "ours", "--json"], cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout)
+    assert told["evaluations"] == result.evaluations and told["status"] == result.status
+    with pytest.raises(strake.OutputError, match="ours"):
+        strake.run(case, output=tmp_path / "ours")  # a run is never overwritten
+
+
+def test_a_stopped_run_in_a_folder_goes_on(body, program, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    (tmp_path / "case.yaml").write_text(CASE)
+    case = strake.load_case(tmp_path / "case.yaml")
+    whole = strake.run(case)
+    stopped = strake.run(case, callback=lambda e: e.evaluation < 3, output=tmp_path / "run")
+    assert stopped.status == "interrupted" and stopped.evaluations < whole.evaluations
+    out = subprocess.run([program, "resume", "run", "--json", "-q"], cwd=tmp_path, check=False, stdout=subprocess.PIPE)
+    told = json.loads(out.stdout)
+    assert told["objective"] == whole.objective and told["evaluations"] == whole.evaluations
+
+
+def test_the_budget_of_a_run_in_a_folder_is_the_one_given(body, program, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    (tmp_path / "case.yaml").write_text(CASE)
+    (tmp_path / "less.yaml").write_text(CASE.replace("evaluations: 8", "evaluations: 3"))
+    case = strake.load_case(tmp_path / "case.yaml")
+    case.options(max_evaluations=3)
+    assert strake.run(case, output=tmp_path / "ours").evaluations == 3
+    subprocess.run([program, "run", "less.yaml", "--out", "theirs", "-q"], cwd=tmp_path, check=True, stdout=subprocess.DEVNULL)
+    ends = []
+    for folder in ("ours", "theirs"):
+        arguments = [program, "resume", folder, "--evaluations", "8", "--json", "-q"]
+        ends.append(json.loads(subprocess.run(arguments, cwd=tmp_path, check=True, stdout=subprocess.PIPE).stdout))
+    assert ends[0]["evaluations"] == ends[1]["evaluations"] > 3 and ends[0]["objective"] == ends[1]["objective"]
+
+
+def test_what_a_folder_cannot_hold_is_refused(body, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    (tmp_path / "case.yaml").write_text(CASE)
+    changed = [strake.load_case(tmp_path / "case.yaml") for _ in range(4)]
+    changed[0].add_quantity("mine", lambda surface, want_gradient: 1.0, gradient=False)
+    changed[1].minimize("area")
+    changed[2].constrain("volume", min=0.5, relative=True)
+    changed[3].options(seed=3)
+    for problem in [*changed, problem_of(body)]:
+        with pytest.raises(strake.InvalidInput, match="output"):
+            strake.run(problem, output=tmp_path / "none")
+    assert not (tmp_path / "none").exists()
+
+
 def test_a_quantity_in_python_is_as_good_as_a_built_in_one(body):
     built_in = problem_of(body)
     own = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=built_in.tree, variables=["load_normal"])

@@ -76,6 +76,46 @@ def test_what_cannot_be_is_refused(body, arguments, kind, words):
         strake.Shell(body, **arguments)
 
 
+def ways_to_choose(numbers, count):
+    """The same triangles said in every way there is."""
+    mask = np.zeros(count, dtype=bool)
+    mask[numbers] = True
+    return [numbers, numbers[::-1], list(map(int, numbers)), tuple(numbers), numbers.astype(np.uint64), numbers.astype(np.int8)
+            if count < 128 else numbers.astype(np.int16), np.append(numbers, numbers[:1]), mask, mask.tolist(), mask[::1].copy()]
+
+
+def test_masks_and_numbers_choose_the_same_triangles(body):
+    tail = np.nonzero((body.vertices[body.triangles][:, :, 0] > 0.7).all(axis=1))[0]
+    up, seen = strake.Motion(translation=[0, 0, 0.05]), []
+    for fixed, moved in zip(ways_to_choose(nose(body), body.num_triangles), ways_to_choose(tail, body.num_triangles)):
+        assert strake.Problem(body, fixed=fixed).fixed == sorted(nose(body))
+        shell = strake.Shell(body, height=0.1, fixed=fixed, moved=[moved])
+        assert shell.solve(motions=[up]).converged
+        seen.append(shell.vertices)
+    assert len(seen) == 10 and all(np.array_equal(one, seen[0]) for one in seen)
+    assert strake.Problem(body, fixed=[]).fixed == strake.Problem(body, fixed=np.zeros(body.num_triangles, bool)).fixed == []
+
+
+@pytest.mark.parametrize("chosen, words", [
+    ([2.0, 3.0], "2.0"), (np.array([7.6, 1], dtype=np.float32), "7.6"), (np.ones(5, bool), "mask of 5 booleans, must be"),
+    ([True, False], "mask of 2"), ([-1], "triangle -1, limits 0 and"), ([10**6], "triangle 1000000, limits 0 and"),
+    ([10**30], "must be triangle numbers"), (np.array([2**63], dtype=np.uint64), "9223372036854775808"), ("abc", "'abc'"),
+    (3, "shape ()"), ([[1, 2]], "shape (1, 2)"), ({1, 2}, "{1, 2}"), (None, "None"), ([1 + 2j], "1"), ([None], "None"),
+])
+def test_what_chooses_no_triangles_is_refused(body, chosen, words):
+    for make, argument in ((lambda: strake.Problem(body, fixed=chosen), "Problem: fixed"),
+                           (lambda: strake.Shell(body, height=0.1, fixed=chosen), "Shell: fixed"),
+                           (lambda: strake.Shell(body, height=0.1, moved=[[1], chosen]), "Shell: moved[1]")):
+        with pytest.raises(strake.InvalidInput) as caught:
+            make()
+        assert argument in str(caught.value) and words in str(caught.value)
+
+
+def test_a_mask_in_place_of_a_list_of_choices_is_refused(body):
+    with pytest.raises((strake.InvalidInput, TypeError)):
+        strake.Shell(body, height=0.1, moved=np.ones(body.num_triangles, bool))
+
+
 def test_a_body_that_nothing_holds(body):
     with pytest.raises(strake.UnheldPart):
         strake.Shell(body, height=0.1).solve(strake.traction_forces(body, traction(body)))

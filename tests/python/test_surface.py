@@ -34,6 +34,14 @@ def test_files_keep_bits(body, tmp_path):
 @pytest.mark.parametrize("make, kinds, words", [
     (lambda: strake.Surface([[0, 0, 0]], np.zeros((1, 3), dtype=np.int32) + 1), (strake.InvalidInput, ValueError), "vertex 1"),
     (lambda: strake.Surface([[0, np.nan, 0]], np.zeros((0, 3), dtype=np.int32)), (strake.InvalidInput,), "row 0"),
+    (lambda: strake.Surface(np.eye(3), [[0, 1, 2.9]]), (strake.InvalidInput,), "Surface: triangles: 0.0 (float64) is no whole number"),
+    (lambda: strake.Surface(np.eye(3), np.array([[0, 1.5, 2]], dtype=np.float32)), (strake.InvalidInput,), "triangles"),
+    (lambda: strake.Surface(np.eye(3), [[False, True, True]]), (strake.InvalidInput,), "False (bool)"),
+    (lambda: strake.Surface(np.eye(3), [[0, 1, 2**40]]), (strake.InvalidInput,), "vertex 1099511627776, limits 0 and 2"),
+    (lambda: strake.Surface(np.eye(3), [[0, 1]]), (strake.InvalidInput,), "shape (1, 2)"),
+    (lambda: strake.patches(ellipsoid(n=4), patches_per_level=[2.5]), (strake.InvalidInput,), "patches_per_level: 2.5"),
+    (lambda: strake.patches(ellipsoid(n=4), patches_per_level=[0]), (strake.InvalidInput,), "limits 1 and"),
+    (lambda: strake.patches(ellipsoid(n=4), patches_per_level=3), (strake.InvalidInput,), "= 3 must be a list"),
     (lambda: strake.read_surface("/nowhere.stl"), (strake.InputError, OSError), "/nowhere.stl"),
     (lambda: strake.write_surface("/proc/x.stl", ellipsoid(n=4)), (strake.OutputError, OSError), "/proc/x.stl"),
     (lambda: strake.write_surface("x.doc", ellipsoid(n=4)), (strake.InvalidInput,), "doc"),
@@ -46,6 +54,25 @@ def test_errors_have_types_and_words(make, kinds, words):
     assert words in str(caught.value)
     for kind in kinds:
         assert isinstance(caught.value, kind)
+
+
+def test_corners_of_any_whole_type_are_taken(body):
+    for kind in (np.int16, np.int32, np.int64, np.uint32, np.uint64):
+        assert np.array_equal(strake.Surface(body.vertices, body.triangles.astype(kind)).triangles, body.triangles)
+    assert strake.Surface(np.eye(3), [[0, 1, 2]]).num_triangles == 1
+    assert strake.Surface(np.eye(3), np.zeros((0, 3), dtype=int)).num_triangles == 0
+
+
+@pytest.mark.parametrize("number", [2.5, 2.0, np.float32(2.9), "2"])
+def test_single_numbers_are_not_rounded_either(body, number):
+    problem = strake.Problem(body)
+    for call in (lambda: strake.DesignSpace(problem, level=number), lambda: problem.options(max_evaluations=number),
+                 lambda: problem.options(seed=number), lambda: strake.Shell(body, height=0.1).solve(max_iterations=number)):
+        with pytest.raises(TypeError):
+            call()
+    problem.options(max_evaluations=np.int64(7), seed=np.uint8(3))
+    with pytest.raises(strake.InvalidInput, match="seed = -1, limits 0"):
+        problem.options(seed=-1)
 
 
 def test_patches_partition(body):

@@ -121,6 +121,35 @@ TEST_F(Report, DamagedFilesTakeAwayOnlyWhatTheyHeld) {
     EXPECT_EQ(data["history"]["objective"].size(), 6U);
 }
 
+TEST_F(Report, TheAdviceNamesTheFolderAsItIsTyped) {
+    const std::string file = small_case("");
+    const fs::path before = fs::current_path();
+    fs::create_directories(folder / "else where");
+    const auto advice = [&](const fs::path& here, const std::string& run) {
+        fs::current_path(here);
+        const ProgramRun made = run_strake({"report", run});
+        fs::current_path(before);
+        EXPECT_EQ(made.status, 0) << made.err;
+        return data_of(bytes_of(path("my runs/wing's/report.html")))["next"].dump();
+    };
+    fs::current_path(folder.path());
+    const ProgramRun ran = run_strake({"run", file, "--out", "my runs/wing's"});
+    fs::current_path(before);
+    ASSERT_EQ(ran.status, 0) << ran.err;
+    EXPECT_NE(ran.out.find("paraview 'my runs/wing'\\''s/series.pvd'"), std::string::npos) << ran.out;
+    const auto quoted = [](const std::string& words) {
+        return Json(words).dump().substr(1, Json(words).dump().size() - 2);
+    };
+    const std::string typed = quoted("`strake resume 'my runs/wing'\\''s' --evaluations"),
+                      whole = quoted("`strake resume '" + fs::canonical(folder.path()).string() +
+                                     "/my runs/wing'\\''s' --evaluations");
+    EXPECT_NE(advice(folder.path(), "my runs/wing's").find(typed), std::string::npos);
+    EXPECT_NE(advice(folder.path(), "my runs/wing's/").find(typed), std::string::npos);
+    // From elsewhere the name that was typed is right there only: the whole path is right everywhere.
+    EXPECT_NE(advice(folder / "else where", "../my runs/wing's").find(whole), std::string::npos);
+    EXPECT_NE(advice(folder / "my runs/wing's", ".").find(whole), std::string::npos);
+}
+
 TEST_F(Report, NeedsARunAndAPlace) {
     const ProgramRun none = run_strake({"report", path("nothing")});
     EXPECT_EQ(none.status, 2);

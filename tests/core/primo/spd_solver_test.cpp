@@ -4,7 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+#include <chrono>
 #include <cmath>
+#include <csignal>
+#include <thread>
 
 /// What a factorization is trusted with: libraries call a factor of NaN a success and print warnings of their own.
 namespace strake {
@@ -20,7 +24,59 @@ BlockMatrix chain(int size) {
     return A;
 }
 
+/// A square grid of blocks: ordering it takes a while.
+BlockMatrix grid(int side) {
+    std::vector<std::pair<int, int>> pairs;
+    for (int i = 0; i < side * side; ++i) {
+        if (i % side + 1 < side) pairs.emplace_back(i, i + 1);
+        if (i + side < side * side) pairs.emplace_back(i, i + side);
+    }
+    BlockMatrix A = block_matrix(side * side, pairs);
+    for (Matrix6& block : A.diagonal) block = 8 * Matrix6::Identity();
+    for (Matrix6& block : A.below) block = -Matrix6::Identity();
+    return A;
+}
+
+std::atomic<int> terminations{0};
+extern "C" void count_termination(int) { ++terminations; }
+
 }  // namespace
+
+// METIS_NodeND takes SIGTERM for itself while it works: the ordering failed, the signal was lost, and the handler that
+// it put back was good for one signal only.
+TEST(SpdSolver, SignalsDuringTheOrderingReachTheirHandlerAndBreakNothing) {
+    const BlockMatrix A = grid(120);
+    SpdSolver undisturbed;
+    undisturbed.analyze(A);
+    struct sigaction ours {
+    }, before{}, after{};
+    ours.sa_handler = count_termination;
+    ours.sa_flags = SA_RESTART;
+    ASSERT_EQ(::sigaction(SIGTERM, &ours, &before), 0);
+    terminations = 0;
+    int sent = 0;
+    std::atomic<bool> over{false};
+    const pthread_t here = ::pthread_self();
+    std::thread sender([&] {
+        for (; !over; ++sent) {
+            const int seen = terminations;
+            ::pthread_kill(here, SIGTERM);
+            while (!over && terminations == seen) std::this_thread::yield();
+            std::this_thread::sleep_for(std::chrono::microseconds(200));
+        }
+    });
+    while (terminations < 20) {
+        SpdSolver solver;
+        EXPECT_NO_THROW(solver.analyze(A));
+        EXPECT_EQ(solver.num_factor_entries(), undisturbed.num_factor_entries());
+    }
+    over = true;
+    sender.join();
+    ASSERT_EQ(::sigaction(SIGTERM, &before, &after), 0);
+    EXPECT_EQ(after.sa_handler, count_termination);
+    EXPECT_EQ(after.sa_flags & (SA_RESTART | static_cast<int>(SA_RESETHAND)), SA_RESTART);
+    EXPECT_EQ(terminations, sent);
+}
 
 TEST(SpdSolver, SolvesWhatIsPositiveDefinite) {
     const BlockMatrix A = chain(30);

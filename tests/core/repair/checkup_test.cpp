@@ -79,11 +79,12 @@ TEST(Checkup, EveryDefectIsMarked) {
 }
 
 TEST(Checkup, AdviceNamesTheOptions) {
-    EXPECT_TRUE(advice(checkup(icosphere(1))).empty());
-    const auto flipped = advice(checkup(turned(icosphere(1), [](int t) { return t == 0; })));
+    const auto advised = [](const TriMesh& mesh) { return advice(mesh, checkup(mesh)); };
+    EXPECT_TRUE(advised(icosphere(1)).empty());
+    const auto flipped = advised(turned(icosphere(1), [](int t) { return t == 0; }));
     ASSERT_EQ(flipped.size(), 1u);
     EXPECT_NE(flipped[0].find("--orient would mend 1 kind of defect"), std::string::npos) << flipped[0];
-    const auto moebius = advice(checkup(twisted_band(24, 1)));
+    const auto moebius = advised(twisted_band(24, 1));
     ASSERT_EQ(moebius.size(), 1u);  // nothing that would close it
     EXPECT_NE(moebius.back().find("orientable: cut it across"), std::string::npos);
 }

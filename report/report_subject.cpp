@@ -1,4 +1,4 @@
-#include "cli/report_subject.hpp"
+#include "report/report_subject.hpp"
 
 #include "core/mesh/geometry.hpp"
 #include "optimize/methods.hpp"
@@ -7,7 +7,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace strake::cli {
+namespace strake {
 namespace {
 
 std::string number(double value) { return fmt::format("{:.6g}", value); }
@@ -128,4 +128,4 @@ void write_report(const std::filesystem::path& folder, const ReportSubject& subj
     write_atomically(out, report_html(folder, subject));
 }
 
-}  // namespace strake::cli
+}  // namespace strake

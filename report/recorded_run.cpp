@@ -1,0 +1,125 @@
+#include "report/recorded_run.hpp"
+
+#include "core/mesh/file.hpp"
+#include "optimize/coarse_to_fine.hpp"
+#include "optimize/fit.hpp"
+#include "report/report_subject.hpp"
+
+namespace strake {
+namespace {
+
+SeriesPolicy series_policy(ParaView wanted) {
+    switch (wanted) {
+        case ParaView::every_accepted:
+            return SeriesPolicy::every_accepted;
+        case ParaView::best:
+            return SeriesPolicy::best;
+        case ParaView::none:
+            return SeriesPolicy::none;
+    }
+    return SeriesPolicy::every_accepted;
+}
+
+KeepPolicy keep_policy(Keep wanted) {
+    switch (wanted) {
+        case Keep::all:
+            return KeepPolicy::all;
+        case Keep::failed:
+            return KeepPolicy::failed;
+        case Keep::best:
+            return KeepPolicy::best;
+        case Keep::none:
+            return KeepPolicy::none;
+    }
+    return KeepPolicy::all;
+}
+
+std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
+    JournalFacts facts;
+    facts.case_yaml = resolved_case(the_case, the_case.output.dir);
+    facts.case_dir = std::filesystem::absolute(the_case.dir()).lexically_normal();
+    facts.host = host_name();
+    facts.is_fit = is_fit;
+    facts.values = value_names(problem);
+    for (const OwnVariable& variable : problem.own) facts.own.push_back(variable.name);
+    facts.files = file_hashes(the_case);
+    for (const char* companion : {"journal.sqlite-wal", "journal.sqlite-shm"}) folder.aside(companion);
+    return Journal::create(folder.aside("journal.sqlite"), facts,
+                           {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
+}
+
+/// Every event goes to the folder and to `also`.
+RunEvents recorded(RunFolder& folder, const RunEvents& also, bool& has_evaluated) {
+    RunEvents events = also;
+    events.level = [&](const LevelStart& level) {
+        if (also.level) also.level(level);
+        folder.add(level);
+    };
+    events.evaluation = [&](const EvaluationRecord& record) {
+        has_evaluated = true;
+        if (also.evaluation) also.evaluation(record);
+        folder.add(record);
+    };
+    events.accepted = [&](const AcceptedDesign& design) {
+        if (also.accepted) also.accepted(design);
+        folder.add(design);
+    };
+    events.sensitivities = [&](int evaluation, const Points& vertices, const Points& dJ_dv) {
+        if (also.sensitivities) also.sensitivities(evaluation, vertices, dJ_dv);
+        folder.add_sensitivities(evaluation, dJ_dv);
+    };
+    return events;
+}
+
+}  // namespace
+
+RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolder& folder, bool is_fit,
+                       const RunEvents& also, std::unique_ptr<Journal> journal,
+                       const std::function<void(const std::string&)>& warn) {
+    const Problem& problem = built.problem;
+    bool has_evaluated = journal != nullptr;
+    const RunEvents events = recorded(folder, also, has_evaluated);
+    try {
+        if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
+        folder.write_case(resolved_case(the_case, the_case.output.dir));
+        if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
+        folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview),
+                     keep_policy(the_case.output.keep));
+        return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
+    } catch (...) {
+        journal.reset();
+        if (!has_evaluated) {
+            folder.discard();
+        } else if (the_case.output.report) {
+            const std::string why = make_report(built, the_case, folder.folder());
+            if (!why.empty() && warn) warn(why);
+        }
+        throw;
+    }
+}
+
+std::string make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {
+    try {
+        ReportSubject subject = report_subject(the_case, &built);
+        subject.is_over = true;
+        write_report(folder, subject, folder / "report.html");
+        return "";
+    } catch (const std::exception& error) {
+        return text("report.html is not written: ", error.what());
+    }
+}
+
+std::vector<std::string> value_names(const Problem& problem) {
+    std::vector<std::string> names;
+    for (const Quantity& quantity : problem.quantities)
+        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
+    return names;
+}
+
+std::map<std::string, std::string> file_hashes(const Case& the_case) {
+    std::map<std::string, std::string> hashes;
+    for (const auto& [key, file] : files_of(the_case)) hashes[key] = content_hash(read_bytes(file));
+    return hashes;
+}
+
+}  // namespace strake

@@ -3,6 +3,8 @@
 #include "cases/surface_check.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/mirrored.hpp"
+#include "optimize/mirror.hpp"
 #include "optimize/stored_design.hpp"
 
 #include <algorithm>
@@ -106,16 +108,19 @@ void ProblemBuilder::build_tree() {
     });
     if (purpose_ == Purpose::deform && !names_patch) return;
     const ParameterEntry& p = case_.parameters;
+    PatchHierarchy& tree = out_.problem.tree;
     if (!p.levels_deg.empty()) {
-        out_.problem.tree =
-            segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
-        return;
+        tree = segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
+    } else {
+        AutomaticLevels automatic;
+        if (!p.patches_per_level.empty()) automatic.patches_per_level = p.patches_per_level;
+        automatic.sharp_angle_deg = p.sharp_angle_deg;
+        automatic.split = split();
+        tree = segment_automatically(start_.mesh, start_.adjacent, automatic);
     }
-    AutomaticLevels automatic;
-    if (!p.patches_per_level.empty()) automatic.patches_per_level = p.patches_per_level;
-    automatic.sharp_angle_deg = p.sharp_angle_deg;
-    automatic.split = split();
-    out_.problem.tree = segment_automatically(start_.mesh, start_.adjacent, automatic);
+    if (!p.mirror) return;
+    if (const auto plane = plane_of_symmetry(start_.mesh))
+        tree = mirrored(tree, start_.mesh, start_.adjacent, *plane);  // without a plane `set_parameters` complains
 }
 
 void ProblemBuilder::evaluate_regions() {

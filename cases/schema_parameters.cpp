@@ -120,8 +120,8 @@ std::vector<Key> parameter_keys() {
         {.path = "parameters.groups[]", .type = Type::list, .doc = "A group.", .element = Type::text},
         {.path = "parameters.mirror",
          .type = Type::flag,
-         .doc = "Patches of a full model that are mirror images of each other share their values; the surface has to "
-                "have a plane of symmetry.",
+         .doc = "Patches of a full model that are mirror images of each other share their values, and those of "
+                "one side are made images of the other's; the surface has to have a plane of symmetry.",
          .fallback = "false"},
     };
 }

@@ -136,11 +136,13 @@ bool ShapeEvaluator::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     shell_x_.resize(0);
     Equilibrium end;
     try {
-        end = shell_->solve(wanted.loads, wanted.motions, options);
+        end = shell_->solve(wanted.loads, wanted.motions, options,
+                            [this](const SolveRecord&) { return !(stop_wanted_ && stop_wanted_()); });
     } catch (const SolverError& error) {
         end.reason = error.what();
         shell_.reset();  // where it stopped is no place to go on from
     }
+    if (end.status == SolveStatus::cancelled) interrupt();
     if (end.status != SolveStatus::converged) {
         result.status =
             end.status == SolveStatus::unstable ? EvaluationStatus::unstable : EvaluationStatus::not_converged;

@@ -65,7 +65,8 @@ public:
     /// they are measured again).
     void take_over_values() { takes_over_ = true; }
 
-    /// What programs gave is kept there, and taken from there. @param stop_wanted handed on to them; may be empty.
+    /// What programs gave is kept there, and taken from there. @param stop_wanted handed on to them, and asked after
+    /// every iteration of a deformation; may be empty.
     void keep_calls(Journal* journal, std::function<bool()> stop_wanted) {
         journal_ = journal;
         stop_wanted_ = std::move(stop_wanted);
@@ -115,7 +116,7 @@ private:
     void advance();
     void give_up();
     void forget_expected(int number);
-    [[noreturn]] void interrupt();
+    [[noreturn]] void interrupt();  ///< @throws Interrupted, with the jobs that go on
     // quantity_calls.cpp
     QuantityResult call(const Quantity& quantity, const QuantityRequest& request) const;
     std::shared_ptr<const DesignCalls::Facts> facts_of(const Eigen::VectorXd& x, int number,

@@ -16,6 +16,8 @@ ShapeEvaluator::Design ShapeEvaluator::begin(const Eigen::VectorXd& x, int numbe
     const bool begins = std::exchange(enters_, false);
     try {
         if (!deform(x, design.result)) return design;
+    } catch (const Interrupted&) {  // ends the run, not this design
+        throw;
     } catch (...) {
         design.thrown = std::current_exception();
         return design;

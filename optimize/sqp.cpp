@@ -188,6 +188,7 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
     border_.has_moved(x_, p_.metric);
     if (calm_ >= calm_steps) return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
     if (stuck_ >= stuck_steps) return end(MinimizeStop::roundoff, "the violation of the constraints no longer falls");
+    if (creeps(decrease)) return end_at_border();
     return is_outpaced();
 }
 

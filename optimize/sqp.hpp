@@ -18,7 +18,7 @@ struct SqpEnd {
     double radius;            ///< of the trust region at the end
     Eigen::MatrixXd hessian;  ///< the model at the end
     int softenings;           ///< directions that were found longer than the metric knew
-    bool is_at_border;        ///< of what fails; up to it the model promises next to nothing more
+    bool is_at_border;        ///< of what fails; what more there is to gain lies along it
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

@@ -16,6 +16,8 @@ constexpr int failures_at_border = 100, failures_in_row_at_border = 32;  ///< mo
 constexpr double border_share = 3e-5;  ///< of the decrease: what more a border would let gain is not worth failures
 constexpr double probe_share = 5e-4;   ///< of the decrease: a border's last steps look for so much
 constexpr int probe_pairs = 8;
+constexpr double creeping_share = 2e-4;  ///< of the decrease: so little, so many steps in a row, and the border's
+constexpr int creeping_steps = 3;        ///< direction is wrong: probes turn it, more steps do not
 
 }  // namespace
 
@@ -54,10 +56,12 @@ bool SqpSearch::failed_at(const VectorXd& d) {
         has_probed_ = true;
         return false;
     }
-    if (failures_ > row || end_.shrinks >= all)
+    if (failures_ > row || end_.shrinks >= all) {
+        end_.is_at_border = knows_border;
         return end(MinimizeStop::blocked,
                    text("evaluations keep failing next to the best point (", end_.shrinks + 1, " of ",
                         guard_.evaluations, ", ", failures_, " in a row); the last failure: ", guard_.failure));
+    }
     ++end_.shrinks;
     if (!knows_border) radius_ = (failures_ > 1 ? 0.25 : 0.5) * std::min(radius_, metric_norm(p_, d));
     tell(text("after the failure of its evaluation ", guard_.evaluations, ": ",
@@ -69,6 +73,13 @@ bool SqpSearch::failed_at(const VectorXd& d) {
 double SqpSearch::promised(const std::optional<FailureCut>& cut) const {
     const VectorXd d = solve_model(model(at_.constraints, 0, cut));
     return d.size() == 0 ? 0 : -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));
+}
+
+bool SqpSearch::creeps(double decrease) {
+    creeping_ = border_.cut() && decrease < creeping_share * so_far() ? creeping_ + 1 : 0;
+    if (creeping_ < creeping_steps) return false;
+    creeping_ = 0;
+    return true;
 }
 
 bool SqpSearch::end_at_border() {

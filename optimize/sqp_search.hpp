@@ -84,6 +84,9 @@ private:
     /// Up to the border nothing is left to gain. It is believed when steps along it fail, too.
     bool end_at_border();
 
+    /// Small steps in a row up to a border whose place is known better than its direction.
+    bool creeps(double decrease);
+
     /// What the model promises when the border lies as far out as it may.
     double border_gain() const { return promised(border_.furthest(x_, p_.metric)); }
 
@@ -115,7 +118,7 @@ private:
     BorderWatch border_{guard_.border};
     bool is_limited_ = false;
     int accepted_ = 0;
-    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
+    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0, creeping_ = 0;
     bool has_probed_ = false;  ///< the border, since the last accepted step
     SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false};
 };

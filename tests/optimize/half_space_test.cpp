@@ -45,11 +45,14 @@ class FailingHalfSpace : public testing::TestWithParam<Method> {};
 
 TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations) {
     const Method method = GetParam();
-    // Within 1e-3 of what is attainable (crs2: 1e-2); along the border one or two of the 36 stay a little short.
+    const char* more = std::getenv("STRAKE_SEEDS");
+    const unsigned seeds = more ? static_cast<unsigned>(std::atoi(more)) : 6;
+    // Within 1e-3 of what is attainable (crs2: 1e-2); along the border one of the 36 may stay a little short, and with
+    // many seeds (STRAKE_SEEDS) one in twenty: where the clean run is short, five times as much hardly tells a plane.
     int short_of_it = 0;
     for (const int n : {2, 4, 6})
         for (const double beyond : {0.7, 1.3, 2.0})
-            for (const unsigned seed : {1u, 2u, 3u, 4u, 5u, 6u}) {
+            for (unsigned seed = 1; seed <= seeds; ++seed) {
                 SCOPED_TRACE(text(n, " variables, optimum at ", beyond, " of the way to the border, seed ", seed));
                 const HalfSpace h = half_space(n, beyond, seed);
                 MinimizeOptions o;
@@ -71,7 +74,7 @@ TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations)
                     EXPECT_NE(r.reason.find("fail"), std::string::npos) << r.reason;
                 }
             }
-    EXPECT_LE(short_of_it, 2);
+    EXPECT_LE(short_of_it, seeds <= 12 ? 1 : static_cast<int>(9 * seeds) / 20);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, FailingHalfSpace,

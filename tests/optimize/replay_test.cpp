@@ -235,6 +235,47 @@ TEST(Replay, ARaisedBudgetGoesOn) {
     }
 }
 
+/// A stop is asked for between evaluations and after every iteration of a deformation, and none of its moments leaves a
+/// trace in what comes out.
+TEST(Replay, AStopWhileTheShellIsSolvedLeavesTheSameBits) {
+    std::vector<int> calls;
+    const Problem problem = small(calls);
+    int asked = 0, stop_at = 0;
+    const auto run_with = [&](Journal* journal) {
+        Told told;
+        RunEvents events;
+        asked = 0;
+        events.stop_wanted = [&] { return ++asked >= stop_at && stop_at > 0; };
+        events.evaluation = [&](const EvaluationRecord& record) {
+            told.history += history_row(record, record.values.size()) + "\n";
+        };
+        told.result = optimize(problem, events, journal);
+        return told;
+    };
+    const Told whole = run_with(nullptr);
+    const std::vector<int> needed = std::exchange(calls, {});
+    const int all_askings = asked;
+    EXPECT_GT(all_askings, 3 * whole.result.evaluations);
+    int stops = 0;
+    for (int moment = 2; moment <= all_askings; moment += 5, calls.clear()) {
+        SCOPED_TRACE(moment);
+        const TempFolder folder;
+        const auto journal = fresh(folder / "j", problem);
+        stop_at = moment;
+        const Told cut = run_with(journal.get());
+        EXPECT_EQ(cut.result.status, "interrupted");
+        EXPECT_EQ(asked, moment) << "it ends at once";
+        EXPECT_EQ(static_cast<int>(journal->evaluations().size()), cut.result.evaluations);
+        stop_at = 0;
+        const Told told = run_with(Journal::open(folder / "j").get());
+        EXPECT_EQ(told.history, whole.history);
+        EXPECT_EQ(told.result.vertices, whole.result.vertices);
+        EXPECT_EQ(calls, needed) << "nothing was paid twice";
+        ++stops;
+    }
+    EXPECT_GE(stops, 5);
+}
+
 TEST(Replay, AStopOnRequestIsNoFailure) {
     const TempFolder folder;
     std::vector<int> calls;

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "core/primo/conjugate_gradients.hpp"
+#include "core/primo/newton_systems.hpp"
 
 /// The minimum of the shell's energy. Main method: Newton with the mixed-integration-point stress (full steps, no
 /// descent demanded: after a rotation step the true jumps hold a spurious membrane part of order 1/h^2 that would
@@ -20,58 +20,9 @@ constexpr int growth_limit = 4;         // iterations in a row that lead away
 constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations more are allowed
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
-constexpr int cg_limit = 20;           // substitutions for one step, above which a new factor is cheaper
-constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
-constexpr double exact_rate = 1e-3;      // of conjugate gradients on the matrix's own factor, in single precision
-constexpr double loosest = 0.1;          // share of a residual that may be left in any step
-constexpr double first_share = 0.05;     // in the first one
-constexpr double tightest = 0.01;        // in later ones
-constexpr double hardly_changed = 0.02;  // steps that shrink by this leave a Hessian that does so once more
-constexpr double far = 0.15;             // diagonals: what is further away is approached in stages
-constexpr double stage_end = 0.02;       // diagonals: step from which the next stage begins
-constexpr int stage_iterations = 4;      // allowed to each
-constexpr double usual = 6;              // substitutions of a solve beside a factor that need not be better
-constexpr int clipped_limit = 2;         // indefinite matrices near the end after which the shell is said to buckle
-constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
-constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
-constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
-constexpr double before_last = 0.1;      // of the last step that is allowed, left by the ones before the closing one
-constexpr double near_step = 0.02;       // diagonals: near the end
-
-struct Iterate {
-    std::vector<Eigen::Matrix3d> turn;
-    Jumps jump;
-    Eigen::VectorXd gradient;    ///< 6 per free prism
-    double norm = 0, scale = 0;  ///< of the gradient and of the applied forces, torques divided by h
-};
-
-double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
-    double sum = 0;
-    for (int i = 0; i < rest.num_prisms(); ++i)
-        if ((rest.pin[i] != free_prism) == pinned_ones)
-            sum += wrench_square(g6.row(i).head<3>(), g6.row(i).tail<3>(), rest.prism_height[i]);
-    return std::sqrt(sum);
-}
-
-Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
-    const RestState& rest = shell.rest;
-    Iterate at;
-    at.turn = rotation_differences(shell.poses);
-    at.jump = jumps(rest, shell.poses, at.turn);
-    const Eigen::MatrixXd g6 = energy_gradient(rest, at.turn, at.jump, loads);
-    at.gradient.resize(6 * rest.num_free());
-    for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
-    at.norm = scaled_norm(rest, g6, false);
-    at.scale = scaled_norm(rest, applied_forces(rest, at.turn, loads), false);
-    if (at.scale ==
-        0) {  // strains only: the reactions; for a motion that strains nothing, what it would take if it did
-        double moved = 0;
-        for (int i = 0; i < rest.num_prisms(); ++i)
-            if (rest.pin[i] > 0) moved = std::max(moved, shell.poses.displacement.row(i).norm());
-        at.scale = std::max(scaled_norm(rest, g6, true), 1e-3 * moved);
-    }
-    return at;
-}
+constexpr double far = 0.15;           // diagonals: what is further away is approached in stages
+constexpr double stage_end = 0.02;     // diagonals: step from which the next stage begins
+constexpr int stage_iterations = 4;    // allowed to each
 
 /// Shortens a step so that no prism turns or travels too far.
 double cap(const RestState& rest, Eigen::VectorXd& twist) {
@@ -94,13 +45,7 @@ struct Attempt {
     Equilibrium& end;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool cancelled = false;
-    int clipped = 0;         // indefinite matrices near the end
-    double size_before = 0;  // of the last residual, in the norm of what is kept
-    int spent_from = shell.substitutions;
-    double rate = 1;  // of conjugate gradients
-    bool is_rate_measured = false;
-    double contraction = 1;  // of the last step beside the one before
-    bool is_last = false;    // step: to round-off, or nearly
+    NewtonSystems systems{shell, options, end};
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -112,95 +57,8 @@ struct Attempt {
         const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
         end.records.push_back({++end.iterations, energy(shell.rest, at.jump, loads),
                                at.norm / std::max(at.scale, 1e-300), step, seconds});
-        contraction = end.last_step > 0 ? step / end.last_step : 1;
-        end.last_step = step;
+        systems.took(step);
         if (progress && !progress(end.records.back())) cancelled = true;
-    }
-
-    /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
-    void factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
-        ++end.factorizations;
-        if (!shell.factorize()) clip(at, stress, loads);
-    }
-
-    /// For an indefinite matrix the one with its stress term clipped. False where the shell is taken to buckle.
-    bool clip(const Iterate& at, const Jumps& stress, const Loads& loads) {
-        if (end.last_step > 0 && end.last_step < near_step) ++clipped;
-        if (is_buckling()) return false;
-        shell.assemble(at.turn, stress, loads, StressTerm::clipped);
-        ++end.factorizations;
-        if (!shell.factorize())
-            throw SolverError("deform: the stiffness without stress is not positive definite; a part is barely held");
-        return true;
-    }
-
-    /// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
-    bool is_buckling() const { return !options.fallbacks && clipped >= clipped_limit; }
-
-    /// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
-    /// left, but no less than a few iterations give, nor than a share of the last step that is allowed: the closing
-    /// step is still to come.
-    void adapt(double size, CgOptions& cg) {
-        const double left = size_before > 0 ? size / size_before : 0;  // by the last step
-        const double step = end.last_step * left;                      // to be expected
-        const double enough = step > 0 ? before_last * options.min_step / step : 0;
-        const double squared = size_before > 0 ? left * left : first_share;
-        cg.tolerance = is_last       ? closing_share
-                       : enough >= 1 ? 1
-                                     : std::max(enough, std::clamp(squared, tightest, loosest));
-        if (shell.is_kept_here && shell.kept.is_exact())
-            cg.expected_rate = exact_rate;
-        else if (is_rate_measured)
-            cg.expected_rate = rate;
-        else if (size_before > 0)
-            cg.expected_rate = std::min(left, 1.0);  // the linear part of it can be no larger
-        size_before = size;
-    }
-
-    CgResult solve_inexactly(const Iterate& at) {
-        CgOptions cg;
-        cg.max_iterations = shell.kept.is_exact() ? cg_limit
-                            : shell.is_kept_here  ? multigrid_limit
-                                                  : multigrid_kept_limit;
-        cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
-        CgResult result = conjugate_gradients(shell, -at.gradient, cg);
-        is_rate_measured = !(shell.is_kept_here && shell.kept.is_exact()) && result.iterations > 1;
-        rate = result.rate;
-        return result;
-    }
-
-    /// @param reuse try what is kept first; else it is built anew.
-    /// @return empty where the shell buckles.
-    Eigen::VectorXd newton_step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
-                                bool& reuse) {
-        const bool is_old = reuse && contraction < hardly_changed;
-        if (!is_old) shell.assemble(at.turn, stress, loads, term);
-        if (reuse) {
-            const CgResult cg = solve_inexactly(at);
-            if (cg.is_positive && cg.is_reached) return cg.x;
-        }
-        if (is_old) shell.assemble(at.turn, stress, loads, term);
-        size_before = 0;
-        factorize(at, stress, loads);
-        if (is_buckling()) return {};
-        reuse = true;
-        CgResult cg = solve_inexactly(at);
-        if (!cg.is_positive && !shell.kept.is_exact()) {  // what a factorization would have said
-            if (!clip(at, stress, loads)) return {};
-            cg = solve_inexactly(at);
-        }
-        return cg.x;
-    }
-
-    /// A minimum, or in doubt what a factor says. @pre the exact Hessian is assembled at the end.
-    bool is_minimum() {
-        shell.spent += std::max(0.0, shell.substitutions - spent_from - usual);
-        spent_from = shell.substitutions;
-        const bool pays = options.keep_factor && shell.spent > shell.kept.build_cost();
-        if (!pays && looks_definite(shell, without_doubt)) return true;
-        ++end.factorizations;
-        if (!shell.factorize()) return false;
-        return (shell.spring.size() == 0 && shell.kept.is_exact()) || looks_definite(shell, beside_springs);
     }
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
@@ -234,13 +92,13 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
     reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
-    size_before = 0, contraction = 1, is_last = false;
+    systems.begin();
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
     Stages stages;
     for (int i = 0; i < attempt_limit + stage_iterations * (stages.count - 1) && !out_of_budget(); ++i) {
         if (stages.left > 0) at.gradient -= stages.left * stages.start;
-        Eigen::VectorXd twist = newton_step(at, stress, loads, term, reuse);
+        Eigen::VectorXd twist = systems.step(at, stress, loads, term, reuse);
         if (twist.size() == 0) {
             end.reason = "the matrix stays indefinite near the equilibrium: the shell buckles";
             return false;
@@ -261,7 +119,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         if (!std::isfinite(at.norm)) return false;
         if (stages.advance(step)) {
             smallest = std::numeric_limits<double>::infinity();
-            growing = 0, size_before = 0, contraction = 1;
+            growing = 0;
+            systems.begin();
             continue;
         }
         if (step < nearly_there) return finish(loads);
@@ -275,32 +134,32 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
 /// Exact Newton steps to the floor, and the proof that the end is a minimum.
 bool Attempt::finish(const Loads& loads) {
     Iterate at = iterate(shell, loads);
-    is_last = false;
+    systems.is_last = false;
     bool reuse = true;
-    const int clipped_before = clipped;
+    const int clipped_before = systems.clipped();
     const auto buckles = [this] {
         end.reason = "the equilibrium is not a stable minimum (the exact Hessian is indefinite): the shell buckles";
         return false;
     };
     for (int i = 0; i < 8 && !out_of_budget(); ++i) {
-        if (!is_last) {
-            is_last = end.last_step < options.min_step;
-            const Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);
-            if (twist.size() == 0 || clipped > clipped_before) return buckles();
+        if (!systems.is_last) {
+            systems.is_last = end.last_step < options.min_step;
+            const Eigen::VectorXd twist = systems.step(at, at.jump, loads, StressTerm::exact, reuse);
+            if (twist.size() == 0 || systems.clipped() > clipped_before) return buckles();
             if (!twist.allFinite()) return false;
             const double before = at.norm;
             const Poses poses = shell.poses;
             shell.advance(twist);
             at = iterate(shell, loads);
             record(at, loads, step_size(shell.rest, twist));
-            if (!is_last) continue;
+            if (!systems.is_last) continue;
             if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         }
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
         shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
-        if (!is_minimum()) return buckles();
+        if (!systems.is_minimum()) return buckles();
         shell.has_tangent = true;
         end.stable = true;
         return true;
@@ -310,10 +169,10 @@ bool Attempt::finish(const Loads& loads) {
 
 bool Attempt::line_search(const Loads& loads) {
     Iterate at = iterate(shell, loads);
-    is_last = false;
+    systems.is_last = false;
     while (!out_of_budget()) {
         bool reuse = false;
-        Eigen::VectorXd twist = newton_step(at, at.jump, loads, StressTerm::exact, reuse);
+        Eigen::VectorXd twist = systems.step(at, at.jump, loads, StressTerm::exact, reuse);
         if (!twist.allFinite()) return false;
         cap(shell.rest, twist);
         const double E = energy(shell.rest, at.jump, loads), slope = at.gradient.dot(twist);

@@ -1,0 +1,141 @@
+#include "core/primo/newton_systems.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int cg_limit = 20;  // substitutions for one step, above which a new factor is cheaper
+constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
+constexpr double exact_rate = 1e-3;      // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;          // share of a residual that may be left in any step
+constexpr double first_share = 0.05;     // in the first one
+constexpr double tightest = 0.01;        // in later ones
+constexpr double hardly_changed = 0.02;  // steps that shrink by this leave a Hessian that does so once more
+constexpr double usual = 6;              // substitutions of a solve beside a factor that need not be better
+constexpr int clipped_limit = 2;         // indefinite matrices near the end after which the shell is said to buckle
+constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
+constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
+constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
+constexpr double before_last = 0.1;      // of the last step that is allowed, left by the ones before the closing one
+constexpr double near_step = 0.02;       // diagonals: near the end
+double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
+    double sum = 0;
+    for (int i = 0; i < rest.num_prisms(); ++i)
+        if ((rest.pin[i] != free_prism) == pinned_ones)
+            sum += wrench_square(g6.row(i).head<3>(), g6.row(i).tail<3>(), rest.prism_height[i]);
+    return std::sqrt(sum);
+}
+
+}  // namespace
+
+Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
+    const RestState& rest = shell.rest;
+    Iterate at;
+    at.turn = rotation_differences(shell.poses);
+    at.jump = jumps(rest, shell.poses, at.turn);
+    const Eigen::MatrixXd g6 = energy_gradient(rest, at.turn, at.jump, loads);
+    at.gradient.resize(6 * rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
+    at.norm = scaled_norm(rest, g6, false);
+    at.scale = scaled_norm(rest, applied_forces(rest, at.turn, loads), false);
+    if (at.scale ==
+        0) {  // strains only: the reactions; for a motion that strains nothing, what it would take if it did
+        double moved = 0;
+        for (int i = 0; i < rest.num_prisms(); ++i)
+            if (rest.pin[i] > 0) moved = std::max(moved, shell.poses.displacement.row(i).norm());
+        at.scale = std::max(scaled_norm(rest, g6, true), 1e-3 * moved);
+    }
+    return at;
+}
+
+void NewtonSystems::took(double step) {
+    contraction_ = end_.last_step > 0 ? step / end_.last_step : 1;
+    end_.last_step = step;
+}
+
+/// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
+void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
+    ++end_.factorizations;
+    if (!shell_.factorize()) clip(at, stress, loads);
+}
+
+/// For an indefinite matrix the one with its stress term clipped. False where the shell is taken to buckle.
+bool NewtonSystems::clip(const Iterate& at, const Jumps& stress, const Loads& loads) {
+    if (end_.last_step > 0 && end_.last_step < near_step) ++clipped_;
+    if (is_buckling()) return false;
+    shell_.assemble(at.turn, stress, loads, StressTerm::clipped);
+    ++end_.factorizations;
+    if (!shell_.factorize())
+        throw SolverError("deform: the stiffness without stress is not positive definite; a part is barely held");
+    return true;
+}
+
+/// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
+bool NewtonSystems::is_buckling() const { return !options_.fallbacks && clipped_ >= clipped_limit; }
+
+/// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
+/// left, but no less than a few iterations give, nor than a share of the last step that is allowed: the closing
+/// step is still to come.
+void NewtonSystems::adapt(double size, CgOptions& cg) {
+    const double left = size_before_ > 0 ? size / size_before_ : 0;  // by the last step
+    const double step = end_.last_step * left;                       // to be expected
+    const double enough = step > 0 ? before_last * options_.min_step / step : 0;
+    const double squared = size_before_ > 0 ? left * left : first_share;
+    cg.tolerance = is_last ? closing_share : enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
+    if (shell_.is_kept_here && shell_.kept.is_exact())
+        cg.expected_rate = exact_rate;
+    else if (is_rate_measured_)
+        cg.expected_rate = rate_;
+    else if (size_before_ > 0)
+        cg.expected_rate = std::min(left, 1.0);  // the linear part of it can be no larger
+    size_before_ = size;
+}
+
+CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
+    CgOptions cg;
+    cg.max_iterations = shell_.kept.is_exact() ? cg_limit
+                        : shell_.is_kept_here  ? multigrid_limit
+                                               : multigrid_kept_limit;
+    cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
+    CgResult result = conjugate_gradients(shell_, -at.gradient, cg);
+    is_rate_measured_ = !(shell_.is_kept_here && shell_.kept.is_exact()) && result.iterations > 1;
+    rate_ = result.rate;
+    return result;
+}
+
+Eigen::VectorXd NewtonSystems::step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
+                                    bool& reuse) {
+    const bool is_old = reuse && contraction_ < hardly_changed;
+    if (!is_old) shell_.assemble(at.turn, stress, loads, term);
+    if (reuse) {
+        const CgResult cg = solve_inexactly(at);
+        if (cg.is_positive && cg.is_reached) return cg.x;
+    }
+    if (is_old) shell_.assemble(at.turn, stress, loads, term);
+    size_before_ = 0;
+    factorize(at, stress, loads);
+    if (is_buckling()) return {};
+    reuse = true;
+    CgResult cg = solve_inexactly(at);
+    if (!cg.is_positive && !shell_.kept.is_exact()) {  // what a factorization would have said
+        if (!clip(at, stress, loads)) return {};
+        cg = solve_inexactly(at);
+    }
+    return cg.x;
+}
+
+bool NewtonSystems::is_minimum() {
+    shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual);
+    spent_from_ = shell_.substitutions;
+    const bool pays = options_.keep_factor && shell_.spent > shell_.kept.build_cost();
+    if (!pays && looks_definite(shell_, without_doubt)) return true;
+    ++end_.factorizations;
+    if (!shell_.factorize()) return false;
+    return (shell_.spring.size() == 0 && shell_.kept.is_exact()) || looks_definite(shell_, beside_springs);
+}
+
+}  // namespace strake

@@ -1,0 +1,66 @@
+#pragma once
+#include <Eigen/Core>
+#include <vector>
+
+#include "core/primo/conjugate_gradients.hpp"
+#include "core/primo/energy.hpp"
+#include "core/primo/shell_impl.hpp"
+
+/// The linear systems of one nonlinear solve of the shell: solved by conjugate gradients on the factor of an earlier
+/// iteration or design, as exactly as the next step can make use of; on a factor of their own where that does not do.
+namespace strake {
+
+/// Where a solve is.
+struct Iterate {
+    std::vector<Eigen::Matrix3d> turn;
+    Jumps jump;
+    Eigen::VectorXd gradient;    ///< 6 per free prism
+    double norm = 0, scale = 0;  ///< of the gradient and of the applied forces, torques divided by h
+};
+Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads);
+
+class NewtonSystems {
+public:
+    /// Factorizations are counted in `end`, whose last step says how near the end is. All three must outlive this.
+    NewtonSystems(PrimoShell::Impl& shell, const SolveOptions& options, Equilibrium& end)
+        : shell_(shell), options_(options), end_(end) {}
+
+    bool is_last = false;  ///< the next step goes to round-off, or nearly
+
+    /// Forgets how the last steps went.
+    void begin() { size_before_ = 0, contraction_ = 1, is_last = false; }
+    /// Says that a step of that size was taken, in diagonals.
+    void took(double step);
+
+    /// The Newton step with the Hessian at `at` whose stress term is that of `stress`.
+    /// @param reuse try what is kept first; else, and from then on, it is built anew
+    /// @return 6 per free prism; empty where the shell buckles
+    /// @throws SolverError where the stiffness without stress is not positive definite
+    Eigen::VectorXd step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term, bool& reuse);
+
+    /// Whether the assembled Hessian is positive definite: by conjugate gradients, or in doubt by a factor.
+    /// @pre the exact Hessian is assembled
+    bool is_minimum();
+
+    /// Indefinite matrices met near the end.
+    int clipped() const { return clipped_; }
+
+private:
+    void factorize(const Iterate& at, const Jumps& stress, const Loads& loads);
+    bool clip(const Iterate& at, const Jumps& stress, const Loads& loads);
+    bool is_buckling() const;
+    void adapt(double size, CgOptions& cg);
+    CgResult solve_inexactly(const Iterate& at);
+
+    PrimoShell::Impl& shell_;
+    const SolveOptions& options_;
+    Equilibrium& end_;
+    int clipped_ = 0;
+    double size_before_ = 0;  ///< of the last residual, in the norm of what is kept
+    int spent_from_ = shell_.substitutions;
+    double rate_ = 1;  ///< of conjugate gradients
+    bool is_rate_measured_ = false;
+    double contraction_ = 1;  ///< of the last step beside the one before
+};
+
+}  // namespace strake

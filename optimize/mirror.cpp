@@ -9,7 +9,8 @@
 namespace strake {
 namespace {
 
-constexpr double good_image = 1e-3;  ///< diagonals
+constexpr double good_image = 1e-3;   ///< diagonals
+constexpr double exact_image = 1e-7;  ///< diagonals: below it misfits are rounding, and planes as good as each other
 constexpr double agreement = 0.9;
 constexpr int most_samples = 4000;
 
@@ -46,7 +47,7 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
     for (int k = 0; k < 6; ++k) {
         const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
         const SymmetryPlane plane{normal, normal.dot(middle)};
-        const double off = misfit(mesh, tree, plane);
+        const double off = std::max(misfit(mesh, tree, plane), exact_image * box_diagonal(mesh));
         if (best ? off < 0.5 * least : off <= least) best = plane, least = off;
     }
     return best;

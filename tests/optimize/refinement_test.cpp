@@ -188,6 +188,15 @@ TEST(Mirror, FindsThePlaneAndTiesImages) {
     EXPECT_NEAR(taylor_order(J, x, 1.1 * g, d, 3e-2), 1, 0.15);
 }
 
+TEST(Mirror, OfPlanesThatAreExactTheFirstIsTakenWhateverTheRounding) {
+    TriMesh mesh = ellipsoid(Eigen::Vector3d(1, 0.6, 0.4), 3);
+    mesh.vertices.col(0).array() += 0.1 * mesh.vertices.col(0).array().square();  // y and z are left
+    for (int v = 0; v < mesh.num_vertices(); ++v) mesh.vertices(v, 1) += 1e-12 * std::sin(100.0 * v);
+    const auto plane = plane_of_symmetry(mesh);
+    ASSERT_TRUE(plane);
+    EXPECT_EQ(plane->normal, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
+}
+
 TEST(Mirror, ASurfaceWithoutPlaneIsRefused) {
     Problem problem = ellipsoid_problem(2, 1);
     problem.surface.vertices.col(0).array() += 0.2 * problem.surface.vertices.col(1).array().square() +

@@ -5,7 +5,8 @@
     wing.py prepare SURFACE                 builds mesh and flow about a plain wing, in generated/base
     wing.py rebuild FACTOR PLAIN FILE:DEG.. coefficients of surfaces at angles of attack in degrees, on a mesh of FACTOR
                                             times the resolution, made about the plain wing and moved to the others,
-                                            one line each, begun from the flow in generated/base
+                                            one line each; the first begins from the flow in generated/base, each
+                                            other from the one before
 
 The angle of attack, `variables.alpha` of the request, turns the stream, not the mesh. The coefficients are those of the
 half wing on its area of 0.78.
@@ -33,6 +34,7 @@ FIELDS = ["U", "p", "nut", "nuTilda"]
 START_ALPHA = math.radians(6)
 MEAN = 20      # iterations that the coefficients are averaged over
 FROM_REST = 200  # iterations from the uniform stream
+FINE = 250, 150  # of the first surface on a finer mesh, and of those after it, whose flow is near
 STEADY = 5e-3  # largest difference between the means of the last iterations and those before
 
 
@@ -132,14 +134,19 @@ def prepare(file):
 
 
 def rebuild(factor, files):
-    cells, _ = build("rebuilt-base", foam.read_obj(files[0]), START_ALPHA, float(factor))
-    flow.start_near(BASE, "rebuilt-base")
-    for file, degrees in (name.rsplit(":", 1) for name in files[1:]):
-        move("rebuilt-base", "rebuilt", foam.read_obj(file)[0])
-        turn_stream("rebuilt", math.radians(float(degrees)))
-        values = solve("rebuilt", round(80 * float(factor)))
-        print(f"{file}:{degrees}: {cells} cells, {values}, {y_plus('rebuilt')}", flush=True)
-        flow.clean("rebuilt")
+    base, folder = (os.path.join(HERE, "generated", name) for name in ("rebuilt-base", "rebuilt"))
+    cells, _ = build(base, foam.read_obj(files[0]), START_ALPHA, float(factor))
+    flow.start_near(BASE, base)
+    shutil.copy(os.path.join(base, "system/couplingOfFineMesh"), os.path.join(base, "system/coupling"))
+    for n, (file, degrees) in enumerate(name.rsplit(":", 1) for name in files[1:]):
+        move(base, folder, foam.read_obj(file)[0])
+        turn_stream(folder, math.radians(float(degrees)))
+        values = solve(folder, FINE[min(n, 1)])
+        print(f"{file}:{degrees}: {cells} cells, {values}, {y_plus(folder)}", flush=True)
+        flow.start_from(folder, FIELDS)
+        for name in FIELDS:
+            shutil.copyfile(os.path.join(folder, "0", name), os.path.join(base, "0", name))
+        flow.clean(folder)
 
 
 if __name__ == "__main__":

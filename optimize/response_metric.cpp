@@ -75,7 +75,10 @@ std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShe
     if (!wanted.empty())
         design_response(
             movers, shell,
-            [&](int j, const Points& dv) { columns.push_back(reduce(dv, is_load(movers.variables[j].kind))); },
+            [&](int j, const Points& dv) {
+                columns.push_back(reduce(dv, is_load(movers.variables[j].kind)));
+                if (!space.rest->cache->goes_on()) throw Interrupted{};
+            },
             response_tolerance);
     return columns;
 }
@@ -126,7 +129,9 @@ PrimoShell shell_at_rest(const DesignSpace& space) {
     for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
     for (std::size_t p = 0; p < space.motion.size(); ++p)
         if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
-    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
+    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still, {},
+                                          [&](const SolveRecord&) { return rest.cache->goes_on(); });
+    if (start.status == SolveStatus::cancelled) throw Interrupted{};
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
     return shell;
 }

@@ -29,13 +29,18 @@ public:
     const Column* find(const std::string& key) const;
     void add(const std::string& key, Column column) { columns_[key] = std::move(column); }
 
+    /// Asked while responses are computed; true: `Interrupted` is thrown. May be empty.
+    std::function<bool()> stop_wanted;
+    bool goes_on() const { return !(stop_wanted && stop_wanted()); }
+
 private:
     std::vector<int> pin_;
     std::map<std::string, Column> columns_;
 };
 
 /// At rest, in units of the variables; from the cache where it knows them. Stiffness, which has none, is left at zero.
-/// @throws UnheldPart, SolverError. Cost: one factorization and one back-substitution per unknown variable.
+/// @throws UnheldPart, SolverError, Interrupted. Cost: one factorization and one back-substitution per unknown
+/// variable.
 Responses responses_at_rest(const DesignSpace& space);
 
 /// The metric: the squared root mean square displacement (twice, over max_displacement) plus the elastic energy (over

@@ -26,6 +26,7 @@ RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::
       journal_(journal),
       replayed_(journal ? static_cast<int>(journal->evaluations().size()) : 0) {
     evaluator.keep_calls(journal, e.stop_wanted);
+    rest->cache->stop_wanted = e.stop_wanted;
     if (p.optimize.max_evaluations < 1)
         throw InvalidInput(text("max_evaluations = ", p.optimize.max_evaluations, " must be >= 1"));
     result.names = evaluator.names();

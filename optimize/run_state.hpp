@@ -23,6 +23,9 @@ public:
     /// @param journal that the run is written to and, as far as it goes, replayed against; may be null.
     RunState(const Problem& problem, const RunEvents& events, const std::vector<std::string>& differentiated,
              Journal* journal = nullptr);
+    ~RunState() { rest->cache->stop_wanted = {}; }  // the result keeps the rest, and the run is over
+    RunState(const RunState&) = delete;
+    RunState& operator=(const RunState&) = delete;
 
     /// Evaluates x as the next evaluation of the run. @throws ReplayMismatch; Interrupted; Awaited.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x);

@@ -235,8 +235,8 @@ TEST(Replay, ARaisedBudgetGoesOn) {
     }
 }
 
-/// A stop is asked for between evaluations and after every iteration of a deformation, and none of its moments leaves a
-/// trace in what comes out.
+/// A stop is asked for between evaluations, after every iteration of a deformation, and as a level is set up, and none
+/// of its moments leaves a trace in what comes out.
 TEST(Replay, AStopWhileTheShellIsSolvedLeavesTheSameBits) {
     std::vector<int> calls;
     const Problem problem = small(calls);
@@ -264,7 +264,7 @@ TEST(Replay, AStopWhileTheShellIsSolvedLeavesTheSameBits) {
         stop_at = moment;
         const Told cut = run_with(journal.get());
         EXPECT_EQ(cut.result.status, "interrupted");
-        EXPECT_EQ(asked, moment) << "it ends at once";
+        EXPECT_LE(asked, moment + 1) << "it ends at once, or with a solve that this iteration has ended";
         EXPECT_EQ(static_cast<int>(journal->evaluations().size()), cut.result.evaluations);
         stop_at = 0;
         const Told told = run_with(Journal::open(folder / "j").get());

@@ -8,7 +8,7 @@
 namespace strake {
 namespace {
 
-constexpr int most_probes = 6, most_inexact_probes = 40;
+constexpr int most_probes = 6;
 constexpr int least_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
 constexpr double settled = 0.8;           // a least Ritz value that falls no further than this is the eigenvalue
 constexpr double settled_inexactly = 0.99;
@@ -154,7 +154,7 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
     return X;
 }
 
-bool looks_definite(PrimoShell::Impl& shell, double least_stiffness) {
+Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes) {
     const RestState& rest = shell.rest;
     Eigen::VectorXd r(6L * rest.num_free()), z, p, Hp;
     for (Eigen::Index i = 0; i < r.size(); ++i) {
@@ -167,25 +167,25 @@ bool looks_definite(PrimoShell::Impl& shell, double least_stiffness) {
     for (int k = 0; k < (is_exact ? most_probes : most_inexact_probes); ++k) {
         z = shell.precondition(r);
         const double next = r.dot(z);
-        if (!(next > 0) || !std::isfinite(next)) return false;
+        if (!(next > 0) || !std::isfinite(next)) return Definiteness::doubtful;
         if (k > 0) beta.push_back(next / rz);
         p = k > 0 ? Eigen::VectorXd(z + beta.back() * p) : z;
         rz = next;
         Hp = shell.product(p);
         const double curvature = p.dot(Hp);
-        if (!(curvature > 0)) return false;
+        if (!(curvature > 0)) return Definiteness::no;
         alpha.push_back(rz / curvature);
         r -= alpha.back() * Hp;
         const double before = std::exchange(least, least_ritz(alpha, beta));
         if (!is_exact) {  // softer than its preconditioner everywhere: only the sign and a standstill mean something
-            if (!(least > 0)) return false;
-            if (k >= least_inexact_probes && least > settled_inexactly * before) return true;
+            if (!(least > 0)) return Definiteness::doubtful;
+            if (k >= least_inexact_probes && least > settled_inexactly * before) return Definiteness::yes;
             continue;
         }
-        if (least < least_stiffness) return false;
-        if (k > 0 && least > settled * before) return true;
+        if (least < least_stiffness) return Definiteness::doubtful;
+        if (k > 0 && least > settled * before) return Definiteness::yes;
     }
-    return false;
+    return Definiteness::doubtful;
 }
 
 }  // namespace strake

@@ -31,9 +31,13 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
 Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
                               const Eigen::MatrixXd& similar = {});
 
+enum class Definiteness { yes, no, doubtful };
+
 /// Is the present Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
-/// of them turns indefinite first. Beside a definite preconditioner two to six substitutions tell; false: in doubt.
-/// @param least_stiffness share of a direction's stiffness in the preconditioner that has to be left without a doubt
-bool looks_definite(PrimoShell::Impl& shell, double least_stiffness);
+/// of them turns indefinite first. Beside a definite factor two to six substitutions tell. "no" is a proof: a direction
+/// of negative curvature was met.
+/// @param least_stiffness share of a direction's stiffness in the factor that has to be left without a doubt
+/// @param most_inexact_probes cycles of multigrid that may be spent
+Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes = 40);
 
 }  // namespace strake

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/spd_solver.hpp"
 
 namespace strake {
 namespace {
@@ -21,7 +22,9 @@ constexpr double without_doubt = 0.2;    // least stiffness beside that of the d
 constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
 constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
 constexpr double before_last = 0.1;      // of the last step that is allowed, left by the ones before the closing one
-constexpr double near_step = 0.02;       // diagonals: near the end
+constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
+constexpr double near_step = 0.02;                 // diagonals: near the end
 double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
     double sum = 0;
     for (int i = 0; i < rest.num_prisms(); ++i)
@@ -132,10 +135,23 @@ bool NewtonSystems::is_minimum() {
     shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual);
     spent_from_ = shell_.substitutions;
     const bool pays = options_.keep_factor && shell_.spent > shell_.kept.build_cost();
-    if (!pays && looks_definite(shell_, without_doubt)) return true;
+    if (!pays && probe_definiteness(shell_, without_doubt) == Definiteness::yes) return true;
     ++end_.factorizations;
     if (!shell_.factorize()) return false;
-    return (shell_.spring.size() == 0 && shell_.kept.is_exact()) || looks_definite(shell_, beside_springs);
+    if (!shell_.kept.is_exact()) return is_minimum_beside_multigrid();
+    return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;
+}
+
+/// Soft modes that multigrid does not damp well settle late: then a factorization decides where it can be afforded,
+/// which also proves it of the matrix without springs; else many more cycles do.
+bool NewtonSystems::is_minimum_beside_multigrid() {
+    const bool is_affordable = shell_.rest.num_free() <= factor_limit;
+    const Definiteness found = probe_definiteness(shell_, beside_springs, is_affordable ? few_probes : many_probes);
+    if (found != Definiteness::doubtful || !is_affordable) return found != Definiteness::no;
+    SpdSolver factor;
+    factor.analyze(shell_.H);
+    ++end_.factorizations;
+    return factor.factorize(shell_.H);
 }
 
 }  // namespace strake

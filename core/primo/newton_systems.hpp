@@ -38,7 +38,8 @@ public:
     /// @throws SolverError where the stiffness without stress is not positive definite
     Eigen::VectorXd step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term, bool& reuse);
 
-    /// Whether the assembled Hessian is positive definite: by conjugate gradients, or in doubt by a factor.
+    /// Whether the assembled Hessian is positive definite: by conjugate gradients, or in doubt by a factor; beyond what
+    /// a factor can hold, in doubt, where no direction of negative curvature was met.
     /// @pre the exact Hessian is assembled
     bool is_minimum();
 
@@ -48,6 +49,7 @@ public:
 private:
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads);
     bool clip(const Iterate& at, const Jumps& stress, const Loads& loads);
+    bool is_minimum_beside_multigrid();
     bool is_buckling() const;
     void adapt(double size, CgOptions& cg);
     CgResult solve_inexactly(const Iterate& at);

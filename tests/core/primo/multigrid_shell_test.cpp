@@ -1,6 +1,7 @@
 #include <gtest/gtest.h>
 
 #include "cases/geometry/closed_body.hpp"
+#include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/primo/preconditioner.hpp"
 #include "shells.hpp"
@@ -61,6 +62,21 @@ Setting wing(int triangles, double share) {
 }
 
 }  // namespace
+
+// The soft modes of this thin body settle late beside multigrid: forty cycles leave a doubt, and a factor decides.
+TEST(MultigridShell, ADoubtIsNoBuckling) {
+    const TriMesh mesh = example::lifting_body(50'000);
+    ShellOptions options = uniform(mesh, 0.02 * box_diagonal(mesh));
+    pin_where(mesh, options, fixed_prism, [](const Eigen::Vector3d& c) { return c.x() < 0.4; });
+    options.solver = LinearSolver::multigrid;
+    PrimoShell shell(mesh, options);
+    const auto aft = [](const Eigen::Vector3d& c) { return c.x() > 2.4; };
+    const Loads loads = scaled_to(shell, mesh, traction_where(mesh, {0, 0, 1}, aft), 0.1);
+    const Equilibrium end = shell.solve(loads);
+    EXPECT_EQ(end.status, SolveStatus::converged) << end.reason;
+    EXPECT_TRUE(end.stable);
+    EXPECT_LT(end.iterations, 15);
+}
 
 TEST(MultigridShell, OpenWingWithItsRootFixed) { expect_same_answers(wing(6000, 0.15)); }
 

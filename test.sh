@@ -69,6 +69,7 @@ check_cases() {
     local file count=0 bad=0
     while IFS= read -r -d '' file; do
         grep -q '^case *:' "$file" || continue
+        [ "$file" != cases/paper/bunny.yaml ] || [ -e cases/paper/generated/bunny.ply ] || continue  # a download
         count=$((count + 1))
         "$bin/strake" check "$file" || { echo "$file: status $?"; bad=$((bad + 1)); }
     done < <(find cases -name '*.yaml' -not -path '*/generated/*' -print0 | sort -z)

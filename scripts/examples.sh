@@ -18,12 +18,16 @@ fi
 surface() {  # FILE SURFACE TRIANGLES
     mkdir -p "$(dirname "$1")"
     [ -e "$1" ] && return
-    "$bin/make_surface" "$2" --triangles "$3" -o "${1%/*}/part.obj"
-    mv "${1%/*}/part.obj" "$1"
+    local part=${1%/*}/part.${1##*.}
+    "$bin/make_surface" "$2" --triangles "$3" -o "$part"
+    mv "$part" "$1"
 }
 surface "$cases/wave_drag/generated/wavy_body.obj" wavy_body 5000
 surface "$cases/nacelle/generated/nacelle.obj" nacelle 5000
 surface "$cases/nacelle/generated/engine.obj" engine 2000
+# Those of the paper's cases, but for the bunny; scripts/paper.sh makes all of them in the paper's sizes.
+surface "$cases/paper/generated/wing.obj" wing "$wing_triangles"
+surface "$cases/paper/generated/lifting_body.stl" lifting_body "$body_triangles"
 # Those of the cases with OpenFOAM.
 surface "$cases/external/openfoam_drag/generated/body.obj" bluff_body 4000
 surface "$cases/external/openfoam_supersonic/generated/body.obj" wavy_body 3000

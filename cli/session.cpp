@@ -105,6 +105,13 @@ RunEvents shown(const Problem& problem, Progress& progress) {
     return events;
 }
 
+/// The command that goes on with the run.
+std::string going_on(const RunRequest& request) {
+    const std::string folder = typed_path(request.folder->folder().string());
+    if (!request.is_step) return fmt::format("`strake resume {}`", folder);
+    return fmt::format("`strake step {} --out {}`", typed_path(request.the_case.file.string()), folder);
+}
+
 /// The end of `run`, `fit` and `resume`: what is told, and the exit status.
 void conclude(const BuiltProblem& built, const RunResult& result, const RunRequest& request) {
     RunFolder& folder = *request.folder;
@@ -127,12 +134,11 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
         fmt::print(stderr, "strake: {}: {}; see {}\n", result.status, result.reason,
                    printable(folder.folder().string()));
     if (result.status == "waiting") {
-        if (!request.quiet) fmt::print(stderr, "strake: {}; then `strake step` again\n", result.reason);
+        if (!request.quiet) fmt::print(stderr, "strake: {}; then {} again\n", result.reason, going_on(request));
         return;
     }
     if (result.is_done()) return;
-    const std::string again = request.is_step ? std::string("`strake step`")
-                                              : fmt::format("`strake resume {}`", typed_path(folder.folder().string()));
+    const std::string again = going_on(request);
     if (result.status == "interrupted") {
         fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
                    ::sigabbrev_np(stop_signal()), result.evaluations, again);

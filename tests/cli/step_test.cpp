@@ -55,6 +55,15 @@ TEST_F(Step, DrivenToTheEndTheHistoryIsThatOfRun) {
     EXPECT_EQ(Json::parse(again.out)["status"], Json::parse(bytes_of(folder / "whole/run.json"))["status"]);
 }
 
+TEST_F(Step, TheLineThatSaysHowItGoesOnCanBeCopied) {
+    const std::string file = external_case();
+    const ProgramRun run = run_strake({"step", file, "--out", path("by hand")});
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_NE(run.err.find(text("then `strake step ", file, " --out '", path("by hand"), "'` again")),
+              std::string::npos)
+        << run.err;
+}
+
 TEST_F(Step, ABatchIsHandedOutAtOnceAndTheNumbersStayThose) {
     ASSERT_EQ(run_strake({"run", values_case(), "--out", path("whole"), "-q"}).status, 0);
     fs::remove(folder / "calls");

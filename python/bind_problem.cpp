@@ -1,9 +1,11 @@
 #include "cases/build_problem.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/mirrored.hpp"
 #include "objectives/measures.hpp"
 #include "objectives/target_shape.hpp"
 #include "optimize/methods.hpp"
+#include "optimize/mirror.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
 
@@ -50,7 +52,7 @@ Eigen::VectorXd heights(const TriMesh& surface, const ThicknessArgument& thickne
 PythonProblem make_problem(const SurfacePointer& surface, const ThicknessArgument& thickness, const py::object& fixed,
                            const std::optional<PlaneTuple>& symmetry, const std::optional<PatchHierarchy>& tree,
                            const std::vector<std::string>& variables, double max_displacement, const std::string& split,
-                           const std::string& name) {
+                           bool mirror, const std::string& name) {
     PythonProblem out;
     Problem& p = out.problem;
     p.name = name;
@@ -60,6 +62,13 @@ PythonProblem make_problem(const SurfacePointer& surface, const ThicknessArgumen
         if (static_cast<int>(level.label.size()) != surface->num_triangles())
             throw InvalidInput(
                 text("Problem: tree: ", level.label.size(), " triangles, the surface has ", surface->num_triangles()));
+    if (mirror) {
+        const auto plane = plane_of_symmetry(*surface);
+        if (!plane)
+            throw InvalidInput("Problem: mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
+        p.parameters.mirror = true;
+        p.tree = mirrored(p.tree, *surface, adjacency(*surface), *plane);
+    }
     p.prism_height = heights(*surface, thickness);
     p.fixed = triangles_of(fixed, *surface, "Problem: fixed");
     p.symmetry = plane_of(symmetry);
@@ -301,8 +310,8 @@ Defaults are those of a case file, and the same problem gives the same bits eith
         .def(
             py::init(&make_problem), "surface"_a, py::kw_only(), "thickness"_a = 0.02, "fixed"_a = py::tuple(),
             "symmetry"_a = py::none(), "tree"_a = py::none(), "variables"_a = std::vector<std::string>{"load"},
-            "max_displacement"_a = 0.05, "split"_a = "all", "name"_a = "python",
-            R"(__init__(self, surface, *, thickness=0.02, fixed=(), symmetry=None, tree=None, variables=['load'], max_displacement=0.05, split='all', name='python')
+            "max_displacement"_a = 0.05, "split"_a = "all", "mirror"_a = false, "name"_a = "python",
+            R"(__init__(self, surface, *, thickness=0.02, fixed=(), symmetry=None, tree=None, variables=['load'], max_displacement=0.05, split='all', mirror=False, name='python')
 --
 
 `surface`: the Surface at the start.
@@ -313,6 +322,7 @@ Defaults are those of a case file, and the same problem gives the same bits eith
 `variables`: what each patch is driven by, a list of load, load_normal, strain, stiffness.
 `max_displacement`: how far one variable may move the surface, as a share of the diagonal.
 `split`: which patches are refined on the next level: all, sensitivity or gradient.
+`mirror`: patches come in mirror images about the plane of symmetry, which is found; what moves them is tied.
 `name`: of the problem.)")
         .def("options", &set_options, py::kw_only(), py::arg("max_evaluations").noconvert() = py::none(),
              "method"_a = py::none(), "max_seconds"_a = py::none(), py::arg("seed").noconvert() = py::none(),

@@ -172,6 +172,7 @@ class Problem:
         variables: Sequence[str] = ...,
         max_displacement: float = 0.05,
         split: str = "all",
+        mirror: bool = False,
         name: str = "python",
     ) -> None: ...
     @property

@@ -50,6 +50,42 @@ def test_yaml_and_python_give_the_same_bits(body, program, tmp_path):
     assert result.done and result.values[result.names.index("volume")] > body.volume
 
 
+def egg(n=12):
+    """Thicker at one end, with left and right alike to the last triangle: squares cut crosswise."""
+    u, around = np.meshgrid(np.linspace(-1, 1, n + 1), 2 * np.pi * np.arange(n) / n, indexing="ij")
+    corners = [u, 0.5 * np.cos(around) * (1.2 + 0.3 * u), 0.3 * np.sin(around) * (1.2 - 0.2 * u)]
+    corners = np.stack([np.round(c, 12) for c in corners], axis=-1).reshape(-1, 3)
+    at = lambda i, j: i * n + j % n
+    squares = np.array([[at(i, j), at(i, j + 1), at(i + 1, j + 1), at(i + 1, j)] for i in range(n) for j in range(n)])
+    ends = [[at(0, j + 1), at(0, j)] for j in range(n)], [[at(n, j), at(n, j + 1)] for j in range(n)]
+    tips = len(corners) + len(squares)
+    vertices = np.vstack([corners, corners[squares].mean(axis=1), [[-1.3, 0, 0], [1.3, 0, 0]]])
+    triangles = [[len(corners) + k, s[c], s[(c + 1) % 4]] for k, s in enumerate(squares) for c in range(4)]
+    triangles += [[tips + end, *edge] for end in (0, 1) for edge in ends[end]]
+    surface = strake.Surface(vertices, np.array(triangles, dtype=np.int32))
+    return surface if surface.volume > 0 else strake.Surface(vertices, surface.triangles[:, ::-1].copy())
+
+
+def test_mirror_ties_the_two_sides():
+    body = egg()
+    lopsided = body.vertices.copy()
+    lopsided[:, 2] *= 1 + 0.3 * (lopsided[:, 1] > 0.1)
+
+    def unevenness(**how):
+        problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=strake.patches(body, patches_per_level=[4]), **how)
+        problem.add_target("distance", strake.Surface(lopsided, body.triangles), same_triangles=True)
+        problem.minimize("distance")
+        problem.options(max_evaluations=6)
+        v = strake.run(problem).vertices
+        image = v * [1, -1, 1]
+        return max(np.linalg.norm(v - each, axis=1).min() for each in image)
+
+    assert unevenness() > 1e-3
+    assert unevenness(mirror=True) < 1e-9
+    with pytest.raises(strake.InvalidInput, match="mirror: the surface has no plane of symmetry"):
+        strake.Problem(strake.Surface(body.vertices + 0.1 * body.vertices[:, [1, 2, 0]] ** 2, body.triangles), mirror=True)
+
+
 def test_a_run_keeps_the_folder_of_the_program(body, program, tmp_path):
     strake.write_surface(tmp_path / "body.obj", body)
     (tmp_path / "case.yaml").write_text(CASE)

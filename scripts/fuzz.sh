@@ -1,16 +1,15 @@
 #!/bin/bash
 # Fuzzes every reader, repair and the loader of cases with libFuzzer under ASan and UBSan: fuzz.sh [SECONDS_EACH [NAME...]]
-# What is found lies in build/fuzz/findings and makes the exit status 1; a finding is run again by
-#   FUZZ=NAME build/fuzz/tests/fuzz/fuzz_bytes FILE        (fuzz_case FILE for cases)
+# What is found lies in build/sanitize/findings and makes the exit status 1; a finding is run again by
+#   FUZZ=NAME build/sanitize/tests/fuzz/fuzz_bytes FILE        (fuzz_case FILE for cases)
 set -uo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-5}
 names=(stl obj ply off tri su2 msh nas vtk vtp vtp_fields gz npy su2_volume vtu foam repair case)
 [ $# -le 1 ] || names=("${@:2}")
-build=build/fuzz
-launcher=()
-! command -v ccache >/dev/null || launcher=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-{ cmake --preset fuzz "${launcher[@]}" && cmake --build --preset fuzz --target fuzz_bytes fuzz_case fuzz_seeds; } || exit 1
+build=build/sanitize
+[ -e $build/build.ninja ] || cmake --preset sanitize || exit 1
+cmake --build --preset sanitize --target fuzz_bytes fuzz_case fuzz_seeds || exit 1
 rm -rf $build/findings $build/seeds
 mkdir -p $build/findings $build/corpus $build/logs
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1

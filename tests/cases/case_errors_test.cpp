@@ -316,7 +316,7 @@ TEST_F(CaseErrors, BillionLaughsAreCutShort) {
     const auto start = std::chrono::steady_clock::now();
     const std::string message = errors(yaml);
     EXPECT_NE(message.find("more than 100000 values once aliases are expanded"), std::string::npos) << message;
-    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(2));
+    EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
 TEST_F(CaseErrors, HonestAliasesAndAByteOrderMarkWork) {

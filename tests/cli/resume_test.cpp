@@ -136,7 +136,7 @@ TEST_F(Resume, ABudgetCanBeRaisedAndNothingElseChanged) {
 TEST_F(Resume, TheFirstSignalEndsInOrderAndTheSecondAtOnce) {
     const std::string file = external_case();
     undisturbed();
-    mark("sleep-4");
+    for (const char* what : {"sleep-4", "long-4"}) mark(what);
     const Started run(folder, {"run", file, "--out", path("a"), "-q"});
     while (!fs::exists(folder / "sleeping")) pause_ms(5);
     const ProgramRun status = run_strake({"status", path("a"), "--json"});
@@ -155,7 +155,7 @@ TEST_F(Resume, TheFirstSignalEndsInOrderAndTheSecondAtOnce) {
     const auto begin = std::chrono::steady_clock::now();
     run.send(SIGINT);
     EXPECT_EQ(run.wait(), 75) << run.messages();
-    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(3)) << "the program got TERM";
+    EXPECT_LT(std::chrono::steady_clock::now() - begin, std::chrono::seconds(20)) << "the program got TERM";
     EXPECT_NE(run.messages().find("strake resume " + path("a")), std::string::npos) << run.messages();
     EXPECT_EQ(Json::parse(run_strake({"status", path("a"), "--json"}).out)["status"], "interrupted");
     EXPECT_EQ(recorded("a").size(), 3u);

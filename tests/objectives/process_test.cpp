@@ -21,8 +21,8 @@ bool is_gone(int pid) {
     return name_end == std::string::npos || status.substr(name_end + 2, 1) == "Z";
 }
 
-bool goes_within_two_seconds(int pid) {
-    for (int k = 0; k < 200 && !is_gone(pid); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
+bool goes_soon(int pid) {
+    for (int k = 0; k < 1000 && !is_gone(pid); ++k) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     return is_gone(pid);
 }
 
@@ -123,11 +123,12 @@ TEST_F(Process, TimeoutEndsTheWholeGroup) {
         EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(10));
         const std::string pid = contents(folder / text("evaluations/00000", evaluation) / "grandchild.pid");
         ASSERT_FALSE(pid.empty()) << role;
-        EXPECT_TRUE(goes_within_two_seconds(std::stoi(pid))) << role;
+        EXPECT_TRUE(goes_soon(std::stoi(pid))) << role;
     }
 }
 
-/// Whatever a program does, we are back in timeout + grace + 1 s, and its log's end is in the message.
+/// Whatever a program does, we are back in timeout + grace and a little (no hanging program ends within a minute), and
+/// its log's end is in the message.
 TEST_F(Process, NoWayToHangTakesLongerThanTimeoutAndGrace) {
     int evaluation = 0;
     for (const char* role :
@@ -139,7 +140,7 @@ TEST_F(Process, NoWayToHangTakesLongerThanTimeoutAndGrace) {
         const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
         ASSERT_TRUE(result.failure) << role;
         EXPECT_EQ(result.failure->kind, "timeout") << role << ": " << result.failure->message;
-        EXPECT_LT(seconds.count(), command.timeout_s + command.grace_s + 1) << role;
+        EXPECT_LT(seconds.count(), command.timeout_s + command.grace_s + 4) << role;
         if (std::string(role) == "spin") {
             EXPECT_TRUE(has(result.failure->message, "    iteration 17")) << result.failure->message;
         }
@@ -182,7 +183,7 @@ TEST_F(Process, LeftoversOfTheGroupAreEndedAndTheResultTaken) {
     ASSERT_FALSE(result.failure) << result.failure->message;
     const std::string pid = contents(folder / "evaluations/000001/grandchild.pid");
     ASSERT_FALSE(pid.empty());
-    EXPECT_TRUE(goes_within_two_seconds(std::stoi(pid)));
+    EXPECT_TRUE(goes_soon(std::stoi(pid)));
 }
 
 TEST_F(Process, GrandchildThatLeftTheGroupAndHoldsThePipeDoesNotHoldUs) {
@@ -210,7 +211,7 @@ TEST_F(Process, ProgramEndsWhenWeAreKilled) {
     ::kill(we, SIGKILL);
     ::waitpid(we, nullptr, 0);
     ASSERT_TRUE(std::filesystem::exists(file));
-    EXPECT_TRUE(goes_within_two_seconds(std::stoi(contents(file))));
+    EXPECT_TRUE(goes_soon(std::stoi(contents(file))));
 }
 
 TEST_F(Process, FloodOfOutputIsCutInTheMiddleAndCostsNoMemory) {

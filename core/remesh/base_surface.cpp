@@ -87,7 +87,28 @@ void separate_fans(int num_vertices, BaseSurface& base) {
     }
 }
 
-/// Unit normals; of a triangle without a reliable one that of the neighbour across its longest edge.
+/// Of the triangles beside t whose normals are known, the one whose normal agrees best with those of the others and
+/// with that of t itself, as far as that means anything; -1: none. Across a crease along its longest side, a sliver
+/// would turn the crease's line to its apex.
+int likest_beside(const BaseSurface& base, const std::vector<char>& known, int t, int fewest) {
+    int best = -1, count = 0;
+    double best_fit = 0;
+    for (int h = 3 * t; h < 3 * t + 3; ++h) {
+        const int beside = base.twin[h] >= 0 ? base.twin[h] / 3 : -1;
+        if (beside < 0 || !known[beside]) continue;
+        ++count;
+        double fit = base.normal[beside].dot(base.normal[t]);
+        for (int g = 3 * t; g < 3 * t + 3; ++g)
+            if (g != h && base.twin[g] >= 0 && known[base.twin[g] / 3])
+                fit += base.normal[beside].dot(base.normal[base.twin[g] / 3]);
+        if (best >= 0 && !(fit > best_fit)) continue;
+        best = beside;
+        best_fit = fit;
+    }
+    return count >= fewest ? best : -1;
+}
+
+/// Unit normals; a triangle without a reliable one has that of one beside it.
 void find_normals(BaseSurface& base) {
     const int m = static_cast<int>(base.tri.size());
     base.normal.resize(m);
@@ -107,23 +128,21 @@ void find_normals(BaseSurface& base) {
         if (!known[t]) flat.push_back(t);
     }
     base.mean_edge /= std::max(3 * m, 1);
-    for (int round = 0; round < 8 && !flat.empty(); ++round) {
+    for (int fewest = 2, round = 0; round < 16 && !flat.empty() && fewest > 0; ++round) {
         std::vector<int> left;
+        std::vector<std::pair<int, int>> taken;
         for (const int t : flat) {
-            int longest = 3 * t;
-            const auto length2 = [&](int h) {
-                return (base.points[base.from(base.next(h))] - base.points[base.from(h)]).squaredNorm();
-            };
-            for (int h = 3 * t + 1; h < 3 * t + 3; ++h)
-                if (length2(h) > length2(longest)) longest = h;
-            const int beside = base.twin[longest] >= 0 ? base.twin[longest] / 3 : -1;
-            if (beside >= 0 && known[beside]) {
-                base.normal[t] = base.normal[beside];
-                known[t] = 1;
-            } else {
+            const int like = likest_beside(base, known, t, fewest);
+            if (like >= 0)
+                taken.push_back({t, like});
+            else
                 left.push_back(t);
-            }
         }
+        for (const auto& [t, like] : taken) {
+            base.normal[t] = base.normal[like];
+            known[t] = 1;
+        }
+        fewest = taken.empty() ? fewest - 1 : 2;
         flat.swap(left);
     }
 }

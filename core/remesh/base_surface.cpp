@@ -7,6 +7,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 namespace strake {
 namespace {
@@ -147,6 +148,35 @@ void find_normals(BaseSurface& base) {
     }
 }
 
+/// A sliver that stands off from all triangles beside it by more than these do from each other is noise, as of a scan
+/// or a cut, and makes no crease: it takes the normal of one of them, too.
+void level_folded_slivers(BaseSurface& base, double angle) {
+    constexpr double thin = 0.05;  // of its length, and of the wanted one
+    const std::vector<char> known(base.tri.size(), 1);
+    std::vector<std::pair<int, int>> taken;
+    for (int t = 0; t < static_cast<int>(base.tri.size()); ++t) {
+        const auto& [a, b, c] = base.tri[t];
+        const Vector3d u = base.points[b] - base.points[a], w = base.points[c] - base.points[a];
+        const double longest2 = std::max({u.squaredNorm(), w.squaredNorm(), (u - w).squaredNorm()});
+        const double height = longest2 > 0 ? u.cross(w).norm() / std::sqrt(longest2) : 0;
+        if (!(height < thin * std::min(base.edge_length, std::sqrt(longest2)))) continue;
+        std::vector<int> beside;
+        for (int h = 3 * t; h < 3 * t + 3; ++h)
+            if (base.twin[h] >= 0) beside.push_back(base.twin[h] / 3);
+        if (beside.size() < 2) continue;
+        double nearest = std::numbers::pi, apart = angle;
+        for (std::size_t i = 0; i < beside.size(); ++i) {
+            nearest = std::min(nearest, dihedral(base.normal[t], base.normal[beside[i]]));
+            for (std::size_t j = 0; j < i; ++j)
+                apart = std::max(apart, dihedral(base.normal[beside[i]], base.normal[beside[j]]));
+        }
+        if (nearest > apart) taken.push_back({t, likest_beside(base, known, t, 1)});
+    }
+    std::vector<Vector3d> normals;
+    for (const auto& [t, like] : taken) normals.push_back(base.normal[like]);
+    for (std::size_t i = 0; i < taken.size(); ++i) base.normal[taken[i].first] = normals[i];
+}
+
 /// Means of the normals around each point, weighted by angle, not across features.
 void find_corner_normals(BaseSurface& base) {
     const int halves = static_cast<int>(base.twin.size());
@@ -225,6 +255,7 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length,
     if (!(base.area > 0) || !std::isfinite(base.area))
         throw InvalidInput(text("remesh: ", given.num_triangles(), " triangles of total area ", base.area));
     base.edge_length = edge_length > 0 ? edge_length : base.mean_edge;
+    level_folded_slivers(base, angle);
     find_features(mesh, adjacent, angle, frozen, base);
     number_patches(base);
     find_corner_normals(base);

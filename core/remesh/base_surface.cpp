@@ -3,11 +3,11 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/remesh/features.hpp"
+#include "core/remesh/normals.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 namespace strake {
 namespace {
@@ -88,95 +88,6 @@ void separate_fans(int num_vertices, BaseSurface& base) {
     }
 }
 
-/// Of the triangles beside t whose normals are known, the one whose normal agrees best with those of the others and
-/// with that of t itself, as far as that means anything; -1: none. Across a crease along its longest side, a sliver
-/// would turn the crease's line to its apex.
-int likest_beside(const BaseSurface& base, const std::vector<char>& known, int t, int fewest) {
-    int best = -1, count = 0;
-    double best_fit = 0;
-    for (int h = 3 * t; h < 3 * t + 3; ++h) {
-        const int beside = base.twin[h] >= 0 ? base.twin[h] / 3 : -1;
-        if (beside < 0 || !known[beside]) continue;
-        ++count;
-        double fit = base.normal[beside].dot(base.normal[t]);
-        for (int g = 3 * t; g < 3 * t + 3; ++g)
-            if (g != h && base.twin[g] >= 0 && known[base.twin[g] / 3])
-                fit += base.normal[beside].dot(base.normal[base.twin[g] / 3]);
-        if (best >= 0 && !(fit > best_fit)) continue;
-        best = beside;
-        best_fit = fit;
-    }
-    return count >= fewest ? best : -1;
-}
-
-/// Unit normals; a triangle without a reliable one has that of one beside it.
-void find_normals(BaseSurface& base) {
-    const int m = static_cast<int>(base.tri.size());
-    base.normal.resize(m);
-    std::vector<int> flat;
-    std::vector<char> known(m, 1);
-    for (int t = 0; t < m; ++t) {
-        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]],
-                       c = base.points[base.tri[t][2]];
-        const Vector3d n = (b - a).cross(c - a);
-        const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-        const double twice_area = n.norm();
-        base.area += 0.5 * twice_area;
-        base.mean_edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-        // Thinner than 1e-5 of the diagonal: its normal is noise, and would make a crease of each of its long sides.
-        known[t] = twice_area > std::max(1e-9 * longest2, 1e-5 * base.diagonal * std::sqrt(longest2));
-        base.normal[t] = twice_area > 0 ? Vector3d(n / twice_area) : Vector3d::Zero();
-        if (!known[t]) flat.push_back(t);
-    }
-    base.mean_edge /= std::max(3 * m, 1);
-    for (int fewest = 2, round = 0; round < 16 && !flat.empty() && fewest > 0; ++round) {
-        std::vector<int> left;
-        std::vector<std::pair<int, int>> taken;
-        for (const int t : flat) {
-            const int like = likest_beside(base, known, t, fewest);
-            if (like >= 0)
-                taken.push_back({t, like});
-            else
-                left.push_back(t);
-        }
-        for (const auto& [t, like] : taken) {
-            base.normal[t] = base.normal[like];
-            known[t] = 1;
-        }
-        fewest = taken.empty() ? fewest - 1 : 2;
-        flat.swap(left);
-    }
-}
-
-/// A sliver that stands off from all triangles beside it by more than these do from each other is noise, as of a scan
-/// or a cut, and makes no crease: it takes the normal of one of them, too.
-void level_folded_slivers(BaseSurface& base, double angle) {
-    constexpr double thin = 0.05;  // of its length, and of the wanted one
-    const std::vector<char> known(base.tri.size(), 1);
-    std::vector<std::pair<int, int>> taken;
-    for (int t = 0; t < static_cast<int>(base.tri.size()); ++t) {
-        const auto& [a, b, c] = base.tri[t];
-        const Vector3d u = base.points[b] - base.points[a], w = base.points[c] - base.points[a];
-        const double longest2 = std::max({u.squaredNorm(), w.squaredNorm(), (u - w).squaredNorm()});
-        const double height = longest2 > 0 ? u.cross(w).norm() / std::sqrt(longest2) : 0;
-        if (!(height < thin * std::min(base.edge_length, std::sqrt(longest2)))) continue;
-        std::vector<int> beside;
-        for (int h = 3 * t; h < 3 * t + 3; ++h)
-            if (base.twin[h] >= 0) beside.push_back(base.twin[h] / 3);
-        if (beside.size() < 2) continue;
-        double nearest = std::numbers::pi, apart = angle;
-        for (std::size_t i = 0; i < beside.size(); ++i) {
-            nearest = std::min(nearest, dihedral(base.normal[t], base.normal[beside[i]]));
-            for (std::size_t j = 0; j < i; ++j)
-                apart = std::max(apart, dihedral(base.normal[beside[i]], base.normal[beside[j]]));
-        }
-        if (nearest > apart) taken.push_back({t, likest_beside(base, known, t, 1)});
-    }
-    std::vector<Vector3d> normals;
-    for (const auto& [t, like] : taken) normals.push_back(base.normal[like]);
-    for (std::size_t i = 0; i < taken.size(); ++i) base.normal[taken[i].first] = normals[i];
-}
-
 /// Means of the normals around each point, weighted by angle, not across features.
 void find_corner_normals(BaseSurface& base) {
     const int halves = static_cast<int>(base.twin.size());
@@ -255,7 +166,7 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length,
     if (!(base.area > 0) || !std::isfinite(base.area))
         throw InvalidInput(text("remesh: ", given.num_triangles(), " triangles of total area ", base.area));
     base.edge_length = edge_length > 0 ? edge_length : base.mean_edge;
-    level_folded_slivers(base, angle);
+    level_slivers(angle, base);
     find_features(mesh, adjacent, angle, frozen, base);
     number_patches(base);
     find_corner_normals(base);

@@ -76,15 +76,15 @@ void find_normals(BaseSurface& base) {
 
 namespace {
 
-/// Shorter than this share of its own length, and of the wanted one, is the height of a sliver.
-constexpr double thin = 0.05;
+/// Shorter than this share of its own length, and than that one of the wanted length, is the height of a sliver.
+constexpr double thin = 0.1, thin_of_wanted = 0.05;
 
 bool is_sliver(const BaseSurface& base, int t) {
     const auto& [a, b, c] = base.tri[t];
     const Vector3d u = base.points[b] - base.points[a], w = base.points[c] - base.points[a];
     const double longest2 = std::max({u.squaredNorm(), w.squaredNorm(), (u - w).squaredNorm()});
     const double height = longest2 > 0 ? u.cross(w).norm() / std::sqrt(longest2) : 0;
-    return height < thin * std::min(base.edge_length, std::sqrt(longest2));
+    return height < std::min(thin * std::sqrt(longest2), thin_of_wanted * base.edge_length);
 }
 
 /// A sliver that stands off from all triangles beside it by more than these do from each other is noise, as of a scan

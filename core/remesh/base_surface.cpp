@@ -4,6 +4,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/remesh/features.hpp"
 #include "core/remesh/normals.hpp"
+#include "core/remesh/order.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,25 +22,6 @@ void check(const TriMesh& mesh) {
             throw InvalidInput(text("remesh: triangle ", i / 3, " has vertex ", v, ", which is not one of ",
                                     mesh.num_vertices(), " finite vertices"));
     }
-}
-
-/// The input without triangles that repeat a corner.
-TriMesh without_repeated_corners(const TriMesh& mesh) {
-    const auto is_good = [&](int t) {
-        const int a = mesh.triangles(t, 0), b = mesh.triangles(t, 1), c = mesh.triangles(t, 2);
-        return a != b && b != c && c != a;
-    };
-    TriMesh result;
-    result.vertices = mesh.vertices;
-    result.triangles.resize(mesh.num_triangles(), 3);
-    int count = 0;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
-        if (!is_good(t)) continue;
-        result.triangles.row(count++) = mesh.triangles.row(t);
-        if (!mesh.group.empty()) result.group.push_back(mesh.group[t]);
-    }
-    result.triangles.conservativeResize(count, 3);
-    return result;
 }
 
 void join_halves(const Adjacency& adjacent, BaseSurface& base) {
@@ -149,7 +131,7 @@ void number_patches(BaseSurface& base) {
 
 BaseSurface base_surface(const TriMesh& given, double angle, double edge_length, const std::vector<char>& frozen) {
     check(given);
-    const TriMesh mesh = without_repeated_corners(given);
+    const TriMesh mesh = in_order_of_space(given);
     const Adjacency adjacent = adjacency(mesh);
     BaseSurface base;
     for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -42,7 +42,12 @@ VertexFeature feature_of(const Eigen::Matrix3d& A, const Eigen::Vector3d& normal
 }  // namespace
 
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent) {
-    const Points normals = triangle_normals(mesh), angles = corner_angles(mesh);
+    return quadric_metric_tensor(mesh, adjacent, triangle_normals(mesh));
+}
+
+std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent,
+                                                 const Points& normals) {
+    const Points angles = corner_angles(mesh);
     const std::vector<char> open = on_open_boundary(mesh, adjacent);
     std::vector<VertexFeature> features(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -3,6 +3,8 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/remesh/features.hpp"
+#include "core/remesh/normals.hpp"
+#include "core/remesh/order.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -20,25 +22,6 @@ void check(const TriMesh& mesh) {
             throw InvalidInput(text("remesh: triangle ", i / 3, " has vertex ", v, ", which is not one of ",
                                     mesh.num_vertices(), " finite vertices"));
     }
-}
-
-/// The input without triangles that repeat a corner.
-TriMesh without_repeated_corners(const TriMesh& mesh) {
-    const auto is_good = [&](int t) {
-        const int a = mesh.triangles(t, 0), b = mesh.triangles(t, 1), c = mesh.triangles(t, 2);
-        return a != b && b != c && c != a;
-    };
-    TriMesh result;
-    result.vertices = mesh.vertices;
-    result.triangles.resize(mesh.num_triangles(), 3);
-    int count = 0;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
-        if (!is_good(t)) continue;
-        result.triangles.row(count++) = mesh.triangles.row(t);
-        if (!mesh.group.empty()) result.group.push_back(mesh.group[t]);
-    }
-    result.triangles.conservativeResize(count, 3);
-    return result;
 }
 
 void join_halves(const Adjacency& adjacent, BaseSurface& base) {
@@ -84,47 +67,6 @@ void separate_fans(int num_vertices, BaseSurface& base) {
             base.tri[h / 3][h % 3] = v;
             h = base.twin[base.prev(h)];
         }
-    }
-}
-
-/// Unit normals; of a triangle without a reliable one that of the neighbour across its longest edge.
-void find_normals(BaseSurface& base) {
-    const int m = static_cast<int>(base.tri.size());
-    base.normal.resize(m);
-    std::vector<int> flat;
-    std::vector<char> known(m, 1);
-    for (int t = 0; t < m; ++t) {
-        const Vector3d a = base.points[base.tri[t][0]], b = base.points[base.tri[t][1]],
-                       c = base.points[base.tri[t][2]];
-        const Vector3d n = (b - a).cross(c - a);
-        const double longest2 = std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
-        const double twice_area = n.norm();
-        base.area += 0.5 * twice_area;
-        base.mean_edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-        // Thinner than 1e-5 of the diagonal: its normal is noise, and would make a crease of each of its long sides.
-        known[t] = twice_area > std::max(1e-9 * longest2, 1e-5 * base.diagonal * std::sqrt(longest2));
-        base.normal[t] = twice_area > 0 ? Vector3d(n / twice_area) : Vector3d::Zero();
-        if (!known[t]) flat.push_back(t);
-    }
-    base.mean_edge /= std::max(3 * m, 1);
-    for (int round = 0; round < 8 && !flat.empty(); ++round) {
-        std::vector<int> left;
-        for (const int t : flat) {
-            int longest = 3 * t;
-            const auto length2 = [&](int h) {
-                return (base.points[base.from(base.next(h))] - base.points[base.from(h)]).squaredNorm();
-            };
-            for (int h = 3 * t + 1; h < 3 * t + 3; ++h)
-                if (length2(h) > length2(longest)) longest = h;
-            const int beside = base.twin[longest] >= 0 ? base.twin[longest] / 3 : -1;
-            if (beside >= 0 && known[beside]) {
-                base.normal[t] = base.normal[beside];
-                known[t] = 1;
-            } else {
-                left.push_back(t);
-            }
-        }
-        flat.swap(left);
     }
 }
 
@@ -189,7 +131,7 @@ void number_patches(BaseSurface& base) {
 
 BaseSurface base_surface(const TriMesh& given, double angle, double edge_length, const std::vector<char>& frozen) {
     check(given);
-    const TriMesh mesh = without_repeated_corners(given);
+    const TriMesh mesh = in_order_of_space(given);
     const Adjacency adjacent = adjacency(mesh);
     BaseSurface base;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -206,6 +148,7 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length,
     if (!(base.area > 0) || !std::isfinite(base.area))
         throw InvalidInput(text("remesh: ", given.num_triangles(), " triangles of total area ", base.area));
     base.edge_length = edge_length > 0 ? edge_length : base.mean_edge;
+    level_slivers(angle, base);
     find_features(mesh, adjacent, angle, frozen, base);
     number_patches(base);
     find_corner_normals(base);

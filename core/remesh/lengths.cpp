@@ -1,6 +1,8 @@
 #include "core/remesh/passes.hpp"
 
 #include <algorithm>
+#include <cstring>
+#include <limits>
 
 /// Splits and collapses.
 namespace strake {
@@ -50,10 +52,11 @@ public:
         if (mesh_.role[a] == VertexRole::fixed || (mesh_.role[a] == VertexRole::ridge && f < 0)) return false;
         if (f >= 0 && mesh_.features[f].kind == FeatureKind::kept) return false;
         if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
+        const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
+        Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0};
+        if (!keeps_short(a, b, foot.point, moves)) return false;  // most fail here, and it is cheap
         if (!mesh_.can_collapse(h, a)) return false;
         if (f >= 0 && !mesh_.collapse_fits_curve(h, a, guard_.chord_slack)) return false;
-        const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
-        Foot foot{mesh_.pos[b], mesh_.foot[b], 0};
         if (moves) foot = project(*mesh_.base, 0.5 * (mesh_.pos[a] + mesh_.pos[b]), mesh_.foot[b], mesh_.size[b]);
         if (!fits_at(a, b, h, foot, moves)) {
             // Cut out of long needles, vertices lie off the surface by as much as they are apart: at first they join,
@@ -70,7 +73,10 @@ public:
 
 private:
     bool fits_at(int a, int b, int h, const Foot& foot, bool moves) {
-        return shorter(a, b, foot.point) && (!moves || shorter(b, b, foot.point)) && faces(a, b, h, foot, moves);
+        return (!moves || keeps_short(a, b, foot.point, moves)) && faces(a, b, h, foot, moves);
+    }
+    bool keeps_short(int a, int b, const Vector3d& x, bool moves) const {
+        return shorter(a, b, x) && (!moves || shorter(b, b, x));
     }
     bool vanishes(int t, int h) const { return t == h / 3 || (mesh_.twin[h] >= 0 && t == mesh_.twin[h] / 3); }
 
@@ -146,25 +152,52 @@ int first_half(const WorkingMesh& mesh, int h) {
     return g >= 0 && g < h ? g : h;
 }
 
-void note_triangle(const WorkingMesh& mesh, int t, std::vector<int>& edges) {
-    for (int h = 3 * t; h < 3 * t + 3; ++h) edges.push_back(first_half(mesh, h));
-}
+/// Edges that are to be looked at again.
+class EdgeMarks {
+public:
+    void note(const WorkingMesh& mesh, int h) {
+        const std::size_t first = first_half(mesh, h);
+        if (first >= is_marked_.size()) is_marked_.resize(mesh.corner.size(), 0);
+        is_marked_[first] = 1;
+        lowest_ = std::min(lowest_, first);
+        highest_ = std::max(highest_, first);
+    }
+    void note_triangle(const WorkingMesh& mesh, int t) {
+        for (int h = 3 * t; h < 3 * t + 3; ++h) note(mesh, h);
+    }
+    bool is_empty() const { return lowest_ > highest_; }
+    /// Calls f(h) in the order of their numbers, and forgets them.
+    template <class F>
+    void take_all(const F& f) {
+        for (std::size_t h = lowest_; h <= highest_; ++h) {
+            const void* at = std::memchr(&is_marked_[h], 1, highest_ + 1 - h);
+            if (at == nullptr) break;
+            h = static_cast<std::size_t>(static_cast<const char*>(at) - is_marked_.data());
+            is_marked_[h] = 0;
+            f(static_cast<int>(h));
+        }
+        lowest_ = std::numeric_limits<std::size_t>::max();
+        highest_ = 0;
+    }
+
+private:
+    std::vector<char> is_marked_;
+    std::size_t lowest_ = std::numeric_limits<std::size_t>::max(), highest_ = 0;
+};
 
 /// Looks at all edges, then again and again at those where something has changed, in the order of their numbers.
-/// visit(h, next) adds to `next` what is to be looked at again. @return the sum of what it returns.
+/// visit(h, next) marks in `next` what is to be looked at again. @return the sum of what it returns.
 template <class Visit>
 int sweep_edges(const WorkingMesh& mesh, int most_sweeps, const Visit& visit) {
-    std::vector<int> look, next;
+    EdgeMarks look, next;
     int total = 0;
     for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h)
         if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);
-    for (int sweep = 1; sweep < most_sweeps && !next.empty(); ++sweep) {
-        look.swap(next);
-        next.clear();
-        std::sort(look.begin(), look.end());
-        look.erase(std::unique(look.begin(), look.end()), look.end());
-        for (const int h : look)
+    for (int sweep = 1; sweep < most_sweeps && !next.is_empty(); ++sweep) {
+        std::swap(look, next);
+        look.take_all([&](int h) {
             if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);
+        });
     }
     return total;
 }
@@ -172,23 +205,23 @@ int sweep_edges(const WorkingMesh& mesh, int most_sweeps, const Visit& visit) {
 }  // namespace
 
 int split_long(WorkingMesh& mesh, double factor) {
-    return sweep_edges(mesh, 200, [&](int h, std::vector<int>& next) {
+    return sweep_edges(mesh, 200, [&](int h, EdgeMarks& next) {
         const int g = mesh.twin[h];
         const double length2 = mesh.length2(h), limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
         if (!(length2 > limit * limit) || !may_split(mesh, h)) return 0;
         if (!is_longest(mesh, h, length2) || (g >= 0 && !is_longest(mesh, g, length2))) return 0;  // these come first
         const int before = mesh.num_triangles();
         mesh.split(h);
-        note_triangle(mesh, h / 3, next);
-        if (g >= 0) note_triangle(mesh, g / 3, next);
-        for (int t = before; t < mesh.num_triangles(); ++t) note_triangle(mesh, t, next);
+        next.note_triangle(mesh, h / 3);
+        if (g >= 0) next.note_triangle(mesh, g / 3);
+        for (int t = before; t < mesh.num_triangles(); ++t) next.note_triangle(mesh, t);
         return 1;
     });
 }
 
 int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, double longest) {
     Collapse collapse(mesh, guard, longest);
-    return sweep_edges(mesh, 4, [&](int h, std::vector<int>& next) {
+    return sweep_edges(mesh, 4, [&](int h, EdgeMarks& next) {
         const double limit = factor * mesh.wanted(mesh.from(h), mesh.to(h));
         if (!(mesh.length2(h) < limit * limit)) return 0;
         const int a = mesh.from(h), b = mesh.to(h);
@@ -196,7 +229,7 @@ int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, dou
         if (!a_goes && !collapse.attempt(h, b)) return 0;
         mesh.neighbours(a_goes ? b : a, [&](int u) {
             mesh.around(u, [&](int out) {
-                next.push_back(first_half(mesh, out));
+                next.note(mesh, out);
                 return true;
             });
         });

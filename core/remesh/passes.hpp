@@ -38,11 +38,12 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
     return facing(mesh, a, b, c, mesh.pos[a], mesh.pos[b], mesh.pos[c]);
 }
-/// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread.
+/// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread. What
+/// barely faces forwards may: at a rounded edge all triangles do.
 inline double allowed_dot(const StepGuard& guard, double before) {
     if (before >= guard.cos_natural) return guard.cos_natural;
     const double sine = std::sqrt(std::max(0.0, 1 - before * before));
-    return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, 0.05, guard.cos_natural);
+    return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, before > 0 ? 0.005 : 0.05, guard.cos_natural);
 }
 constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
 /// Whether `made` faces another way than `old`, or that way was wrong, or not known.

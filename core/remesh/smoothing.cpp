@@ -13,47 +13,58 @@ struct Moves {
     std::vector<double> s;  ///< shift along the curve, of ridges
 };
 
-/// Centre of the triangles around v, weighted by their areas in units of the wanted one.
-Vector3d centre(const WorkingMesh& mesh, int v) {
+/// Calls f(p, pos of p - pos of v, q, pos of q - pos of v) for every triangle v p q around free vertex v.
+template <class F>
+void each_triangle_at(const WorkingMesh& mesh, int v, F&& f) {
+    const Vector3d x = mesh.pos[v];
+    const int first = mesh.half[v];
+    int h = first, p = mesh.to(h);
+    Vector3d u = mesh.pos[p] - x;
+    do {
+        const int back = WorkingMesh::prev(h), q = mesh.from(back);
+        const Vector3d w = mesh.pos[q] - x;
+        f(p, u, q, w);
+        p = q;
+        u = w;
+        h = mesh.twin[back];
+    } while (h != first);
+}
+
+/// From v to the centre of the triangles around it, weighted by their areas in units of the wanted one.
+Vector3d towards_centre(const WorkingMesh& mesh, int v) {
     Vector3d sum = Vector3d::Zero();
     double whole = 0;
-    const Vector3d x = mesh.pos[v];
-    mesh.around(v, [&](int h) {
-        const int p = mesh.to(h), q = mesh.apex(h);
-        const Vector3d u = mesh.pos[p] - x, w = mesh.pos[q] - x;
+    each_triangle_at(mesh, v, [&](int p, const Vector3d& u, int q, const Vector3d& w) {
         const double size = mesh.size[p] + mesh.size[q];
         const double weight = u.cross(w).norm() / (size * size);
         sum += weight * (u + w);
         whole += weight;
-        return true;
     });
-    return whole > 0 ? Vector3d(x + sum / (3 * whole)) : x;
+    return whole > 0 ? Vector3d(sum / (3 * whole)) : Vector3d::Zero();
 }
 
-/// Where the triangles around v would be equilateral, weighted by how far they are from it. All vertices move at once:
-/// the whole way would make them swing.
+/// From v to where the triangles around it would be equilateral, weighted by how far they are from it. All vertices
+/// move at once: the whole way would make them swing.
 Vector3d towards_equilateral(const WorkingMesh& mesh, int v) {
     constexpr double share = 0.6, of_wanted = 0.2;
     Vector3d sum = Vector3d::Zero();
     double whole = 0;
-    const Vector3d x = mesh.pos[v];
-    mesh.around(v, [&](int h) {
-        const int a = mesh.to(h), b = mesh.apex(h);
-        const Vector3d p = mesh.pos[a], q = mesh.pos[b], up = mesh.normal[v].cross(q - p);
-        const double length = up.norm();  // of the edge across, seen along the normal
-        if (!(length > 0)) return true;
-        const double side =
-            (1 - of_wanted) * (q - p).norm() + of_wanted * (0.5 * mesh.size[v] + 0.25 * (mesh.size[a] + mesh.size[b]));
-        const double weight = std::sqrt(1.02 - shape_quality(x, p, q));
-        sum += weight * (0.5 * (p + q) + 0.8660254037844386 * side / length * up);
+    each_triangle_at(mesh, v, [&](int a, const Vector3d& p, int b, const Vector3d& q) {
+        const Vector3d across = q - p, up = mesh.normal[v].cross(across);
+        const double up2 = up.squaredNorm(), across2 = across.squaredNorm();  // the edge across; seen along the normal
+        if (!(up2 > 0)) return;
+        const double side = (1 - of_wanted) * std::sqrt(across2) +
+                            of_wanted * (0.5 * mesh.size[v] + 0.25 * (mesh.size[a] + mesh.size[b]));
+        const double quality = 3.4641016151377544 * p.cross(q).norm() / (p.squaredNorm() + q.squaredNorm() + across2);
+        const double weight = std::sqrt(1.02 - quality);
+        sum += weight * (0.5 * (p + q) + 0.8660254037844386 * side / std::sqrt(up2) * up);
         whole += weight;
-        return true;
     });
-    return whole > 0 ? Vector3d(x + share * (sum / whole - x)) : x;
+    return whole > 0 ? Vector3d(share / whole * sum) : Vector3d::Zero();
 }
 
 void move_free(const WorkingMesh& mesh, Towards goal, int v, Moves& moves) {
-    Vector3d shift = (goal == Towards::centres ? centre(mesh, v) : towards_equilateral(mesh, v)) - mesh.pos[v];
+    Vector3d shift = goal == Towards::centres ? towards_centre(mesh, v) : towards_equilateral(mesh, v);
     shift -= shift.dot(mesh.normal[v]) * mesh.normal[v];
     const Foot foot = project(*mesh.base, mesh.pos[v] + shift, mesh.foot[v], 0.5 * mesh.size[v]);
     const Vector3d normal = normal_at(*mesh.base, foot.triangle, foot.point);
@@ -84,10 +95,27 @@ void move_ridge(const WorkingMesh& mesh, const StepGuard& guard, int v, Moves& m
     moves.foot[v] = curves.triangle_at(e.curve, e.s[1] + shift);
 }
 
+/// What nearly all triangles are: well shaped, and facing the way that the input does at their free corners.
+bool is_surely_good(const WorkingMesh& mesh, const StepGuard& guard, int a, int b, int c) {
+    const Vector3d u = mesh.pos[b] - mesh.pos[a], w = mesh.pos[c] - mesh.pos[a], normal = u.cross(w);
+    const double sum = u.squaredNorm() + w.squaredNorm() + (u - w).squaredNorm(), norm2 = normal.squaredNorm();
+    if (!(12 * norm2 > 0.3001 * 0.3001 * sum * sum)) return false;
+    const double least2 = guard.cos_natural * guard.cos_natural * norm2 * (1 + 1e-12);
+    bool is_known = false;
+    for (const int v : {a, b, c}) {
+        if (mesh.role[v] != VertexRole::free || mesh.bent[v]) continue;
+        const double dot = normal.dot(mesh.normal[v]);
+        if (!(dot > 0 && dot * dot >= least2)) return false;
+        is_known = true;
+    }
+    return is_known;
+}
+
 /// Triangles that the moves would spoil; their vertices stay.
 bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const StepGuard& guard, int t) {
     const int a = mesh.corner[3 * t], b = mesh.corner[3 * t + 1], c = mesh.corner[3 * t + 2];
     if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
+    if (is_surely_good(mesh, guard, a, b, c)) return false;
     const Facing now = facing(mesh, a, b, c);
     if (now.dot <= 1 && now.dot >= guard.cos_natural && now.quality > 0.3) return false;
     Facing old = facing(mesh, a, b, c, before.pos[a], before.pos[b], before.pos[c]);
@@ -137,17 +165,17 @@ void take_back(WorkingMesh& mesh, Moves& before, const StepGuard& guard) {
 /// Vertices near which nothing moves any more are calm. @return the largest move in wanted lengths.
 double settle(WorkingMesh& mesh, const Moves& before) {
     constexpr double noticeable = 0.01;
-    double largest = 0;
+    double largest2 = 0;
     std::vector<int> moved;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         if (mesh.calm[v]) continue;
-        const double move = (mesh.pos[v] - before.pos[v]).norm() / mesh.size[v];
-        largest = std::max(largest, move);
+        const double move2 = (mesh.pos[v] - before.pos[v]).squaredNorm() / (mesh.size[v] * mesh.size[v]);
+        largest2 = std::max(largest2, move2);
         mesh.calm[v] = 1;
-        if (move > noticeable && mesh.half[v] >= 0) moved.push_back(v);
+        if (move2 > noticeable * noticeable && mesh.half[v] >= 0) moved.push_back(v);
     }
     for (const int v : moved) mesh.wake_around(v);
-    return largest;
+    return std::sqrt(largest2);
 }
 
 }  // namespace

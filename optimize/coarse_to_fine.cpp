@@ -14,7 +14,7 @@ constexpr double variables_at_price = 10;    ///< new ones that have to promise 
 /// A gradient by differences costs an evaluation for each variable, so that coarse levels are finished first: left once
 /// their model sees no more than this share of what they have gained.
 constexpr double done_by_differences = 0.05;
-constexpr double most_credit = 100;          ///< for promises that turned out too small
+constexpr double most_credit = 100;  ///< for promises that turned out too small
 
 class Optimization {
 public:
@@ -109,7 +109,8 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        if (plan.promises.empty()) {
+        refining_is_idle_ = plan.promises.empty();  // finer patches that are all held, or do the same
+        if (refining_is_idle_) {
             state_.note(text("refinement: ", plan.words()));
             return false;
         }
@@ -194,8 +195,7 @@ private:
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
-            if (!is_same)
-                program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
+            if (!is_same) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
         }
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global

@@ -12,17 +12,17 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double largest_radius = 2;                          // in the metric: 1 is the largest reasonable step
-constexpr double careful_growth = 1.4;                        // once an evaluation has failed
-constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
-constexpr double nearly_met = 1e-3;                           // violation at which a finer level may take over
-constexpr int most_softenings = 4;                            ///< looks at the present metric before a step is taken
-constexpr double softened = 1.5;                              ///< a step so many times as long as thought is made anew
-constexpr int dear_gradient = 6;                              ///< differences: from so many variables on
-constexpr double worth_stretching = 1.5, most_stretching = 8; ///< of a step's length
+constexpr double largest_radius = 2;                           // in the metric: 1 is the largest reasonable step
+constexpr double careful_growth = 1.4;                         // once an evaluation has failed
+constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;   // actual over predicted decrease
+constexpr double nearly_met = 1e-3;                            // violation at which a finer level may take over
+constexpr int most_softenings = 4;                             ///< looks at the present metric before a step is taken
+constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
+constexpr int dear_gradient = 6;                               ///< differences: from so many variables on
+constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
-constexpr int stuck_steps = 4;                                ///< the same, outside of the constraints
-constexpr int calm_steps = 2;                                 ///< small decreases in a row that mean convergence
+constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
+constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
 
 }  // namespace
 

@@ -144,8 +144,9 @@ int main(int argc, char** argv) {
     app.add_option("--promise-below", settings.promise_below,
                    "adaptive: share of the gain below which a promise is not worth a refinement")
         ->check(CLI::Range(0.0, 1.0));
-    app.add_flag("--values-only", settings.values_only,
-                 "no gradients: slsqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
+    app.add_flag(
+        "--values-only", settings.values_only,
+        "no gradients: slsqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

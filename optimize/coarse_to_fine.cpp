@@ -14,6 +14,9 @@ constexpr double variables_at_price = 10;    ///< new ones that have to promise 
 /// A gradient by differences costs an evaluation for each variable, so that coarse levels are finished first: left once
 /// their model sees no more than this share of what they have gained.
 constexpr double done_by_differences = 0.05;
+/// Nor does one cost more than so many gradients of the next.
+constexpr double patience_by_differences = 2;
+constexpr int parts_of_a_patch = 4;
 constexpr double most_credit = 100;  ///< for promises that turned out too small
 
 class Optimization {
@@ -226,11 +229,14 @@ private:
                                         shape_curvature(hessian, program.metric), program_.known().dJ_dv};
                 return outgrown * promised_decrease(facts, *below) <= expected;
             };
-        else if (watched && state_.problem.optimize.progress_below > 0 && !sees_values_only)
+        const int evaluations_before = state_.result.evaluations;
+        const int finer = static_cast<int>(start.size()) * parts_of_a_patch;
+        if (!below && watched && state_.problem.optimize.progress_below > 0 && !sees_values_only)
             how.on_model = [&](double expected, const Eigen::MatrixXd&) {
                 const double gained =
                     std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
-                return !(expected <= done_by_differences * gained);
+                const int spent = state_.result.evaluations - evaluations_before;
+                return !(expected <= done_by_differences * gained || spent > patience_by_differences * finer);
             };
         still_expected_ = 0;
         MinimizeResult result = minimize(program, how);

@@ -11,7 +11,13 @@ namespace {
 
 constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
 constexpr double variables_at_price = 10;    ///< new ones that have to promise `promise_below` of what was gained
-constexpr double most_credit = 100;          ///< for promises that turned out too small
+/// A gradient by differences costs an evaluation for each variable, so that coarse levels are finished first: left once
+/// their model sees no more than this share of what they have gained.
+constexpr double done_by_differences = 0.05;
+/// Nor does one cost more than so many gradients of the next.
+constexpr double patience_by_differences = 2;
+constexpr int parts_of_a_patch = 4;
+constexpr double most_credit = 100;  ///< for promises that turned out too small
 
 class Optimization {
 public:
@@ -48,15 +54,12 @@ private:
                 any = true;
                 x = level.x;
             }
-            bool refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+            bool refines = finish_or_refine(x, level, front);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
                 level = run_raised(x);
                 x = level.x;
-                refines = goes_on(level) && state_.can_refine() && choose_front(x, front);
+                refines = finish_or_refine(x, level, front);
             }
-            // It was left for details that turn out to be worth nothing.
-            const bool left_early = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
-            if (refining_is_idle_ && left_early) level = run_level(x, Entry::finished);
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
             if (!refines) break;
@@ -66,6 +69,18 @@ private:
         state_.result.level = state_.space.level;
         conclude_run(state_.result, {level, program_.rows(), program_.quantity_failed(), state_.run_best.feasible,
                                      state_.can_refine(), refining_is_idle_});
+    }
+
+    /// True: on to this front. A level that was left for details that turn out to be worth nothing goes on to its end.
+    bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<Front>& front) {
+        if (!goes_on(level) || !state_.can_refine()) return false;
+        if (choose_front(x, front)) return true;
+        const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
+        const bool has_spent_its_share = level.stop == MinimizeStop::evaluations;
+        if (!refining_is_idle_ || !(was_left || has_spent_its_share)) return false;
+        level = run_level(x, Entry::finished);
+        x = level.x;
+        return goes_on(level) && choose_front(x, front);  // it may have come to where details are worth something
     }
 
     static bool ended_at_limit(const MinimizeResult& level) {
@@ -97,7 +112,8 @@ private:
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
         const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        if (plan.promises.empty()) {
+        refining_is_idle_ = plan.promises.empty();  // finer patches that are all held, or do the same
+        if (refining_is_idle_) {
             state_.note(text("refinement: ", plan.words()));
             return false;
         }
@@ -182,12 +198,16 @@ private:
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
+            if (!is_same) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
         }
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global
         // search makes its progress in leaps.
         const bool watched = !last && how.starts == 1 && !method_facts(how.method).is_global;
-        ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0);
+        // Without gradients so many evaluations say of one point what one with a gradient says.
+        const bool sees_values_only = !method_facts(how.method).needs_gradients;
+        ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0,
+                            sees_values_only ? static_cast<int>(start.size()) : 0);
         how.on_step = [&](const MinimizeStep& step) {
             const bool slackened = watch.slackened(step.merit, step.violation);
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
@@ -209,12 +229,29 @@ private:
                                         shape_curvature(hessian, program.metric), program_.known().dJ_dv};
                 return outgrown * promised_decrease(facts, *below) <= expected;
             };
+        const int evaluations_before = state_.result.evaluations;
+        const int finer = static_cast<int>(start.size()) * parts_of_a_patch;
+        if (!below && watched && state_.problem.optimize.progress_below > 0 && !sees_values_only)
+            how.on_model = [&](double expected, const Eigen::MatrixXd&) {
+                const double gained =
+                    std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+                const int spent = state_.result.evaluations - evaluations_before;
+                return !(expected <= done_by_differences * gained || spent > patience_by_differences * finer);
+            };
         still_expected_ = 0;
         MinimizeResult result = minimize(program, how);
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
         curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
+        // Finer details move the shape by less than what they are details of.
+        if (sees_values_only && result.best.failure.empty()) {
+            const Eigen::VectorXd moved = result.x - program.start;
+            const double length = std::sqrt(moved.dot(program.metric * moved));
+            if (length > 0) first_step_ = std::clamp(0.5 * length, 0.02, how.first_step);
+        }
         result.x = program_.unscaled(result.x);
+        // Points of differences are no steps of the search, but the best of all is what the next level inherits.
+        if (state_.level_best_x.size() == result.x.size()) result.x = state_.level_best_x;
         // What was too far on this level is too far on the next, and what was not is not.
         if (result.radius > 0) first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, 2.0);
         return result;

@@ -45,10 +45,12 @@ Eigen::VectorXd Guard::all_variables(const double* z) const {
     return x;
 }
 
-const Sample& Guard::at(const double* z, bool gradient) {
+const Sample& Guard::at(const double* z, bool gradient) { return asked(all_variables(z), gradient); }
+
+const Sample& Guard::asked(const Eigen::VectorXd& x, bool gradient) {
     // Cached points cost nothing, so that no other limit ends an algorithm that goes round among them.
     if (++asked_ > 100L * options.max_evaluations + 10000 && cause == Cause::none) cause = Cause::circles;
-    return at_all(all_variables(z), gradient);
+    return at_all(x, gradient);
 }
 
 const Sample& Guard::at_all(const Eigen::VectorXd& asked, bool gradient) {

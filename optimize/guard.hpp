@@ -29,7 +29,8 @@ public:
 
     /// Sample at the free variables `z`. @throws nlopt::forced_stop with `cause` set when there is none.
     const Sample& at(const double* z, bool gradient);
-    const Sample& at_all(const Eigen::VectorXd& x, bool gradient);  ///< the same for all variables
+    const Sample& asked(const Eigen::VectorXd& x, bool gradient);   ///< the same for all variables
+    const Sample& at_all(const Eigen::VectorXd& x, bool gradient);  ///< and not by NLopt
     Eigen::VectorXd all_variables(const double* z) const;
     /// As at_all, without an exception: false, `cause` is set.
     bool try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample);

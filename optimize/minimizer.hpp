@@ -43,6 +43,8 @@ struct NonlinearProgram {
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x, const Eigen::VectorXd& d)> present_metric;
     /// n x n, positive definite: what is known of the Lagrangian's Hessian at the start. Empty: nothing. Used by slsqp.
     Eigen::MatrixXd hessian;
+    /// The part of it, positive semidefinite, whose shape is known and whose size is a guess. Empty: none.
+    Eigen::MatrixXd guessed;
 };
 
 /// One evaluation, told as it happens.

@@ -2,6 +2,8 @@
 
 #include "optimize/first_order.hpp"
 
+#include <Eigen/Cholesky>
+
 namespace strake {
 
 using Eigen::VectorXd;
@@ -90,7 +92,7 @@ const Sample* NloptRun::sample(const double* z, bool gradient) {
     const auto n = static_cast<Eigen::Index>(guard_.free.size());
     if (failed_z_.size() == n && failed_z_ == Eigen::Map<const VectorXd>(z, n)) return nullptr;
     try {
-        return &guard_.at(z, gradient);
+        return whitener_.size() > 0 ? &guard_.asked(point(z), gradient) : &guard_.at(z, gradient);
     } catch (const nlopt::forced_stop&) {
     }
     if (guard_.cause == Cause::failure && method_.ranks_failures) {
@@ -115,7 +117,7 @@ VectorXd NloptRun::gradient_of(const Sample& s) const {
 double NloptRun::failed_value(const double* z, double* gradient) const {
     const double height = std::max(worst_ - good_value_, 1e-3 * std::max(1.0, std::abs(good_value_)));
     if (!gradient) return worst_;
-    const VectorXd away = guard_.all_variables(z) - good_x_;
+    const VectorXd away = point(z) - good_x_;
     const double length = std::max(away.squaredNorm(), 1e-30);
     for (std::size_t i = 0; i < guard_.free.size(); ++i) gradient[i] = 2 * height * away[guard_.free[i]] / length;
     return good_value_ + height;
@@ -130,7 +132,7 @@ void NloptRun::keep(const double* z, const Sample& s, double value) {
     worst_violation_ = std::max(worst_violation_, violation);
     if (violation <= guard_.options.constraint_tolerance) violation = 0;
     worst_ = has_lowest_ ? std::max(worst_, value) : value;
-    good_x_ = guard_.all_variables(z);
+    good_x_ = point(z);
     good_value_ = value;
     if (has_lowest_ && !(violation < lowest_violation_ || (violation == lowest_violation_ && value < lowest_value_)))
         return;
@@ -175,8 +177,33 @@ void NloptRun::equalities(unsigned count, double* value, unsigned, const double*
     run.constraints(run.guard_.program.num_inequalities, count, value, z, gradient);
 }
 
-/// No longer than the box allows: BOBYQA refuses such.
+/// Methods that only see values learn the size and the kinship of the variables at one evaluation each, or never: they
+/// search in variables in which the metric is the identity. Bounds are no box there; points beyond are moved onto them.
+void NloptRun::set_whitener(const VectorXd& start, const Box& box) {
+    whitener_.resize(0, 0);
+    if (method_.is_global || method_.needs_gradients || guard_.program.metric.size() == 0) return;
+    const auto n = static_cast<Eigen::Index>(guard_.free.size());
+    const Eigen::LLT<Eigen::MatrixXd> metric(guard_.program.metric(guard_.free, guard_.free));
+    if (metric.info() != Eigen::Success) return;
+    whitener_ = metric.matrixU().solve(Eigen::MatrixXd::Identity(n, n));
+    origin_ = start;
+    box_ = box;
+}
+
+VectorXd NloptRun::point(const double* z) const {
+    if (whitener_.size() == 0) return guard_.all_variables(z);
+    VectorXd x = origin_;
+    x(guard_.free) += whitener_ * Eigen::Map<const VectorXd>(z, whitener_.cols());
+    return x.cwiseMax(box_.lower).cwiseMin(box_.upper);
+}
+
+/// No longer than the box allows: BOBYQA refuses such. Whitened, all of them together are as long as a first step.
 void NloptRun::set_steps(nlopt::opt& opt, const Box& box) const {
+    if (whitener_.size() > 0) {
+        const double all = guard_.options.first_step / std::sqrt(static_cast<double>(whitener_.cols()));
+        opt.set_initial_step(method_.method == Method::bobyqa ? 4 * all : all);
+        return;
+    }
     std::vector<double> steps;
     for (const int j : guard_.free) steps.push_back(std::min(first_simplex, 0.4 * (box.upper[j] - box.lower[j])));
     opt.set_initial_step(steps);
@@ -196,8 +223,10 @@ void NloptRun::configure(nlopt::opt& opt, const Box& box, double objective_toler
     const NonlinearProgram& p = guard_.program;
     std::vector<double> lower, upper;
     for (const int j : guard_.free) lower.push_back(box.lower[j]), upper.push_back(box.upper[j]);
-    opt.set_lower_bounds(lower);
-    opt.set_upper_bounds(upper);
+    if (whitener_.size() == 0) {
+        opt.set_lower_bounds(lower);
+        opt.set_upper_bounds(upper);
+    }
     opt.set_min_objective(objective, this);
     const auto tolerances = [&](int count) { return std::vector<double>(count, o.constraint_tolerance); };
     if (p.num_inequalities > 0 && hands(true))
@@ -235,7 +264,8 @@ nlopt::result NloptRun::run(const VectorXd& start, const Box& box, double object
     good_x_ = lowest_x = end_x = start;
     nlopt::srand(guard_.options.seed);
     std::vector<double> z;
-    for (const int j : guard_.free) z.push_back(start[j]);
+    set_whitener(start, box);
+    for (const int j : guard_.free) z.push_back(whitener_.size() > 0 ? 0 : start[j]);
     double value = 0;
     nlopt::result code = nlopt::FAILURE;
     try {
@@ -251,7 +281,7 @@ nlopt::result NloptRun::run(const VectorXd& start, const Box& box, double object
         words = e.what();
     }
     if (Eigen::Map<const VectorXd>(z.data(), static_cast<Eigen::Index>(z.size())).allFinite())
-        end_x = guard_.all_variables(z.data()).cwiseMax(guard_.program.lower).cwiseMin(guard_.program.upper);
+        end_x = point(z.data()).cwiseMax(guard_.program.lower).cwiseMin(guard_.program.upper);
     return code;
 }
 

@@ -52,6 +52,8 @@ private:
     void constraints(int first, unsigned count, double* value, const double* z, double* gradient);
     void configure(nlopt::opt& opt, const Box& box, double objective_tolerance, double step_tolerance);
     void set_steps(nlopt::opt& opt, const Box& box) const;
+    void set_whitener(const Eigen::VectorXd& start, const Box& box);
+    Eigen::VectorXd point(const double* z) const;  ///< all variables
     void set_population(nlopt::opt& opt) const;
     const Sample* sample(const double* z, bool gradient);
     double value_of(const Sample& sample) const;
@@ -66,6 +68,9 @@ private:
     const MethodFacts& method_;
     const Lagrangian* lagrangian_;
     nlopt::opt* opt_ = nullptr;
+    Eigen::MatrixXd whitener_;  ///< free variables = start + whitener z, moved into the box; empty: they are z
+    Eigen::VectorXd origin_;
+    Box box_;
     double lowest_value_ = 0, lowest_violation_ = 0, worst_ = 0, worst_violation_ = 1;
     bool has_lowest_ = false;
     Eigen::VectorXd good_x_, failed_z_;  ///< last point with a value; last one without, in the free variables

@@ -12,6 +12,8 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+constexpr double at_bound = 1e-6;  ///< of the range
+
 /// Patches that have to be split together because variables tie their children.
 std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& child) {
     std::vector<int> root(parent.patches().patches.size());
@@ -76,11 +78,26 @@ MatrixXd orthonormal(const MatrixXd& columns, double least) {
     return qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
 }
 
-/// The gradient of all children, whitened, without what the space itself can do about it.
-VectorXd open_gradient(const DesignFacts& facts, const Prospect& below) {
+MatrixXd span_of(const MatrixXd& whitened) { return orthonormal(whitened, 1e-9 * std::max(1e-300, whitened.norm())); }
+
+/// What the space itself can do: variables at a bound beyond which it would get better can do nothing.
+MatrixXd reachable(const DesignFacts& facts, const Prospect& below) {
+    const DesignSpace& space = facts.space;
+    const VectorXd g = design_gradient(space, facts.x, facts.lagrangian);
+    std::vector<int> free;
+    for (int j = 0; j < space.size(); ++j) {
+        const double room = g[j] > 0 ? facts.x[j] - space.lower[j] : space.upper[j] - facts.x[j];
+        if (g[j] == 0 || room > at_bound * (space.upper[j] - space.lower[j])) free.push_back(j);
+    }
+    if (static_cast<int>(free.size()) == space.size()) return below.known;
+    return span_of(below.inherited(Eigen::all, free));
+}
+
+/// The gradient of all children, whitened, without what can be done about it already.
+VectorXd open_gradient(const DesignFacts& facts, const Prospect& below, const MatrixXd& known) {
     const VectorXd w =
         below.metric.matrixL().solve(design_gradient(below.children.space, below.children.x, facts.lagrangian));
-    return w - below.known * (below.known.transpose() * w);
+    return w - known * (known.transpose() * w);
 }
 
 /// Integral of |dJ/dv| over each patch: a vertex gives each of its triangles its share of the area.
@@ -102,7 +119,12 @@ std::string percent(double share) { return text(std::isfinite(share) ? std::roun
 class Choice {
 public:
     Choice(const DesignFacts& facts, const Prospect& below, double most)
-        : facts_(facts), below_(below), most_(most), splits_(below.splits), open_(open_gradient(facts, below)) {
+        : facts_(facts),
+          below_(below),
+          most_(most),
+          splits_(below.splits),
+          known_(reachable(facts, below)),
+          open_(open_gradient(facts, below, known_)) {
         all_ = open_.squaredNorm() / (2 * facts.curvature);
         const bool by_gradient = facts.space.rest->parameters.split == SplitRule::gradient;
         if (by_gradient) {
@@ -113,7 +135,7 @@ public:
         for (const SplitPromise& split : splits_) {
             const MatrixXd columns = whitener(Eigen::all, split.variables);
             lengths_.push_back(columns.colwise().norm().maxCoeff());
-            columns_.push_back(columns - below.known * (below.known.transpose() * columns));
+            columns_.push_back(columns - known_ * (known_.transpose() * columns));
         }
     }
 
@@ -145,7 +167,9 @@ public:
     }
 
     double all() const { return all_; }
-    VectorXd step() const { return -below_.metric.matrixU().solve(open_gradient(facts_, below_)) / facts_.curvature; }
+    VectorXd step() const {
+        return -below_.metric.matrixU().solve(open_gradient(facts_, below_, known_)) / facts_.curvature;
+    }
     std::vector<SplitPromise> splits() const { return splits_; }
 
 private:
@@ -184,6 +208,7 @@ private:
     const Prospect& below_;
     double most_, all_ = 0;
     std::vector<SplitPromise> splits_;
+    MatrixXd known_;                 ///< orthonormal: what is reached without splits
     VectorXd open_;                  ///< what no chosen split can do yet
     std::vector<MatrixXd> columns_;  ///< per split: its variables, whitened, beyond what is chosen
     std::vector<double> lengths_;
@@ -207,13 +232,13 @@ std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
     below.splits = possible_splits(space, below.children.space, parts);
     below.parts = std::move(parts);
     below.metric.compute(below.children.space.metric);
-    const MatrixXd inherited = below.metric.matrixU() * below.children.prolongation;
-    below.known = orthonormal(inherited, 1e-9 * std::max(1e-300, inherited.norm()));
+    below.inherited = below.metric.matrixU() * below.children.prolongation;
+    below.known = span_of(below.inherited);
     return below;
 }
 
 double promised_decrease(const DesignFacts& facts, const Prospect& below) {
-    return open_gradient(facts, below).squaredNorm() / (2 * facts.curvature);
+    return open_gradient(facts, below, reachable(facts, below)).squaredNorm() / (2 * facts.curvature);
 }
 
 RefinementPlan plan_refinement(const DesignFacts& facts) {

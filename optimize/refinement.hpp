@@ -45,14 +45,15 @@ struct Prospect {
     std::vector<int> parts;            ///< per patch of the space
     std::vector<SplitPromise> splits;  ///< those that are possible, no promises yet
     Eigen::LLT<Eigen::MatrixXd> metric;
-    Eigen::MatrixXd known;  ///< orthonormal columns: what the space itself can do, whitened by the metric
+    Eigen::MatrixXd inherited;  ///< the prolongation, whitened by the metric
+    Eigen::MatrixXd known;      ///< orthonormal columns: what the space itself can do, whitened by the metric
 };
 /// None where no patch has parts. Cost: the responses at rest that are not known yet.
 std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// The expected decrease by all details together: with g the gradient and M the metric of all children and P the
 /// prolongation, (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature), what they add to what the space itself could
-/// still do.
+/// still do. Variables that a bound keeps from going on are left out of P: their parts have bounds of their own.
 double promised_decrease(const DesignFacts& facts, const Prospect& below);
 
 /// Chooses the patches that promise most, one after the other: the split that adds most to what the space and the

@@ -115,6 +115,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     if (is_level_best) {
         level_best = rank;
         level_best_vertices = evaluation.vertices;
+        level_best_x = x;
         level_best_objective = objective;
         evaluator.accept();
     }
@@ -218,6 +219,7 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* fron
     summary.evaluations = result.evaluations;  // until end_level: those before
     result.levels.push_back(summary);
     level_has_started_ = false;
+    level_best_x.resize(0);
     for (const std::string& words : space.notes) note(text("level ", space.level, ": ", words));
     if (events.level) events.level({space, start});
     return start;
@@ -251,11 +253,11 @@ bool ProgressWatch::slackened(double merit, double violation) {
     if (!near_feasible_ && violation < 1e-3) merit_.clear(), near_feasible_ = true;
     merit_.push_back(merit);
     const int count = static_cast<int>(merit_.size());
-    if (fraction_ <= 0 || count < 2 * window) return false;
+    if (fraction_ <= 0 || count < 2 * window_) return false;
     double best_gain = 0;
-    for (int i = window; i < count; ++i) best_gain = std::max(best_gain, merit_[i - window] - merit_[i]);
-    if (best_gain == 0) return count >= 4 * window;  // steps are still being shortened
-    return merit_[count - 1 - window] - merit_[count - 1] <= fraction_ * best_gain;
+    for (int i = window_; i < count; ++i) best_gain = std::max(best_gain, merit_[i - window_] - merit_[i]);
+    if (best_gain == 0) return count >= 4 * window_;  // steps are still being shortened
+    return merit_[count - 1 - window_] - merit_[count - 1] <= fraction_ * best_gain;
 }
 
 }  // namespace strake

@@ -73,6 +73,7 @@ public:
     RunResult result;
     Rank level_best, run_best;
     Points level_best_vertices;
+    Eigen::VectorXd level_best_x;  ///< empty: the level has no evaluation that is ok
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
 
 private:
@@ -95,17 +96,18 @@ private:
     std::vector<std::pair<std::string, double>> at_rest_;
 };
 
-/// Has progress slackened? The gain per evaluation over the last `window` of them, against the best such rate of the
+/// Has progress slackened? The gain per evaluation over the last few of them, against the best such rate of the
 /// level.
 class ProgressWatch {
 public:
-    explicit ProgressWatch(double fraction) : fraction_(fraction) {}
+    /// @param more evaluations that a look at progress takes beside the usual ones.
+    explicit ProgressWatch(double fraction, int more = 0) : fraction_(fraction), window_(5 + more) {}
     /// @param merit the best so far, `violation` that of the last evaluation.
     bool slackened(double merit, double violation);
 
 private:
-    static constexpr int window = 5;
     double fraction_;
+    int window_;
     bool near_feasible_ = false;
     std::vector<double> merit_;
 };

@@ -12,14 +12,17 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double largest_radius = 2;                          // in the metric: 1 is the largest reasonable step
-constexpr double careful_growth = 1.4;                        // once an evaluation has failed
-constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;  // actual over predicted decrease
-constexpr double nearly_met = 1e-3;                           // violation at which a finer level may take over
-constexpr int most_softenings = 4;                            ///< looks at the present metric before a step is taken
-constexpr double softened = 1.5;                              ///< a step so many times as long as thought is made anew
-constexpr int stuck_steps = 4;                                ///< the same, outside of the constraints
-constexpr int calm_steps = 2;                                 ///< small decreases in a row that mean convergence
+constexpr double largest_radius = 2;                           // in the metric: 1 is the largest reasonable step
+constexpr double careful_growth = 1.4;                         // once an evaluation has failed
+constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;   // actual over predicted decrease
+constexpr double nearly_met = 1e-3;                            // violation at which a finer level may take over
+constexpr int most_softenings = 4;                             ///< looks at the present metric before a step is taken
+constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
+constexpr int dear_gradient = 6;                               ///< differences: from so many variables on
+constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
+constexpr int most_stretches = 3;
+constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
+constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
 
 }  // namespace
 
@@ -155,7 +158,33 @@ bool SqpSearch::step() {
         stiffen(trial, taken);
         return rejected(length);
     }
-    return accept(x_ + taken, trial, decrease);
+    stretch(trial, taken, at_.gradient.dot(d) - guard_.penalty * std::max(relief, 0.0));
+    return accept(x_ + taken, trial, merit(at_) - merit(trial));
+}
+
+void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
+    const bool is_dear = p_.differences && p_.differences->objective && x_.size() >= dear_gradient;
+    const double before = d.norm();
+    for (int k = 0; is_dear && k < most_stretches; ++k) {
+        const double curvature = 2 * (merit(trial) - merit(at_) - slope);
+        const double times = curvature > 0 ? std::min(-slope / curvature, most_stretching) : most_stretching;
+        if (!(times > worth_stretching)) break;
+        const VectorXd longer = (x_ + times * d).cwiseMax(p_.lower).cwiseMin(p_.upper) - x_;
+        Sample further;
+        if (metric_norm(p_, longer) > largest_radius) break;
+        if (!evaluate(x_ + longer, false, further)) {
+            if (guard_.cause == Cause::failure) guard_.cause = Cause::none;  // it was a try
+            break;
+        }
+        if (!(merit(further) < merit(trial))) break;
+        trial = further;
+        d = longer;
+        slope *= times;
+    }
+    const double all = d.norm() / before;
+    if (!(all > 1)) return;
+    radius_ = std::clamp(metric_norm(p_, d), radius_, largest_radius);
+    if (accepted_ == 0 && p_.guessed.size() > 0) B_ -= (1 - 1 / all) * p_.guessed;
 }
 
 bool SqpSearch::correct(Sample& trial, VectorXd& d) {

@@ -60,6 +60,10 @@ private:
     /// A second-order correction: the same model with the curvature that the trial met added to the constraints.
     bool correct(Sample& trial, Eigen::VectorXd& d);
 
+    /// Where a gradient costs an evaluation for each variable, the parabola through the values is followed along a step
+    /// that turns out too short, before the next gradient is paid. Longer steps replace `trial` and `d`.
+    void stretch(Sample& trial, Eigen::VectorXd& d, double slope);
+
     bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease);
 
     /// Powell's damped BFGS update.

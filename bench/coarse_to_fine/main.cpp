@@ -24,6 +24,7 @@ struct Settings {
     std::string out = "evidence";
     LevelStartHessian level_start = LevelStartHessian::carried;
     double promise_below = OptimizeOptions().promise_below;
+    bool values_only = false;
 };
 
 std::string number(double value) {
@@ -99,10 +100,11 @@ void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
     problem.problem.optimize.promise_below = settings.promise_below;
+    if (settings.values_only) problem = without_gradients(problem);
     const std::filesystem::path folder = settings.out;
     Report report;
     for (const Solver solver : all_solvers())
-        for (const Method method : {Method::slsqp, problem.second}) {
+        for (const Method method : methods_of(problem)) {
             if (solver == Solver::filtered && method == Method::slsqp) continue;
             if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
             const Solve s = solve_or_say_why(problem, solver, method, settings.budget);
@@ -128,7 +130,7 @@ int main(int argc, char** argv) {
     app.add_option("--solvers", settings.solvers, "adaptive, uniform, finest, ffd, filtered; default: all")
         ->delimiter(',')
         ->check(CLI::IsMember({"adaptive", "uniform", "finest", "ffd", "filtered"}));
-    app.add_option("--methods", settings.methods, "slsqp, lbfgs, mma; default: all")->delimiter(',');
+    app.add_option("--methods", settings.methods, "slsqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
     app.add_option("--triangles", settings.triangles, "of a surface, about")->check(CLI::Range(500, 1'000'000));
     app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
     app.add_option("--seed", settings.seed, "another seed makes another set of problems");
@@ -142,6 +144,9 @@ int main(int argc, char** argv) {
     app.add_option("--promise-below", settings.promise_below,
                    "adaptive: share of the gain below which a promise is not worth a refinement")
         ->check(CLI::Range(0.0, 1.0));
+    app.add_flag(
+        "--values-only", settings.values_only,
+        "no gradients: slsqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -34,6 +34,28 @@ const std::vector<std::string>& problem_names() {
     return names;
 }
 
+std::vector<Method> methods_of(const EvidenceProblem& evidence) {
+    if (evidence.has_gradients) return {Method::slsqp, evidence.second};
+    // bobyqa knows no constraints.
+    if (evidence.problem.constraints.empty()) return {Method::slsqp, Method::cobyla, Method::bobyqa};
+    return {Method::slsqp, Method::cobyla};
+}
+
+EvidenceProblem without_gradients(EvidenceProblem evidence) {
+    evidence.has_gradients = false;
+    evidence.problem.optimize.finite_differences = true;
+    for (Quantity& quantity : evidence.problem.quantities) {
+        quantity.has_sensitivities = false;
+        quantity.residuals = nullptr;
+        quantity.evaluate = [values = quantity.evaluate](const QuantityRequest& request) {
+            QuantityRequest without = request;
+            without.want_sensitivities = false;
+            return values(without);
+        };
+    }
+    return evidence;
+}
+
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed) {
     const auto& all = makers();
     for (std::size_t i = 0; i < all.size(); ++i)

@@ -18,13 +18,19 @@ struct EvidenceProblem {
     HeldEnds ends;
     Problem problem;                ///< tree: the three levels that the variants with levels share
     Method second = Method::lbfgs;  ///< the method beside slsqp
+    bool has_gradients = true;
 };
+/// Those that it is solved with.
+std::vector<Method> methods_of(const EvidenceProblem& evidence);
 
 /// In the order of the tables.
 const std::vector<std::string>& problem_names();
 
 /// @param triangles about; wings have at least 1 000, lifting bodies 1 500. @throws InvalidInput for an unknown name.
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed);
+
+/// The same as a solver without gradients sees it: quantities give values only, slsqp takes differences.
+EvidenceProblem without_gradients(EvidenceProblem evidence);
 
 /// The tree whose level 1 is the last level of `tree`.
 PatchHierarchy finest_only(const PatchHierarchy& tree);

@@ -25,12 +25,13 @@ struct Tracer {
     Solve& solve;
     int variables = 0;  ///< of the level
     int choosing = 0;   ///< differences by which its patches were chosen
+    bool has_gradients = true;
     double begin = cpu_seconds();
     /// @param objective as minimized; NaN: no value
     void add(double objective, bool feasible) {
         TracePoint point = solve.trace.empty() ? TracePoint{} : solve.trace.back();
         ++point.evaluation;
-        point.paid += 1 + (std::isfinite(objective) ? variables : 0) + std::exchange(choosing, 0);
+        point.paid += 1 + (has_gradients && std::isfinite(objective) ? variables : 0) + std::exchange(choosing, 0);
         point.cpu = cpu_seconds() - begin;
         if (!std::isfinite(objective))
             ++solve.failures;
@@ -50,10 +51,11 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
     problem.optimize.method = method;
     problem.optimize.max_evaluations = budget;
     Tracer tracer{result};
+    tracer.has_gradients = evidence.has_gradients;
     RunEvents events;
     std::optional<DesignSpace> above;
     events.level = [&](const LevelStart& level) {
-        const bool chosen = above && solver == Solver::adaptive;
+        const bool chosen = above && solver == Solver::adaptive && tracer.has_gradients;
         if (const auto all = chosen ? prospect(*above, VectorXd::Zero(above->size())) : std::nullopt)
             tracer.choosing = all->children.space.size();
         tracer.variables = level.space.size();
@@ -86,6 +88,7 @@ class Comparator {
 public:
     Comparator(const EvidenceProblem& evidence, const LinearMotion& motion, Tracer& tracer)
         : problem_(evidence.problem),
+          has_gradients_(evidence.has_gradients),
           motion_(motion),
           tracer_(tracer),
           guard_(problem_.surface, adjacency(problem_.surface)) {
@@ -102,7 +105,10 @@ public:
         p.upper = motion_.upper.cwiseProduct(motion_.weight);
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
-        p.differentiate = [this](const VectorXd&, Sample& sample) { differentiate(sample); };
+        if (has_gradients_)
+            p.differentiate = [this](const VectorXd&, Sample& sample) { differentiate(sample); };
+        else
+            p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
         return p;
     }
@@ -120,7 +126,8 @@ private:
         std::vector<double> values;
         dJ_dv_.clear();
         for (std::size_t i = 0; sample.failure.empty() && i < problem_.quantities.size(); ++i) {
-            const QuantityResult r = problem_.quantities[i].evaluate({surface, true, tracer_.solve.evaluations, 0, {}});
+            const QuantityResult r =
+                problem_.quantities[i].evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
             if (r.failure) sample.failure = r.failure->message;
             values.insert(values.end(), r.values.begin(), r.values.end());
             dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());
@@ -163,6 +170,7 @@ private:
     double sign() const { return problem_.maximize ? -1 : 1; }
 
     const Problem& problem_;
+    const bool has_gradients_;
     const LinearMotion& motion_;
     Tracer& tracer_;
     ValidityGuard guard_;
@@ -178,6 +186,7 @@ struct EndedByItself {};
 
 void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
     Tracer tracer{result};
+    tracer.has_gradients = evidence.has_gradients;
     // As many variables as the last level of the tree has: those of its patches that are not wholly held.
     LinearMotion motion;
     if (solver == Solver::filtered) {
@@ -251,6 +260,10 @@ std::string to_string(Method method) {
             return "mma";
         case Method::lbfgs:
             return "lbfgs";
+        case Method::cobyla:
+            return "cobyla";
+        case Method::bobyqa:
+            return "bobyqa";
         default:
             return "other";
     }

@@ -1,0 +1,182 @@
+#include "optimize/coarse_to_fine.hpp"
+#include "optimize/evaluation.hpp"
+#include "optimize/refinement.hpp"
+#include "problems.hpp"
+#include "programs.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/QR>
+
+/// Runs without gradients, and what is handed from level to level in them.
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// A bowl with condition 1e4 in axes across the variables; its bottom is 1 away from the start in its own metric.
+struct Bowl {
+    MatrixXd hessian;
+    VectorXd bottom;
+    int gradients = 0;  ///< by differences
+
+    explicit Bowl(int n) {
+        const VectorXd entries = random_vector(n * n, 1);
+        const MatrixXd across =
+            Eigen::HouseholderQR<MatrixXd>(Eigen::Map<const MatrixXd>(entries.data(), n, n)).householderQ();
+        VectorXd stiffness(n);
+        for (int j = 0; j < n; ++j) stiffness[j] = std::pow(1e4, double(j) / (n - 1));
+        hessian = across * stiffness.asDiagonal() * across.transpose();
+        bottom = across * (stiffness.array() * n).rsqrt().matrix();
+    }
+    double at(const VectorXd& x) const { return 0.5 * (x - bottom).dot(hessian * (x - bottom)); }
+    NonlinearProgram program() {
+        NonlinearProgram p;
+        p.start = VectorXd::Zero(bottom.size());
+        p.lower = VectorXd::Constant(bottom.size(), -2);
+        p.upper = VectorXd::Constant(bottom.size(), 2);
+        p.evaluate = [this](const VectorXd& x) {
+            Sample s;
+            s.objective = at(x);
+            return s;
+        };
+        p.expect = [this](const std::vector<VectorXd>&) { ++gradients; };
+        return p;
+    }
+};
+
+class LocalWithoutGradients : public testing::TestWithParam<Method> {};
+
+TEST_P(LocalWithoutGradients, SearchesInTheMetric) {
+    const auto left_after = [](int evaluations, bool knows_metric) {
+        Bowl bowl(10);
+        NonlinearProgram p = bowl.program();
+        if (knows_metric) p.metric = bowl.hessian;
+        MinimizeOptions how;
+        how.method = GetParam();
+        how.max_evaluations = evaluations;
+        return bowl.at(minimize(p, how).x) / bowl.at(p.start);
+    };
+    EXPECT_LT(left_after(300, true), 1e-3);
+    EXPECT_LT(left_after(300, true), 0.1 * left_after(300, false));
+}
+
+TEST_P(LocalWithoutGradients, KeepsToTheBoundsInTheMetric) {
+    Bowl bowl(4);
+    bowl.hessian.setIdentity();
+    bowl.bottom.setConstant(0.5);
+    NonlinearProgram p = bowl.program();
+    p.metric = MatrixXd::Identity(4, 4) + 0.5 * MatrixXd::Ones(4, 4);
+    p.upper = VectorXd::Constant(4, 0.3);
+    int outside = 0;
+    p.evaluate = [&, evaluate = p.evaluate](const VectorXd& x) {
+        outside += (x.array() > 0.3).any();
+        return evaluate(x);
+    };
+    MinimizeOptions how;
+    how.method = GetParam();
+    how.max_evaluations = 1000;
+    const MinimizeResult r = minimize(p, how);
+    EXPECT_EQ(outside, 0);
+    EXPECT_LT((r.x - p.upper).lpNorm<Eigen::Infinity>(), 1e-3) << r.x.transpose();
+}
+
+INSTANTIATE_TEST_SUITE_P(Methods, LocalWithoutGradients,
+                         testing::Values(Method::cobyla, Method::bobyqa, Method::neldermead, Method::sbplx,
+                                         Method::praxis),
+                         [](const auto& info) { return method_facts(info.param).name; });
+
+/// A model twenty times too stiff costs a gradient a step, unless the values along the step are asked.
+TEST(Differences, AStepThatIsTooShortIsFollowedBeforeTheNextGradient) {
+    Bowl bowl(12);
+    NonlinearProgram p = bowl.program();
+    p.metric = bowl.hessian;
+    p.hessian = p.guessed = 20 * bowl.hessian;
+    p.differences.emplace().central = true;  // exact, here
+    MinimizeOptions how;
+    how.max_evaluations = 1000;
+    const MinimizeResult r = minimize(p, how);
+    EXPECT_LT(bowl.at(r.x), 1e-5 * bowl.at(p.start));
+    EXPECT_LE(bowl.gradients, 4);
+}
+
+/// Volume of an ellipsoid under an area limit, by values only.
+Problem values_only(Method method) {
+    Problem problem = ellipsoid_problem(2, 2);
+    maximize_volume(problem);
+    for (Quantity& quantity : problem.quantities) {
+        quantity.has_sensitivities = false;
+        quantity.evaluate = [evaluate = quantity.evaluate](const QuantityRequest& request) {
+            QuantityResult result = evaluate(request);
+            result.dJ_dv.clear();
+            return result;
+        };
+    }
+    problem.optimize.method = method;
+    problem.optimize.finite_differences = true;
+    problem.optimize.max_evaluations = 300;
+    return problem;
+}
+
+TEST(ValuesOnly, ALevelStartsFromTheBestShapeThatWasSeen) {
+    for (const Method method : {Method::slsqp, Method::mma, Method::cobyla}) {
+        const RunResult r = optimize(values_only(method));
+        ASSERT_EQ(r.levels.size(), 2u) << method_facts(method).name;
+        EXPECT_LT(r.levels[1].inherited_shape_change, 1e-10) << method_facts(method).name;
+        EXPECT_EQ(r.levels[1].objective_start, r.levels[0].objective_end) << method_facts(method).name;
+        EXPECT_GT(r.objective, 1.02 * r.objective_start) << method_facts(method).name;
+    }
+}
+
+TEST(ValuesOnly, CoarseLevelsAreLeftWhileThereIsBudget) {
+    const RunResult r = optimize(values_only(Method::slsqp));
+    ASSERT_EQ(r.levels.size(), 2u) << r.reason;
+    EXPECT_LT(r.levels[0].evaluations, 100);
+    EXPECT_EQ(r.levels[0].stop, "finer details promise more");
+}
+
+}  // namespace
+
+/// Each level has its share of the budget. Where finer ones promise nothing what is left is the present one's.
+TEST(CoarseToFine, ABudgetIsNotLeftOverWhereRefiningPromisesNothing) {
+    Problem problem = ellipsoid_problem(2, 3);
+    maximize_volume(problem);
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.optimize.promise_below = 1e3;
+    problem.optimize.progress_below = 0;
+    problem.optimize.max_evaluations = 9;
+    problem.constraints.clear();
+    const RunResult r = optimize(problem);
+    EXPECT_NE(r.reason.find("no progress is expected from further refinement"), std::string::npos) << r.reason;
+    EXPECT_EQ(r.levels.size(), 1u);
+    EXPECT_TRUE(r.evaluations == 9 || r.status == "converged") << r.evaluations << ", " << r.status << ", " << r.reason;
+    EXPECT_GT(r.evaluations, 3);
+}
+
+/// A variable at its bound can do no more, but its parts have bounds of their own.
+TEST(Refinement, WhatABoundForbidsIsPromisedByTheParts) {
+    Problem problem = ellipsoid_problem(2, 2);
+    maximize_volume(problem);
+    const DesignSpace space = design_space(rest_facts(problem), 1);
+    ShapeEvaluator evaluator(problem, space.rest, {"volume"});
+    evaluator.enter(space);
+    ShapeEvaluation e = evaluator.evaluate(VectorXd::Zero(space.size()), 1);
+    ASSERT_EQ(e.status, EvaluationStatus::ok);
+    evaluator.differentiate(e);
+    const auto below = prospect(space, VectorXd::Zero(space.size()));
+    ASSERT_TRUE(below);
+    const VectorXd g = design_gradient(space, VectorXd::Zero(space.size()), e.sensitivities[0]);
+    Eigen::Index steepest = 0;
+    g.cwiseAbs().maxCoeff(&steepest);
+    const auto promised = [&](double at) {
+        VectorXd x = VectorXd::Zero(space.size());
+        x[steepest] = at;
+        return promised_decrease({space, x, e.sensitivities[0], 1, e.dJ_dv[0]}, *below);
+    };
+    const double inward = g[steepest] > 0 ? space.upper[steepest] : space.lower[steepest];
+    const double outward = g[steepest] > 0 ? space.lower[steepest] : space.upper[steepest];
+    EXPECT_EQ(promised(inward), promised(0));
+    EXPECT_GT(promised(outward), promised(0) + 0.25 * g[steepest] * g[steepest] / space.metric(steepest, steepest) / 2);
+}
+
+}  // namespace strake

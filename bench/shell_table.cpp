@@ -139,6 +139,7 @@ void memory(const std::string& name, int solves) {
 }  // namespace
 
 int main(int count, char** words) {
+    keep_large_blocks();
     double spring_distance = 0;
     int warm = 0;
     std::vector<std::string> names;

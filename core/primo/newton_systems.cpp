@@ -25,7 +25,8 @@ constexpr double before_last = 0.1;      // of the last step that is allowed, le
 constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
-double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
+
+double scaled_norm(const RestState& rest, const Wrenches& g6, bool pinned_ones) {
     double sum = 0;
     for (int i = 0; i < rest.num_prisms(); ++i)
         if ((rest.pin[i] != free_prism) == pinned_ones)
@@ -40,7 +41,7 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
     Iterate at;
     at.turn = rotation_differences(shell.poses);
     at.jump = jumps(rest, shell.poses, at.turn);
-    const Eigen::MatrixXd g6 = energy_gradient(rest, at.turn, at.jump, loads);
+    const Wrenches g6 = energy_gradient(rest, at.turn, at.jump, loads);
     at.gradient.resize(6 * rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
     at.norm = scaled_norm(rest, g6, false);

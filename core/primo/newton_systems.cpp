@@ -24,7 +24,7 @@ constexpr double beside_springs = 1e-3;   // the same where it is lumped springs
 constexpr double left_at_end = 1e-4;      // of the last step that is allowed: differences of values see it
 constexpr double roughly = 2;             // times as much is good enough, where it was foreseen otherwise
 constexpr double surely = 0.5;            // of that step, below which one is foreseen to be the last
-constexpr int few_probes = 25, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int few_probes = 20, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
 

@@ -70,6 +70,7 @@ void cold_solve(const std::string& name, double edges) {
 }  // namespace
 
 int main(int count, char** arguments) {
+    keep_large_blocks();
     std::vector<double> edges;
     bool cold = false;
     for (int a = 1; a < count; ++a) {

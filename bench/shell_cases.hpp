@@ -6,6 +6,9 @@
 #include "core/mesh/io.hpp"
 #include "core/primo/shell.hpp"
 
+#ifdef __GLIBC__
+#include <malloc.h>
+#endif
 #include <sys/resource.h>
 
 #include <cmath>
@@ -21,6 +24,14 @@ inline TriMesh bench_surface(const std::string& name) {
     if (colon != std::string::npos && kind == "wing") return example::wing(std::stoi(name.substr(colon + 1)));
     if (colon != std::string::npos && kind == "body") return example::lifting_body(std::stoi(name.substr(colon + 1)));
     return read_surface(name).mesh;
+}
+
+/// Keeps what is freed, as the program does (cli/main.cpp).
+inline void keep_large_blocks() {
+#ifdef __GLIBC__
+    mallopt(M_MMAP_MAX, 0);
+    mallopt(M_TRIM_THRESHOLD, -1);
+#endif
 }
 
 /// CPU seconds of the process, user and system.

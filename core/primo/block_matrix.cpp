@@ -2,6 +2,8 @@
 
 #include <algorithm>
 
+#include "core/primo/lanes.hpp"
+
 namespace strake {
 
 int BlockMatrix::find(int a, int b) const {
@@ -12,16 +14,9 @@ int BlockMatrix::find(int a, int b) const {
 
 namespace {
 
-#define STRAKE_INLINE inline __attribute__((always_inline))
-
-// Lanes beside each other: the same sums, whether the machine has registers for four doubles or for two.
-using Four = double __attribute__((vector_size(32)));
 using Two = double __attribute__((vector_size(16)));
-using LooseFour = double __attribute__((vector_size(32), aligned(8), may_alias));
 using LooseTwo = double __attribute__((vector_size(16), aligned(8), may_alias));
 
-STRAKE_INLINE const LooseFour& four(const double* at) { return *reinterpret_cast<const LooseFour*>(at); }
-STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>(at); }
 STRAKE_INLINE LooseTwo& two(double* at) { return *reinterpret_cast<LooseTwo*>(at); }
 
 /// y += A x. Two columns of A at a time: twelve numbers are three registers of four.
@@ -66,17 +61,8 @@ STRAKE_INLINE void add_product(const BlockMatrix& H, const double* X, double* Y,
     }
 }
 
-#if defined(__x86_64__)
-__attribute__((target("avx2"))) void add_product_wide(const BlockMatrix& H, const double* X, double* Y, long columns) {
-    add_product(H, X, Y, columns);
-}
-#endif
-
 void add_product_here(const BlockMatrix& H, const double* X, double* Y, long columns) {
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2")) return add_product_wide(H, X, Y, columns);
-#endif
-    add_product(H, X, Y, columns);
+    run_lanes([&]() __attribute__((always_inline)) { add_product(H, X, Y, columns); });
 }
 
 }  // namespace

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/face_kernels.hpp"
 
 namespace strake {
 namespace {
@@ -66,32 +67,21 @@ std::vector<Matrix3d> rotation_differences(const Poses& poses) {
 
 Jumps jumps(const RestState& rest, const Poses& poses, const std::vector<Matrix3d>& turn) {
     Jumps jump;
-    jump.face.reserve(4 * rest.faces.size());
-    for (const SharedFace& f : rest.faces)
-        for (int g = 0; g < 4; ++g)
-            jump.face.push_back(turn[f.i] * f.arm_i[g] - turn[f.j] * f.arm_j[g] +
-                                (row(poses.displacement, f.i) - row(poses.displacement, f.j)));
+    face_jumps(rest, poses, turn, jump.face);
     for (const MirroredFace& f : rest.mirrored)
         for (int g = 0; g < 4; ++g)
             jump.mirrored.push_back(rest.symmetry->normal.dot(turn[f.i] * f.arm[g] + row(poses.displacement, f.i)));
-    jump.vertex = Points::Zero(rest.mesh.num_vertices(), 3);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        const auto prisms = rest.vertex_prisms[k];
-        if (prisms.empty()) continue;
-        Vector3d d = Vector3d::Zero();
-        for (const int i : prisms) d += turn[i] * rest.vertex_arm(k, i) + row(poses.displacement, i);
-        jump.vertex.row(k) = project(rest, k, d / static_cast<double>(prisms.size()));
-    }
+    jump.vertex.resize(rest.mesh.num_vertices(), 3);
+    vertex_sums(rest, poses, turn, jump.vertex);
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k)
+        if (const auto count = rest.vertex_prisms[k].size(); count > 0)
+            jump.vertex.row(k) = project(rest, k, row(jump.vertex, k) / static_cast<double>(count));
     return jump;
 }
 
 Jumps jump_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& twist) {
     Jumps rate;
-    rate.face.reserve(4 * rest.faces.size());
-    for (const SharedFace& f : rest.faces)
-        for (int g = 0; g < 4; ++g)
-            rate.face.push_back(velocity(rest, twist, f.i, turned(turn[f.i], f.arm_i[g])) -
-                                velocity(rest, twist, f.j, turned(turn[f.j], f.arm_j[g])));
+    face_jump_rates(rest, turn, twist, rate.face);
     for (const MirroredFace& f : rest.mirrored)
         for (int g = 0; g < 4; ++g)
             rate.mirrored.push_back(rest.symmetry->normal.dot(velocity(rest, twist, f.i, turned(turn[f.i], f.arm[g]))));
@@ -101,7 +91,12 @@ Jumps jump_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const
 
 Jumps sum(const Jumps& a, const Jumps& b) {
     Jumps s = a;
-    for (std::size_t i = 0; i < s.face.size(); ++i) s.face[i] += b.face[i];
+    for (std::size_t f = 0; f < s.face.size(); ++f)
+        for (int g = 0; g < 4; ++g) {
+            s.face[f].x[g] += b.face[f].x[g];
+            s.face[f].y[g] += b.face[f].y[g];
+            s.face[f].z[g] += b.face[f].z[g];
+        }
     for (std::size_t i = 0; i < s.mirrored.size(); ++i) s.mirrored[i] += b.mirrored[i];
     s.vertex += b.vertex;
     return s;
@@ -111,7 +106,7 @@ double energy(const RestState& rest, const Jumps& jump, const Loads& loads) {
     double E = 0;
     for (std::size_t f = 0; f < rest.faces.size(); ++f) {
         double squares = 0;
-        for (int g = 0; g < 4; ++g) squares += jump.face[4 * f + g].squaredNorm();
+        for (int g = 0; g < 4; ++g) squares += jump.face[f][g].squaredNorm();
         E += rest.faces[f].weight / 4 * squares;
     }
     for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
@@ -122,21 +117,14 @@ double energy(const RestState& rest, const Jumps& jump, const Loads& loads) {
     return E;
 }
 
-Eigen::MatrixXd energy_gradient(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& jump,
-                                const Loads& loads) {
-    Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor> g6 = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
+Wrenches energy_gradient(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& jump,
+                         const Loads& loads) {
+    Wrenches g6 = Wrenches::Zero(rest.num_prisms(), 6);
+    add_face_wrenches(rest, turn, jump.face, g6);
     const auto add = [&](int i, const Vector3d& arm, const Vector3d& force) {
         g6.row(i).head<3>() += arm.cross(force);
         g6.row(i).tail<3>() += force;
     };
-    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-        const SharedFace& face = rest.faces[f];
-        for (int g = 0; g < 4; ++g) {
-            const Vector3d force = face.weight / 2 * jump.face[4 * f + g];
-            add(face.i, turned(turn[face.i], face.arm_i[g]), force);
-            add(face.j, turned(turn[face.j], face.arm_j[g]), -force);
-        }
-    }
     for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
         for (int g = 0; g < 4; ++g)
             add(rest.mirrored[f].i, turned(turn[rest.mirrored[f].i], rest.mirrored[f].arm[g]),
@@ -150,8 +138,8 @@ Eigen::MatrixXd energy_gradient(const RestState& rest, const std::vector<Matrix3
     return g6;
 }
 
-Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Matrix3d>& turn, const Loads& loads) {
-    Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
+Wrenches applied_forces(const RestState& rest, const std::vector<Matrix3d>& turn, const Loads& loads) {
+    Wrenches wrench = Wrenches::Zero(rest.num_prisms(), 6);
     for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
         const auto prisms = rest.vertex_prisms[k];
         if (prisms.empty() || (loads.force.row(k).array() == 0).all()) continue;
@@ -182,26 +170,6 @@ Matrix36 velocity_map(const Vector3d& a) {
     return J;
 }
 
-/// sum_g J(a_g)^T J(b_g).
-Matrix6 coupling(const Arms& a, const Arms& b) {
-    Matrix3d S = Matrix3d::Zero();
-    Vector3d sa = Vector3d::Zero(), sb = Vector3d::Zero();
-    for (int g = 0; g < 4; ++g) {
-        S += b[g] * a[g].transpose();
-        sa += a[g];
-        sb += b[g];
-    }
-    Matrix6 block;
-    block << S.trace() * Matrix3d::Identity() - S, cross(sa), -cross(sb), 4 * Matrix3d::Identity();
-    return block;
-}
-
-Arms turned(const Matrix3d& turn, const Arms& arms) {
-    Arms result;
-    for (int g = 0; g < 4; ++g) result[g] = strake::turned(turn, arms[g]);
-    return result;
-}
-
 /// Two prisms share one face, but for tiny closed surfaces: then every block is written once.
 bool has_one_face_each(const RestState& rest, const BlockMatrix& H) {
     std::size_t count = 0;
@@ -209,12 +177,29 @@ bool has_one_face_each(const RestState& rest, const BlockMatrix& H) {
     return count == H.below.size();
 }
 
+/// The symmetric matrix with those entries: xx, yy, zz, xy, yz, zx.
+Matrix3d symmetric(const double* entries) {
+    Matrix3d S;
+    S << entries[0], entries[3], entries[5], entries[3], entries[1], entries[4], entries[5], entries[4], entries[2];
+    return S;
+}
+
 /// sym(A) - tr(A) I from A = sum f a^T: what the curvature of SO(3) adds under the forces f at the arms a.
-Matrix3d stress_block(const Matrix3d& A, StressTerm term) {
-    Matrix3d S = 0.5 * (A + A.transpose()) - A.trace() * Matrix3d::Identity();
+Matrix3d stress_block(const OwnBlock& own, StressTerm term) {
+    if (term == StressTerm::none) return Matrix3d::Zero();
+    const Matrix3d A = symmetric(own.moment), S = A - A.trace() * Matrix3d::Identity();
     if (term != StressTerm::clipped) return S;
     const Eigen::SelfAdjointEigenSolver<Matrix3d> eigen(S);
     return eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0).asDiagonal() * eigen.eigenvectors().transpose();
+}
+
+/// sum w J(a)^T J(a) and the stress term.
+Matrix6 diagonal_block(const OwnBlock& own, StressTerm term) {
+    const Matrix3d S = symmetric(own.square), C = cross(Vector3d(own.arm[0], own.arm[1], own.arm[2]));
+    Matrix6 block;
+    block << S.trace() * Matrix3d::Identity() - S + stress_block(own, term), C, -C,
+        4 * own.weight * Matrix3d::Identity();
+    return block;
 }
 
 }  // namespace
@@ -222,41 +207,16 @@ Matrix3d stress_block(const Matrix3d& A, StressTerm term) {
 void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& stress, const Loads& loads,
                       StressTerm term, BlockMatrix& H) {
     const bool is_sum = !has_one_face_each(rest, H);
-    for (Matrix6& block : H.diagonal) block.setZero();
     if (is_sum)
         for (Matrix6& block : H.below) block.setZero();
-    std::vector<Matrix3d> moment(rest.num_free(), Matrix3d::Zero());
-    const auto add_moment = [&](int free, const Vector3d& force, const Vector3d& arm) {
-        if (free >= 0) moment[free] += force * arm.transpose();
-    };
-    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-        const SharedFace& face = rest.faces[f];
-        const int i = rest.free_index[face.i], j = rest.free_index[face.j];
-        if (i < 0 && j < 0) continue;
-        const Arms a = turned(turn[face.i], face.arm_i), b = turned(turn[face.j], face.arm_j);
-        const double w = face.weight / 2;
-        if (i >= 0) H.diagonal[i] += w * coupling(a, a);
-        if (j >= 0) H.diagonal[j] += w * coupling(b, b);
-        if (i >= 0 && j >= 0) {
-            Matrix6& block = H.below[H.find(i, j)];
-            const Matrix6 own = -w * (i > j ? coupling(a, b) : coupling(b, a));
-            block = is_sum ? Matrix6(block + own) : own;
-        }
-        for (int g = 0; g < 4; ++g) {
-            add_moment(i, w * stress.face[4 * f + g], a[g]);
-            add_moment(j, -w * stress.face[4 * f + g], b[g]);
-        }
-    }
+    std::vector<OwnBlock> own(rest.num_free());
+    add_face_blocks(rest, turn, stress.face, is_sum, own, H.below, H);
     for (std::size_t f = 0; f < rest.mirrored.size(); ++f) {
         const MirroredFace& face = rest.mirrored[f];
         const int i = rest.free_index[face.i];
-        if (i < 0) continue;
-        for (int g = 0; g < 4; ++g) {
-            const Vector3d a = strake::turned(turn[face.i], face.arm[g]);
-            const Vector6 c = velocity_map(a).transpose() * rest.symmetry->normal;
-            H.diagonal[i] += face.weight * c * c.transpose();
-            add_moment(i, face.weight * stress.mirrored[4 * f + g] * rest.symmetry->normal, a);
-        }
+        for (int g = 0; g < 4 && i >= 0; ++g)
+            own[i].add_moment(face.weight * stress.mirrored[4 * f + g] * rest.symmetry->normal,
+                              strake::turned(turn[face.i], face.arm[g]));
     }
     for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
         if (!is_loaded(rest, loads, k)) continue;
@@ -264,10 +224,18 @@ void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, 
         const double m = static_cast<double>(prisms.size());
         const Vector3d force = vertex_force(rest, k, row(stress.vertex, k), loads) / m;
         for (const int i : prisms)
-            add_moment(rest.free_index[i], force, strake::turned(turn[i], rest.vertex_arm(k, i)));
+            if (const int free = rest.free_index[i]; free >= 0)
+                own[free].add_moment(force, strake::turned(turn[i], rest.vertex_arm(k, i)));
     }
-    if (term == StressTerm::none) return;
-    for (int i = 0; i < rest.num_free(); ++i) H.diagonal[i].topLeftCorner<3, 3>() += stress_block(moment[i], term);
+    for (int i = 0; i < rest.num_free(); ++i) H.diagonal[i] = diagonal_block(own[i], term);
+    for (const MirroredFace& face : rest.mirrored) {
+        const int i = rest.free_index[face.i];
+        for (int g = 0; g < 4 && i >= 0; ++g) {
+            const Vector6 c =
+                velocity_map(strake::turned(turn[face.i], face.arm[g])).transpose() * rest.symmetry->normal;
+            H.diagonal[i] += face.weight * c * c.transpose();
+        }
+    }
 }
 
 void add_spring_product(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& spring,

@@ -13,9 +13,9 @@ Loads complete(const Loads& loads, int num_vertices);
 /// Newton method (Magisano, Leonetti, Garcea 2017) carries these numbers from one iteration to the next by their linear
 /// prediction.
 struct Jumps {
-    std::vector<Eigen::Vector3d> face;  ///< 4 per shared face: y_i(g) - y_j(g)
-    std::vector<double> mirrored;       ///< 4 per mirrored face: n . (y(g) - X(g))
-    Points vertex;                      ///< displacement of each vertex that follows prisms, else 0
+    std::vector<Quad> face;        ///< per shared face: y_i(g) - y_j(g)
+    std::vector<double> mirrored;  ///< 4 per mirrored face: n . (y(g) - X(g))
+    Points vertex;                 ///< displacement of each vertex that follows prisms, else 0
 };
 
 /// R - I of every prism, from its quaternion, with full relative precision for small rotations.
@@ -29,11 +29,13 @@ Jumps sum(const Jumps& a, const Jumps& b);
 
 double energy(const RestState& rest, const Jumps& jump, const Loads& loads);
 
-/// Torque about the centroid and force on every prism, m x 6: derivative of the energy by the twists.
-Eigen::MatrixXd energy_gradient(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& jump,
-                                const Loads& loads);
+using Wrenches = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;  ///< per prism: torque, force
+
+/// Torque about the centroid and force on every prism: derivative of the energy by the twists.
+Wrenches energy_gradient(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& jump,
+                         const Loads& loads);
 /// The part of the loads' forces F alone: the scale of a relative gradient.
-Eigen::MatrixXd applied_forces(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Loads& loads);
+Wrenches applied_forces(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Loads& loads);
 
 /// How the rotational stress term enters: `exact` (with the true jumps: the exact Hessian; with predicted ones: the
 /// mixed method), `clipped` to its positive semidefinite part per prism (always definite), `none` (Gauss-Newton).

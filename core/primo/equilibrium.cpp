@@ -12,15 +12,16 @@
 namespace strake {
 namespace {
 
-constexpr double largest_turn = 1.0;    // radians a prism may turn in one step
-constexpr double largest_travel = 1.0;  // diagonals a prism may travel in one step
-constexpr double nearly_there = 1e-5;   // diagonals: from here the exact Hessian takes over
-constexpr int attempt_limit = 25;       // iterations of one mixed attempt
-constexpr int growth_limit = 4;         // iterations in a row that lead away
-constexpr double closing_step = 1e-3;   // diagonals: from here a few iterations more are allowed
+constexpr double largest_turn = 1.0;      // radians a prism may turn in one step
+constexpr double largest_travel = 1.0;    // diagonals a prism may travel in one step
+constexpr double nearly_there = 1e-5;     // diagonals: from here the exact Hessian takes over
+constexpr double enough_gradient = 3e-8;  // relative: round-off leaves 1e-9 to 1e-7
+constexpr int attempt_limit = 25;         // iterations of one mixed attempt
+constexpr int growth_limit = 4;           // iterations in a row that lead away
+constexpr double closing_step = 1e-3;     // diagonals: from here a few iterations more are allowed
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
-constexpr double far = 0.15;           // diagonals: what is further away is approached in stages
+constexpr double far = 0.3;            // diagonals: what is further away is approached in stages
 constexpr double stage_end = 0.02;     // diagonals: step from which the next stage begins
 constexpr int stage_iterations = 4;    // allowed to each
 
@@ -63,7 +64,7 @@ struct Attempt {
 
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
-    bool finish(const Loads& loads);
+    bool finish(const Loads& loads, Iterate at);
     bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
 };
 
@@ -123,7 +124,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             systems.begin();
             continue;
         }
-        if (step < nearly_there) return finish(loads);
+        if (step < nearly_there) return finish(loads, std::move(at));
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
         if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;
@@ -132,9 +133,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
 }
 
 /// Exact Newton steps to the floor, and the proof that the end is a minimum.
-bool Attempt::finish(const Loads& loads) {
-    Iterate at = iterate(shell, loads);
-    systems.is_last = false;
+bool Attempt::finish(const Loads& loads, Iterate at) {
+    systems.begin_end(options.min_step);
     bool reuse = true;
     const int clipped_before = systems.clipped();
     const auto buckles = [this] {
@@ -142,19 +142,17 @@ bool Attempt::finish(const Loads& loads) {
         return false;
     };
     for (int i = 0; i < 8 && !out_of_budget(); ++i) {
-        if (!systems.is_last) {
-            systems.is_last = end.last_step < options.min_step;
-            const Eigen::VectorXd twist = systems.step(at, at.jump, loads, StressTerm::exact, reuse);
-            if (twist.size() == 0 || systems.clipped() > clipped_before) return buckles();
-            if (!twist.allFinite()) return false;
-            const double before = at.norm;
-            const Poses poses = shell.poses;
-            shell.advance(twist);
-            at = iterate(shell, loads);
-            record(at, loads, step_size(shell.rest, twist));
-            if (!systems.is_last) continue;
-            if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
-        }
+        const Eigen::VectorXd twist = systems.step(at, at.jump, loads, StressTerm::exact, reuse);
+        if (twist.size() == 0 || systems.clipped() > clipped_before) return buckles();
+        if (!twist.allFinite()) return false;
+        const double before = at.norm;
+        const Poses poses = shell.poses;
+        shell.advance(twist);
+        at = iterate(shell, loads);
+        record(at, loads, step_size(shell.rest, twist));
+        if (!systems.is_done()) continue;
+        if (at.norm > enough_gradient * at.scale && at.norm < before / 2) continue;  // small, and still falling
+        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);       // at the floor round-off decides
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
@@ -169,7 +167,7 @@ bool Attempt::finish(const Loads& loads) {
 
 bool Attempt::line_search(const Loads& loads) {
     Iterate at = iterate(shell, loads);
-    systems.is_last = false;
+    systems.begin();
     while (!out_of_budget()) {
         bool reuse = false;
         Eigen::VectorXd twist = systems.step(at, at.jump, loads, StressTerm::exact, reuse);
@@ -188,7 +186,7 @@ bool Attempt::line_search(const Loads& loads) {
         const double step = length * step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        if (step < nearly_there && length == 1) return finish(loads);
+        if (step < nearly_there && length == 1) return finish(loads, std::move(at));
         if (step < 1e-3 * options.min_step) return false;
     }
     return false;

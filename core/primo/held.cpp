@@ -70,8 +70,8 @@ void check_held(const RestState& rest, const Eigen::VectorXd& spring) {
                 add_hold(parts[number[i]], rest.mesh.vertices.row(k).transpose(), rest.plane_projector, 1);
     if (rest.symmetry)
         for (const MirroredFace& f : rest.mirrored)
-            for (const Eigen::Vector3d& arm : f.arm)
-                add_hold(parts[number[f.i]], rest.centroid.row(f.i).transpose() + arm,
+            for (int g = 0; g < 4; ++g)
+                add_hold(parts[number[f.i]], rest.centroid.row(f.i).transpose() + f.arm[g],
                          rest.symmetry->normal * rest.symmetry->normal.transpose(), 1);
     int count = 0, loose = 0, first = -1, motions = 0;
     for (int i = 0; i < rest.num_prisms(); ++i) {

@@ -11,21 +11,24 @@ namespace {
 
 constexpr int cg_limit = 20;  // substitutions for one step, above which a new factor is cheaper
 constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
-constexpr double exact_rate = 1e-3;      // of conjugate gradients on the matrix's own factor, in single precision
-constexpr double loosest = 0.1;          // share of a residual that may be left in any step
-constexpr double first_share = 0.05;     // in the first one
-constexpr double tightest = 0.01;        // in later ones
-constexpr double hardly_changed = 0.02;  // steps that shrink by this leave a Hessian that does so once more
-constexpr double usual = 6;              // substitutions of a solve beside a factor that need not be better
-constexpr int clipped_limit = 2;         // indefinite matrices near the end after which the shell is said to buckle
-constexpr double without_doubt = 0.2;    // least stiffness beside that of the design a factor is of
-constexpr double beside_springs = 1e-3;  // the same where it is lumped springs that stiffen the factor
-constexpr double closing_share = 1e-4;   // of the residual that the last step leaves: differences of values see it
-constexpr double before_last = 0.1;      // of the last step that is allowed, left by the ones before the closing one
-constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr double exact_rate = 1e-3;       // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;           // share of a residual that may be left in any step
+constexpr double first_share = 0.05;      // in the first one
+constexpr double tightest = 0.01;         // in later ones
+constexpr double tightest_at_end = 1e-5;  // beside the exact Hessian
+constexpr double hardly_changed = 0.02;   // steps that shrink by this leave a Hessian that does so once more
+constexpr double usual = 6;               // substitutions of a solve beside a factor that need not be better
+constexpr int clipped_limit = 2;          // indefinite matrices near the end after which the shell is said to buckle
+constexpr double without_doubt = 0.2;     // least stiffness beside that of the design a factor is of
+constexpr double beside_springs = 1e-3;   // the same where it is lumped springs that stiffen the factor
+constexpr double left_at_end = 1e-4;      // of the last step that is allowed: differences of values see it
+constexpr double roughly = 2;             // times as much is good enough, where it was foreseen otherwise
+constexpr double surely = 0.5;            // of that step, below which one is foreseen to be the last
+constexpr int few_probes = 20, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
-double scaled_norm(const RestState& rest, const Eigen::MatrixXd& g6, bool pinned_ones) {
+
+double scaled_norm(const RestState& rest, const Wrenches& g6, bool pinned_ones) {
     double sum = 0;
     for (int i = 0; i < rest.num_prisms(); ++i)
         if ((rest.pin[i] != free_prism) == pinned_ones)
@@ -40,7 +43,7 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
     Iterate at;
     at.turn = rotation_differences(shell.poses);
     at.jump = jumps(rest, shell.poses, at.turn);
-    const Eigen::MatrixXd g6 = energy_gradient(rest, at.turn, at.jump, loads);
+    const Wrenches g6 = energy_gradient(rest, at.turn, at.jump, loads);
     at.gradient.resize(6 * rest.num_free());
     for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
     at.norm = scaled_norm(rest, g6, false);
@@ -58,6 +61,10 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
 void NewtonSystems::took(double step) {
     contraction_ = end_.last_step > 0 ? step / end_.last_step : 1;
     end_.last_step = step;
+}
+
+bool NewtonSystems::is_done() const {
+    return end_.last_step < ends_below_ && left_ * end_.last_step < roughly * left_at_end * ends_below_;
 }
 
 /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
@@ -80,15 +87,17 @@ bool NewtonSystems::clip(const Iterate& at, const Jumps& stress, const Loads& lo
 /// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
 bool NewtonSystems::is_buckling() const { return !options_.fallbacks && clipped_ >= clipped_limit; }
 
-/// As much of the residual may be left as the nonlinearity will leave anyway: the square of what the last step
-/// left, but no less than a few iterations give, nor than a share of the last step that is allowed: the closing
-/// step is still to come.
+/// As much of the residual may be left as the nonlinearity will leave anyway, the square of what the last step left;
+/// but no less than a few iterations give, nor than what may be left at the end.
 void NewtonSystems::adapt(double size, CgOptions& cg) {
     const double left = size_before_ > 0 ? size / size_before_ : 0;  // by the last step
     const double step = end_.last_step * left;                       // to be expected
-    const double enough = step > 0 ? before_last * options_.min_step / step : 0;
     const double squared = size_before_ > 0 ? left * left : first_share;
-    cg.tolerance = is_last ? closing_share : enough >= 1 ? 1 : std::max(enough, std::clamp(squared, tightest, loosest));
+    cg.tolerance = std::clamp(squared, ends_below_ > 0 ? tightest_at_end : tightest, loosest);
+    if (step > 0 && ends_below_ > 0) {
+        const double enough = std::min(loosest, left_at_end * ends_below_ / step);
+        cg.tolerance = step < surely * ends_below_ ? enough : std::max(cg.tolerance, enough);
+    }
     if (shell_.is_kept_here && shell_.kept.is_exact())
         cg.expected_rate = exact_rate;
     else if (is_rate_measured_)
@@ -107,6 +116,7 @@ CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
     CgResult result = conjugate_gradients(shell_, -at.gradient, cg);
     is_rate_measured_ = !(shell_.is_kept_here && shell_.kept.is_exact()) && result.iterations > 1;
     rate_ = result.rate;
+    left_ = result.reduction;
     return result;
 }
 
@@ -135,17 +145,21 @@ bool NewtonSystems::is_minimum() {
     shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual);
     spent_from_ = shell_.substitutions;
     const bool pays = options_.keep_factor && shell_.spent > shell_.kept.build_cost();
+    if (!shell_.kept.is_exact()) return is_minimum_beside_multigrid(pays);
     if (!pays && probe_definiteness(shell_, without_doubt) == Definiteness::yes) return true;
     ++end_.factorizations;
     if (!shell_.factorize()) return false;
-    if (!shell_.kept.is_exact()) return is_minimum_beside_multigrid();
     return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;
 }
 
 /// Soft modes that multigrid does not damp well settle late: then a factorization decides where it can be afforded,
 /// which also proves it of the matrix without springs; else many more cycles do.
-bool NewtonSystems::is_minimum_beside_multigrid() {
+bool NewtonSystems::is_minimum_beside_multigrid(bool renew) {
     const bool is_affordable = shell_.rest.num_free() <= factor_limit;
+    if (renew || !is_affordable) {
+        ++end_.factorizations;
+        if (!shell_.factorize()) return false;
+    }
     const Definiteness found = probe_definiteness(shell_, beside_springs, is_affordable ? few_probes : many_probes);
     if (found != Definiteness::doubtful || !is_affordable) return found != Definiteness::no;
     SpdSolver factor;

@@ -25,10 +25,12 @@ public:
     NewtonSystems(PrimoShell::Impl& shell, const SolveOptions& options, Equilibrium& end)
         : shell_(shell), options_(options), end_(end) {}
 
-    bool is_last = false;  ///< the next step goes to round-off, or nearly
-
     /// Forgets how the last steps went.
-    void begin() { size_before_ = 0, contraction_ = 1, is_last = false; }
+    void begin() { size_before_ = 0, contraction_ = 1, ends_below_ = 0; }
+    /// From here on Hessians are exact, and a step shorter than that which leaves next to nothing is the last.
+    void begin_end(double min_step) { ends_below_ = min_step; }
+    /// Whether the last step was such a one.
+    bool is_done() const;
     /// Says that a step of that size was taken, in diagonals.
     void took(double step);
 
@@ -49,7 +51,7 @@ public:
 private:
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads);
     bool clip(const Iterate& at, const Jumps& stress, const Loads& loads);
-    bool is_minimum_beside_multigrid();
+    bool is_minimum_beside_multigrid(bool renew);
     bool is_buckling() const;
     void adapt(double size, CgOptions& cg);
     CgResult solve_inexactly(const Iterate& at);
@@ -58,6 +60,8 @@ private:
     const SolveOptions& options_;
     Equilibrium& end_;
     int clipped_ = 0;
+    double ends_below_ = 0;   ///< steps are the last below it; 0: none is
+    double left_ = 1;         ///< of the last system's residual
     double size_before_ = 0;  ///< of the last residual, in the norm of what is kept
     int spent_from_ = shell_.substitutions;
     double rate_ = 1;  ///< of conjugate gradients

@@ -4,7 +4,7 @@ namespace strake {
 namespace {
 
 constexpr int few_solves = 4;            // a factor pays from here on
-constexpr int large_for_few = 100000;    // prisms from which multigrid is faster than one factorization
+constexpr int large_for_few = 10000;     // prisms from which multigrid is faster for a solve or two
 constexpr int large = 300000;            // prisms from which the factor takes more than 2 GB
 constexpr double thin = 1.5;             // prism heights, in edge lengths, below which multigrid needs more iterations
 constexpr int large_for_thin = 1000000;  // prisms from which it is taken all the same

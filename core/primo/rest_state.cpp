@@ -89,8 +89,8 @@ Arms face_arms(const RestState& rest, const std::array<int, 2>& edge, const std:
     Arms arms;
     for (int g = 0; g < 4; ++g) {
         const auto [u, z] = gauss_points()[g];
-        arms[g] = (1 - u) * (rest.vertex_arm(edge[0], i) + 0.5 * z * rest.height[edge[0]] * normal[0]) +
-                  u * (rest.vertex_arm(edge[1], i) + 0.5 * z * rest.height[edge[1]] * normal[1]);
+        arms.set(g, (1 - u) * (rest.vertex_arm(edge[0], i) + 0.5 * z * rest.height[edge[0]] * normal[0]) +
+                        u * (rest.vertex_arm(edge[1], i) + 0.5 * z * rest.height[edge[1]] * normal[1]));
     }
     return arms;
 }

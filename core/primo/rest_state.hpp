@@ -8,7 +8,13 @@
 /// is constant during a solve. Prism i stands on triangle i; points are stored as arms from its rest centroid.
 namespace strake {
 
-using Arms = std::array<Eigen::Vector3d, 4>;  ///< the 2 x 2 Gauss points of a prism face
+/// Vectors at the 2 x 2 Gauss points of a prism's face, component by component: four lanes.
+struct Quad {
+    double x[4] = {}, y[4] = {}, z[4] = {};
+    Eigen::Vector3d operator[](int g) const { return {x[g], y[g], z[g]}; }
+    void set(int g, const Eigen::Vector3d& v) { x[g] = v.x(), y[g] = v.y(), z[g] = v.z(); }
+};
+using Arms = Quad;
 
 /// The face that prisms i and j share, Eqs. (3)-(5): E = w/4 sum_g |y_i(g) - y_j(g)|^2. The integrand is biquadratic,
 /// so that four Gauss points are exact (the bilinear mass matrix M_kl gives the same number).

@@ -91,7 +91,7 @@ Eigen::VectorXd height_sensitivities(const RestState& rest, const std::vector<Ei
         const SharedFace& face = rest.faces[f];
         for (int g = 0; g < 4; ++g) {
             const auto [u, z] = gauss_points()[g];
-            const Vector3d r = jump.face[4 * f + g], dr = rate.face[4 * f + g];
+            const Vector3d r = jump.face[f][g], dr = rate.face[f][g];
             for (int k = 0; k < 2; ++k) {
                 const Vector3d dX = 0.5 * z * (k == 0 ? 1 - u : u) * face.normal[k];
                 const Vector3d gape = turn[face.i] * dX - turn[face.j] * dX;

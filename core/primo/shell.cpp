@@ -11,6 +11,8 @@
 namespace strake {
 namespace {
 
+constexpr double way_turn = 0.75;  // of a prism's turn in one step: how far its way turns
+
 struct Timer {
     double& total;
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
@@ -171,11 +173,14 @@ std::vector<Eigen::Quaterniond> PrimoShell::Impl::free_rotations() const {
     return rotations;
 }
 
+/// Along straight lines a part that turns by an angle t would stretch by t^2/2, along arcs shrink by as much or half:
+/// what bends from its root keeps its length where the way turns three quarters as far as the prism.
 void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
     for (int f = 0; f < rest.num_free(); ++f) {
         const int i = rest.free_prisms[f];
-        poses.rotation[i] = (rotation_of(twist.segment<3>(6 * f)) * poses.rotation[i]).normalized();
-        poses.displacement.row(i) += twist.segment<3>(6 * f + 3).transpose();
+        const Eigen::Vector3d turn = twist.segment<3>(6 * f), way = twist.segment<3>(6 * f + 3);
+        poses.rotation[i] = (rotation_of(turn) * poses.rotation[i]).normalized();
+        poses.displacement.row(i) += (left_jacobian(way_turn * turn) * way).transpose();
     }
     has_moved();
 }

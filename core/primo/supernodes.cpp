@@ -4,19 +4,14 @@
 #include <cstring>
 #include <type_traits>
 
+#include "core/primo/lanes.hpp"
+
 namespace strake {
 namespace {
 
-#define STRAKE_INLINE inline __attribute__((always_inline))
-
-// Four numbers to work with, and four entries of the factor. Vectors are lanes beside each other: the same sums,
-// whether the machine has registers for four doubles or for two.
-using Four = double __attribute__((vector_size(32)));
-using LooseFour = double __attribute__((vector_size(32), aligned(8), may_alias));
+// Four entries of the factor.
 using LooseSingles = float __attribute__((vector_size(16), aligned(4), may_alias));
 
-STRAKE_INLINE const LooseFour& four(const double* at) { return *reinterpret_cast<const LooseFour*>(at); }
-STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>(at); }
 #define STRAKE_ENTRIES(at) __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(at), Four)
 
 // The factor is read once, in order, but in pieces too short for the processor to see that.

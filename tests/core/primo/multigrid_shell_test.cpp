@@ -131,7 +131,9 @@ TEST(MultigridShell, IsChosenBySizeAndNumberOfSolves) {
         return Preconditioner::choose(LinearSolver::automatic, prisms, height, solves);
     };
     EXPECT_EQ(automatic(5000, 5, 1), LinearSolver::direct);
+    EXPECT_EQ(automatic(12000, 5, 1), LinearSolver::multigrid);
     EXPECT_EQ(automatic(150000, 5, 1), LinearSolver::multigrid);
+    EXPECT_EQ(automatic(12000, 5, 10), LinearSolver::direct);
     EXPECT_EQ(automatic(150000, 5, 500), LinearSolver::direct);
     EXPECT_EQ(automatic(1000000, 5, 500), LinearSolver::multigrid);
     EXPECT_EQ(automatic(200000, 0.5, 1), LinearSolver::direct);

@@ -1,0 +1,170 @@
+#include "core/primo/face_kernels.hpp"
+
+#include "core/primo/lanes.hpp"
+
+namespace strake {
+namespace {
+
+/// A vector at each of four points.
+struct FourVectors {
+    Four x, y, z;
+};
+
+STRAKE_INLINE FourVectors load(const Quad& q) { return {four(q.x), four(q.y), four(q.z)}; }
+
+/// T a
+STRAKE_INLINE FourVectors turned_only(const double* T, const FourVectors& a) {
+    return {(T[0] * a.x + T[3] * a.y) + T[6] * a.z, (T[1] * a.x + T[4] * a.y) + T[7] * a.z,
+            (T[2] * a.x + T[5] * a.y) + T[8] * a.z};
+}
+/// a + T a
+STRAKE_INLINE FourVectors arms(const double* T, const Quad& rest) {
+    const FourVectors a = load(rest), t = turned_only(T, a);
+    return {a.x + t.x, a.y + t.y, a.z + t.z};
+}
+/// Velocities of the points at arms a: w x a + v.
+STRAKE_INLINE FourVectors velocities(const double* twist, const FourVectors& a) {
+    return {(twist[1] * a.z - twist[2] * a.y) + twist[3], (twist[2] * a.x - twist[0] * a.z) + twist[4],
+            (twist[0] * a.y - twist[1] * a.x) + twist[5]};
+}
+STRAKE_INLINE void store_difference(const FourVectors& a, const FourVectors& b, Quad& to) {
+    four(to.x) = a.x - b.x;
+    four(to.y) = a.y - b.y;
+    four(to.z) = a.z - b.z;
+}
+/// Adds sign times the forces at the arms.
+STRAKE_INLINE void add_wrench(const FourVectors& a, const FourVectors& f, double sign, double* to) {
+    to[0] += sign * sum(a.y * f.z - a.z * f.y);
+    to[1] += sign * sum(a.z * f.x - a.x * f.z);
+    to[2] += sign * sum(a.x * f.y - a.y * f.x);
+    to[3] += sign * sum(f.x);
+    to[4] += sign * sum(f.y);
+    to[5] += sign * sum(f.z);
+}
+STRAKE_INLINE void add_own(const FourVectors& a, const FourVectors& f, double w, double sign, OwnBlock& to) {
+    const Four products[6] = {a.x * a.x, a.y * a.y, a.z * a.z, a.x * a.y, a.y * a.z, a.z * a.x};
+    for (int q = 0; q < 6; ++q) to.square[q] += w * sum(products[q]);
+    to.arm[0] += w * sum(a.x);
+    to.arm[1] += w * sum(a.y);
+    to.arm[2] += w * sum(a.z);
+    to.weight += w;
+    const Four moments[6] = {
+        f.x * a.x, f.y * a.y, f.z * a.z, f.x * a.y + f.y * a.x, f.y * a.z + f.z * a.y, f.z * a.x + f.x * a.z};
+    for (int q = 0; q < 6; ++q) to.moment[q] += (q < 3 ? sign : 0.5 * sign) * sum(moments[q]);
+}
+/// -w sum_g J(p)^T J(q), column by column: p at the arms of the block's row, q at those of its column.
+STRAKE_INLINE void coupling(const FourVectors& p, const FourVectors& q, double w, double* to) {
+    const double xx = w * sum(q.x * p.x), xy = w * sum(q.x * p.y), xz = w * sum(q.x * p.z);
+    const double yx = w * sum(q.y * p.x), yy = w * sum(q.y * p.y), yz = w * sum(q.y * p.z);
+    const double zx = w * sum(q.z * p.x), zy = w * sum(q.z * p.y), zz = w * sum(q.z * p.z);
+    const double px = w * sum(p.x), py = w * sum(p.y), pz = w * sum(p.z);
+    const double qx = w * sum(q.x), qy = w * sum(q.y), qz = w * sum(q.z), all = -4 * w;
+    const double block[36] = {-(yy + zz), yx, zx,         0,  qz,  -qy, xy,  -(xx + zz), zy, -qz, 0, qx,
+                              xz,         yz, -(xx + yy), qy, -qx, 0,   0,   -pz,        py, all, 0, 0,
+                              pz,         0,  -px,        0,  all, 0,   -py, px,         0,  0,   0, all};
+    for (int k = 0; k < 36; ++k) to[k] = block[k];
+}
+
+}  // namespace
+
+void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
+    for (int q = 0; q < 3; ++q) {
+        const int next = (q + 1) % 3;
+        moment[q] += f[q] * a[q];
+        moment[3 + q] += 0.5 * (f[q] * a[next] + f[next] * a[q]);
+    }
+}
+
+void face_jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn,
+                std::vector<Quad>& jump) {
+    jump.resize(rest.faces.size());
+    run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+            const SharedFace& face = rest.faces[f];
+            FourVectors a = turned_only(turn[face.i].data(), load(face.arm_i));
+            const FourVectors b = turned_only(turn[face.j].data(), load(face.arm_j));
+            const auto apart = [&](int c) __attribute__((always_inline)) {
+                return poses.displacement(face.i, c) - poses.displacement(face.j, c);
+            };
+            store_difference(a, b, jump[f]);
+            four(jump[f].x) += apart(0);
+            four(jump[f].y) += apart(1);
+            four(jump[f].z) += apart(2);
+        }
+    });
+}
+
+void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist,
+                     std::vector<Quad>& rate) {
+    rate.resize(rest.faces.size());
+    static constexpr double still[6] = {};
+    const auto of = [&](int i) __attribute__((always_inline)) {
+        return rest.free_index[i] < 0 ? still : twist.data() + 6L * rest.free_index[i];
+    };
+    run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+            const SharedFace& face = rest.faces[f];
+            store_difference(velocities(of(face.i), arms(turn[face.i].data(), face.arm_i)),
+                             velocities(of(face.j), arms(turn[face.j].data(), face.arm_j)), rate[f]);
+        }
+    });
+}
+
+void add_face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
+                       Wrenches& wrench) {
+    run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+            const SharedFace& face = rest.faces[f];
+            const double w = face.weight / 2;
+            const FourVectors r = load(jump[f]), force = {w * r.x, w * r.y, w * r.z};
+            add_wrench(arms(turn[face.i].data(), face.arm_i), force, 1, wrench.data() + 6L * face.i);
+            add_wrench(arms(turn[face.j].data(), face.arm_j), force, -1, wrench.data() + 6L * face.j);
+        }
+    });
+}
+
+void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& stress,
+                     bool is_sum, std::vector<OwnBlock>& own, std::vector<Matrix6>& below, const BlockMatrix& pattern) {
+    run_lanes([&]() __attribute__((always_inline)) {
+        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+            const SharedFace& face = rest.faces[f];
+            const int i = rest.free_index[face.i], j = rest.free_index[face.j];
+            if (i < 0 && j < 0) continue;
+            const FourVectors a = arms(turn[face.i].data(), face.arm_i), b = arms(turn[face.j].data(), face.arm_j);
+            const double w = face.weight / 2;
+            const FourVectors r = load(stress[f]), force = {w * r.x, w * r.y, w * r.z};
+            if (i >= 0) add_own(a, force, w, 1, own[i]);
+            if (j >= 0) add_own(b, force, w, -1, own[j]);
+            if (i < 0 || j < 0) continue;
+            Matrix6& to = below[pattern.find(i, j)];
+            Matrix6 block;
+            double* written = is_sum ? block.data() : to.data();
+            if (i > j)
+                coupling(a, b, w, written);
+            else
+                coupling(b, a, w, written);
+            if (is_sum) to += block;
+        }
+    });
+}
+
+void vertex_sums(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn, Points& total) {
+    const int n = rest.mesh.num_vertices();
+    run_lanes([&]() __attribute__((always_inline)) {
+        for (int k = 0; k < n; ++k) {
+            Four sum = {};
+            for (const int i : rest.vertex_prisms[k]) {
+                const double* T = turn[i].data();
+                double arm[3];
+                for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
+                const LooseFour& last = four(T + 5);  // its own first lane is of the column before
+                const Four third = {last[1], last[2], last[3], 0};
+                sum += ((four(T) * arm[0] + four(T + 3) * arm[1]) + third * arm[2]) +
+                       Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
+            }
+            for (int c = 0; c < 3; ++c) total(k, c) = sum[c];
+        }
+    });
+}
+
+}  // namespace strake

@@ -1,5 +1,6 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <utility>
 
 #include "core/primo/multigrid_levels.hpp"
 
@@ -43,10 +44,29 @@ private:
     std::vector<Real> value_;
 };
 
+/// Blocks of A P with the unit diagonal of A.
+template <class Real>
+std::size_t product_size(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns) {
+    std::size_t count = 0;
+    std::vector<int> seen(columns, -1);
+    for (int i = 0; i < A.size(); ++i) {
+        const auto add = [&](int j) {
+            for (int p = P.begin[j]; p < P.begin[j + 1]; ++p)
+                if (std::exchange(seen[P.column[p]], i) != i) ++count;
+        };
+        add(i);
+        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) add(A.column[k]);
+    }
+    return count;
+}
+
 /// (share I + factor A) P with the unit diagonal of A.
 template <class Real>
 BlockRows<Real> product(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns, Real share, Real factor) {
     BlockRows<Real> result;
+    const std::size_t blocks = product_size(A, P, columns);  // growing would take twice the memory for a while
+    result.column.reserve(blocks);
+    result.value.reserve(std::size_t{block_entries} * blocks);
     RowBuilder<Real> row(columns);
     for (int i = 0; i < A.size(); ++i) {
         for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) {

@@ -123,15 +123,14 @@ bool Hierarchy<Real>::build(const BlockMatrix& A, const Points& centre, const st
     levels_.assign(1, {});
     std::vector<Matrix6> L, inverse;
     if (!factors(A.diagonal, L, inverse)) return false;
+    for (Matrix6& lower : L) lower.transposeInPlace();
+    levels_[0].T = std::move(L);
     levels_[0].A = scaled_rows<Real>(A, inverse);
     levels_[0].centre = centre;
-    levels_[0].T.resize(L.size());
     scale_.resize(block_entries * inverse.size());
-    for (std::size_t i = 0; i < L.size(); ++i) {
+    for (std::size_t i = 0; i < inverse.size(); ++i)
         Eigen::Map<Block<Real>>(scale_.data() + block_entries * i) = inverse[i].template cast<Real>();
-        levels_[0].T[i] = L[i].transpose();
-    }
-    L = inverse = {};
+    inverse = {};
     for (int at = 0;; ++at) {
         if (clusters && at == static_cast<int>(clusters->size())) break;
         if (clusters)

@@ -149,6 +149,28 @@ TEST(Schemes, WhatIsCalledStableHasAPositiveDefiniteHessian) {
     EXPECT_GT(refused, 3);
 }
 
+/// The twists of a strip bent to an arc of 0.6 rad, to first order, bring its far end near the end of the arc.
+TEST(Schemes, AStepThatBendsKeepsLengths) {
+    const TriMesh mesh = strip(1, 0.1, 40, 2);
+    ShellOptions options = uniform(mesh, 0.02);
+    pin_where(mesh, options, fixed_prism, [](const Eigen::Vector3d& c) { return c.x() < 0.02; });
+    PrimoShell shell(mesh, options);
+    const RestState& rest = shell.impl().rest;
+    const double bend = 0.6;
+    Eigen::VectorXd twist(6L * rest.num_free());
+    for (int f = 0; f < rest.num_free(); ++f) {
+        const double x = rest.centroid(rest.free_prisms[f], 0);
+        twist.segment<6>(6L * f) << 0, -bend * x, 0, 0, 0, bend * x * x / 2;
+    }
+    shell.impl().advance(twist);
+    Eigen::Index last = 0;
+    mesh.vertices.col(0).maxCoeff(&last);
+    const Eigen::RowVector3d end = shell.vertices().row(last);
+    const double shortening = 1 - std::sin(bend) / bend;  // on straight ways there is none, on whole arcs 3/2 of it
+    EXPECT_NEAR(1 - end.x(), shortening, 0.2 * shortening);
+    EXPECT_NEAR(end.z(), (1 - std::cos(bend)) / bend, 0.01);
+}
+
 TEST(Schemes, MemoryStaysFlatOverWarmSolves) {
     if (!std::ifstream("/proc/self/statm")) GTEST_SKIP() << "needs /proc";
     const auto pages = [] {

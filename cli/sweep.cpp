@@ -4,11 +4,10 @@
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
+#include "cli/work_folder.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
-#include <unistd.h>
-
 #include <memory>
 #include <nlohmann/json.hpp>
 
@@ -17,9 +16,10 @@ namespace strake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
+namespace fs = std::filesystem;
 
 struct SweepArguments {
-    std::string case_file, out;
+    std::string case_file, out, keep;
     std::vector<std::string> variables;
     std::vector<std::string> from, to;
     std::vector<int> steps;
@@ -59,22 +59,6 @@ SweepOptions options_of(const SweepArguments& args, const Problem& problem) {
                                 of_axis(args.steps, i, n, "--steps")});
     return options;
 }
-
-/// Programs of the case run in a folder that goes away in the end.
-class WorkFolder {
-public:
-    WorkFolder() : path_(std::filesystem::temp_directory_path() / fmt::format("strake-sweep-{}", ::getpid())) {}
-    ~WorkFolder() {
-        std::error_code ignored;
-        std::filesystem::remove_all(path_, ignored);
-    }
-    WorkFolder(const WorkFolder&) = delete;
-    WorkFolder& operator=(const WorkFolder&) = delete;
-    const std::filesystem::path& path() const { return path_; }
-
-private:
-    std::filesystem::path path_;
-};
 
 bool has_objective(const Problem& problem) { return !problem.objective.empty() || !problem.fit.empty(); }
 
@@ -148,7 +132,10 @@ void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objec
 void sweep_case(const SweepArguments& args) {
     Case the_case = load_case(args.case_file);
     check_outputs({args.out}, {args.case_file, the_case.surface});
-    const WorkFolder folder;
+    std::error_code unknown;
+    if (!args.keep.empty() && fs::exists(args.keep, unknown) && !fs::is_empty(args.keep, unknown))
+        throw InvalidInput(text("sweep: --keep ", args.keep, " is not empty; name a folder that is new or empty"));
+    const WorkFolder folder(args.keep, "sweep");
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_case(the_case);
     const SweepOptions options = options_of(args, built.problem);
@@ -192,6 +179,9 @@ void add_sweep(CLI::App& app) {
         ->take_all();
     command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::Range(1, 1000));
     command->add_option("-o,--output", args->out, "also write the table to this file (CSV)");
+    command->add_option(
+        "--keep", args->keep,
+        "folder, new or empty, that keeps what the programs of the case write, a folder for each point");
     command->add_flag("--json", args->json, "one JSON object instead of the table");
     command->add_flag("-q,--quiet", args->quiet, "no messages about points without values");
     command->callback([args] { sweep_case(*args); });

@@ -73,6 +73,7 @@ private:
 
     /// True: on to this front. A level that was left for details that turn out to be worth nothing goes on to its end.
     bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<Front>& front) {
+        is_in_noise_ = level.stop == MinimizeStop::roundoff;
         if (!goes_on(level) || !state_.can_refine()) return false;
         if (choose_front(x, front)) return true;
         const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
@@ -80,6 +81,7 @@ private:
         if (!refining_is_idle_ || !(was_left || has_spent_its_share)) return false;
         level = run_level(x, Entry::finished);
         x = level.x;
+        is_in_noise_ = level.stop == MinimizeStop::roundoff;
         return goes_on(level) && choose_front(x, front);  // it may have come to where details are worth something
     }
 
@@ -136,8 +138,10 @@ private:
         return !refining_is_idle_;
     }
 
-    /// Many variables have to promise more than few: each takes its share of the search.
-    static double price(const RefinementPlan& plan) {
+    /// Many variables have to promise more than few: each takes its share of the search. Not where this level can do
+    /// no more for noise: larger steps, which only finer patches still have, are above it.
+    double price(const RefinementPlan& plan) const {
+        if (is_in_noise_) return 1;
         return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);
     }
 
@@ -270,7 +274,7 @@ private:
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
-    bool refining_is_idle_ = false;
+    bool refining_is_idle_ = false, is_in_noise_ = false;
 };
 
 }  // namespace

@@ -80,6 +80,7 @@ struct DesignSpace {
     Eigen::VectorXd lower, upper;          ///< per variable, scaled; [-1, 1] unless an inherited value lies outside
     std::vector<std::string> notes;        ///< variables left out, and why
     std::vector<LeftOut> left_out;         ///< because they depend on others
+    std::vector<std::string> weak;         ///< names of variables that do nearly what others can do
     std::vector<std::string> nearly_held;  ///< names of patches of which hardly anything is free
     std::vector<int> pin;                  ///< ShellOptions::pin of this level: fixed, given strains, then the cores
     std::vector<std::vector<int>> core;    ///< pinned triangles of each patch with strain variables; empty elsewhere

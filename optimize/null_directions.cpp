@@ -23,6 +23,7 @@ Dependence dependence(const MatrixXd& responses) {
     for (Eigen::Index j = 0; j < n; ++j) {
         if (!(size[j] > 0)) {
             result.kept.push_back(static_cast<int>(j));
+            result.own.push_back(1);
             continue;
         }
         double pivot = gram(j, j);
@@ -38,6 +39,7 @@ Dependence dependence(const MatrixXd& responses) {
         }
         if (pivot > null_share * null_share) {
             factor(j, column) = std::sqrt(pivot);
+            result.own.push_back(std::min(1.0, factor(j, column)));
             result.kept.push_back(static_cast<int>(j));
         } else {
             factor.row(j).setZero();
@@ -87,6 +89,16 @@ std::string null_words(const DesignSpace& space) {
     return text(count, " of ", space.variables.size() + count, count == 1 ? " directions moves" : " directions move",
                 " the surface by less than ", null_share, " of max_displacement and ", count == 1 ? "is" : "are",
                 " left out: ", words, count > most_shown ? ", ..." : "");
+}
+
+std::string weak_words(const DesignSpace& space, double least) {
+    constexpr std::size_t most_shown = 3;
+    const std::size_t count = space.weak.size();
+    std::string words;
+    for (std::size_t i = 0; i < std::min(count, most_shown); ++i) words += (i == 0 ? "" : ", ") + space.weak[i];
+    return text(count, " of ", space.size(), count == 1 ? " variables does" : " variables do",
+                " nearly what others can do, but for ", least, " of the motion or more: ", words,
+                count > most_shown ? ", ..." : "");
 }
 
 }  // namespace strake

@@ -48,6 +48,7 @@ struct LevelSummary {
     double explained = std::numeric_limits<double>::quiet_NaN();
     bool converged = false;                ///< of a fit: `objective_end` is the least that this level can reach
     std::vector<std::string> left_out;     ///< variables whose directions, beside those of the others, move nothing
+    std::vector<std::string> weak;         ///< variables that do nearly what others can do
     std::vector<std::string> nearly_held;  ///< patches of which hardly anything is free
 };
 

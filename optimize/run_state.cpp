@@ -215,6 +215,7 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* fron
     summary.patches = static_cast<int>(space.patches().patches.size());
     summary.variables = space.size();
     for (const LeftOut& other : space.left_out) summary.left_out.push_back(other.variable.name);
+    summary.weak = space.weak;
     summary.nearly_held = space.nearly_held;
     summary.evaluations = result.evaluations;  // until end_level: those before
     result.levels.push_back(summary);

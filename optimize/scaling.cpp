@@ -25,13 +25,19 @@ double unit_of(const RestFacts& rest, const Variable& variable, double largest) 
 /// nothing, and have no natural size.
 void leave_out_dependent(DesignSpace& space) {
     const Dependence found = dependence(responses_at_rest(space).samples);
-    if (found.dependent.empty()) return;
-    for (std::size_t d = 0; d < found.dependent.size(); ++d)
-        space.left_out.push_back({space.variables[found.dependent[d]], found.share.col(static_cast<Eigen::Index>(d))});
+    double least = 1;
+    for (std::size_t k = 0; k < found.kept.size(); ++k)
+        if (found.own[k] < weak_share) {
+            space.weak.push_back(space.variables[found.kept[k]].name);
+            least = std::min(least, found.own[k]);
+        }
     std::vector<Variable> kept;
     for (const int j : found.kept) kept.push_back(space.variables[j]);
+    for (std::size_t d = 0; d < found.dependent.size(); ++d)
+        space.left_out.push_back({space.variables[found.dependent[d]], found.share.col(static_cast<Eigen::Index>(d))});
     space.variables = std::move(kept);
-    space.notes.push_back(null_words(space));
+    if (!space.left_out.empty()) space.notes.push_back(null_words(space));
+    if (!space.weak.empty()) space.notes.push_back(weak_words(space, least));
 }
 
 }  // namespace

@@ -36,7 +36,8 @@ SqpEnd SqpSearch::run() {
         }
     restore();
     end_.radius = radius_;
-    end_.hessian = B_;
+    // Where steps are rejected however short, what they taught of the curvature is noise.
+    end_.hessian = end_.stop == MinimizeStop::roundoff && accepted_ > 0 ? of_steps_ : B_;
     return end_;
 }
 
@@ -200,6 +201,7 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
     if (!evaluate(x, true, trial)) return failed_at(x - x_);
     const VectorXd lambda = multipliers(p_, trial);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
+    of_steps_ = B_;
     raise_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>());
     const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
     const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&

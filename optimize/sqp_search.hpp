@@ -117,6 +117,7 @@ private:
     Eigen::VectorXd x_;
     Sample at_;  ///< at x_, with gradients
     Eigen::MatrixXd B_;
+    Eigen::MatrixXd of_steps_;  ///< B as the last accepted step left it
     double radius_ = guard_.options.first_step;
     double least_curvature_;
     BorderWatch border_{guard_.border};

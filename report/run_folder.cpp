@@ -76,6 +76,7 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"inherited_shape_change", json_number(level.inherited_shape_change)},
             {"inherited_objective_change", json_number(level.inherited_objective_change)},
             {"left_out", level.left_out},
+            {"weak", level.weak},
             {"nearly_held", level.nearly_held},
             {"stop", level.stop}};
 }

@@ -59,6 +59,31 @@ TEST_F(SweepProgram, InvalidShapesAreRowsOfASuccess) {
     EXPECT_NE(run.err.find("point 1: "), std::string::npos) << run.err;
 }
 
+TEST_F(SweepProgram, KeepsTheFoldersOfProgramsWhereAsked) {
+    folder.write("three.py", "open('result.json', 'w').write('{\"value\": 3}')\n");
+    std::string text = bytes_of(yaml);
+    text.replace(text.find("objective: {maximize: volume}"), 29,
+                 "objective: {maximize: three}\noptimize: {method: cobyla}\n"
+                 "quantities: {three: {command: [python3, \"-S\", \"-E\", \"{case_dir}/three.py\"]}}");
+    const std::string programs = folder.write("programs.yaml", text).string();
+    const std::filesystem::path keep = folder / "kept";
+    std::vector<std::string> sweep{"sweep", programs, "--variable", variable(), "--from",
+                                   "-0.5",  "--to",   "0.5",        "--steps",  "3"};
+    const ProgramRun without = run_strake(sweep);
+    ASSERT_EQ(without.status, 0) << without.err << without.out;
+    sweep.insert(sweep.end(), {"--keep", keep.string()});
+    const ProgramRun run = run_strake(sweep);
+    ASSERT_EQ(run.status, 0) << run.err;
+    EXPECT_EQ(run.out, without.out);
+    int results = 0;
+    for (const auto& entry : std::filesystem::recursive_directory_iterator(keep))
+        results += entry.path().filename() == "result.json";
+    EXPECT_EQ(results, 3);
+    const ProgramRun again = run_strake(sweep);
+    EXPECT_EQ(again.status, 2);
+    EXPECT_NE(again.err.find("is not empty"), std::string::npos) << again.err;
+}
+
 TEST_F(SweepProgram, TooManyPointsAndOptionsThatDoNotMatchAreUsage) {
     const ProgramRun many =
         run_strake({"sweep", yaml, "--variable", variable(), "--from", "0", "--to", "1", "--steps", "1001"});

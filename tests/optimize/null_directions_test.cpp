@@ -84,6 +84,39 @@ TEST(NullDirections, TheThresholdIsThatOfTheStatedShare) {
     EXPECT_TRUE(dependence(m).dependent.empty());
 }
 
+TEST(NullDirections, WhatIsWeakIsNamedAndKept) {
+    // One triangle out of the plane of a side: its normal load is not quite made of the side's vector load.
+    Problem problem = box_problem();
+    problem.parameters.kinds = {VariableKind::load, VariableKind::load_normal};
+    const Points centre = triangle_centroids(problem.surface);
+    Eigen::Index top = 0;
+    centre.col(2).maxCoeff(&top);
+    const auto size_with = [&](double bump, std::vector<std::string>* weak, std::string* note) {
+        Problem bent = problem;
+        bent.surface.vertices(bent.surface.triangles(top, 0), 2) += bump;
+        const DesignSpace space = design_space(rest_facts(bent), 1);
+        *weak = space.weak;
+        for (const std::string& words : space.notes)
+            if (words.find("nearly what others can do") != std::string::npos) *note = words;
+        return space.size();
+    };
+    std::vector<std::string> weak;
+    std::string note;
+    int found = 0;
+    for (double bump = 1e-4; bump < 0.1; bump *= 1.5) {
+        if (size_with(bump, &weak, &note) < 16 || weak.empty()) continue;  // left out still, or strong already
+        ++found;
+        ASSERT_EQ(weak.size(), 1u);
+        EXPECT_NE(weak[0].find("load_normal"), std::string::npos);
+        EXPECT_NE(note.find("1 of 16 variables does nearly what others can do"), std::string::npos) << note;
+    }
+    EXPECT_GE(found, 1);
+    EXPECT_EQ(size_with(0.3, &weak, &note), 16);
+    EXPECT_TRUE(weak.empty());
+    const DesignSpace ordinary = design_space(rest_facts(ellipsoid_problem(2, 3)), 3);
+    EXPECT_TRUE(ordinary.weak.empty());
+}
+
 TEST(NullDirections, ANormalLoadOnAFlatPatchBesideItsVectorIsLeftOut) {
     Problem problem = box_problem();
     problem.parameters.kinds = {VariableKind::load, VariableKind::load_normal};

@@ -127,6 +127,17 @@ TEST(StrainBorders, FivePercentRaiseNoCreaseWhereCoresLeaveSkin) {
     }
 }
 
+/// A whole wave along the span turns neighbours by half a radian against each other, in opposite senses: more than the
+/// skin between them takes without a crease, which stays moderate.
+TEST(StrainBorders, AnSBendRaisesMoreThanFiveDegrees) {
+    Strained strained(wing_problem(0.4));
+    const Raised raised =
+        raised_by(strained, [](const V3& p) { return V3(0, 0, std::sin(2 * std::numbers::pi * p.y())); });
+    ASSERT_EQ(raised.refused, "");
+    EXPECT_GT(raised.at_borders, 5);
+    EXPECT_LT(raised.at_borders, 13);
+}
+
 TEST(StrainBorders, PatchesPinnedToTheirBordersDoRaiseThem) {
     Strained strained(wing_problem(0.02));
     for (const auto& [name, field] : fields()) EXPECT_GT(raised_by(strained, field).at_borders, 5) << name;

@@ -100,6 +100,30 @@ TEST(Differences, AStepThatIsTooShortIsFollowedBeforeTheNextGradient) {
     EXPECT_LE(bowl.gradients, 4);
 }
 
+/// Rejected steps teach the curvature that the values rise by; at the end all that they rise by is noise.
+TEST(Noise, IsNotHandedOnAsCurvature) {
+    Bowl bowl(6);
+    NonlinearProgram p = bowl.program();
+    p.metric = bowl.hessian;
+    const MatrixXd exact = bowl.hessian;
+    int call = 0;
+    p.evaluate = [&](const VectorXd& x) {
+        Sample s;
+        s.objective = 1 + bowl.at(x) + 1e-5 * std::sin(37.0 * ++call * call);
+        return s;
+    };
+    p.differentiate = [&](const VectorXd& x, Sample& s) {
+        s.gradient = exact * (x - bowl.bottom) + 1e-2 * exact.llt().matrixL() * VectorXd::Ones(6);  // biased
+        s.jacobian.resize(0, 6);
+    };
+    MinimizeOptions how;
+    how.max_evaluations = 300;
+    how.confirm = false;
+    const MinimizeResult r = minimize(p, how);
+    ASSERT_EQ(r.stop, MinimizeStop::roundoff) << r.reason;
+    EXPECT_LT(mean_curvature(r.hessian, exact), 10);
+}
+
 /// Volume of an ellipsoid under an area limit, by values only.
 Problem values_only(Method method) {
     Problem problem = ellipsoid_problem(2, 2);

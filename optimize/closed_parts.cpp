@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 
+#include <limits>
 #include <numbers>
 #include <set>
 
@@ -11,6 +12,7 @@ namespace {
 
 constexpr int most_parts = 16;
 constexpr double no_volume = 1e-9;  ///< relative to area times diagonal
+constexpr std::size_t most_samples = 16;
 
 Eigen::Vector3d mirrored(const SymmetryPlane& plane, const Eigen::Vector3d& x) {
     return x - 2 * (plane.normal.dot(x) - plane.offset) * plane.normal;
@@ -64,7 +66,24 @@ ClosedParts::ClosedParts(const TriMesh& rest, const Adjacency& adjacent, const s
     for (const auto& [s, t] : intersecting) piercing.insert(std::minmax(number[component[s]], number[component[t]]));
     for (int a = 0; a < static_cast<int>(parts_.size()); ++a)
         for (int b = 0; b < static_cast<int>(parts_.size()); ++b)
-            if (a != b && !piercing.count(std::minmax(a, b))) relations_.push_back({a, b, inside(a, b, rest.vertices)});
+            if (a != b && !piercing.count(std::minmax(a, b))) {
+                const int vertex = vertex_away(parts_[a], parts_[b], rest.vertices);
+                relations_.push_back({a, b, vertex, inside(vertex, b, rest.vertices)});
+            }
+}
+
+/// Where parts touch, round-off would decide.
+int ClosedParts::vertex_away(const Part& part, const Part& other, const Points& rest) const {
+    int best = -1;
+    double farthest = -1;
+    for (std::size_t k = 0; k < most_samples; ++k) {
+        const int v = triangles_(part.triangles[k * part.triangles.size() / most_samples], 0);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const int t : other.triangles)
+            nearest = std::min(nearest, (rest.row(triangles_(t, 0)) - rest.row(v)).squaredNorm());
+        if (nearest > farthest) best = v, farthest = nearest;
+    }
+    return best;
 }
 
 double ClosedParts::volume(const Part& part, const Points& vertices) const {
@@ -90,9 +109,9 @@ int ClosedParts::winding(const Part& part, const Points& vertices, const Eigen::
     return static_cast<int>(std::lround(angle / (4 * std::numbers::pi)));
 }
 
-int ClosedParts::inside(int part, int other, const Points& vertices) const {
+int ClosedParts::inside(int vertex, int other, const Points& vertices) const {
     const Part& around = parts_[other];
-    const Eigen::Vector3d x = vertices.row(triangles_(parts_[part].triangles[0], 0));
+    const Eigen::Vector3d x = vertices.row(vertex);
     Eigen::Vector3d low = x, high = x;
     for (const int t : around.triangles)
         for (int k = 0; k < 3; ++k) {
@@ -121,7 +140,7 @@ std::string ClosedParts::inside_out(const Points& vertices) const {
 
 std::string ClosedParts::swallowed(const Points& vertices) const {
     for (const Relation& r : relations_)
-        if (inside(r.part, r.other, vertices) != r.inside)
+        if (inside(r.vertex, r.other, vertices) != r.inside)
             return text(words(parts_[r.part]), " has gone ", r.inside == 0 ? "into " : "out of ",
                         words(parts_[r.other]));
     return {};

@@ -29,7 +29,8 @@ private:
     };
     double volume(const Part& part, const Points& vertices) const;
     int winding(const Part& part, const Points& vertices, const Eigen::Vector3d& x) const;
-    int inside(int part, int other, const Points& vertices) const;
+    int vertex_away(const Part& part, const Part& other, const Points& rest) const;
+    int inside(int vertex, int other, const Points& vertices) const;
     std::string words(const Part& part) const;
 
     Triangles triangles_;
@@ -37,7 +38,9 @@ private:
     Eigen::Vector3d origin_;  ///< of the volumes: on the plane of symmetry
     std::vector<Part> parts_;
     struct Relation {
-        int part, other, inside;  ///< winding number of `other` about a vertex of `part` at rest
+        int part, other;
+        int vertex;  ///< of `part`, away from `other`
+        int inside;  ///< winding number of `other` about it at rest
     };
     std::vector<Relation> relations_;
 };

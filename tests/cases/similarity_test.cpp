@@ -37,10 +37,12 @@ loads: [{region: end, displacement: 5 mm, direction: [0, 0, 1]}]
 quantities: {match: {type: target_shape, file: target.obj}}
 )";
 
+// Searched to below what is compared.
 const std::string volume_under_area = common + R"(
 parameters: {patches_per_level: [2, 8], max_displacement: 20 cm, split: sensitivity}
 objective: {maximize: volume}
 constraints: {area: {max: 1.02, relative: true}}
+optimize: {tolerances: {objective: 1e-8}}
 )";
 
 const std::string recovery_by_strains = common + R"(

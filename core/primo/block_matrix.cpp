@@ -14,33 +14,30 @@ int BlockMatrix::find(int a, int b) const {
 
 namespace {
 
-using Two = double __attribute__((vector_size(16)));
-using LooseTwo = double __attribute__((vector_size(16), aligned(8), may_alias));
-
-STRAKE_INLINE LooseTwo& two(double* at) { return *reinterpret_cast<LooseTwo*>(at); }
+STRAKE_INLINE Loose<Two>& two(double* at) { return loose<Two>(at); }
 
 /// y += A x. Two columns of A at a time: twelve numbers are three registers of four.
 STRAKE_INLINE void add_block(const double* A, const double* x, double* y) {
     Four low = {}, middle = {}, high = {};
     for (int pair = 0; pair < 3; ++pair, A += 12, x += 2) {
-        low += four(A) * x[0];
-        middle += four(A + 4) * Four{x[0], x[0], x[1], x[1]};
-        high += four(A + 8) * x[1];
+        low += four(A).lanes * x[0];
+        middle += four(A + 4).lanes * Four{x[0], x[0], x[1], x[1]};
+        high += four(A + 8).lanes * x[1];
     }
-    four(y) += low + __builtin_shufflevector(middle, high, 2, 3, 4, 5);
-    two(y + 4) += __builtin_shufflevector(middle, middle, 0, 1) + __builtin_shufflevector(high, high, 2, 3);
+    four(y).lanes += low + __builtin_shufflevector(middle, high, 2, 3, 4, 5);
+    two(y + 4).lanes += __builtin_shufflevector(middle, middle, 0, 1) + __builtin_shufflevector(high, high, 2, 3);
 }
 
 /// y += A^T x.
 STRAKE_INLINE void add_transposed_block(const double* A, const double* x, double* y) {
-    const Four first = four(x), second = {x[4], x[5], x[0], x[1]}, third = four(x + 2);
+    const Four first = four(x).lanes, second = {x[4], x[5], x[0], x[1]}, third = four(x + 2).lanes;
     for (int pair = 0; pair < 3; ++pair, A += 12, y += 2) {
-        const Four low = four(A) * first, middle = four(A + 4) * second, high = four(A + 8) * third;
+        const Four low = four(A).lanes * first, middle = four(A + 4).lanes * second, high = four(A + 8).lanes * third;
         const Two a = __builtin_shufflevector(low, low, 0, 1) + __builtin_shufflevector(low, low, 2, 3) +
                       __builtin_shufflevector(middle, middle, 0, 1);
         const Two b = __builtin_shufflevector(middle, middle, 2, 3) + __builtin_shufflevector(high, high, 0, 1) +
                       __builtin_shufflevector(high, high, 2, 3);
-        two(y) += __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
+        two(y).lanes += __builtin_shufflevector(a, b, 0, 2) + __builtin_shufflevector(a, b, 1, 3);
     }
 }
 

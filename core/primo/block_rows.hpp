@@ -1,5 +1,8 @@
 #pragma once
+#include <type_traits>
+
 #include "core/primo/block_matrix.hpp"
+#include "core/primo/lanes.hpp"
 
 /// Sparse rows of 6 x 6 blocks in either precision: what a preconditioner reads over and over. Single precision takes
 /// half of the memory and of the time.
@@ -25,19 +28,6 @@ struct BlockRows {
 template <class Real>
 void add_product(const Real* A, const Real* B, Real* C);
 
-template <class Real>
-struct FourLanes;
-template <>
-struct FourLanes<float> {
-    typedef float Type __attribute__((vector_size(16)));
-    typedef float Loose __attribute__((vector_size(16), aligned(4), may_alias));
-};
-template <>
-struct FourLanes<double> {
-    typedef double Type __attribute__((vector_size(32)));
-    typedef double Loose __attribute__((vector_size(32), aligned(8), may_alias));
-};
-
 /// A vector of six, accumulated over A x of several blocks before its halves are joined. Two columns at a time: twelve
 /// numbers are three whole registers of four.
 template <class Real>
@@ -46,9 +36,9 @@ public:
     void add(const Real* A, const Real* x) {  ///< A x
         for (int pair = 0; pair < 3; ++pair, A += 12, x += 2) {
             const Real a = x[0], b = x[1];
-            low_ += at(A) * Lane{a, a, a, a};
-            middle_ += at(A + 4) * Lane{a, a, b, b};
-            high_ += at(A + 8) * Lane{b, b, b, b};
+            low_ += loose<Lane>(A).lanes * Lane{a, a, a, a};
+            middle_ += loose<Lane>(A + 4).lanes * Lane{a, a, b, b};
+            high_ += loose<Lane>(A + 8).lanes * Lane{b, b, b, b};
         }
     }
     void store(Real* y) const {
@@ -61,9 +51,7 @@ public:
     }
 
 private:
-    using Lane = typename FourLanes<Real>::Type;
-    using Loose = typename FourLanes<Real>::Loose;
-    static const Loose& at(const Real* p) { return *reinterpret_cast<const Loose*>(p); }
+    using Lane = std::conditional_t<std::is_same_v<Real, float>, FourSingles, Four>;
     Lane low_{}, middle_{}, high_{};
 };
 

@@ -10,7 +10,7 @@ struct FourVectors {
     Four x, y, z;
 };
 
-STRAKE_INLINE FourVectors load(const Quad& q) { return {four(q.x), four(q.y), four(q.z)}; }
+STRAKE_INLINE FourVectors load(const Quad& q) { return {four(q.x).lanes, four(q.y).lanes, four(q.z).lanes}; }
 
 /// T a
 STRAKE_INLINE FourVectors turned_only(const double* T, const FourVectors& a) {
@@ -28,9 +28,9 @@ STRAKE_INLINE FourVectors velocities(const double* twist, const FourVectors& a) 
             (twist[0] * a.y - twist[1] * a.x) + twist[5]};
 }
 STRAKE_INLINE void store_difference(const FourVectors& a, const FourVectors& b, Quad& to) {
-    four(to.x) = a.x - b.x;
-    four(to.y) = a.y - b.y;
-    four(to.z) = a.z - b.z;
+    four(to.x).lanes = a.x - b.x;
+    four(to.y).lanes = a.y - b.y;
+    four(to.z).lanes = a.z - b.z;
 }
 /// Adds sign times the forces at the arms.
 STRAKE_INLINE void add_wrench(const FourVectors& a, const FourVectors& f, double sign, double* to) {
@@ -87,9 +87,9 @@ void face_jumps(const RestState& rest, const Poses& poses, const std::vector<Eig
                 return poses.displacement(face.i, c) - poses.displacement(face.j, c);
             };
             store_difference(a, b, jump[f]);
-            four(jump[f].x) += apart(0);
-            four(jump[f].y) += apart(1);
-            four(jump[f].z) += apart(2);
+            four(jump[f].x).lanes += apart(0);
+            four(jump[f].y).lanes += apart(1);
+            four(jump[f].z).lanes += apart(2);
         }
     });
 }
@@ -157,9 +157,9 @@ void vertex_sums(const RestState& rest, const Poses& poses, const std::vector<Ei
                 const double* T = turn[i].data();
                 double arm[3];
                 for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
-                const LooseFour& last = four(T + 5);  // its own first lane is of the column before
+                const Four last = four(T + 5).lanes;  // its own first lane is of the column before
                 const Four third = {last[1], last[2], last[3], 0};
-                sum += ((four(T) * arm[0] + four(T + 3) * arm[1]) + third * arm[2]) +
+                sum += ((four(T).lanes * arm[0] + four(T + 3).lanes * arm[1]) + third * arm[2]) +
                        Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
             }
             for (int c = 0; c < 3; ++c) total(k, c) = sum[c];

@@ -6,11 +6,28 @@ namespace strake {
 
 #define STRAKE_INLINE inline __attribute__((always_inline))
 
+using Two = double __attribute__((vector_size(16)));
 using Four = double __attribute__((vector_size(32)));
-using LooseFour = double __attribute__((vector_size(32), aligned(8), may_alias));
+using FourSingles = float __attribute__((vector_size(16)));
+using EightSingles = float __attribute__((vector_size(32)));
 
-STRAKE_INLINE const LooseFour& four(const double* at) { return *reinterpret_cast<const LooseFour*>(at); }
-STRAKE_INLINE LooseFour& four(double* at) { return *reinterpret_cast<LooseFour*>(at); }
+/// Numbers beside each other wherever they lie in an array: packed, so that a reference to them is sound whatever their
+/// address.
+template <class Vector>
+struct __attribute__((packed, may_alias)) Loose {
+    Vector lanes;
+};
+
+template <class Vector, class Number>
+STRAKE_INLINE const Loose<Vector>& loose(const Number* at) {
+    return *reinterpret_cast<const Loose<Vector>*>(at);
+}
+template <class Vector, class Number>
+STRAKE_INLINE Loose<Vector>& loose(Number* at) {
+    return *reinterpret_cast<Loose<Vector>*>(at);
+}
+STRAKE_INLINE const Loose<Four>& four(const double* at) { return loose<Four>(at); }
+STRAKE_INLINE Loose<Four>& four(double* at) { return loose<Four>(at); }
 STRAKE_INLINE double sum(Four v) { return (v[0] + v[1]) + (v[2] + v[3]); }
 
 /// Runs `work`, an always-inlined function, with the widest registers that the machine has.

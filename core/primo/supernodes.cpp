@@ -10,26 +10,11 @@ namespace strake {
 namespace {
 
 // Four entries of the factor.
-using LooseSingles = float __attribute__((vector_size(16), aligned(4), may_alias));
-
-#define STRAKE_ENTRIES(at) __builtin_convertvector(*reinterpret_cast<const LooseSingles*>(at), Four)
+#define STRAKE_ENTRIES(at) __builtin_convertvector(loose<FourSingles>(at).lanes, Four)
 
 // The factor is read once, in order, but in pieces too short for the processor to see that.
 constexpr long ahead = 1024;   // entries
 constexpr int wide_panel = 4;  // columns
-
-template <int lanes>
-struct LanesOf;  // spelled out: the attribute does not take a parameter of a template
-template <>
-struct LanesOf<4> {
-    using Type = float __attribute__((vector_size(16)));
-    using Loose = float __attribute__((vector_size(16), aligned(4), may_alias));
-};
-template <>
-struct LanesOf<8> {
-    using Type = float __attribute__((vector_size(32)));
-    using Loose = float __attribute__((vector_size(32), aligned(4), may_alias));
-};
 
 /// One right-hand side is a matter of reading the factor, and is summed in double precision; several are one of
 /// arithmetic, and take half of the time in single.
@@ -50,7 +35,7 @@ struct Panel<1, panel> {
             __builtin_prefetch(L + panel * i + ahead);
             Four sum = {};
             for (int j = 0; j < panel; ++j) sum += STRAKE_ENTRIES(L + j * height + i) * x[j];
-            four(y + i) -= sum;
+            four(y + i).lanes -= sum;
         }
         for (; i < rows; ++i) {
             double sum = 0;
@@ -64,7 +49,7 @@ struct Panel<1, panel> {
         int i = 0;
         for (; i + 4 <= rows; i += 4) {
             __builtin_prefetch(L + panel * i - ahead);
-            const Four other = four(y + i);
+            const Four other = four(y + i).lanes;
             for (int j = 0; j < panel; ++j) sum[j] += STRAKE_ENTRIES(L + j * height + i) * other;
         }
         double rest[panel] = {};
@@ -77,40 +62,37 @@ struct Panel<1, panel> {
 template <int width, int panel>
 struct Panel {
     static constexpr int groups = (width + 7) / 8;
-    using Lanes = typename LanesOf<width / groups>::Type;
-    using Loose = typename LanesOf<width / groups>::Loose;
+    using Lanes = std::conditional_t<width / groups == 8, EightSingles, FourSingles>;
     static constexpr int lanes = width / groups;
 
-    static STRAKE_INLINE Loose& at(float* values, int group) {
-        return *reinterpret_cast<Loose*>(values + lanes * group);
-    }
+    static STRAKE_INLINE Loose<Lanes>& at(float* values, int group) { return loose<Lanes>(values + lanes * group); }
 
     static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, float* x, float* y) {
         Lanes from[panel][groups];
         for (int j = 0; j < panel; ++j)
-            for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g);
+            for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g).lanes;
         for (int i = 0; i < rows; ++i, y += width) {
             if (i % 4 == 0) __builtin_prefetch(L + panel * i + ahead);
             for (int g = 0; g < groups; ++g) {
                 Lanes sum = from[0][g] * L[i];
                 for (int j = 1; j < panel; ++j) sum += from[j][g] * L[j * height + i];
-                at(y, g) -= sum;
+                at(y, g).lanes -= sum;
             }
         }
     }
     static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, float* y, float* x) {
         Lanes to[panel][groups];
         for (int j = 0; j < panel; ++j)
-            for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g);
+            for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g).lanes;
         for (int i = 0; i < rows; ++i, y += width) {
             if (i % 4 == 0) __builtin_prefetch(L + panel * i - ahead);
             for (int g = 0; g < groups; ++g) {
-                const Lanes other = at(y, g);
+                const Lanes other = at(y, g).lanes;
                 for (int j = 0; j < panel; ++j) to[j][g] -= other * L[j * height + i];
             }
         }
         for (int j = 0; j < panel; ++j)
-            for (int g = 0; g < groups; ++g) at(x + j * width, g) = to[j][g];
+            for (int g = 0; g < groups; ++g) at(x + j * width, g).lanes = to[j][g];
     }
 };
 

@@ -12,10 +12,14 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-STANDARD = {"algorithm", "array", "atomic", "chrono", "cmath", "cstddef", "cstdint", "cstdlib", "cstring", "deque", "exception",
-            "filesystem", "fstream", "functional", "future", "limits", "locale", "map", "memory", "mutex", "numeric",
-            "optional", "set", "span", "sstream", "stdexcept", "string", "string_view", "thread", "tuple", "utility",
-            "variant", "vector", "stddef.h", "stdint.h"}
+STANDARD = {"algorithm", "any", "array", "atomic", "bit", "bitset", "charconv", "chrono", "cinttypes", "cmath", "compare",
+            "complex", "concepts", "condition_variable", "cstddef", "cstdint", "cstdio", "cstdlib", "cstring", "deque",
+            "exception", "filesystem", "fstream", "functional", "future", "initializer_list", "iomanip", "ios", "iosfwd",
+            "iostream", "istream", "iterator", "limits", "list", "locale", "map", "memory", "mutex", "new", "numbers",
+            "numeric", "optional", "ostream", "queue", "random", "ranges", "ratio", "regex", "set", "shared_mutex", "span",
+            "sstream", "stack", "stdexcept", "stop_token", "string", "string_view", "system_error", "thread", "tuple",
+            "type_traits", "typeindex", "typeinfo", "unordered_map", "unordered_set", "utility", "valarray", "variant",
+            "vector", "version", "stddef.h", "stdint.h"}
 
 
 def run(*command, cwd=None):

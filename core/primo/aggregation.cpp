@@ -6,36 +6,6 @@
 namespace strake {
 namespace {
 
-/// Strong connections: neighbours of each row and how strong.
-struct Graph {
-    std::vector<int> begin{0}, neighbour;
-    std::vector<float> strength;
-    int size() const { return static_cast<int>(begin.size()) - 1; }
-};
-
-template <class Real>
-Graph strong_connections(const BlockRows<Real>& A, double threshold) {
-    const int n = A.size();
-    std::vector<float> norm(A.column.size()), strongest(n, 0);
-    for (int i = 0; i < n; ++i)
-        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) {
-            Real squares = 0;
-            for (int q = 0; q < block_entries; ++q) squares += A.block(k)[q] * A.block(k)[q];
-            norm[k] = static_cast<float>(std::sqrt(squares));
-            strongest[i] = std::max(strongest[i], norm[k]);
-        }
-    Graph graph;
-    for (int i = 0; i < n; ++i) {
-        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k)
-            if (norm[k] > 0 && norm[k] >= threshold * std::min(strongest[i], strongest[A.column[k]])) {
-                graph.neighbour.push_back(A.column[k]);
-                graph.strength.push_back(norm[k]);
-            }
-        graph.begin.push_back(static_cast<int>(graph.neighbour.size()));
-    }
-    return graph;
-}
-
 /// The rows within `radius` connections of `root`, itself first.
 void ball(const Graph& graph, int root, int radius, std::vector<int>& rows) {
     rows.assign(1, root);
@@ -69,13 +39,41 @@ bool join(const Graph& graph, Clusters& clusters) {
 
 }  // namespace
 
+Graph strong_connections(const Graph& all, double threshold) {
+    std::vector<float> strongest(all.size(), 0);
+    for (int i = 0; i < all.size(); ++i)
+        for (int k = all.begin[i]; k < all.begin[i + 1]; ++k) strongest[i] = std::max(strongest[i], all.strength[k]);
+    Graph strong;
+    for (int i = 0; i < all.size(); ++i) {
+        for (int k = all.begin[i]; k < all.begin[i + 1]; ++k) {
+            const int j = all.neighbour[k];
+            const float s = all.strength[k];
+            if (!(s > 0) || s < threshold * std::min(strongest[i], strongest[j])) continue;
+            strong.neighbour.push_back(j);
+            strong.strength.push_back(s);
+        }
+        strong.begin.push_back(static_cast<int>(strong.neighbour.size()));
+    }
+    return strong;
+}
+
 template <class Real>
 Clusters aggregate(const BlockRows<Real>& A, double threshold, int radius) {
-    const Graph graph = strong_connections(A, threshold);
-    Clusters clusters{std::vector<int>(A.size(), -1), 0};
+    Graph graph{A.begin, A.column, std::vector<float>(A.column.size())};
+    for (std::size_t k = 0; k < A.column.size(); ++k) {
+        const Real* block = A.block(static_cast<int>(k));
+        Real squares = 0;
+        for (int q = 0; q < block_entries; ++q) squares += block[q] * block[q];
+        graph.strength[k] = static_cast<float>(std::sqrt(squares));
+    }
+    return aggregate(strong_connections(graph, threshold), radius);
+}
+
+Clusters aggregate(const Graph& graph, int radius) {
+    Clusters clusters{std::vector<int>(graph.size(), -1), 0};
     std::vector<int> rows;
     const auto is_free = [&](int i) { return clusters.of[i] < 0; };
-    for (int i = 0; i < A.size(); ++i) {
+    for (int i = 0; i < graph.size(); ++i) {
         if (!is_free(i)) continue;
         ball(graph, i, radius, rows);
         if (!std::all_of(rows.begin(), rows.end(), is_free)) continue;
@@ -84,7 +82,7 @@ Clusters aggregate(const BlockRows<Real>& A, double threshold, int radius) {
     }
     for (int step = 0; step < radius && join(graph, clusters); ++step) {
     }
-    for (int i = 0; i < A.size(); ++i) {  // far from every root
+    for (int i = 0; i < graph.size(); ++i) {  // far from every root
         if (!is_free(i)) continue;
         ball(graph, i, radius, rows);
         for (const int j : rows)

@@ -9,9 +9,21 @@ struct Clusters {
     int count = 0;
 };
 
-/// Clusters along strong connections only: |A_ij| >= threshold times the smaller of the strongest connections of i
-/// and j, in the Frobenius norm of blocks scaled to unit diagonal. Without it, triangles of aspect ratio 11 stall
-/// the iteration. A root takes what is within `radius` (1 or 2) connections of it.
+/// Connections from row to row, both ways, and how strong each is.
+struct Graph {
+    std::vector<int> begin{0}, neighbour;
+    std::vector<float> strength;
+    int size() const { return static_cast<int>(begin.size()) - 1; }
+};
+
+/// The strong ones: not below `threshold` times the smaller of the strongest of either row. Without this, triangles of
+/// aspect ratio 11 stall multigrid.
+Graph strong_connections(const Graph& all, double threshold);
+
+/// Clusters along connections: a root takes what is within `radius` (1 or 2) of it.
+Clusters aggregate(const Graph& graph, int radius);
+
+/// Clusters along the strong connections of A, in the Frobenius norm of blocks scaled to unit diagonal.
 /// @param A off-diagonal blocks, symmetric pattern.
 template <class Real>
 Clusters aggregate(const BlockRows<Real>& A, double threshold, int radius);

@@ -2,13 +2,15 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/coarse_shell.hpp"
 #include "core/primo/newton_systems.hpp"
 
 /// The minimum of the shell's energy. Main method: Newton with the mixed-integration-point stress (full steps, no
 /// descent demanded: after a rotation step the true jumps hold a spurious membrane part of order 1/h^2 that would
 /// poison both the Hessian and a line search). Its systems are solved by conjugate gradients on the factor of an
 /// earlier iteration or design, as exactly as the next step can make use of. Fallbacks: Newton with line search, then
-/// load steps from rest. The end is polished with the exact Hessian and shown to be a minimum.
+/// load steps from rest. A long way from rest is gone by a coarser shell first (nested iteration). The end is polished
+/// with the exact Hessian and shown to be a minimum.
 namespace strake {
 namespace {
 
@@ -20,10 +22,16 @@ constexpr int attempt_limit = 25;         // iterations of one mixed attempt
 constexpr int growth_limit = 4;           // iterations in a row that lead away
 constexpr double closing_step = 1e-3;     // diagonals: from here a few iterations more are allowed
 constexpr int extra_iterations = 4;
-constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
-constexpr double far = 0.3;            // diagonals: what is further away is approached in stages
-constexpr double stage_end = 0.02;     // diagonals: step from which the next stage begins
-constexpr int stage_iterations = 4;    // allowed to each
+constexpr int hasty_growth_limit = 2;   // the same where failing early is asked for
+constexpr double far = 0.3;             // diagonals: what is further away is approached in stages
+constexpr double stage_end = 0.02;      // diagonals: step from which the next stage begins
+constexpr int stage_iterations = 4;     // allowed to each
+constexpr int least_for_coarse = 4000;  // free prisms from which a coarser shell goes ahead
+constexpr double worth_coarse = 0.05;   // diagonals: first step from which it does
+constexpr double worth_anew = 0.2;      // the same where what is kept of the rest state serves no longer after that
+// A step from a guess that is longer changes the matrix so much that one set up anew pays; a factor costs more.
+constexpr double rough_guess = 0.005, rough_guess_for_factor = 0.02;  // diagonals
+constexpr double coarse_end = 0.01;  // diagonals: step with which it has gone far enough
 
 /// Shortens a step so that no prism turns or travels too far.
 double cap(const RestState& rest, Eigen::VectorXd& twist) {
@@ -47,6 +55,10 @@ struct Attempt {
     std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
     bool cancelled = false;
     NewtonSystems systems{shell, options, end};
+    const std::vector<RigidMotion>& motions;
+    double worth = 0;  ///< on a coarser shell: ends with a step below `coarse_end`, at once if the first is below this
+    bool is_guided = true;    ///< goes ahead on a coarser shell where the way is long
+    bool was_guided = false;  ///< has done so
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -62,6 +74,8 @@ struct Attempt {
         if (progress && !progress(end.records.back())) cancelled = true;
     }
 
+    bool is_rough() const { return worth > 0; }
+    bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
     bool finish(const Loads& loads, Iterate at);
@@ -87,12 +101,47 @@ struct Stages {
     }
 };
 
+void add(const SolveTimes& from, SolveTimes& to) {
+    to.assembly += from.assembly;
+    to.ordering += from.ordering;
+    to.factorization += from.factorization;
+    to.substitution += from.substitution;
+}
+
+bool is_at_rest(const PrimoShell::Impl& shell) {
+    for (const int i : shell.rest.free_prisms)
+        if ((shell.poses.displacement.row(i).array() != 0).any() || shell.poses.rotation[i].w() != 1) return false;
+    return true;
+}
+
+/// Moves the prisms from rest to about where the equilibrium of a coarser shell is. False where they stay at rest.
+bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
+    if (!is_guided || shell.rest.num_free() < least_for_coarse || !is_at_rest(shell)) return false;
+    CoarseShell coarse = coarsen(shell.rest, is_rough() ? 1 : 2);
+    PrimoShell::Impl rough(std::move(coarse.rest), LinearSolver::automatic, 1);
+    rough.spring_pattern = shell.spring_pattern;  // that every part is held is known
+    rough.prepare(loads.spring);
+    rough.place_pinned(motions);
+    Equilibrium found;
+    Attempt attempt{
+        .shell = rough, .options = options, .progress = {}, .end = found, .motions = motions, .worth = worth_from};
+    const bool is_found = attempt.mixed(loads, pins_moved, false);
+    add(rough.seconds, shell.seconds);
+    if (!is_found) return false;
+    shell.poses = prolonged(shell.rest, coarse.of, rough.rest, rough.poses);
+    shell.place_pinned(motions);
+    shell.has_moved();
+    return was_guided = true;
+}
+
 bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
+    reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
+    const bool is_near = go_ahead(loads, pins_moved, std::max(worth, reuse ? worth_anew : worth_coarse));
+    if (is_near) reuse = false;
     Iterate at = iterate(shell, loads);
     Jumps stress = at.jump;
     // Pins that jumped leave gaping faces: their stress means nothing yet.
-    StressTerm term = pins_moved ? StressTerm::none : StressTerm::exact;
-    reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
+    StressTerm term = is_near || pins_moved ? StressTerm::none : StressTerm::exact;
     systems.begin();
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
@@ -105,7 +154,9 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             return false;
         }
         if (!twist.allFinite()) return false;
-        if (const double first = step_size(shell.rest, twist); i == 0 && first > far && options.fallbacks) {
+        const double first = i == 0 ? step_size(shell.rest, twist) : 0;
+        if (i == 0 && !is_near && first < worth) return false;
+        if (first > far && options.fallbacks) {
             stages.begin(at.gradient, first);
             twist *= stages.share;
         }
@@ -118,12 +169,14 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
+        if (is_near && i == 0 && step > (shell.kept.is_exact() ? rough_guess_for_factor : rough_guess)) reuse = false;
         if (stages.advance(step)) {
             smallest = std::numeric_limits<double>::infinity();
             growing = 0;
             systems.begin();
             continue;
         }
+        if (is_rough() && step < coarse_end) return true;
         if (step < nearly_there) return finish(loads, std::move(at));
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
@@ -259,14 +312,22 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     const bool pins_moved = differ(motions, shell.motions);
 
     Equilibrium end;
-    Attempt attempt{shell, options, progress, end};
+    Attempt attempt{.shell = shell, .options = options, .progress = progress, .end = end, .motions = motions};
     shell.place_pinned(motions);
-    bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
-    if (!done && options.fallbacks && !attempt.out_of_budget()) {
+    const auto begin_again = [&] {
         shell.poses = before;
         shell.has_moved();
         shell.place_pinned(motions);
         end.reason.clear();
+    };
+    bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
+    attempt.is_guided = false;
+    if (!done && attempt.was_guided && !attempt.out_of_budget()) {
+        begin_again();
+        done = attempt.mixed(loads, pins_moved, false);
+    }
+    if (!done && options.fallbacks && !attempt.out_of_budget()) {
+        begin_again();
         done = !pins_moved && attempt.line_search(loads);
     }
     for (int steps = 4; !done && options.fallbacks && steps <= 16 && !attempt.out_of_budget(); steps *= 4) {

@@ -54,13 +54,13 @@ Eigen::Matrix3d left_jacobian(const Eigen::Vector3d& r) {
     return Eigen::Matrix3d::Identity() + p * C + q * C * C;
 }
 
-PrimoShell::Impl::Impl(const TriMesh& mesh, const ShellOptions& options) : rest(rest_state(mesh, options)) {
+PrimoShell::Impl::Impl(RestState given, LinearSolver solver, int expected_solves) : rest(std::move(given)) {
     if (rest.num_free() == 0) throw InvalidInput("shell: every triangle is fixed or pinned; nothing is free to move");
     reset_poses();
-    loads = complete({}, mesh.num_vertices());
+    loads = complete({}, rest.mesh.num_vertices());
     const double edge = std::sqrt(rest.area.mean() * 4 / std::sqrt(3.0));
     const double height_in_edges = rest.prism_height.mean() / edge;
-    kept.use(Preconditioner::choose(options.solver, rest.num_free(), height_in_edges, options.expected_solves),
+    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves),
              height_in_edges);
 }
 
@@ -203,7 +203,7 @@ double step_size(const RestState& rest, const Eigen::VectorXd& twist) {
 }
 
 PrimoShell::PrimoShell(const TriMesh& mesh, const ShellOptions& options)
-    : impl_(std::make_unique<Impl>(mesh, options)) {}
+    : impl_(std::make_unique<Impl>(rest_state(mesh, options), options.solver, options.expected_solves)) {}
 PrimoShell::~PrimoShell() = default;
 PrimoShell::PrimoShell(PrimoShell&&) noexcept = default;
 PrimoShell& PrimoShell::operator=(PrimoShell&&) noexcept = default;

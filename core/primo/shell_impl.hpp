@@ -26,7 +26,7 @@ struct PrimoShell::Impl {
     std::vector<Eigen::Quaterniond> adjoint_rotation;
     SolveTimes seconds;
 
-    Impl(const TriMesh& mesh, const ShellOptions& options);
+    Impl(RestState rest, LinearSolver solver, int expected_solves);
 
     void reset_poses();
     void place_pinned(const std::vector<RigidMotion>& motions);

@@ -31,6 +31,7 @@ constexpr double worth_coarse = 0.05;   // diagonals: first step from which it d
 constexpr double worth_anew = 0.2;      // the same where what is kept of the rest state serves no longer after that
 // A step from a guess that is longer changes the matrix so much that one set up anew pays; a factor costs more.
 constexpr double rough_guess = 0.005, rough_guess_for_factor = 0.02;  // diagonals
+constexpr int coarse_load_steps = 4;                                  // where it does not get there at once
 constexpr double coarse_end = 0.01;  // diagonals: step with which it has gone far enough
 
 /// Shortens a step so that no prism turns or travels too far.
@@ -125,7 +126,11 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     Equilibrium found;
     Attempt attempt{
         .shell = rough, .options = options, .progress = {}, .end = found, .motions = motions, .worth = worth_from};
-    const bool is_found = attempt.mixed(loads, pins_moved, false);
+    bool is_found = attempt.mixed(loads, pins_moved, false);
+    if (!is_found && found.iterations > 0 && options.fallbacks) {
+        found.iterations = 0;
+        is_found = attempt.load_steps(loads, motions, coarse_load_steps);
+    }
     add(rough.seconds, shell.seconds);
     if (!is_found) return false;
     shell.poses = prolonged(shell.rest, coarse.of, rough.rest, rough.poses);

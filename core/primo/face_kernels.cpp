@@ -1,5 +1,8 @@
 #include "core/primo/face_kernels.hpp"
 
+#include <algorithm>
+
+#include "core/parallel.hpp"
 #include "core/primo/lanes.hpp"
 
 namespace strake {
@@ -65,6 +68,14 @@ STRAKE_INLINE void coupling(const FourVectors& p, const FourVectors& q, double w
     for (int k = 0; k < 36; ++k) to[k] = block[k];
 }
 
+constexpr int at_once = 512;  // faces, prisms or vertices of one thread
+
+template <class Work>
+void for_lanes(int n, const Work& work) {
+    for_blocks(n, at_once,
+               [&](int begin, int end) { run_lanes([&]() __attribute__((always_inline)) { work(begin, end); }); });
+}
+
 }  // namespace
 
 void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
@@ -78,20 +89,21 @@ void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
 void face_jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn,
                 std::vector<Quad>& jump) {
     jump.resize(rest.faces.size());
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            FourVectors a = turned_only(turn[face.i].data(), load(face.arm_i));
-            const FourVectors b = turned_only(turn[face.j].data(), load(face.arm_j));
-            const auto apart = [&](int c) __attribute__((always_inline)) {
-                return poses.displacement(face.i, c) - poses.displacement(face.j, c);
-            };
-            store_difference(a, b, jump[f]);
-            four(jump[f].x).lanes += apart(0);
-            four(jump[f].y).lanes += apart(1);
-            four(jump[f].z).lanes += apart(2);
-        }
-    });
+    for_lanes(
+        static_cast<int>(rest.faces.size()), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f) {
+                const SharedFace& face = rest.faces[f];
+                FourVectors a = turned_only(turn[face.i].data(), load(face.arm_i));
+                const FourVectors b = turned_only(turn[face.j].data(), load(face.arm_j));
+                const auto apart = [&](int c) __attribute__((always_inline)) {
+                    return poses.displacement(face.i, c) - poses.displacement(face.j, c);
+                };
+                store_difference(a, b, jump[f]);
+                four(jump[f].x).lanes += apart(0);
+                four(jump[f].y).lanes += apart(1);
+                four(jump[f].z).lanes += apart(2);
+            }
+        });
 }
 
 void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist,
@@ -101,70 +113,81 @@ void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& 
     const auto of = [&](int i) __attribute__((always_inline)) {
         return rest.free_index[i] < 0 ? still : twist.data() + 6L * rest.free_index[i];
     };
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            store_difference(velocities(of(face.i), arms(turn[face.i].data(), face.arm_i)),
-                             velocities(of(face.j), arms(turn[face.j].data(), face.arm_j)), rate[f]);
-        }
-    });
+    for_lanes(
+        static_cast<int>(rest.faces.size()), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f) {
+                const SharedFace& face = rest.faces[f];
+                store_difference(velocities(of(face.i), arms(turn[face.i].data(), face.arm_i)),
+                                 velocities(of(face.j), arms(turn[face.j].data(), face.arm_j)), rate[f]);
+            }
+        });
 }
 
-void add_face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
-                       Wrenches& wrench) {
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            const double w = face.weight / 2;
-            const FourVectors r = load(jump[f]), force = {w * r.x, w * r.y, w * r.z};
-            add_wrench(arms(turn[face.i].data(), face.arm_i), force, 1, wrench.data() + 6L * face.i);
-            add_wrench(arms(turn[face.j].data(), face.arm_j), force, -1, wrench.data() + 6L * face.j);
-        }
-    });
+void face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
+                   Wrenches& wrench) {
+    wrench.resize(rest.num_prisms(), 6);
+    for_lanes(
+        rest.num_prisms(), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int p = begin; p < end; ++p) {
+                double* to = wrench.data() + 6L * p;
+                std::fill(to, to + 6, 0.0);
+                for (const int item : rest.prism_faces[p]) {
+                    const SharedFace& face = rest.faces[item / 2];
+                    const bool is_i = item % 2 == 0;
+                    const double w = face.weight / 2;
+                    const FourVectors r = load(jump[item / 2]), force = {w * r.x, w * r.y, w * r.z};
+                    add_wrench(arms(turn[p].data(), is_i ? face.arm_i : face.arm_j), force, is_i ? 1 : -1, to);
+                }
+            }
+        });
 }
 
 void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& stress,
                      bool is_sum, std::vector<OwnBlock>& own, std::vector<Matrix6>& below, const BlockMatrix& pattern) {
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            const int i = rest.free_index[face.i], j = rest.free_index[face.j];
-            if (i < 0 && j < 0) continue;
-            const FourVectors a = arms(turn[face.i].data(), face.arm_i), b = arms(turn[face.j].data(), face.arm_j);
-            const double w = face.weight / 2;
-            const FourVectors r = load(stress[f]), force = {w * r.x, w * r.y, w * r.z};
-            if (i >= 0) add_own(a, force, w, 1, own[i]);
-            if (j >= 0) add_own(b, force, w, -1, own[j]);
-            if (i < 0 || j < 0) continue;
-            Matrix6& to = below[pattern.find(i, j)];
-            Matrix6 block;
-            double* written = is_sum ? block.data() : to.data();
-            if (i > j)
-                coupling(a, b, w, written);
-            else
-                coupling(b, a, w, written);
-            if (is_sum) to += block;
-        }
-    });
+    for_lanes(
+        rest.num_free(), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int p = begin; p < end; ++p) {
+                const int prism = rest.free_prisms[p];
+                for (const int item : rest.prism_faces[prism]) {
+                    const SharedFace& face = rest.faces[item / 2];
+                    const bool is_i = item % 2 == 0;
+                    const FourVectors a = arms(turn[prism].data(), is_i ? face.arm_i : face.arm_j);
+                    const double w = face.weight / 2;
+                    const FourVectors r = load(stress[item / 2]), force = {w * r.x, w * r.y, w * r.z};
+                    add_own(a, force, w, is_i ? 1 : -1, own[p]);
+                    const int j = rest.free_index[face.j];
+                    if (!is_i || j < 0) continue;  // blocks between two prisms are prism i's to write
+                    const FourVectors b = arms(turn[face.j].data(), face.arm_j);
+                    Matrix6& to = below[pattern.find(p, j)];
+                    Matrix6 block;
+                    double* written = is_sum ? block.data() : to.data();
+                    if (p > j)
+                        coupling(a, b, w, written);
+                    else
+                        coupling(b, a, w, written);
+                    if (is_sum) to += block;
+                }
+            }
+        });
 }
 
 void vertex_sums(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn, Points& total) {
-    const int n = rest.mesh.num_vertices();
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (int k = 0; k < n; ++k) {
-            Four sum = {};
-            for (const int i : rest.vertex_prisms[k]) {
-                const double* T = turn[i].data();
-                double arm[3];
-                for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
-                const Four last = four(T + 5).lanes;  // its own first lane is of the column before
-                const Four third = {last[1], last[2], last[3], 0};
-                sum += ((four(T).lanes * arm[0] + four(T + 3).lanes * arm[1]) + third * arm[2]) +
-                       Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
+    for_lanes(
+        rest.mesh.num_vertices(), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int k = begin; k < end; ++k) {
+                Four sum = {};
+                for (const int i : rest.vertex_prisms[k]) {
+                    const double* T = turn[i].data();
+                    double arm[3];
+                    for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
+                    const Four last = four(T + 5).lanes;  // its own first lane is of the column before
+                    const Four third = {last[1], last[2], last[3], 0};
+                    sum += ((four(T).lanes * arm[0] + four(T + 3).lanes * arm[1]) + third * arm[2]) +
+                           Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
+                }
+                for (int c = 0; c < 3; ++c) total(k, c) = sum[c];
             }
-            for (int c = 0; c < 3; ++c) total(k, c) = sum[c];
-        }
-    });
+        });
 }
 
 }  // namespace strake

@@ -137,6 +137,30 @@ void add_vertex_map(RestState& rest, const Adjacency& adjacent) {
     }
 }
 
+/// What is listed for each of `rows` rows, in ascending order; `for_all(add)` calls add(row, item) for all, twice.
+template <class ForAll>
+IntLists lists_by_row(int rows, const ForAll& for_all) {
+    IntLists lists;
+    lists.begin.assign(rows + 1, 0);
+    for_all([&](int row, int) { ++lists.begin[row + 1]; });
+    for (int r = 0; r < rows; ++r) lists.begin[r + 1] += lists.begin[r];
+    std::vector<int> next(lists.begin.begin(), lists.begin.end() - 1);
+    lists.items.resize(lists.begin[rows]);
+    for_all([&](int row, int item) { lists.items[next[row]++] = item; });
+    return lists;
+}
+
+void list_by_prism(RestState& rest) {
+    rest.prism_faces = lists_by_row(rest.num_prisms(), [&](const auto& add) {
+        for (int f = 0; f < static_cast<int>(rest.faces.size()); ++f)
+            add(rest.faces[f].i, 2 * f), add(rest.faces[f].j, 2 * f + 1);
+    });
+    rest.prism_vertices = lists_by_row(rest.num_prisms(), [&](const auto& add) {
+        for (int k = 0; k < rest.mesh.num_vertices(); ++k)
+            for (const int i : rest.vertex_prisms[k]) add(i, k);
+    });
+}
+
 }  // namespace
 
 const std::array<GaussPoint, 4>& gauss_points() {
@@ -192,6 +216,7 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
     rest.normal = vertex_normals(rest);
     add_faces(rest, adjacent);
     add_vertex_map(rest, adjacent);
+    list_by_prism(rest);
     return rest;
 }
 

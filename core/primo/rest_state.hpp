@@ -56,6 +56,8 @@ struct RestState {
     std::vector<int> free_prisms;
     std::vector<SharedFace> faces;
     std::vector<MirroredFace> mirrored;
+    IntLists prism_faces;            ///< shared faces of a prism: 2 f where it is face f's prism i, 2 f + 1 where its j
+    IntLists prism_vertices;         ///< vertices that follow a prism
     IntLists vertex_prisms;          ///< prisms that a vertex follows; none: it stays (fixed, or of no triangle)
     std::vector<char> fixed_vertex;  ///< copied from the start
     std::vector<char> on_plane;      ///< vertex on the symmetry plane: its motion is projected into it

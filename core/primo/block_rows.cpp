@@ -7,7 +7,8 @@
 namespace strake {
 namespace {
 
-constexpr int columns_at_once = 64;  // each has the blocks of a cluster, twenty and more
+constexpr int columns_at_once = 4096;
+constexpr int most_groups = 16, least_rows = 512;  // of rows, whose transposed products are added up
 
 }  // namespace
 
@@ -71,19 +72,48 @@ ColumnLists column_lists(const BlockRows<Real>& P, int columns) {
 }
 
 template <class Real>
-void transposed_product(const BlockRows<Real>& P, const ColumnLists& lists, const std::vector<Real>& x,
+RowGroups<Real> row_groups(const BlockRows<Real>& P) {
+    RowGroups<Real> groups;
+    groups.rows = std::max(least_rows, (P.size() + most_groups - 1) / most_groups);
+    long size = 0;
+    for (int i = 0; i < P.size(); i += groups.rows) {
+        const auto begin = P.column.begin() + P.begin[i],
+                   end = P.column.begin() + P.begin[std::min(P.size(), i + groups.rows)];
+        const auto [least, most] = std::minmax_element(begin, end);
+        groups.first.push_back(begin == end ? 0 : *least);
+        groups.last.push_back(begin == end ? 0 : *most + 1);
+        groups.begin.push_back(size);
+        size += 6L * (groups.last.back() - groups.first.back());
+    }
+    groups.sums.resize(size);
+    return groups;
+}
+
+template <class Real>
+void transposed_product(const BlockRows<Real>& P, RowGroups<Real>& groups, const std::vector<Real>& x, int columns,
                         std::vector<Real>& y) {
-    y.resize(6 * lists.size());
-    for_blocks(lists.size(), columns_at_once, [&](int begin, int end) {
-        for (int c = begin; c < end; ++c) {
-            Real to[6] = {};
-            for (int t = lists.begin[c]; t < lists.begin[c + 1]; ++t) {
-                const Real *A = P.block(lists.entry[t]), *part = x.data() + 6 * lists.row[t];
+    y.resize(6 * columns);
+    for_blocks(P.size(), groups.rows, [&](int begin, int end) {
+        const int group = begin / groups.rows, first = groups.first[group];
+        Real* sums = groups.sums.data() + groups.begin[group];
+        std::fill(sums, sums + 6L * (groups.last[group] - first), Real(0));
+        for (int i = begin; i < end; ++i) {
+            const Real* part = x.data() + 6 * i;
+            for (int k = P.begin[i]; k < P.begin[i + 1]; ++k) {
+                const Real* A = P.block(k);
+                Real* to = sums + 6 * (P.column[k] - first);
                 for (int q = 0; q < 6; ++q, A += 6)
                     to[q] += ((A[0] * part[0] + A[1] * part[1]) + (A[2] * part[2] + A[3] * part[3])) +
                              (A[4] * part[4] + A[5] * part[5]);
             }
-            std::copy(to, to + 6, y.data() + 6 * c);
+        }
+    });
+    for_blocks(columns, columns_at_once, [&](int begin, int end) {
+        std::fill(y.data() + 6L * begin, y.data() + 6L * end, Real(0));
+        for (std::size_t g = 0; g < groups.first.size(); ++g) {
+            const Real* sums = groups.sums.data() + groups.begin[g] - 6L * groups.first[g];
+            for (int q = 6 * std::max(begin, groups.first[g]); q < 6 * std::min(end, groups.last[g]); ++q)
+                y[q] += sums[q];
         }
     });
 }
@@ -97,14 +127,15 @@ double dot(const std::vector<Real>& a, const std::vector<Real>& b) {
     });
 }
 
-#define STRAKE_INSTANTIATE(Real)                                                                           \
-    template struct BlockRows<Real>;                                                                       \
-    template void add_product(const Real*, const Real*, Real*);                                            \
-    template void multiply(const BlockRows<Real>&, const std::vector<Real>&, std::vector<Real>&);          \
-    template void add_product(const BlockRows<Real>&, const std::vector<Real>&, std::vector<Real>&);       \
-    template ColumnLists column_lists(const BlockRows<Real>&, int);                                        \
-    template void transposed_product(const BlockRows<Real>&, const ColumnLists&, const std::vector<Real>&, \
-                                     std::vector<Real>&);                                                  \
+#define STRAKE_INSTANTIATE(Real)                                                                              \
+    template struct BlockRows<Real>;                                                                          \
+    template void add_product(const Real*, const Real*, Real*);                                               \
+    template void multiply(const BlockRows<Real>&, const std::vector<Real>&, std::vector<Real>&);             \
+    template void add_product(const BlockRows<Real>&, const std::vector<Real>&, std::vector<Real>&);          \
+    template ColumnLists column_lists(const BlockRows<Real>&, int);                                           \
+    template RowGroups<Real> row_groups(const BlockRows<Real>&);                                              \
+    template void transposed_product(const BlockRows<Real>&, RowGroups<Real>&, const std::vector<Real>&, int, \
+                                     std::vector<Real>&);                                                     \
     template double dot(const std::vector<Real>&, const std::vector<Real>&);
 STRAKE_INSTANTIATE(float)
 STRAKE_INSTANTIATE(double)

@@ -70,7 +70,6 @@ constexpr int rows_at_once = 256, entries_at_once = 16384;
 struct ColumnLists {
     std::vector<int> begin{0}, row, entry;
     int size() const { return static_cast<int>(begin.size()) - 1; }
-    std::size_t bytes() const { return sizeof(int) * (begin.size() + row.size() + entry.size()); }
 };
 template <class Real>
 ColumnLists column_lists(const BlockRows<Real>& P, int columns);
@@ -81,9 +80,19 @@ void multiply(const BlockRows<Real>& A, const std::vector<Real>& x, std::vector<
 /// y += P x
 template <class Real>
 void add_product(const BlockRows<Real>& P, const std::vector<Real>& x, std::vector<Real>& y);
-/// y = P^T x, with the lists of P.
+/// Groups of rows for products with the transpose: each collects what it adds to the columns that it reaches.
 template <class Real>
-void transposed_product(const BlockRows<Real>& P, const ColumnLists& lists, const std::vector<Real>& x,
+struct RowGroups {
+    std::vector<int> first, last;  ///< per group: columns that it reaches
+    std::vector<long> begin;       ///< per group: its part of `sums`
+    std::vector<Real> sums;
+    int rows = 1;  ///< of a group
+};
+template <class Real>
+RowGroups<Real> row_groups(const BlockRows<Real>& P);
+/// y = P^T x, y has `columns` blocks.
+template <class Real>
+void transposed_product(const BlockRows<Real>& P, RowGroups<Real>& groups, const std::vector<Real>& x, int columns,
                         std::vector<Real>& y);
 /// Summed in double, in an order that does not depend on the number of threads.
 template <class Real>

@@ -67,7 +67,7 @@ void Hierarchy<Real>::cycle(int at, const std::vector<Real>& b, std::vector<Real
                 [&](int begin, int end) { std::copy(b.data() + begin, b.data() + end, residual.data() + begin); });
     smooth(level, at, x, residual, true);
     Level& coarse = levels_[at + 1];
-    transposed_product(level.P, level.in_columns, residual, coarse.r);
+    transposed_product(level.P, level.groups, residual, coarse.A.size(), coarse.r);
     coarse_solve(at + 1, coarse.r, coarse.x);
     add_product(level.P, coarse.x, x);
     for_blocks(level.A.size(), rows_at_once, [&](int begin, int end) {
@@ -143,7 +143,7 @@ template <class Real>
 std::size_t Hierarchy<Real>::bytes() const {
     std::size_t sum = sizeof(Real) * scale_.size();
     for (const Level& level : levels_)
-        sum += level.A.bytes() + level.P.bytes() + level.in_columns.bytes() +
+        sum += level.A.bytes() + level.P.bytes() + sizeof(Real) * level.groups.sums.size() +
                sizeof(Real) * std::size_t{60} * level.A.size();
     return sum;
 }

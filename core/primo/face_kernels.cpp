@@ -78,6 +78,13 @@ void for_lanes(int n, const Work& work) {
 
 }  // namespace
 
+OwnBlock& OwnBlock::operator+=(const OwnBlock& other) {
+    for (int q = 0; q < 6; ++q) square[q] += other.square[q], moment[q] += other.moment[q];
+    for (int q = 0; q < 3; ++q) arm[q] += other.arm[q];
+    weight += other.weight;
+    return *this;
+}
+
 void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
     for (int q = 0; q < 3; ++q) {
         const int next = (q + 1) % 3;
@@ -123,51 +130,82 @@ void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& 
         });
 }
 
+namespace {
+
+struct Wrench {
+    double entry[6] = {};
+    Wrench& operator+=(const Wrench& other) {
+        for (int q = 0; q < 6; ++q) entry[q] += other.entry[q];
+        return *this;
+    }
+};
+
+/// Adds up over all faces: work(face, for_i, for_j) adds to two Sums, those of `sums` where the face's prisms have one
+/// of their own, else nullptr. @param sum_of prism -> its place in `sums`, or -1
+template <class Sum, class SumOf, class Work>
+void add_up(const RestState& rest, Sum* sums, const SumOf& sum_of, int threads, const Work& work) {
+    const FaceGroups& groups = rest.face_groups;
+    std::vector<Sum> apart(groups.prism.size());
+    const auto place = [&](int prism, int place_apart) {
+        const int at = sum_of(prism);
+        return at < 0 ? nullptr : place_apart < 0 ? sums + at : apart.data() + place_apart;
+    };
+    const auto do_faces = [&](int begin, int end) {
+        run_lanes([&]() __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f)
+                work(f, place(rest.faces[f].i, groups.apart[f][0]), place(rest.faces[f].j, groups.apart[f][1]));
+        });
+    };
+    for_blocks(static_cast<int>(rest.faces.size()), FaceGroups::faces, do_faces, threads);
+    for_blocks(rest.num_prisms(), FaceGroups::prisms, [&](int begin, int) {
+        const int group = begin / FaceGroups::prisms;
+        for (int k = groups.begin[group]; k < groups.begin[group + 1]; ++k)
+            if (const int at = sum_of(groups.prism[k]); at >= 0) sums[at] += apart[k];
+    });
+}
+
+}  // namespace
+
 void face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
                    Wrenches& wrench) {
     wrench.resize(rest.num_prisms(), 6);
-    for_lanes(
-        rest.num_prisms(), [&](int begin, int end) __attribute__((always_inline)) {
-            for (int p = begin; p < end; ++p) {
-                double* to = wrench.data() + 6L * p;
-                std::fill(to, to + 6, 0.0);
-                for (const int item : rest.prism_faces[p]) {
-                    const SharedFace& face = rest.faces[item / 2];
-                    const bool is_i = item % 2 == 0;
-                    const double w = face.weight / 2;
-                    const FourVectors r = load(jump[item / 2]), force = {w * r.x, w * r.y, w * r.z};
-                    add_wrench(arms(turn[p].data(), is_i ? face.arm_i : face.arm_j), force, is_i ? 1 : -1, to);
-                }
-            }
+    auto* sums = reinterpret_cast<Wrench*>(wrench.data());  // its rows
+    for_blocks(rest.num_prisms(), FaceGroups::prisms,
+               [&](int begin, int end) { std::fill(sums + begin, sums + end, Wrench()); });
+    add_up(
+        rest, sums, [](int i) { return i; }, 0,
+        [&](int f, Wrench* of_i, Wrench* of_j) __attribute__((always_inline)) {
+            const SharedFace& face = rest.faces[f];
+            const double w = face.weight / 2;
+            const FourVectors r = load(jump[f]), force = {w * r.x, w * r.y, w * r.z};
+            add_wrench(arms(turn[face.i].data(), face.arm_i), force, 1, of_i->entry);
+            add_wrench(arms(turn[face.j].data(), face.arm_j), force, -1, of_j->entry);
         });
 }
 
 void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& stress,
                      bool is_sum, std::vector<OwnBlock>& own, std::vector<Matrix6>& below, const BlockMatrix& pattern) {
-    for_lanes(
-        rest.num_free(), [&](int begin, int end) __attribute__((always_inline)) {
-            for (int p = begin; p < end; ++p) {
-                const int prism = rest.free_prisms[p];
-                for (const int item : rest.prism_faces[prism]) {
-                    const SharedFace& face = rest.faces[item / 2];
-                    const bool is_i = item % 2 == 0;
-                    const FourVectors a = arms(turn[prism].data(), is_i ? face.arm_i : face.arm_j);
-                    const double w = face.weight / 2;
-                    const FourVectors r = load(stress[item / 2]), force = {w * r.x, w * r.y, w * r.z};
-                    add_own(a, force, w, is_i ? 1 : -1, own[p]);
-                    const int j = rest.free_index[face.j];
-                    if (!is_i || j < 0) continue;  // blocks between two prisms are prism i's to write
-                    const FourVectors b = arms(turn[face.j].data(), face.arm_j);
-                    Matrix6& to = below[pattern.find(p, j)];
-                    Matrix6 block;
-                    double* written = is_sum ? block.data() : to.data();
-                    if (p > j)
-                        coupling(a, b, w, written);
-                    else
-                        coupling(b, a, w, written);
-                    if (is_sum) to += block;
-                }
-            }
+    const int threads = is_sum ? 1 : 0;  // faces of several groups may have a block in common
+    add_up(
+        rest, own.data(), [&](int i) { return rest.free_index[i]; }, threads,
+        [&](int f, OwnBlock* of_i, OwnBlock* of_j) __attribute__((always_inline)) {
+            if (!of_i && !of_j) return;
+            const SharedFace& face = rest.faces[f];
+            const FourVectors a = arms(turn[face.i].data(), face.arm_i), b = arms(turn[face.j].data(), face.arm_j);
+            const double w = face.weight / 2;
+            const FourVectors r = load(stress[f]), force = {w * r.x, w * r.y, w * r.z};
+            if (of_i) add_own(a, force, w, 1, *of_i);
+            if (of_j) add_own(b, force, w, -1, *of_j);
+            if (!of_i || !of_j) return;
+            const int i = rest.free_index[face.i], j = rest.free_index[face.j];
+            Matrix6& to = below[pattern.find(i, j)];
+            Matrix6 block;
+            double* written = is_sum ? block.data() : to.data();
+            if (i > j)
+                coupling(a, b, w, written);
+            else
+                coupling(b, a, w, written);
+            if (is_sum) to += block;
         });
 }
 

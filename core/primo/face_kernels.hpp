@@ -20,6 +20,7 @@ struct OwnBlock {
     double weight = 0;      ///< sum w
     double moment[6] = {};  ///< symmetric part of sum f a^T
 
+    OwnBlock& operator+=(const OwnBlock& other);
     void add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a);
 };
 /// Blocks between free prisms that share a face, and what the faces add to their own. @param is_sum two prisms may

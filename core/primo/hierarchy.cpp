@@ -184,8 +184,8 @@ bool Hierarchy<Real>::coarsen(Level& level, int at, Level& coarse) const {
     if (!P) return false;
     level.P = std::move(*P);
     std::vector<Matrix6> diagonal, L, inverse;
-    level.in_columns = column_lists(level.P, level.clusters.count);
-    coarse.A = galerkin(level.A, level.P, level.in_columns, diagonal);
+    level.groups = row_groups(level.P);
+    coarse.A = galerkin(level.A, level.P, column_lists(level.P, level.clusters.count), diagonal);
     if (!factors(diagonal, L, inverse)) return false;
     for_blocks(coarse.A.size(), rows_at_once, [&](int begin, int end) {
         for (int a = begin; a < end; ++a) {

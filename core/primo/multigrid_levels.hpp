@@ -14,7 +14,7 @@ struct MultigridLevel {
     Points centre;
     Clusters clusters;
     BlockRows<Real> P;       ///< prolongation from the next level, between scaled unknowns; empty on the last
-    ColumnLists in_columns;  ///< of P
+    RowGroups<Real> groups;  ///< of P
     double largest = 2;      ///< bound of the eigenvalues of A
     std::vector<Real> x, r, residual, direction, next;  ///< of the cycle
     std::vector<Real> c1, v1, c2, v2, left;             ///< of the K-cycle

@@ -151,10 +151,25 @@ IntLists lists_by_row(int rows, const ForAll& for_all) {
 }
 
 void list_by_prism(RestState& rest) {
-    rest.prism_faces = lists_by_row(rest.num_prisms(), [&](const auto& add) {
+    std::vector<int> owner(rest.num_prisms(), -1);
+    const IntLists crossing = lists_by_row(rest.num_prisms(), [&](const auto& add) {
         for (int f = 0; f < static_cast<int>(rest.faces.size()); ++f)
-            add(rest.faces[f].i, 2 * f), add(rest.faces[f].j, 2 * f + 1);
+            for (const int side : {0, 1}) {
+                const int i = side == 0 ? rest.faces[f].i : rest.faces[f].j;
+                if (owner[i] < 0) owner[i] = f / FaceGroups::faces;
+                if (owner[i] != f / FaceGroups::faces) add(i, 2 * f + side);
+            }
     });
+    FaceGroups& groups = rest.face_groups;
+    groups.apart.assign(rest.faces.size(), {-1, -1});
+    for (int i = 0; i < rest.num_prisms(); ++i) {
+        if (i % FaceGroups::prisms == 0) groups.begin.push_back(static_cast<int>(groups.prism.size()));
+        for (const int item : crossing[i]) {
+            groups.apart[item / 2][item % 2] = static_cast<int>(groups.prism.size());
+            groups.prism.push_back(i);
+        }
+    }
+    groups.begin.push_back(static_cast<int>(groups.prism.size()));
     rest.prism_vertices = lists_by_row(rest.num_prisms(), [&](const auto& add) {
         for (int k = 0; k < rest.mesh.num_vertices(); ++k)
             for (const int i : rest.vertex_prisms[k]) add(i, k);

@@ -82,7 +82,7 @@ private:
         pthread_sigmask(SIG_SETMASK, &all, &before);
         try {
             for (; workers_ < count; ++workers_) std::thread([this, id = workers_] { serve(id); }).detach();
-        } catch (const std::system_error&) {
+        } catch (const std::exception&) {  // no more are to be had
         }
         pthread_sigmask(SIG_SETMASK, &before, nullptr);
     }
@@ -158,9 +158,10 @@ std::atomic<int>& wanted() {
     return threads;
 }
 
-int default_threads() {
+/// 0: it says nothing.
+int threads_of_environment() {
     const char* words = std::getenv("STRAKE_NUM_THREADS");
-    if (!words || !*words) return std::min(2, num_processors());
+    if (!words || !*words) return 0;
     int number = 0;
     const char* end = words + std::strlen(words);
     const auto [after, error] = std::from_chars(words, end, number);
@@ -179,10 +180,10 @@ int num_processors() {
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-int num_threads() {
+int num_threads(int most) {
     if (const int threads = wanted(); threads > 0) return threads;
-    static const int threads = default_threads();
-    return threads;
+    static const int said = threads_of_environment(), processors = num_processors();
+    return said > 0 ? said : std::min({most, processors, max_threads});
 }
 
 void set_num_threads(int threads) {

@@ -19,11 +19,12 @@
 /// is done by its own thread alone. A child process made by fork() starts its own threads.
 namespace strake {
 
-/// Threads of a loop, the calling one included: what set_num_threads said, else the environment's STRAKE_NUM_THREADS,
-/// else as many as there are processors for this process, but two at the most: more were never measured.
-/// @throws InvalidInput: STRAKE_NUM_THREADS is no number from 1 to max_threads
-int num_threads();
 constexpr int max_threads = 64;
+/// Threads of a loop, the calling one included: what set_num_threads said, else the environment's STRAKE_NUM_THREADS,
+/// else as many as there are processors for this process, but `most`: more than two were never measured for loops that
+/// wait for memory, as nearly all do.
+/// @throws InvalidInput: STRAKE_NUM_THREADS is no number from 1 to max_threads
+int num_threads(int most = 2);
 /// For the whole process, from the next loop on; 0: as if it had not been said. @throws InvalidInput
 void set_num_threads(int threads);
 /// Processors that this process may use.

@@ -3,6 +3,7 @@
 #include "cases/diagnostics.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/io.hpp"
+#include "core/parallel.hpp"
 #include "core/version.hpp"
 
 #include <cxxabi.h>
@@ -34,11 +35,8 @@ double seconds_since_start() {
 }
 
 std::string program_words() {
-    const char* threads = std::getenv("OMP_NUM_THREADS");
-    return fmt::format(
-        "strake {} (gcc {}, Eigen {}.{}.{}), threads: {}", version(), __VERSION__, EIGEN_WORLD_VERSION,
-        EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION,
-        threads ? printable(std::string_view(threads), 40) + " (OMP_NUM_THREADS)" : "as many as there are processors");
+    return fmt::format("strake {} (gcc {}, Eigen {}.{}.{}), threads: {}", version(), __VERSION__, EIGEN_WORLD_VERSION,
+                       EIGEN_MAJOR_VERSION, EIGEN_MINOR_VERSION, num_threads());
 }
 
 std::string machine_words() {
@@ -103,6 +101,14 @@ void add_types(const std::exception_ptr& thrown, std::string& out) {
 }
 
 }  // namespace
+
+void add_threads_option(CLI::App& app) {
+    for (const char* name : {"deform", "run", "fit", "resume", "step", "sweep", "gradient-check"})
+        app.get_subcommand(name)
+            ->add_option_function<int>("--threads", &set_num_threads,
+                                       "of the solver; default STRAKE_NUM_THREADS, else at most 2; same result")
+            ->check(CLI::Range(1, max_threads));
+}
 
 void add_detail_options(CLI::App& app) {
     for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {

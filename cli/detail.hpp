@@ -11,6 +11,8 @@
 namespace strake::cli {
 
 /// Adds -v and --debug to every command that the program has by now.
+/// `--threads` for the commands that solve.
+void add_threads_option(CLI::App& app);
 void add_detail_options(CLI::App& app);
 
 bool wants_detail();  ///< -v was given

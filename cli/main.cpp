@@ -3,6 +3,7 @@
 #include "cli/detail.hpp"
 #include "cli/errors.hpp"
 #include "cli/outputs.hpp"
+#include "core/parallel.hpp"
 #include "core/version.hpp"
 
 #include <fcntl.h>
@@ -73,10 +74,12 @@ int main(int argc, char** argv) {
     cli::add_explain(app);
     cli::add_completion(app);
     cli::add_man(app);
+    cli::add_threads_option(app);
     cli::add_detail_options(app);
     app.footer("\n" + cli::exit_help());
     int status = cli::done;
     try {
+        (void)num_threads();  // what the environment says of them is told before the work, if it is wrong
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() != 0) {

@@ -205,7 +205,8 @@ void add_remesh(CLI::App& app) {
     command->add_option("--gradation", options->remesh.gradation,
                         "how fast lengths may change with the distance, (0, 1]; default 0.3");
     command->add_option("--max-triangles", options->remesh.max_triangles, "refuse to make more; default 20000000");
-    command->add_option("--threads", options->remesh.threads, "default 0: as many as there are; same result");
+    command->add_option("--threads", options->remesh.threads,
+                        "default 0: STRAKE_NUM_THREADS, else as many as there are; same result");
     command->add_flag("-q,--quiet", options->quiet, "no progress, no summary");
     command->add_flag("--json", options->json, "one JSON object instead of words");
     command->callback([options] { remesh_file(*options); });

@@ -1,7 +1,9 @@
 #include "core/primo/block_matrix.hpp"
 
 #include <algorithm>
+#include <atomic>
 
+#include "core/parallel.hpp"
 #include "core/primo/lanes.hpp"
 
 namespace strake {
@@ -41,57 +43,97 @@ STRAKE_INLINE void add_transposed_block(const double* A, const double* x, double
     }
 }
 
-/// Y += H X for `columns` columns: the matrix is read once for all.
-STRAKE_INLINE void add_product(const BlockMatrix& H, const double* X, double* Y, long columns) {
+/// Y = H X in the rows from `begin` to `end`, one of the groups, for `columns` columns: the matrix is read once for
+/// all, but for the blocks between two groups.
+STRAKE_INLINE void product(const BlockMatrix& H, int begin, int end, const double* X, double* Y, long columns) {
     const long height = 6L * H.size();
-    for (int j = 0; j < H.size(); ++j) {
+    for (long c = 0; c < columns; ++c) std::fill(Y + c * height + 6L * begin, Y + c * height + 6L * end, 0.0);
+    const int group = begin / BlockMatrix::group;
+    for (int q = H.crossing_begin[group]; q < H.crossing_begin[group + 1]; ++q) {
+        const auto [k, j] = H.crossing[q];
+        for (long c = 0; c < columns; ++c)
+            add_block(H.below[k].data(), X + c * height + 6L * j, Y + c * height + 6L * H.row[k]);
+    }
+    for (int j = begin; j < end; ++j) {
         for (long c = 0; c < columns; ++c)
             add_block(H.diagonal[j].data(), X + c * height + 6L * j, Y + c * height + 6L * j);
         for (int k = H.begin[j]; k < H.begin[j + 1]; ++k) {
             const double* A = H.below[k].data();
             const long at = 6L * j, other = 6L * H.row[k];
             for (long c = 0; c < columns; ++c) {
-                add_block(A, X + c * height + at, Y + c * height + other);
+                if (H.row[k] < end) add_block(A, X + c * height + at, Y + c * height + other);
                 add_transposed_block(A, X + c * height + other, Y + c * height + at);
             }
         }
     }
 }
 
-void add_product_here(const BlockMatrix& H, const double* X, double* Y, long columns) {
-    run_lanes([&]() __attribute__((always_inline)) { add_product(H, X, Y, columns); });
+void product_here(const BlockMatrix& H, const double* X, double* Y, long columns) {
+    for_blocks(H.size(), BlockMatrix::group, [&](int begin, int end) {
+        run_lanes([&]() __attribute__((always_inline)) { product(H, begin, end, X, Y, columns); });
+    });
+}
+
+void list_crossings(BlockMatrix& matrix) {
+    const int n = matrix.size(), group = BlockMatrix::group;
+    matrix.crossing_begin.assign((n + group - 1) / group + 1, 0);
+    const auto for_crossings = [&](const auto& found) {
+        for (int j = 0; j < n; ++j)
+            for (int k = matrix.begin[j]; k < matrix.begin[j + 1]; ++k)
+                if (matrix.row[k] / group != j / group) found(matrix.row[k] / group, k, j);
+    };
+    for_crossings([&](int to, int, int) { ++matrix.crossing_begin[to + 1]; });
+    for (std::size_t g = 1; g < matrix.crossing_begin.size(); ++g)
+        matrix.crossing_begin[g] += matrix.crossing_begin[g - 1];
+    std::vector<int> next = matrix.crossing_begin;
+    matrix.crossing.resize(next.back());
+    for_crossings([&](int to, int k, int j) { matrix.crossing[next[to]++] = {k, j}; });
 }
 
 }  // namespace
 
+bool BlockMatrix::is_finite() const {
+    std::atomic<bool> finite = true;
+    for (const auto* blocks : {&diagonal, &below})
+        for_blocks(static_cast<int>(blocks->size()), group, [&](int begin, int end) {
+            for (int k = begin; k < end && finite; ++k)
+                if (!(*blocks)[k].allFinite()) finite = false;
+        });
+    return finite;
+}
+
 Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const {
-    Eigen::VectorXd y = Eigen::VectorXd::Zero(x.size());
-    add_product_here(*this, x.data(), y.data(), 1);
+    Eigen::VectorXd y(x.size());
+    product_here(*this, x.data(), y.data(), 1);
     return y;
 }
 
 Eigen::MatrixXd BlockMatrix::multiply_columns(const Eigen::MatrixXd& X) const {
-    Eigen::MatrixXd Y = Eigen::MatrixXd::Zero(X.rows(), X.cols());
-    add_product_here(*this, X.data(), Y.data(), X.cols());
+    Eigen::MatrixXd Y(X.rows(), X.cols());
+    product_here(*this, X.data(), Y.data(), X.cols());
     return Y;
 }
 
 BlockMatrix block_matrix(int size, const std::vector<std::pair<int, int>>& pairs) {
-    std::vector<std::pair<int, int>> places;
-    places.reserve(pairs.size());
+    std::vector<int> begin(size + 1, 0);
     for (const auto& [a, b] : pairs)
-        if (a != b) places.emplace_back(std::min(a, b), std::max(a, b));
-    std::sort(places.begin(), places.end());
-    places.erase(std::unique(places.begin(), places.end()), places.end());
+        if (a != b) ++begin[std::min(a, b) + 1];
+    for (int j = 0; j < size; ++j) begin[j + 1] += begin[j];
+    std::vector<int> next(begin.begin(), begin.end() - 1), row(begin[size]);
+    for (const auto& [a, b] : pairs)
+        if (a != b) row[next[std::min(a, b)]++] = std::max(a, b);
     BlockMatrix matrix;
-    matrix.begin.assign(size + 1, 0);
-    for (const auto& [column, row] : places) {
-        ++matrix.begin[column + 1];
-        matrix.row.push_back(row);
+    matrix.begin.reserve(size + 1);
+    matrix.row.reserve(row.size());
+    for (int j = 0; j < size; ++j) {
+        const auto first = row.begin() + begin[j], last = row.begin() + begin[j + 1];
+        std::sort(first, last);
+        matrix.row.insert(matrix.row.end(), first, std::unique(first, last));
+        matrix.begin.push_back(static_cast<int>(matrix.row.size()));
     }
-    for (int j = 0; j < size; ++j) matrix.begin[j + 1] += matrix.begin[j];
     matrix.diagonal.assign(size, Matrix6::Zero());
-    matrix.below.assign(places.size(), Matrix6::Zero());
+    matrix.below.assign(matrix.row.size(), Matrix6::Zero());
+    list_crossings(matrix);
     return matrix;
 }
 

@@ -14,9 +14,19 @@ struct BlockMatrix {
     std::vector<int> row;       ///< ascending within a column
     std::vector<Matrix6> diagonal, below;
 
+    /// Products go by groups of columns, several at a time, each of which writes its own rows: what a group's rows take
+    /// from columns before the group is listed, in order.
+    static constexpr int group = 1024;
+    struct Crossing {
+        int at, column;  ///< block below[at]
+    };
+    std::vector<int> crossing_begin;  ///< per group, and the end
+    std::vector<Crossing> crossing;
+
     int size() const { return static_cast<int>(diagonal.size()); }
     /// Position in `below` of the block (max, min) of two different rows. @pre it exists.
     int find(int a, int b) const;
+    bool is_finite() const;
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd multiply_columns(const Eigen::MatrixXd& X) const;  ///< read once for all of them; the same sums
 };

@@ -63,16 +63,38 @@ void row_product(const BlockRows<Real>& A, int i, const Real* x, Real* y) {
     sum.store(y);
     for (int q = 0; q < 6; ++q) y[q] += x[6 * i + q];
 }
+/// Rows done at once by one of several threads, and entries of a vector.
+constexpr int rows_at_once = 256, entries_at_once = 16384;
+
+/// The blocks of each column, in the order of their rows.
+struct ColumnLists {
+    std::vector<int> begin{0}, row, entry;
+    int size() const { return static_cast<int>(begin.size()) - 1; }
+};
+template <class Real>
+ColumnLists column_lists(const BlockRows<Real>& P, int columns);
+
 /// y = A x, diagonal blocks as above.
 template <class Real>
 void multiply(const BlockRows<Real>& A, const std::vector<Real>& x, std::vector<Real>& y);
 /// y += P x
 template <class Real>
 void add_product(const BlockRows<Real>& P, const std::vector<Real>& x, std::vector<Real>& y);
+/// Groups of rows for products with the transpose: each collects what it adds to the columns that it reaches.
+template <class Real>
+struct RowGroups {
+    std::vector<int> first, last;  ///< per group: columns that it reaches
+    std::vector<long> begin;       ///< per group: its part of `sums`
+    std::vector<Real> sums;
+    int rows = 1;  ///< of a group
+};
+template <class Real>
+RowGroups<Real> row_groups(const BlockRows<Real>& P);
 /// y = P^T x, y has `columns` blocks.
 template <class Real>
-void transposed_product(const BlockRows<Real>& P, const std::vector<Real>& x, int columns, std::vector<Real>& y);
-/// Summed in double, in order.
+void transposed_product(const BlockRows<Real>& P, RowGroups<Real>& groups, const std::vector<Real>& x, int columns,
+                        std::vector<Real>& y);
+/// Summed in double, in an order that does not depend on the number of threads.
 template <class Real>
 double dot(const std::vector<Real>& a, const std::vector<Real>& b);
 

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/primo/vectors.hpp"
 
 namespace strake {
 namespace {
@@ -41,7 +42,7 @@ double least_ritz(const std::vector<double>& alpha, const std::vector<double>& b
 /// conjugate (Notay 2000).
 template <class Before, class Z>
 double since(const Before& before, const Z& z) {
-    return before.size() > 0 ? before.dot(z) : 0;
+    return before.size() > 0 ? dot(before, z) : 0;
 }
 
 /// The X of least error in energy that is made of the columns of `similar`, and R = B - H X.
@@ -75,8 +76,8 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
     double rz = 0, first = 0;
     Eigen::VectorXd r = b, z, p, Hp, before;
     while (result.reduction > options.tolerance && result.iterations < options.max_iterations) {
-        z = shell.precondition(r);
-        const double next = r.dot(z);
+        z = shell.precondition_column(r);
+        const double next = dot(r, z);
         if (!(next > 0) || !std::isfinite(next)) break;  // nothing is left but round-off
         if (result.iterations++ == 0) {
             first = next;
@@ -86,19 +87,19 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, 
             p = z;
         } else {
             result.rate = std::min(1.0, std::sqrt(next / rz));
-            p = z + (next - since(before, z)) / rz * p;
+            scale_and_add(p, (next - since(before, z)) / rz, z);
         }
         rz = next;
         Hp = shell.product(p);
-        const double curvature = p.dot(Hp);
+        const double curvature = dot(p, Hp);
         if (!(curvature > 0)) {
             result.is_positive = false;
             return result;
         }
-        const double length = p.dot(r) / curvature;
+        const double length = dot(p, r) / curvature;
         if (!shell.kept.is_exact()) before = r;
-        result.x += length * p;
-        r -= length * Hp;
+        add_multiple(result.x, length, p);
+        add_multiple(r, -length, Hp);
         // Measuring what this has left would take a substitution: it reduces as the last one did.
         result.reduction = result.rate * std::sqrt(rz / first);
         if (result.iterations >= few_iterations) {
@@ -127,13 +128,13 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
         for (std::size_t q = 0; q < open.size(); ++q) {
             const Eigen::Index c = open[q];
             const auto z = Z.col(static_cast<Eigen::Index>(q));
-            const double next = R.col(c).dot(z);
+            const double next = dot(R.col(c), z);
             if (!(next > 0) || !std::isfinite(next)) continue;
             rate[c] = k == 0 ? 1 : std::min(1.0, std::sqrt(next / rz[c]));
             if (k == 0)
                 first[c] += next, P.col(c) = z;
             else
-                P.col(c) = z + (next - (before.size() > 0 ? before.col(c).dot(z) : 0)) / rz[c] * P.col(c);
+                scale_and_add(P.col(c), (next - (before.size() > 0 ? dot(before.col(c), z) : 0)) / rz[c], z);
             rz[c] = next;
             ahead.push_back(c);
         }
@@ -141,12 +142,12 @@ Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B,
         for (std::size_t q = 0; q < ahead.size(); ++q) {
             const Eigen::Index c = ahead[q];
             const auto Hp = HP.col(static_cast<Eigen::Index>(q));
-            const double curvature = P.col(c).dot(Hp);
+            const double curvature = dot(P.col(c), Hp);
             if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
-            const double length = P.col(c).dot(R.col(c)) / curvature;
+            const double length = dot(P.col(c), R.col(c)) / curvature;
             if (before.size() > 0) before.col(c) = R.col(c);
-            X.col(c) += length * P.col(c);
-            R.col(c) -= length * Hp;
+            add_multiple(X.col(c), length, P.col(c));
+            add_multiple(R.col(c), -length, Hp);
             if (rate[c] * std::sqrt(rz[c] / first[c]) > tolerance) left.push_back(c);
         }
         open = left;
@@ -165,17 +166,20 @@ Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness,
     double rz = 0, least = std::numeric_limits<double>::infinity();
     const bool is_exact = shell.kept.is_exact();
     for (int k = 0; k < (is_exact ? most_probes : most_inexact_probes); ++k) {
-        z = shell.precondition(r);
-        const double next = r.dot(z);
+        z = shell.precondition_column(r);
+        const double next = dot(r, z);
         if (!(next > 0) || !std::isfinite(next)) return Definiteness::doubtful;
         if (k > 0) beta.push_back(next / rz);
-        p = k > 0 ? Eigen::VectorXd(z + beta.back() * p) : z;
+        if (k > 0)
+            scale_and_add(p, beta.back(), z);
+        else
+            p = z;
         rz = next;
         Hp = shell.product(p);
-        const double curvature = p.dot(Hp);
+        const double curvature = dot(p, Hp);
         if (!(curvature > 0)) return Definiteness::no;
         alpha.push_back(rz / curvature);
-        r -= alpha.back() * Hp;
+        add_multiple(r, -alpha.back(), Hp);
         const double before = std::exchange(least, least_ritz(alpha, beta));
         if (!is_exact) {  // softer than its preconditioner everywhere: only the sign and a standstill mean something
             if (!(least > 0)) return Definiteness::doubtful;

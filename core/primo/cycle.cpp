@@ -1,6 +1,16 @@
+#include "core/parallel.hpp"
 #include "core/primo/multigrid_levels.hpp"
+#include "core/primo/vectors.hpp"
 
 namespace strake {
+namespace {
+
+template <class Work>
+void for_entries(std::size_t size, const Work& work) {
+    for_blocks(static_cast<int>(size), entries_at_once, work);
+}
+
+}  // namespace
 
 /// x <- x + p(A) r with the Chebyshev polynomial of the interval [share, 1] times the bound of the spectrum; before
 /// the coarse correction from x = 0, and r <- r - A p(A) r.
@@ -10,26 +20,32 @@ void Hierarchy<Real>::smooth(Level& level, int at, std::vector<Real>& x, std::ve
     const double middle = (high + low) / 2, half = (high - low) / 2, sigma = middle / half;
     const int n = level.A.size(), steps = at == 0 ? options_.smoothing_steps : options_.coarse_smoothing_steps;
     std::vector<Real>&d = level.direction, &next = level.next;
-    d.resize(r.size()), next.resize(r.size());
-    for (std::size_t i = 0; i < r.size(); ++i) d[i] = static_cast<Real>(r[i] / middle);
-    if (before) x.assign(r.size(), 0);
+    d.resize(r.size()), next.resize(r.size()), x.resize(r.size());
+    for_entries(r.size(), [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) d[i] = static_cast<Real>(r[i] / middle);
+        if (before) std::fill(x.data() + begin, x.data() + end, Real(0));
+    });
     double rho = 1 / sigma;
     for (int step = 1; step <= steps; ++step) {
         if (!before && step == steps) {  // nobody asks for the last residual
-            for (std::size_t i = 0; i < r.size(); ++i) x[i] += d[i];
+            for_entries(r.size(), [&](int begin, int end) {
+                for (int i = begin; i < end; ++i) x[i] += d[i];
+            });
             return;
         }
         const double rho_next = 1 / (2 * sigma - rho);
         const Real keep = static_cast<Real>(rho_next * rho), take = static_cast<Real>(2 * rho_next / half);
-        for (int i = 0; i < n; ++i) {
-            Real product[6];
-            row_product(level.A, i, d.data(), product);
-            for (int q = 6 * i; q < 6 * i + 6; ++q) {
-                x[q] += d[q];
-                r[q] -= product[q - 6 * i];
-                next[q] = keep * d[q] + take * r[q];
+        for_blocks(n, rows_at_once, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) {
+                Real product[6];
+                row_product(level.A, i, d.data(), product);
+                for (int q = 6 * i; q < 6 * i + 6; ++q) {
+                    x[q] += d[q];
+                    r[q] -= product[q - 6 * i];
+                    next[q] = keep * d[q] + take * r[q];
+                }
             }
-        }
+        });
         std::swap(d, next);
         rho = rho_next;
     }
@@ -45,15 +61,23 @@ void Hierarchy<Real>::cycle(int at, const std::vector<Real>& b, std::vector<Real
         Eigen::Map<Vector>(x.data(), x.size()) = coarsest_.solve(rhs).col(0).template cast<Real>();
         return;
     }
-    level.residual = b;
-    smooth(level, at, x, level.residual, true);
+    std::vector<Real>& residual = level.residual;
+    residual.resize(b.size());
+    for_entries(b.size(),
+                [&](int begin, int end) { std::copy(b.data() + begin, b.data() + end, residual.data() + begin); });
+    smooth(level, at, x, residual, true);
     Level& coarse = levels_[at + 1];
-    transposed_product(level.P, level.residual, coarse.A.size(), coarse.r);
+    transposed_product(level.P, level.groups, residual, coarse.A.size(), coarse.r);
     coarse_solve(at + 1, coarse.r, coarse.x);
     add_product(level.P, coarse.x, x);
-    multiply(level.A, x, level.residual);
-    for (std::size_t i = 0; i < b.size(); ++i) level.residual[i] = b[i] - level.residual[i];
-    smooth(level, at, x, level.residual, false);
+    for_blocks(level.A.size(), rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            Real product[6];
+            row_product(level.A, i, x.data(), product);
+            for (int q = 6 * i; q < 6 * i + 6; ++q) residual[q] = b[q] - product[q - 6 * i];
+        }
+    });
+    smooth(level, at, x, residual, false);
 }
 
 /// The K-cycle (Notay, Vassilevski 2008): two steps of flexible conjugate gradients, one where that is enough.
@@ -71,10 +95,12 @@ void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vect
     }
     const double first = dot(c, b) / rho;
     left.resize(b.size()), x.resize(b.size());
-    for (std::size_t i = 0; i < b.size(); ++i) {
-        left[i] = b[i] - static_cast<Real>(first) * v[i];
-        x[i] = static_cast<Real>(first) * c[i];
-    }
+    for_entries(b.size(), [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            left[i] = b[i] - static_cast<Real>(first) * v[i];
+            x[i] = static_cast<Real>(first) * c[i];
+        }
+    });
     if (dot(left, left) <= options_.inner_tolerance * options_.inner_tolerance * size) return;
     cycle(at, left, d);
     multiply(level.A, d, w);
@@ -82,28 +108,34 @@ void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vect
     if (!(last > 0)) return;
     const double second = dot(d, left) / last;
     const Real of_c = static_cast<Real>(first - gamma * second / rho), of_d = static_cast<Real>(second);
-    for (std::size_t i = 0; i < b.size(); ++i) x[i] = of_c * c[i] + of_d * d[i];
+    for_entries(b.size(), [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) x[i] = of_c * c[i] + of_d * d[i];
+    });
 }
 
 template <class Real>
 Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::VectorXd& r) {
     using Block = Eigen::Matrix<Real, 6, 6>;
     using Six = Eigen::Matrix<Real, 6, 1>;
-    const double size = r.lpNorm<Eigen::Infinity>();  // taken out, so that single precision does not underflow
+    const double size = largest_entry(r);  // taken out, so that single precision does not underflow
     if (!(size > 0)) return Eigen::VectorXd::Zero(r.size());
     const auto scale = [&](int i) { return Eigen::Map<const Block>(scale_.data() + std::size_t{block_entries} * i); };
     const int n = levels_[0].A.size();
     std::vector<Real> b(r.size()), x;
-    for (int i = 0; i < n; ++i) {
-        const Six part = (r.segment<6>(6 * i) / size).template cast<Real>();
-        Eigen::Map<Six>(b.data() + 6 * i) = scale(i) * part;
-    }
+    for_blocks(n, rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const Six part = (r.segment<6>(6 * i) / size).template cast<Real>();
+            Eigen::Map<Six>(b.data() + 6 * i) = scale(i) * part;
+        }
+    });
     cycle(0, b, x);
     Eigen::VectorXd z(r.size());
-    for (int i = 0; i < n; ++i) {
-        const Six part = scale(i).transpose() * Eigen::Map<const Six>(x.data() + 6 * i);
-        z.segment<6>(6 * i) = size * part.template cast<double>();
-    }
+    for_blocks(n, rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const Six part = scale(i).transpose() * Eigen::Map<const Six>(x.data() + 6 * i);
+            z.segment<6>(6 * i) = size * part.template cast<double>();
+        }
+    });
     return z;
 }
 
@@ -111,7 +143,8 @@ template <class Real>
 std::size_t Hierarchy<Real>::bytes() const {
     std::size_t sum = sizeof(Real) * scale_.size();
     for (const Level& level : levels_)
-        sum += level.A.bytes() + level.P.bytes() + sizeof(Real) * std::size_t{60} * level.A.size();
+        sum += level.A.bytes() + level.P.bytes() + sizeof(Real) * level.groups.sums.size() +
+               sizeof(Real) * std::size_t{60} * level.A.size();
     return sum;
 }
 

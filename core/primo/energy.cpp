@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/primo/face_kernels.hpp"
 
 namespace strake {
@@ -36,8 +37,66 @@ Vector3d vertex_force(const RestState& rest, int k, const Vector3d& d, const Loa
     return project(rest, k, 2 * loads.spring[k] * d - row(loads.force, k));
 }
 
-bool is_loaded(const RestState& rest, const Loads& loads, int k) {
-    return !rest.vertex_prisms[k].empty() && (loads.spring[k] > 0 || (loads.force.row(k).array() != 0).any());
+constexpr int at_once = 1024;  // faces, prisms or vertices of one thread
+
+template <class Work>
+void for_vertices(const RestState& rest, const Work& work) {
+    for_blocks(rest.mesh.num_vertices(), at_once, [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) work(k);
+    });
+}
+
+bool is_zero(const Points& points, int k) { return (points.row(k).array() == 0).all(); }
+
+/// The part of a force at each vertex that every prism takes which the vertex follows.
+Points shared_forces(const RestState& rest, const Points& force) {
+    Points shared(force.rows(), 3);
+    for_vertices(rest, [&](int k) {
+        const auto count = rest.vertex_prisms[k].size();
+        if (count == 0 || is_zero(force, k))
+            shared.row(k).setZero();
+        else
+            shared.row(k) = project(rest, k, row(force, k)) / static_cast<double>(count);
+    });
+    return shared;
+}
+
+/// The same of dE/d(vertex displacement).
+Points vertex_forces(const RestState& rest, const Jumps& jump, const Loads& loads) {
+    Points shared(rest.mesh.num_vertices(), 3);
+    for_vertices(rest, [&](int k) {
+        const auto count = rest.vertex_prisms[k].size();
+        if (count == 0 || (!(loads.spring[k] > 0) && is_zero(loads.force, k)))
+            shared.row(k).setZero();
+        else
+            shared.row(k) = vertex_force(rest, k, row(jump.vertex, k), loads) / static_cast<double>(count);
+    });
+    return shared;
+}
+
+/// Adds torque and force of what acts at the vertices. @param part where those of prism i stand; null: nowhere
+template <class Part>
+void add_vertex_wrenches(const RestState& rest, const std::vector<Matrix3d>& turn, const Points& force,
+                         const Part& part) {
+    for_blocks(rest.num_prisms(), at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            double* to = part(i);
+            if (!to) continue;
+            Eigen::Map<Vector6> wrench(to);
+            for (const int k : rest.prism_vertices[i]) {
+                if (is_zero(force, k)) continue;
+                const Vector3d f = row(force, k);
+                wrench.head<3>() += turned(turn[i], rest.vertex_arm(k, i)).cross(f);
+                wrench.tail<3>() += f;
+            }
+        }
+    });
+}
+
+/// Where those of prism i stand in a vector of the free ones.
+auto free_part(const RestState& rest, Eigen::VectorXd& wrench) {
+    return
+        [&rest, &wrench](int i) { return rest.free_index[i] < 0 ? nullptr : wrench.data() + 6L * rest.free_index[i]; };
 }
 
 }  // namespace
@@ -58,10 +117,12 @@ Loads complete(const Loads& loads, int n) {
 
 std::vector<Matrix3d> rotation_differences(const Poses& poses) {
     std::vector<Matrix3d> turn(poses.rotation.size());
-    for (std::size_t i = 0; i < turn.size(); ++i) {
-        const Matrix3d v = cross(poses.rotation[i].vec());
-        turn[i] = 2 * (poses.rotation[i].w() * v + v * v);
-    }
+    for_blocks(static_cast<int>(turn.size()), at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i) {
+            const Matrix3d v = cross(poses.rotation[i].vec());
+            turn[i] = 2 * (poses.rotation[i].w() * v + v * v);
+        }
+    });
     return turn;
 }
 
@@ -73,9 +134,10 @@ Jumps jumps(const RestState& rest, const Poses& poses, const std::vector<Matrix3
             jump.mirrored.push_back(rest.symmetry->normal.dot(turn[f.i] * f.arm[g] + row(poses.displacement, f.i)));
     jump.vertex.resize(rest.mesh.num_vertices(), 3);
     vertex_sums(rest, poses, turn, jump.vertex);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k)
+    for_vertices(rest, [&](int k) {
         if (const auto count = rest.vertex_prisms[k].size(); count > 0)
             jump.vertex.row(k) = project(rest, k, row(jump.vertex, k) / static_cast<double>(count));
+    });
     return jump;
 }
 
@@ -91,64 +153,59 @@ Jumps jump_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const
 
 Jumps sum(const Jumps& a, const Jumps& b) {
     Jumps s = a;
-    for (std::size_t f = 0; f < s.face.size(); ++f)
-        for (int g = 0; g < 4; ++g) {
-            s.face[f].x[g] += b.face[f].x[g];
-            s.face[f].y[g] += b.face[f].y[g];
-            s.face[f].z[g] += b.face[f].z[g];
-        }
+    for_blocks(static_cast<int>(s.face.size()), at_once, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f)
+            for (int g = 0; g < 4; ++g) {
+                s.face[f].x[g] += b.face[f].x[g];
+                s.face[f].y[g] += b.face[f].y[g];
+                s.face[f].z[g] += b.face[f].z[g];
+            }
+    });
     for (std::size_t i = 0; i < s.mirrored.size(); ++i) s.mirrored[i] += b.mirrored[i];
     s.vertex += b.vertex;
     return s;
 }
 
 double energy(const RestState& rest, const Jumps& jump, const Loads& loads) {
-    double E = 0;
-    for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-        double squares = 0;
-        for (int g = 0; g < 4; ++g) squares += jump.face[f][g].squaredNorm();
-        E += rest.faces[f].weight / 4 * squares;
-    }
+    double E = ordered_sum(static_cast<int>(rest.faces.size()), at_once, [&](int begin, int end) {
+        double sum = 0;
+        for (int f = begin; f < end; ++f) {
+            double squares = 0;
+            for (int g = 0; g < 4; ++g) squares += jump.face[f][g].squaredNorm();
+            sum += rest.faces[f].weight / 4 * squares;
+        }
+        return sum;
+    });
     for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
         for (int g = 0; g < 4; ++g)
             E += rest.mirrored[f].weight / 2 * jump.mirrored[4 * f + g] * jump.mirrored[4 * f + g];
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k)
-        E += loads.spring[k] * jump.vertex.row(k).squaredNorm() - loads.force.row(k).dot(jump.vertex.row(k));
+    E += ordered_sum(rest.mesh.num_vertices(), at_once, [&](int begin, int end) {
+        double sum = 0;
+        for (int k = begin; k < end; ++k)
+            sum += loads.spring[k] * jump.vertex.row(k).squaredNorm() - loads.force.row(k).dot(jump.vertex.row(k));
+        return sum;
+    });
     return E;
 }
 
 Wrenches energy_gradient(const RestState& rest, const std::vector<Matrix3d>& turn, const Jumps& jump,
                          const Loads& loads) {
-    Wrenches g6 = Wrenches::Zero(rest.num_prisms(), 6);
-    add_face_wrenches(rest, turn, jump.face, g6);
-    const auto add = [&](int i, const Vector3d& arm, const Vector3d& force) {
-        g6.row(i).head<3>() += arm.cross(force);
-        g6.row(i).tail<3>() += force;
-    };
+    Wrenches g6;
+    face_wrenches(rest, turn, jump.face, g6);
     for (std::size_t f = 0; f < rest.mirrored.size(); ++f)
-        for (int g = 0; g < 4; ++g)
-            add(rest.mirrored[f].i, turned(turn[rest.mirrored[f].i], rest.mirrored[f].arm[g]),
-                rest.mirrored[f].weight * jump.mirrored[4 * f + g] * rest.symmetry->normal);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (!is_loaded(rest, loads, k)) continue;
-        const auto prisms = rest.vertex_prisms[k];
-        const Vector3d force = vertex_force(rest, k, row(jump.vertex, k), loads) / static_cast<double>(prisms.size());
-        for (const int i : prisms) add(i, turned(turn[i], rest.vertex_arm(k, i)), force);
-    }
+        for (int g = 0; g < 4; ++g) {
+            const MirroredFace& face = rest.mirrored[f];
+            const Vector3d force = face.weight * jump.mirrored[4 * f + g] * rest.symmetry->normal;
+            g6.row(face.i).head<3>() += turned(turn[face.i], face.arm[g]).cross(force);
+            g6.row(face.i).tail<3>() += force;
+        }
+    add_vertex_wrenches(rest, turn, vertex_forces(rest, jump, loads), [&](int i) { return g6.data() + 6L * i; });
     return g6;
 }
 
 Wrenches applied_forces(const RestState& rest, const std::vector<Matrix3d>& turn, const Loads& loads) {
     Wrenches wrench = Wrenches::Zero(rest.num_prisms(), 6);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        const auto prisms = rest.vertex_prisms[k];
-        if (prisms.empty() || (loads.force.row(k).array() == 0).all()) continue;
-        const Vector3d force = project(rest, k, row(loads.force, k)) / static_cast<double>(prisms.size());
-        for (const int i : prisms) {
-            wrench.row(i).head<3>() += turned(turn[i], rest.vertex_arm(k, i)).cross(force);
-            wrench.row(i).tail<3>() += force;
-        }
-    }
+    add_vertex_wrenches(rest, turn, shared_forces(rest, loads.force), [&](int i) { return wrench.data() + 6L * i; });
     return wrench;
 }
 
@@ -218,16 +275,16 @@ void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, 
             own[i].add_moment(face.weight * stress.mirrored[4 * f + g] * rest.symmetry->normal,
                               strake::turned(turn[face.i], face.arm[g]));
     }
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (!is_loaded(rest, loads, k)) continue;
-        const auto prisms = rest.vertex_prisms[k];
-        const double m = static_cast<double>(prisms.size());
-        const Vector3d force = vertex_force(rest, k, row(stress.vertex, k), loads) / m;
-        for (const int i : prisms)
-            if (const int free = rest.free_index[i]; free >= 0)
-                own[free].add_moment(force, strake::turned(turn[i], rest.vertex_arm(k, i)));
-    }
-    for (int i = 0; i < rest.num_free(); ++i) H.diagonal[i] = diagonal_block(own[i], term);
+    const Points force = vertex_forces(rest, stress, loads);
+    for_blocks(rest.num_free(), at_once, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            const int i = rest.free_prisms[f];
+            for (const int k : rest.prism_vertices[i])
+                if (!is_zero(force, k))
+                    own[f].add_moment(row(force, k), strake::turned(turn[i], rest.vertex_arm(k, i)));
+            H.diagonal[f] = diagonal_block(own[f], term);
+        }
+    });
     for (const MirroredFace& face : rest.mirrored) {
         const int i = rest.free_index[face.i];
         for (int g = 0; g < 4 && i >= 0; ++g) {
@@ -240,21 +297,18 @@ void assemble_hessian(const RestState& rest, const std::vector<Matrix3d>& turn, 
 
 void add_spring_product(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& spring,
                         const Eigen::VectorXd& x, Eigen::VectorXd& y) {
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (spring[k] == 0) continue;
+    Points force(rest.mesh.num_vertices(), 3);
+    for_vertices(rest, [&](int k) {
         const auto prisms = rest.vertex_prisms[k];
-        if (prisms.empty()) continue;
-        const double m = static_cast<double>(prisms.size());
         Vector3d v = Vector3d::Zero();
-        for (const int i : prisms) v += velocity(rest, x, i, turned(turn[i], rest.vertex_arm(k, i)));
-        const Vector3d force = 2 * spring[k] / (m * m) * project(rest, k, v);
-        for (const int i : prisms) {
-            const int f = rest.free_index[i];
-            if (f < 0) continue;
-            y.segment<3>(6 * f) += turned(turn[i], rest.vertex_arm(k, i)).cross(force);
-            y.segment<3>(6 * f + 3) += force;
+        if (spring[k] != 0 && !prisms.empty()) {
+            for (const int i : prisms) v += velocity(rest, x, i, turned(turn[i], rest.vertex_arm(k, i)));
+            const double m = static_cast<double>(prisms.size());
+            v = 2 * spring[k] / (m * m) * project(rest, k, v);
         }
-    }
+        force.row(k) = v;
+    });
+    add_vertex_wrenches(rest, turn, force, free_part(rest, y));
 }
 
 void add_lumped_springs(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& spring,
@@ -273,30 +327,19 @@ void add_lumped_springs(const RestState& rest, const std::vector<Matrix3d>& turn
 }
 
 Points vertex_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const Eigen::VectorXd& twist) {
-    Points rate = Points::Zero(rest.mesh.num_vertices(), 3);
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+    Points rate(rest.mesh.num_vertices(), 3);
+    for_vertices(rest, [&](int k) {
         const auto prisms = rest.vertex_prisms[k];
-        if (prisms.empty()) continue;
         Vector3d v = Vector3d::Zero();
         for (const int i : prisms) v += velocity(rest, twist, i, turned(turn[i], rest.vertex_arm(k, i)));
-        rate.row(k) = project(rest, k, v / static_cast<double>(prisms.size()));
-    }
+        rate.row(k) = prisms.empty() ? v : project(rest, k, v / static_cast<double>(prisms.size()));
+    });
     return rate;
 }
 
 Eigen::VectorXd vertex_wrenches(const RestState& rest, const std::vector<Matrix3d>& turn, const Points& force) {
     Eigen::VectorXd wrench = Eigen::VectorXd::Zero(6 * rest.num_free());
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        const auto prisms = rest.vertex_prisms[k];
-        if (prisms.empty() || (force.row(k).array() == 0).all()) continue;
-        const Vector3d f = project(rest, k, row(force, k)) / static_cast<double>(prisms.size());
-        for (const int i : prisms) {
-            const int at = rest.free_index[i];
-            if (at < 0) continue;
-            wrench.segment<3>(6 * at) += turned(turn[i], rest.vertex_arm(k, i)).cross(f);
-            wrench.segment<3>(6 * at + 3) += f;
-        }
-    }
+    add_vertex_wrenches(rest, turn, shared_forces(rest, force), free_part(rest, wrench));
     return wrench;
 }
 

@@ -1,5 +1,8 @@
 #include "core/primo/face_kernels.hpp"
 
+#include <algorithm>
+
+#include "core/parallel.hpp"
 #include "core/primo/lanes.hpp"
 
 namespace strake {
@@ -65,7 +68,22 @@ STRAKE_INLINE void coupling(const FourVectors& p, const FourVectors& q, double w
     for (int k = 0; k < 36; ++k) to[k] = block[k];
 }
 
+constexpr int at_once = 512;  // faces, prisms or vertices of one thread
+
+template <class Work>
+void for_lanes(int n, const Work& work) {
+    for_blocks(n, at_once,
+               [&](int begin, int end) { run_lanes([&]() __attribute__((always_inline)) { work(begin, end); }); });
+}
+
 }  // namespace
+
+OwnBlock& OwnBlock::operator+=(const OwnBlock& other) {
+    for (int q = 0; q < 6; ++q) square[q] += other.square[q], moment[q] += other.moment[q];
+    for (int q = 0; q < 3; ++q) arm[q] += other.arm[q];
+    weight += other.weight;
+    return *this;
+}
 
 void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
     for (int q = 0; q < 3; ++q) {
@@ -78,20 +96,21 @@ void OwnBlock::add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a) {
 void face_jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn,
                 std::vector<Quad>& jump) {
     jump.resize(rest.faces.size());
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            FourVectors a = turned_only(turn[face.i].data(), load(face.arm_i));
-            const FourVectors b = turned_only(turn[face.j].data(), load(face.arm_j));
-            const auto apart = [&](int c) __attribute__((always_inline)) {
-                return poses.displacement(face.i, c) - poses.displacement(face.j, c);
-            };
-            store_difference(a, b, jump[f]);
-            four(jump[f].x).lanes += apart(0);
-            four(jump[f].y).lanes += apart(1);
-            four(jump[f].z).lanes += apart(2);
-        }
-    });
+    for_lanes(
+        static_cast<int>(rest.faces.size()), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f) {
+                const SharedFace& face = rest.faces[f];
+                FourVectors a = turned_only(turn[face.i].data(), load(face.arm_i));
+                const FourVectors b = turned_only(turn[face.j].data(), load(face.arm_j));
+                const auto apart = [&](int c) __attribute__((always_inline)) {
+                    return poses.displacement(face.i, c) - poses.displacement(face.j, c);
+                };
+                store_difference(a, b, jump[f]);
+                four(jump[f].x).lanes += apart(0);
+                four(jump[f].y).lanes += apart(1);
+                four(jump[f].z).lanes += apart(2);
+            }
+        });
 }
 
 void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist,
@@ -101,41 +120,84 @@ void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& 
     const auto of = [&](int i) __attribute__((always_inline)) {
         return rest.free_index[i] < 0 ? still : twist.data() + 6L * rest.free_index[i];
     };
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
-            const SharedFace& face = rest.faces[f];
-            store_difference(velocities(of(face.i), arms(turn[face.i].data(), face.arm_i)),
-                             velocities(of(face.j), arms(turn[face.j].data(), face.arm_j)), rate[f]);
-        }
+    for_lanes(
+        static_cast<int>(rest.faces.size()), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f) {
+                const SharedFace& face = rest.faces[f];
+                store_difference(velocities(of(face.i), arms(turn[face.i].data(), face.arm_i)),
+                                 velocities(of(face.j), arms(turn[face.j].data(), face.arm_j)), rate[f]);
+            }
+        });
+}
+
+namespace {
+
+struct Wrench {
+    double entry[6] = {};
+    Wrench& operator+=(const Wrench& other) {
+        for (int q = 0; q < 6; ++q) entry[q] += other.entry[q];
+        return *this;
+    }
+};
+
+/// Adds up over all faces: work(face, for_i, for_j) adds to two Sums, those of `sums` where the face's prisms have one
+/// of their own, else nullptr. @param sum_of prism -> its place in `sums`, or -1
+template <class Sum, class SumOf, class Work>
+void add_up(const RestState& rest, Sum* sums, const SumOf& sum_of, int threads, const Work& work) {
+    const FaceGroups& groups = rest.face_groups;
+    std::vector<Sum> apart(groups.prism.size());
+    const auto place = [&](int prism, int place_apart) {
+        const int at = sum_of(prism);
+        return at < 0 ? nullptr : place_apart < 0 ? sums + at : apart.data() + place_apart;
+    };
+    const auto do_faces = [&](int begin, int end) {
+        run_lanes([&]() __attribute__((always_inline)) {
+            for (int f = begin; f < end; ++f)
+                work(f, place(rest.faces[f].i, groups.apart[f][0]), place(rest.faces[f].j, groups.apart[f][1]));
+        });
+    };
+    for_blocks(static_cast<int>(rest.faces.size()), FaceGroups::faces, do_faces, threads);
+    for_blocks(rest.num_prisms(), FaceGroups::prisms, [&](int begin, int) {
+        const int group = begin / FaceGroups::prisms;
+        for (int k = groups.begin[group]; k < groups.begin[group + 1]; ++k)
+            if (const int at = sum_of(groups.prism[k]); at >= 0) sums[at] += apart[k];
     });
 }
 
-void add_face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
-                       Wrenches& wrench) {
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+}  // namespace
+
+void face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
+                   Wrenches& wrench) {
+    wrench.resize(rest.num_prisms(), 6);
+    auto* sums = reinterpret_cast<Wrench*>(wrench.data());  // its rows
+    for_blocks(rest.num_prisms(), FaceGroups::prisms,
+               [&](int begin, int end) { std::fill(sums + begin, sums + end, Wrench()); });
+    add_up(
+        rest, sums, [](int i) { return i; }, 0,
+        [&](int f, Wrench* of_i, Wrench* of_j) __attribute__((always_inline)) {
             const SharedFace& face = rest.faces[f];
             const double w = face.weight / 2;
             const FourVectors r = load(jump[f]), force = {w * r.x, w * r.y, w * r.z};
-            add_wrench(arms(turn[face.i].data(), face.arm_i), force, 1, wrench.data() + 6L * face.i);
-            add_wrench(arms(turn[face.j].data(), face.arm_j), force, -1, wrench.data() + 6L * face.j);
-        }
-    });
+            add_wrench(arms(turn[face.i].data(), face.arm_i), force, 1, of_i->entry);
+            add_wrench(arms(turn[face.j].data(), face.arm_j), force, -1, of_j->entry);
+        });
 }
 
 void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& stress,
                      bool is_sum, std::vector<OwnBlock>& own, std::vector<Matrix6>& below, const BlockMatrix& pattern) {
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (std::size_t f = 0; f < rest.faces.size(); ++f) {
+    const int threads = is_sum ? 1 : 0;  // faces of several groups may have a block in common
+    add_up(
+        rest, own.data(), [&](int i) { return rest.free_index[i]; }, threads,
+        [&](int f, OwnBlock* of_i, OwnBlock* of_j) __attribute__((always_inline)) {
+            if (!of_i && !of_j) return;
             const SharedFace& face = rest.faces[f];
-            const int i = rest.free_index[face.i], j = rest.free_index[face.j];
-            if (i < 0 && j < 0) continue;
             const FourVectors a = arms(turn[face.i].data(), face.arm_i), b = arms(turn[face.j].data(), face.arm_j);
             const double w = face.weight / 2;
             const FourVectors r = load(stress[f]), force = {w * r.x, w * r.y, w * r.z};
-            if (i >= 0) add_own(a, force, w, 1, own[i]);
-            if (j >= 0) add_own(b, force, w, -1, own[j]);
-            if (i < 0 || j < 0) continue;
+            if (of_i) add_own(a, force, w, 1, *of_i);
+            if (of_j) add_own(b, force, w, -1, *of_j);
+            if (!of_i || !of_j) return;
+            const int i = rest.free_index[face.i], j = rest.free_index[face.j];
             Matrix6& to = below[pattern.find(i, j)];
             Matrix6 block;
             double* written = is_sum ? block.data() : to.data();
@@ -144,27 +206,26 @@ void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& 
             else
                 coupling(b, a, w, written);
             if (is_sum) to += block;
-        }
-    });
+        });
 }
 
 void vertex_sums(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn, Points& total) {
-    const int n = rest.mesh.num_vertices();
-    run_lanes([&]() __attribute__((always_inline)) {
-        for (int k = 0; k < n; ++k) {
-            Four sum = {};
-            for (const int i : rest.vertex_prisms[k]) {
-                const double* T = turn[i].data();
-                double arm[3];
-                for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
-                const Four last = four(T + 5).lanes;  // its own first lane is of the column before
-                const Four third = {last[1], last[2], last[3], 0};
-                sum += ((four(T).lanes * arm[0] + four(T + 3).lanes * arm[1]) + third * arm[2]) +
-                       Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
+    for_lanes(
+        rest.mesh.num_vertices(), [&](int begin, int end) __attribute__((always_inline)) {
+            for (int k = begin; k < end; ++k) {
+                Four sum = {};
+                for (const int i : rest.vertex_prisms[k]) {
+                    const double* T = turn[i].data();
+                    double arm[3];
+                    for (int c = 0; c < 3; ++c) arm[c] = rest.mesh.vertices(k, c) - rest.centroid(i, c);
+                    const Four last = four(T + 5).lanes;  // its own first lane is of the column before
+                    const Four third = {last[1], last[2], last[3], 0};
+                    sum += ((four(T).lanes * arm[0] + four(T + 3).lanes * arm[1]) + third * arm[2]) +
+                           Four{poses.displacement(i, 0), poses.displacement(i, 1), poses.displacement(i, 2), 0};
+                }
+                for (int c = 0; c < 3; ++c) total(k, c) = sum[c];
             }
-            for (int c = 0; c < 3; ++c) total(k, c) = sum[c];
-        }
-    });
+        });
 }
 
 }  // namespace strake

@@ -1,11 +1,16 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
+#include <atomic>
 #include <utility>
 
+#include "core/parallel.hpp"
 #include "core/primo/multigrid_levels.hpp"
 
 namespace strake {
 namespace {
+
+// Rows done at once by one of several threads.
+constexpr int products_at_once = 1024, clusters_at_once = 128;
 
 /// One row under construction: blocks by column, found through `place`.
 template <class Real>
@@ -20,72 +25,71 @@ public:
         }
         return value_.data() + block_entries * place_[column];
     }
-    /// Appends the row, sorted, and is empty again. The block of column `apart` goes to `taken` instead.
-    void finish(BlockRows<Real>& rows, int apart = -1, Real* taken = nullptr) {
-        order_ = columns_;
-        std::sort(order_.begin(), order_.end());
-        for (const int column : order_) {
+    /// Writes the row `i`, sorted, and is empty again. The block of column `apart` goes to `taken` instead.
+    void finish(BlockRows<Real>& rows, int i, int apart = -1, Real* taken = nullptr) {
+        std::sort(columns_.begin(), columns_.end());
+        int to = rows.begin[i];
+        for (const int column : columns_) {
             const Real* block = value_.data() + block_entries * place_[column];
-            if (column == apart) {
-                std::copy(block, block + block_entries, taken);
-            } else {
-                rows.column.push_back(column);
-                rows.value.insert(rows.value.end(), block, block + block_entries);
-            }
+            if (column != apart) rows.column[to] = column;
+            std::copy(block, block + block_entries, column == apart ? taken : rows.block(to++));
             place_[column] = -1;
         }
-        rows.begin.push_back(static_cast<int>(rows.column.size()));
         columns_.clear();
         value_.clear();
     }
 
 private:
-    std::vector<int> place_, columns_, order_;
+    std::vector<int> place_, columns_;
     std::vector<Real> value_;
 };
 
-/// Blocks of A P with the unit diagonal of A.
-template <class Real>
-std::size_t product_size(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns) {
-    std::size_t count = 0;
-    std::vector<int> seen(columns, -1);
-    for (int i = 0; i < A.size(); ++i) {
-        const auto add = [&](int j) {
-            for (int p = P.begin[j]; p < P.begin[j + 1]; ++p)
-                if (std::exchange(seen[P.column[p]], i) != i) ++count;
-        };
-        add(i);
-        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) add(A.column[k]);
-    }
-    return count;
+/// Makes room for n rows. `for_columns(i, seen)` calls seen(column) for what is in row i, again and again.
+template <class Real, class ForColumns>
+BlockRows<Real> empty_rows(int n, int columns, const ForColumns& for_columns) {
+    BlockRows<Real> rows;
+    rows.begin.assign(n + 1, 0);
+    for_blocks(n, products_at_once, [&](int begin, int end) {
+        std::vector<int> last(columns, -1);
+        for (int i = begin; i < end; ++i)
+            for_columns(i, [&](int column) {
+                if (std::exchange(last[column], i) != i) ++rows.begin[i + 1];
+            });
+    });
+    for (int i = 0; i < n; ++i) rows.begin[i + 1] += rows.begin[i];
+    rows.column.resize(rows.begin[n]);
+    rows.value.resize(std::size_t{block_entries} * rows.begin[n]);
+    return rows;
 }
 
 /// (share I + factor A) P with the unit diagonal of A.
 template <class Real>
 BlockRows<Real> product(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns, Real share, Real factor) {
-    BlockRows<Real> result;
-    const std::size_t blocks = product_size(A, P, columns);  // growing would take twice the memory for a while
-    result.column.reserve(blocks);
-    result.value.reserve(std::size_t{block_entries} * blocks);
-    RowBuilder<Real> row(columns);
-    for (int i = 0; i < A.size(); ++i) {
-        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) {
-            const int j = A.column[k];
-            for (int p = P.begin[j]; p < P.begin[j + 1]; ++p) add_product(A.block(k), P.block(p), row.at(P.column[p]));
+    BlockRows<Real> result = empty_rows<Real>(A.size(), columns, [&](int i, const auto& seen) {
+        const auto see = [&](int j) {
+            for (int p = P.begin[j]; p < P.begin[j + 1]; ++p) seen(P.column[p]);
+        };
+        see(i);
+        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) see(A.column[k]);
+    });
+    for_blocks(A.size(), products_at_once, [&](int begin, int end) {
+        RowBuilder<Real> row(columns);
+        for (int i = begin; i < end; ++i) {
+            for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) {
+                const int j = A.column[k];
+                for (int p = P.begin[j]; p < P.begin[j + 1]; ++p)
+                    add_product(A.block(k), P.block(p), row.at(P.column[p]));
+            }
+            for (int p = P.begin[i]; p < P.begin[i + 1]; ++p) row.at(P.column[p]);
+            row.finish(result, i);
+            for (int c = result.begin[i]; c < result.begin[i + 1]; ++c) {
+                Real* block = result.block(c);
+                const int own = P.find(i, result.column[c]);
+                for (int q = 0; q < block_entries; ++q)
+                    block[q] = factor * block[q] + (own < 0 ? 0 : (share + factor) * P.block(own)[q]);
+            }
         }
-        for (int p = P.begin[i]; p < P.begin[i + 1]; ++p) row.at(P.column[p]);
-        BlockRows<Real> one;
-        row.finish(one);
-        for (std::size_t c = 0; c < one.column.size(); ++c) {
-            Real* block = one.block(static_cast<int>(c));
-            const int own = P.find(i, one.column[c]);
-            for (int q = 0; q < block_entries; ++q)
-                block[q] = factor * block[q] + (own < 0 ? 0 : (share + factor) * P.block(own)[q]);
-        }
-        result.column.insert(result.column.end(), one.column.begin(), one.column.end());
-        result.value.insert(result.value.end(), one.value.begin(), one.value.end());
-        result.begin.push_back(static_cast<int>(result.column.size()));
-    }
+    });
     return result;
 }
 
@@ -103,69 +107,69 @@ Matrix6 rigid_motion(const MultigridLevel<Real>& level, int i, const Points& cen
 template <class Real>
 std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>& level, int steps, double damping,
                                             MultigridLevel<Real>& coarse) {
-    std::vector<Matrix6> gram(level.clusters.count, Matrix6::Zero());
-    for (int i = 0; i < level.A.size(); ++i) {
-        const Matrix6 rigid = rigid_motion(level, i, coarse.centre);
-        gram[level.clusters.of[i]].noalias() += rigid.transpose() * rigid;
-    }
-    std::vector<Matrix6> inverse(level.clusters.count);
-    coarse.T.resize(level.clusters.count);
-    for (int a = 0; a < level.clusters.count; ++a) {
-        const Eigen::LLT<Matrix6> cholesky(gram[a]);
-        if (cholesky.info() != Eigen::Success) return std::nullopt;
-        coarse.T[a] = cholesky.matrixU();
-        inverse[a] = cholesky.matrixU().solve(Matrix6::Identity());
-    }
     BlockRows<Real> P;
     P.value.resize(std::size_t{block_entries} * level.A.size());
-    for (int i = 0; i < level.A.size(); ++i) {
-        const int to = level.clusters.of[i];
-        Eigen::Map<Eigen::Matrix<Real, 6, 6>>(P.block(i)) =
-            Matrix6(rigid_motion(level, i, coarse.centre) * inverse[to]).template cast<Real>();
-        P.column.push_back(to);
-        P.begin.push_back(i + 1);
-    }
+    P.column = level.clusters.of;
+    for (int i = 0; i < level.A.size(); ++i) P.begin.push_back(i + 1);
+    const ColumnLists members = column_lists(P, level.clusters.count);
+    coarse.T.resize(level.clusters.count);
+    std::atomic<bool> is_independent = true;
+    for_blocks(level.clusters.count, clusters_at_once, [&](int begin, int end) {
+        for (int a = begin; a < end; ++a) {
+            Matrix6 gram = Matrix6::Zero();
+            for (int t = members.begin[a]; t < members.begin[a + 1]; ++t) {
+                const Matrix6 rigid = rigid_motion(level, members.row[t], coarse.centre);
+                gram.noalias() += rigid.transpose() * rigid;
+            }
+            const Eigen::LLT<Matrix6> cholesky(gram);
+            if (cholesky.info() != Eigen::Success) is_independent = false;
+            coarse.T[a] = cholesky.matrixU();
+            const Matrix6 inverse = cholesky.matrixU().solve(Matrix6::Identity());
+            for (int t = members.begin[a]; t < members.begin[a + 1]; ++t)
+                Eigen::Map<Eigen::Matrix<Real, 6, 6>>(P.block(members.row[t])) =
+                    Matrix6(rigid_motion(level, members.row[t], coarse.centre) * inverse).template cast<Real>();
+        }
+    });
+    if (!is_independent) return std::nullopt;
     for (int step = 0; step < steps; ++step)
         P = product<Real>(level.A, P, level.clusters.count, 1, static_cast<Real>(-damping));
     return P;
 }
 
 template <class Real>
-BlockRows<Real> galerkin(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns,
+BlockRows<Real> galerkin(const BlockRows<Real>& A, const BlockRows<Real>& P, const ColumnLists& in_columns,
                          std::vector<Matrix6>& diagonal) {
+    const int columns = in_columns.size();
     const BlockRows<Real> AP = product<Real>(A, P, columns, 0, 1);
-    std::vector<int> begin(columns + 1, 0), entry(P.column.size()), owner(P.column.size());
-    for (const int c : P.column) ++begin[c + 1];
-    for (int c = 0; c < columns; ++c) begin[c + 1] += begin[c];
-    std::vector<int> next(begin.begin(), begin.end() - 1);
-    for (int i = 0; i < P.size(); ++i)
-        for (int k = P.begin[i]; k < P.begin[i + 1]; ++k) {
-            owner[next[P.column[k]]] = i;
-            entry[next[P.column[k]]++] = k;
-        }
-    BlockRows<Real> result;
-    RowBuilder<Real> row(columns);
+    BlockRows<Real> result = empty_rows<Real>(columns, columns, [&](int a, const auto& seen) {
+        for (int t = in_columns.begin[a]; t < in_columns.begin[a + 1]; ++t)
+            for (int i = in_columns.row[t], k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
+                if (AP.column[k] != a) seen(AP.column[k]);
+    });
     diagonal.resize(columns);
-    for (int a = 0; a < columns; ++a) {
-        for (int t = begin[a]; t < begin[a + 1]; ++t) {
-            Eigen::Matrix<Real, 6, 6> transposed =
-                Eigen::Map<const Eigen::Matrix<Real, 6, 6>>(P.block(entry[t])).transpose();
-            const int i = owner[t];
-            for (int k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
-                add_product(transposed.data(), AP.block(k), row.at(AP.column[k]));
+    for_blocks(columns, clusters_at_once, [&](int begin, int end) {
+        RowBuilder<Real> row(columns);
+        for (int a = begin; a < end; ++a) {
+            for (int t = in_columns.begin[a]; t < in_columns.begin[a + 1]; ++t) {
+                Eigen::Matrix<Real, 6, 6> transposed =
+                    Eigen::Map<const Eigen::Matrix<Real, 6, 6>>(P.block(in_columns.entry[t])).transpose();
+                for (int i = in_columns.row[t], k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
+                    add_product(transposed.data(), AP.block(k), row.at(AP.column[k]));
+            }
+            Eigen::Matrix<Real, 6, 6> own;
+            row.finish(result, a, a, own.data());
+            diagonal[a] = own.template cast<double>();
+            diagonal[a] = (0.5 * (diagonal[a] + diagonal[a].transpose())).eval();
         }
-        Eigen::Matrix<Real, 6, 6> own;
-        row.finish(result, a, own.data());
-        diagonal[a] = own.template cast<double>();
-        diagonal[a] = (0.5 * (diagonal[a] + diagonal[a].transpose())).eval();
-    }
+    });
     return result;
 }
 
-#define STRAKE_INSTANTIATE(Real)                                                                   \
-    template std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>&, int, double, \
-                                                         MultigridLevel<Real>&);                   \
-    template BlockRows<Real> galerkin(const BlockRows<Real>&, const BlockRows<Real>&, int, std::vector<Matrix6>&);
+#define STRAKE_INSTANTIATE(Real)                                                                          \
+    template std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>&, int, double,        \
+                                                         MultigridLevel<Real>&);                          \
+    template BlockRows<Real> galerkin(const BlockRows<Real>&, const BlockRows<Real>&, const ColumnLists&, \
+                                      std::vector<Matrix6>&);
 STRAKE_INSTANTIATE(float)
 STRAKE_INSTANTIATE(double)
 #undef STRAKE_INSTANTIATE

@@ -1,8 +1,10 @@
 #include <Eigen/Cholesky>
+#include <atomic>
 #include <cmath>
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/primo/multigrid_levels.hpp"
 
 namespace strake {
@@ -25,17 +27,19 @@ BlockRows<Real> scaled_rows(const BlockMatrix& A, const std::vector<Matrix6>& in
     rows.column.resize(rows.begin[n]);
     rows.value.resize(std::size_t{block_entries} * rows.begin[n]);
     // Ascending columns: of row i first the blocks left of the diagonal, in the order of their columns, then the rest.
-    std::vector<int> left(rows.begin.begin(), rows.begin.end() - 1), right(n);
-    for (int j = 0; j < n; ++j) right[j] = rows.begin[j + 1] - (A.begin[j + 1] - A.begin[j]);
-    for (int j = 0; j < n; ++j)
-        for (int k = A.begin[j]; k < A.begin[j + 1]; ++k) {
-            const int i = A.row[k];
-            const Block<Real> block = (inverse[i] * A.below[k] * inverse[j].transpose()).template cast<Real>();
-            rows.column[left[i]] = j;
-            Eigen::Map<Block<Real>>(rows.block(left[i]++)) = block;
-            rows.column[right[j]] = i;
-            Eigen::Map<Block<Real>>(rows.block(right[j]++)) = block.transpose();
-        }
+    std::vector<int> next(rows.begin.begin(), rows.begin.end() - 1), left(A.row.size());
+    for (std::size_t k = 0; k < left.size(); ++k) left[k] = next[A.row[k]]++;
+    for_blocks(n, rows_at_once, [&](int begin, int end) {
+        for (int j = begin; j < end; ++j)
+            for (int k = A.begin[j], right = rows.begin[j + 1] - A.begin[j + 1] + k; k < A.begin[j + 1]; ++k, ++right) {
+                const int i = A.row[k];
+                const Block<Real> block = (inverse[i] * A.below[k] * inverse[j].transpose()).template cast<Real>();
+                rows.column[left[k]] = j;
+                Eigen::Map<Block<Real>>(rows.block(left[k])) = block;
+                rows.column[right] = i;
+                Eigen::Map<Block<Real>>(rows.block(right)) = block.transpose();
+            }
+    });
     return rows;
 }
 
@@ -57,7 +61,9 @@ double largest_eigenvalue(const BlockRows<Real>& A) {
         const double length = std::sqrt(dot(y, y));
         eigenvalue = length / std::sqrt(dot(x, x));
         if (!(length > 0)) return 1;
-        for (std::size_t i = 0; i < x.size(); ++i) x[i] = static_cast<Real>(y[i] / length);
+        for_blocks(static_cast<int>(x.size()), entries_at_once, [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) x[i] = static_cast<Real>(y[i] / length);
+        });
     }
     return 1.1 * eigenvalue;
 }
@@ -107,13 +113,16 @@ double softest_mode(const SpdSolver& factor, int size) {
 bool factors(const std::vector<Matrix6>& diagonal, std::vector<Matrix6>& L, std::vector<Matrix6>& inverse) {
     L.resize(diagonal.size());
     inverse.resize(diagonal.size());
-    for (std::size_t i = 0; i < diagonal.size(); ++i) {
-        const Eigen::LLT<Matrix6> cholesky(diagonal[i]);
-        if (cholesky.info() != Eigen::Success) return false;
-        L[i] = cholesky.matrixL();
-        inverse[i] = cholesky.matrixL().solve(Matrix6::Identity());
-    }
-    return true;
+    std::atomic<bool> is_definite = true;
+    for_blocks(static_cast<int>(diagonal.size()), rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end && is_definite; ++i) {
+            const Eigen::LLT<Matrix6> cholesky(diagonal[i]);
+            if (cholesky.info() != Eigen::Success) is_definite = false;
+            L[i] = cholesky.matrixL();
+            inverse[i] = cholesky.matrixL().solve(Matrix6::Identity());
+        }
+    });
+    return is_definite;
 }
 
 }  // namespace
@@ -128,8 +137,10 @@ bool Hierarchy<Real>::build(const BlockMatrix& A, const Points& centre, const st
     levels_[0].A = scaled_rows<Real>(A, inverse);
     levels_[0].centre = centre;
     scale_.resize(block_entries * inverse.size());
-    for (std::size_t i = 0; i < inverse.size(); ++i)
-        Eigen::Map<Block<Real>>(scale_.data() + block_entries * i) = inverse[i].template cast<Real>();
+    for_blocks(A.size(), rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i)
+            Eigen::Map<Block<Real>>(scale_.data() + std::size_t{block_entries} * i) = inverse[i].template cast<Real>();
+    });
     inverse = {};
     for (int at = 0;; ++at) {
         if (clusters && at == static_cast<int>(clusters->size())) break;
@@ -173,20 +184,25 @@ bool Hierarchy<Real>::coarsen(Level& level, int at, Level& coarse) const {
     if (!P) return false;
     level.P = std::move(*P);
     std::vector<Matrix6> diagonal, L, inverse;
-    coarse.A = galerkin(level.A, level.P, level.clusters.count, diagonal);
+    level.groups = row_groups(level.P);
+    coarse.A = galerkin(level.A, level.P, column_lists(level.P, level.clusters.count), diagonal);
     if (!factors(diagonal, L, inverse)) return false;
-    for (int a = 0; a < coarse.A.size(); ++a) {
-        coarse.T[a] = L[a].transpose() * coarse.T[a];
-        for (int k = coarse.A.begin[a]; k < coarse.A.begin[a + 1]; ++k) {
-            Eigen::Map<Block<Real>> block(coarse.A.block(k));
-            block = (inverse[a] * block.template cast<double>() * inverse[coarse.A.column[k]].transpose())
-                        .template cast<Real>();
+    for_blocks(coarse.A.size(), rows_at_once, [&](int begin, int end) {
+        for (int a = begin; a < end; ++a) {
+            coarse.T[a] = (L[a].transpose() * coarse.T[a]).eval();
+            for (int k = coarse.A.begin[a]; k < coarse.A.begin[a + 1]; ++k) {
+                Eigen::Map<Block<Real>> block(coarse.A.block(k));
+                block = (inverse[a] * block.template cast<double>() * inverse[coarse.A.column[k]].transpose())
+                            .template cast<Real>();
+            }
         }
-    }
-    for (std::size_t k = 0; k < level.P.column.size(); ++k) {
-        Eigen::Map<Block<Real>> block(level.P.block(static_cast<int>(k)));
-        block = (block.template cast<double>() * inverse[level.P.column[k]].transpose()).template cast<Real>();
-    }
+    });
+    for_blocks(static_cast<int>(level.P.column.size()), rows_at_once, [&](int begin, int end) {
+        for (int k = begin; k < end; ++k) {
+            Eigen::Map<Block<Real>> block(level.P.block(k));
+            block = (block.template cast<double>() * inverse[level.P.column[k]].transpose()).template cast<Real>();
+        }
+    });
     return true;
 }
 

@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "core/primo/multigrid_levels.hpp"
+#include "core/primo/vectors.hpp"
 
 namespace strake {
 
@@ -27,10 +28,8 @@ struct Multigrid::Impl {
         if (centre.rows() != A.size())
             throw InvalidInput(text("multigrid: ", centre.rows(), " centres for ", A.size(), " block rows"));
         if (A.size() == 0) throw InvalidInput("multigrid: the matrix has no rows");
-        for (const auto* blocks : {&A.diagonal, &A.below})
-            for (const Matrix6& block : *blocks)
-                if (!block.allFinite())
-                    throw SolverError(text("multigrid: the matrix of ", 6 * A.size(), " unknowns is not finite"));
+        if (!A.is_finite())
+            throw SolverError(text("multigrid: the matrix of ", 6 * A.size(), " unknowns is not finite"));
         const bool was_double = twice != nullptr;
         single.reset();
         twice.reset();
@@ -93,19 +92,22 @@ KrylovResult flexible_conjugate_gradients(const LinearMap& A, const LinearMap& p
     double rz = 0;
     while (result.iterations < max_iterations && r.norm() > target) {
         const Eigen::VectorXd z = preconditioner(r);
-        const double next = z.dot(r);
-        p = result.iterations == 0 ? z : Eigen::VectorXd(z + (next - z.dot(before)) / rz * p);
+        const double next = dot(z, r);
+        if (result.iterations == 0)
+            p = z;
+        else
+            scale_and_add(p, (next - dot(z, before)) / rz, z);
         rz = next;
         const Eigen::VectorXd Ap = A(p);
-        const double curvature = p.dot(Ap);
+        const double curvature = dot(p, Ap);
         if (!(curvature > 0)) {
             result.positive = false;
             break;
         }
         before = r;
-        const double length = p.dot(r) / curvature;
-        result.x += length * p;
-        r -= length * Ap;
+        const double length = dot(p, r) / curvature;
+        add_multiple(result.x, length, p);
+        add_multiple(r, -length, Ap);
         ++result.iterations;
     }
     result.relative_residual = b.norm() > 0 ? r.norm() / b.norm() : 0;

@@ -13,8 +13,9 @@ struct MultigridLevel {
     std::vector<Matrix6> T;  ///< per row: from its twist to its scaled unknowns; only while the next level is made
     Points centre;
     Clusters clusters;
-    BlockRows<Real> P;   ///< prolongation from the next level, between scaled unknowns; empty on the last
-    double largest = 2;  ///< bound of the eigenvalues of A
+    BlockRows<Real> P;       ///< prolongation from the next level, between scaled unknowns; empty on the last
+    RowGroups<Real> groups;  ///< of P
+    double largest = 2;      ///< bound of the eigenvalues of A
     std::vector<Real> x, r, residual, direction, next;  ///< of the cycle
     std::vector<Real> c1, v1, c2, v2, left;             ///< of the K-cycle
 };
@@ -53,7 +54,7 @@ std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>& level, i
 
 /// P^T A P: off-diagonal blocks, and the diagonal ones separately.
 template <class Real>
-BlockRows<Real> galerkin(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns,
+BlockRows<Real> galerkin(const BlockRows<Real>& A, const BlockRows<Real>& P, const ColumnLists& in_columns,
                          std::vector<Matrix6>& diagonal);
 
 }  // namespace strake

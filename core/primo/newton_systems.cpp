@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/primo/spd_solver.hpp"
 
 namespace strake {
@@ -29,11 +30,13 @@ constexpr int factor_limit = 300000;               // prisms whose factor takes 
 constexpr double near_step = 0.02;                 // diagonals: near the end
 
 double scaled_norm(const RestState& rest, const Wrenches& g6, bool pinned_ones) {
-    double sum = 0;
-    for (int i = 0; i < rest.num_prisms(); ++i)
-        if ((rest.pin[i] != free_prism) == pinned_ones)
-            sum += wrench_square(g6.row(i).head<3>(), g6.row(i).tail<3>(), rest.prism_height[i]);
-    return std::sqrt(sum);
+    return std::sqrt(ordered_sum(rest.num_prisms(), 4096, [&](int begin, int end) {
+        double sum = 0;
+        for (int i = begin; i < end; ++i)
+            if ((rest.pin[i] != free_prism) == pinned_ones)
+                sum += wrench_square(g6.row(i).head<3>(), g6.row(i).tail<3>(), rest.prism_height[i]);
+        return sum;
+    }));
 }
 
 }  // namespace

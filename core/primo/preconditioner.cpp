@@ -60,6 +60,10 @@ Eigen::MatrixXd Preconditioner::apply(const Eigen::MatrixXd& B) {
     return X;
 }
 
+Eigen::VectorXd Preconditioner::apply_column(const Eigen::VectorXd& b) {
+    return is_exact() ? factor_.solve_column(b) : multigrid_.apply(b);
+}
+
 long Preconditioner::num_entries() const {
     return is_exact() ? factor_.num_factor_entries() : static_cast<long>(multigrid_.bytes() / sizeof(float));
 }

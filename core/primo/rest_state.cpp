@@ -137,6 +137,45 @@ void add_vertex_map(RestState& rest, const Adjacency& adjacent) {
     }
 }
 
+/// What is listed for each of `rows` rows, in ascending order; `for_all(add)` calls add(row, item) for all, twice.
+template <class ForAll>
+IntLists lists_by_row(int rows, const ForAll& for_all) {
+    IntLists lists;
+    lists.begin.assign(rows + 1, 0);
+    for_all([&](int row, int) { ++lists.begin[row + 1]; });
+    for (int r = 0; r < rows; ++r) lists.begin[r + 1] += lists.begin[r];
+    std::vector<int> next(lists.begin.begin(), lists.begin.end() - 1);
+    lists.items.resize(lists.begin[rows]);
+    for_all([&](int row, int item) { lists.items[next[row]++] = item; });
+    return lists;
+}
+
+void list_by_prism(RestState& rest) {
+    std::vector<int> owner(rest.num_prisms(), -1);
+    const IntLists crossing = lists_by_row(rest.num_prisms(), [&](const auto& add) {
+        for (int f = 0; f < static_cast<int>(rest.faces.size()); ++f)
+            for (const int side : {0, 1}) {
+                const int i = side == 0 ? rest.faces[f].i : rest.faces[f].j;
+                if (owner[i] < 0) owner[i] = f / FaceGroups::faces;
+                if (owner[i] != f / FaceGroups::faces) add(i, 2 * f + side);
+            }
+    });
+    FaceGroups& groups = rest.face_groups;
+    groups.apart.assign(rest.faces.size(), {-1, -1});
+    for (int i = 0; i < rest.num_prisms(); ++i) {
+        if (i % FaceGroups::prisms == 0) groups.begin.push_back(static_cast<int>(groups.prism.size()));
+        for (const int item : crossing[i]) {
+            groups.apart[item / 2][item % 2] = static_cast<int>(groups.prism.size());
+            groups.prism.push_back(i);
+        }
+    }
+    groups.begin.push_back(static_cast<int>(groups.prism.size()));
+    rest.prism_vertices = lists_by_row(rest.num_prisms(), [&](const auto& add) {
+        for (int k = 0; k < rest.mesh.num_vertices(); ++k)
+            for (const int i : rest.vertex_prisms[k]) add(i, k);
+    });
+}
+
 }  // namespace
 
 const std::array<GaussPoint, 4>& gauss_points() {
@@ -192,6 +231,7 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
     rest.normal = vertex_normals(rest);
     add_faces(rest, adjacent);
     add_vertex_map(rest, adjacent);
+    list_by_prism(rest);
     return rest;
 }
 

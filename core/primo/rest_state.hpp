@@ -42,6 +42,15 @@ struct GaussPoint {
 };
 const std::array<GaussPoint, 4>& gauss_points();
 
+/// Who adds up what faces do to prisms, for several threads: groups of consecutive faces, each of which writes to the
+/// prisms that no group before it has a face of. What it adds to others it keeps apart, in the order of the prisms.
+struct FaceGroups {
+    static constexpr int faces = 4096, prisms = 1024;  ///< in a group
+    std::vector<std::array<int, 2>> apart;             ///< per face, of its prisms i and j: place in `prism`, or -1
+    std::vector<int> prism;                            ///< ascending
+    std::vector<int> begin;                            ///< into `prism`, per group of prisms, and the end
+};
+
 struct RestState {
     TriMesh mesh;
     double diagonal = 0;
@@ -56,6 +65,8 @@ struct RestState {
     std::vector<int> free_prisms;
     std::vector<SharedFace> faces;
     std::vector<MirroredFace> mirrored;
+    FaceGroups face_groups;
+    IntLists prism_vertices;         ///< vertices that follow a prism
     IntLists vertex_prisms;          ///< prisms that a vertex follows; none: it stays (fixed, or of no triangle)
     std::vector<char> fixed_vertex;  ///< copied from the start
     std::vector<char> on_plane;      ///< vertex on the symmetry plane: its motion is projected into it

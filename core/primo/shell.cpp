@@ -5,13 +5,15 @@
 #include <cmath>
 
 #include "core/error.hpp"
+#include "core/parallel.hpp"
 #include "core/primo/held.hpp"
 #include "core/primo/shell_impl.hpp"
 
 namespace strake {
 namespace {
 
-constexpr double way_turn = 0.75;  // of a prism's turn in one step: how far its way turns
+constexpr double way_turn = 0.75;     // of a prism's turn in one step: how far its way turns
+constexpr int prisms_at_once = 1024;  // of one thread
 
 struct Timer {
     double& total;
@@ -141,26 +143,43 @@ Eigen::MatrixXd PrimoShell::Impl::products(const Eigen::MatrixXd& X) const {
     return Y;
 }
 
+/// X, six rows per free prism, in the frames where `kept` was built, or back from there.
+template <class Columns>
+void PrimoShell::Impl::turn_to_kept(Columns& X, bool back) const {
+    for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            Eigen::Matrix3d turn =
+                (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
+            if (!back) turn.transposeInPlace();
+            for (Eigen::Index c = 0; c < X.cols(); ++c)
+                for (const int at : {6 * f, 6 * f + 3}) {
+                    const Eigen::Vector3d part = X.col(c).template segment<3>(at);
+                    X.col(c).template segment<3>(at) = turn * part;
+                }
+        }
+    });
+}
+
 Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
     const Timer timer(seconds.substitution);
     ++substitutions;
     if (is_kept_here) return kept.apply(B);
-    std::vector<Eigen::Matrix3d> turn(rest.num_free());
-    for (int f = 0; f < rest.num_free(); ++f)
-        turn[f] = (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
-    Eigen::MatrixXd local(B.rows(), B.cols());
-    for (Eigen::Index c = 0; c < B.cols(); ++c)
-        for (int f = 0; f < rest.num_free(); ++f) {
-            local.col(c).segment<3>(6 * f).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f);
-            local.col(c).segment<3>(6 * f + 3).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f + 3);
-        }
-    local = kept.apply(local);
-    for (Eigen::Index c = 0; c < B.cols(); ++c)
-        for (int f = 0; f < rest.num_free(); ++f) {
-            local.col(c).segment<3>(6 * f) = turn[f] * local.col(c).segment<3>(6 * f);
-            local.col(c).segment<3>(6 * f + 3) = turn[f] * local.col(c).segment<3>(6 * f + 3);
-        }
-    return local;
+    Eigen::MatrixXd X = B;
+    turn_to_kept(X, false);
+    X = kept.apply(X);
+    turn_to_kept(X, true);
+    return X;
+}
+
+Eigen::VectorXd PrimoShell::Impl::precondition_column(const Eigen::VectorXd& b) {
+    const Timer timer(seconds.substitution);
+    ++substitutions;
+    if (is_kept_here) return kept.apply_column(b);
+    Eigen::VectorXd x = b;
+    turn_to_kept(x, false);
+    x = kept.apply_column(x);
+    turn_to_kept(x, true);
+    return x;
 }
 
 Points PrimoShell::Impl::free_centroids() const {
@@ -176,12 +195,14 @@ std::vector<Eigen::Quaterniond> PrimoShell::Impl::free_rotations() const {
 /// Along straight lines a part that turns by an angle t would stretch by t^2/2, along arcs shrink by as much or half:
 /// what bends from its root keeps its length where the way turns three quarters as far as the prism.
 void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
-    for (int f = 0; f < rest.num_free(); ++f) {
-        const int i = rest.free_prisms[f];
-        const Eigen::Vector3d turn = twist.segment<3>(6 * f), way = twist.segment<3>(6 * f + 3);
-        poses.rotation[i] = (rotation_of(turn) * poses.rotation[i]).normalized();
-        poses.displacement.row(i) += (left_jacobian(way_turn * turn) * way).transpose();
-    }
+    for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
+        for (int f = begin; f < end; ++f) {
+            const int i = rest.free_prisms[f];
+            const Eigen::Vector3d turn = twist.segment<3>(6 * f), way = twist.segment<3>(6 * f + 3);
+            poses.rotation[i] = (rotation_of(turn) * poses.rotation[i]).normalized();
+            poses.displacement.row(i) += (left_jacobian(way_turn * turn) * way).transpose();
+        }
+    });
     has_moved();
 }
 

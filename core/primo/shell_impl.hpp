@@ -40,6 +40,9 @@ struct PrimoShell::Impl {
     void has_moved();  ///< forgets what is known of the poses before
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
     Eigen::MatrixXd precondition(const Eigen::MatrixXd& B);
+    Eigen::VectorXd precondition_column(const Eigen::VectorXd& b);
+    template <class Columns>
+    void turn_to_kept(Columns& X, bool back) const;
     Points free_centroids() const;  ///< of the free prisms at `poses`
     std::vector<Eigen::Quaterniond> free_rotations() const;
     void advance(const Eigen::VectorXd& twist);

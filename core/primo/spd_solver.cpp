@@ -84,14 +84,6 @@ void fill(cholmod_sparse* S, const BlockMatrix& A) {
         }
 }
 
-bool is_finite(const BlockMatrix& A) {
-    for (const Matrix6& block : A.diagonal)
-        if (!block.allFinite()) return false;
-    for (const Matrix6& block : A.below)
-        if (!block.allFinite()) return false;
-    return true;
-}
-
 /// While it lives OpenMP opens no parallel regions.
 struct OneThread {
     int levels = omp_get_max_active_levels ? omp_get_max_active_levels() : 0;
@@ -142,6 +134,7 @@ struct SpdSolver::Impl {
         single.most_rows = 0;
         for (std::ptrdiff_t k = 0; k < count; ++k)
             single.most_rows = std::max(single.most_rows, static_cast<int>(pi[k + 1] - pi[k]));
+        single.plan();
     }
     void release() {
         cholmod_l_free_sparse(&matrix, &common);
@@ -175,7 +168,7 @@ void SpdSolver::analyze(const BlockMatrix& A) {
 }
 
 bool SpdSolver::factorize(const BlockMatrix& A) {
-    if (!is_finite(A)) throw SolverError(text("Cholesky: the matrix of ", 6 * A.size(), " unknowns is not finite"));
+    if (!A.is_finite()) throw SolverError(text("Cholesky: the matrix of ", 6 * A.size(), " unknowns is not finite"));
     fill(impl_->matrix, A);
     impl_->numeric = false;
     impl_->single = {};
@@ -196,8 +189,15 @@ void SpdSolver::drop_factor() { impl_->numeric = false; }
 
 Eigen::MatrixXd SpdSolver::solve(const Eigen::MatrixXd& B) const {
     if (!impl_->numeric) throw SolverError("Cholesky: solve without a factor");
-    Eigen::MatrixXd result;
+    Eigen::MatrixXd result(B.rows(), B.cols());
     impl_->single.solve(B, result);
+    return result;
+}
+
+Eigen::VectorXd SpdSolver::solve_column(const Eigen::VectorXd& b) const {
+    if (!impl_->numeric) throw SolverError("Cholesky: solve without a factor");
+    Eigen::VectorXd result(b.size());
+    impl_->single.solve(b, result);
     return result;
 }
 

@@ -4,7 +4,9 @@
 #include <cstring>
 #include <type_traits>
 
+#include "core/parallel.hpp"
 #include "core/primo/lanes.hpp"
+#include "core/primo/vectors.hpp"
 
 namespace strake {
 namespace {
@@ -13,8 +15,9 @@ namespace {
 #define STRAKE_ENTRIES(at) __builtin_convertvector(loose<FourSingles>(at).lanes, Four)
 
 // The factor is read once, in order, but in pieces too short for the processor to see that.
-constexpr long ahead = 1024;   // entries
-constexpr int wide_panel = 4;  // columns
+constexpr long ahead = 1024;        // entries
+constexpr int wide_panel = 4;       // columns
+constexpr int rows_at_once = 4096;  // into the factor's order and back, by one of several threads
 
 /// One right-hand side is a matter of reading the factor, and is summed in double precision; several are one of
 /// arithmetic, and take half of the time in single.
@@ -144,11 +147,12 @@ STRAKE_INLINE void backward(const float* L, int columns, int rows, Number<width>
         j -= wide_panel, backward_panel<width, wide_panel>(at(), rows, rows - j, local + static_cast<long>(j) * width);
 }
 
+/// The supernodes of one task, upwards or back down; x holds the rows, then those of later rounds, task by task.
 template <int width>
-STRAKE_INLINE void substitute(const Supernodes& f, Number<width>* x, Number<width>* local) {
-    const int last = f.num_supernodes();
-    for (int s = 0; s < last; ++s) {
-        const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
+STRAKE_INLINE void substitute(const Supernodes& f, int task, bool upwards, Number<width>* x, Number<width>* local) {
+    const int first = f.task_begin[task], last = f.task_begin[task + 1];
+    for (int q = first; upwards && q < last; ++q) {
+        const int s = f.order[q], column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
         std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
@@ -159,8 +163,8 @@ STRAKE_INLINE void substitute(const Supernodes& f, Number<width>* x, Number<widt
             for (int k = 0; k < width; ++k)
                 x[static_cast<long>(row[i]) * width + k] += local[static_cast<long>(i) * width + k];
     }
-    for (int s = last - 1; s >= 0; --s) {
-        const int column = f.first_column[s], columns = f.first_column[s + 1] - column;
+    for (int q = last - 1; !upwards && q >= first; --q) {
+        const int s = f.order[q], column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
         std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
@@ -174,40 +178,77 @@ STRAKE_INLINE void substitute(const Supernodes& f, Number<width>* x, Number<widt
 
 #if defined(__x86_64__)
 template <int width>
-__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, Number<width>* x, Number<width>* local) {
-    substitute<width>(f, x, local);
+__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, int task, bool upwards, Number<width>* x,
+                                                     Number<width>* local) {
+    substitute<width>(f, task, upwards, x, local);
 }
 #endif
 template <int width>
-void substitute_plain(const Supernodes& f, Number<width>* x, Number<width>* local) {
-    substitute<width>(f, x, local);
+void substitute_plain(const Supernodes& f, int task, bool upwards, Number<width>* x, Number<width>* local) {
+    substitute<width>(f, task, upwards, x, local);
+}
+
+template <int width>
+void do_task(const Supernodes& f, int task, bool upwards, Number<width>* x) {
+    std::vector<Number<width>> local(static_cast<std::size_t>(f.most_rows) * width);
+#if defined(__x86_64__)
+    if (__builtin_cpu_supports("avx2")) return substitute_wide<width>(f, task, upwards, x, local.data());
+#endif
+    substitute_plain<width>(f, task, upwards, x, local.data());
+}
+
+/// Calls work(row of a later round, where the task keeps it) for all of a task.
+template <int width, class Work>
+void for_outside(const Supernodes& f, int task, Number<width>* x, const Work& work) {
+    Number<width>* apart = x + static_cast<long>(f.size) * width;
+    for (int q = f.outside_begin[task]; q < f.outside_begin[task + 1]; ++q)
+        for (int k = 0; k < width; ++k)
+            work(x[static_cast<long>(f.outside[q]) * width + k], apart[static_cast<long>(q) * width + k]);
+}
+
+template <int width>
+void substitute_all(const Supernodes& f, Number<width>* x) {
+    const int rounds = static_cast<int>(f.round_begin.size()) - 1;
+    const auto for_tasks = [&](int round, const auto& work) {
+        const int first = f.round_begin[round];
+        for_blocks(f.round_begin[round + 1] - first, 1, [&](int begin, int) { work(first + begin); });
+    };
+    for (int r = 0; r < rounds; ++r) {
+        for_tasks(r, [&](int task) { do_task<width>(f, task, true, x); });
+        for (int task = f.round_begin[r]; task < f.round_begin[r + 1]; ++task)
+            for_outside<width>(f, task, x, [](Number<width>& row, Number<width> kept) { row += kept; });
+    }
+    for (int r = rounds - 1; r >= 0; --r)
+        for_tasks(r, [&](int task) {
+            for_outside<width>(f, task, x, [](Number<width> row, Number<width>& kept) { kept = row; });
+            do_task<width>(f, task, false, x);
+        });
 }
 
 /// Columns [first, first + width) of B to X; those beyond the last are zeros. Their sizes are taken out before and put
 /// back, so that single precision neither over- nor underflows.
 template <int width>
-void solve_block(const Supernodes& f, const Eigen::MatrixXd& B, Eigen::MatrixXd& X, Eigen::Index first) {
+void solve_block(const Supernodes& f, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X,
+                 Eigen::Index first) {
     const int given = static_cast<int>(std::min<Eigen::Index>(width, B.cols() - first));
     double size[width];
     for (int k = 0; k < given; ++k) {
-        size[k] = width > 1 ? B.col(first + k).lpNorm<Eigen::Infinity>() : 1;
+        size[k] = width > 1 ? largest_entry(B.col(first + k)) : 1;
         if (!(size[k] > 0)) size[k] = 1;
     }
-    std::vector<Number<width>> x(static_cast<std::size_t>(f.size) * width, 0),
-        local(static_cast<std::size_t>(f.most_rows) * width);
-    for (int i = 0; i < f.size; ++i)
-        for (int k = 0; k < given; ++k)
-            x[static_cast<std::size_t>(i) * width + k] =
-                static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
-#if defined(__x86_64__)
-    if (__builtin_cpu_supports("avx2"))
-        substitute_wide<width>(f, x.data(), local.data());
-    else
-#endif
-        substitute_plain<width>(f, x.data(), local.data());
-    for (int i = 0; i < f.size; ++i)
-        for (int k = 0; k < given; ++k)
-            X(f.permutation[i], first + k) = size[k] * x[static_cast<std::size_t>(i) * width + k];
+    std::vector<Number<width>> x((static_cast<std::size_t>(f.size) + f.outside.size()) * width, 0);
+    for_blocks(f.size, rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i)
+            for (int k = 0; k < given; ++k)
+                x[static_cast<std::size_t>(i) * width + k] =
+                    static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
+    });
+    substitute_all<width>(f, x.data());
+    for_blocks(f.size, rows_at_once, [&](int begin, int end) {
+        for (int i = begin; i < end; ++i)
+            for (int k = 0; k < given; ++k)
+                X(f.permutation[i], first + k) = size[k] * x[static_cast<std::size_t>(i) * width + k];
+    });
 }
 
 }  // namespace
@@ -224,8 +265,7 @@ void Singles::take(void* doubles, std::size_t count) {
     values_.reset(static_cast<float*>(smaller ? smaller : doubles));
 }
 
-void Supernodes::solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const {
-    X.resize(B.rows(), B.cols());
+void Supernodes::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
     for (Eigen::Index first = 0; first < B.cols();) {
         const Eigen::Index left = B.cols() - first;
         if (left == 1)

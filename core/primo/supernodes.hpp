@@ -34,9 +34,23 @@ struct Supernodes {
     Singles entry;
     int most_rows = 0;
 
+    /// What several threads share: tasks of supernodes, round by round; those of one round do not depend on each other.
+    /// What a task adds to rows of later rounds it keeps apart, and it is added in the order of the tasks: the same
+    /// bits for any number of threads.
+    std::vector<int> round_begin;    ///< into the tasks, per round, and the end
+    std::vector<int> task_begin;     ///< into `order`, per task, and the end
+    std::vector<int> order;          ///< supernodes of the tasks, ascending in each
+    std::vector<int> outside_begin;  ///< into `outside`, per task, and the end
+    std::vector<int> outside;  ///< rows of later rounds that a task takes part in; `row` says `size` + their place
+    /// Makes them, once; `row` is as listed before.
+    void plan();
+
     int num_supernodes() const { return static_cast<int>(first_column.size()) - 1; }
-    /// X = (L L^T)^-1 B in the matrix's own order; size x k. Sums are ordered: the same bits on every machine.
-    void solve(const Eigen::MatrixXd& B, Eigen::MatrixXd& X) const;
+    /// X = (L L^T)^-1 B in the matrix's own order; both size x k. Sums are ordered: the same bits on every machine.
+    void solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const;
+
+private:
+    void list_outside_rows(const std::vector<int>& task);
 };
 
 }  // namespace strake

@@ -1,9 +1,9 @@
 #pragma once
+#include "core/parallel.hpp"
 #include "core/remesh/working_mesh.hpp"
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 /// The four operations of Algorithm 2, each as one pass over the surface. Internal to core/remesh.
 namespace strake {
@@ -70,6 +70,9 @@ struct RidgeEdges {
 RidgeEdges ridge_edges(const WorkingMesh& mesh, int v);
 
 /// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
-void in_parts(int n, int threads, const std::function<void(int, int)>& f);
+template <class Work>
+void in_parts(int n, int threads, const Work& f) {
+    for_blocks(n, 500, f, threads);
+}
 
 }  // namespace strake

@@ -8,7 +8,6 @@
 #include <chrono>
 #include <limits>
 #include <numbers>
-#include <thread>
 
 namespace strake {
 namespace {
@@ -45,8 +44,7 @@ public:
                 text("remesh: shortest edge = ", shortest, " must be at most the edge length, ", longest));
         sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
         const double turn = options.turn_deg * radians;
-        const int threads =
-            options.threads > 0 ? options.threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+        const int threads = options.threads > 0 ? options.threads : num_threads(max_threads);
         firm_ = {0.9e-4 * base_.diagonal, std::cos(22 * radians), std::cos(turn), std::sin(turn), threads};
         loose_ = firm_;
         loose_.cos_natural = std::cos(42 * radians);

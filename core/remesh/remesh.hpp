@@ -25,7 +25,7 @@ struct RemeshOptions {
     double turn_deg = 2;       ///< no operation turns a normal further away from the input's than this, beyond what
                                ///< edges of the wanted length turn anyway; in (0, 90]
     int max_triangles = 20'000'000;  ///< more are refused before anything is done
-    int threads = 0;                 ///< 0: as many as there are; the result does not depend on it
+    int threads = 0;                 ///< 0: STRAKE_NUM_THREADS, else as many as there are; the same result
 };
 void validate(const RemeshOptions& options);  ///< throws InvalidInput: field, value, limit
 

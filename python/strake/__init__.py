@@ -38,8 +38,9 @@ Units. Lengths are in the unit of the surface, whatever it is; angles are in rad
 Errors are kinds of `strake.Error`, and also of ValueError, OSError or RuntimeError; they name the argument, the value and
 the limit. An argument of a wrong type is a TypeError.
 
-Threads. While a skin is solved other threads of Python run on; one object is to be used from one thread at a time. The
-same input gives the same bits.
+Threads. While a skin is solved other threads of Python run on; one object is to be used from one thread at a time. A
+solve takes two threads where there are two processors, or as many as the environment's STRAKE_NUM_THREADS says. The same
+input gives the same bits.
 """
 from . import _core
 from ._core import (CaseError, DesignSpace, Equilibrium, Error, Evaluation, EvaluationFailed, InputError, InvalidInput,

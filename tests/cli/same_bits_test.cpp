@@ -60,12 +60,14 @@ TEST(SameBits, ForOneAndTwoThreadsAnyFolderLocaleAndEnvironment) {
         Surroundings around;
         around.set("OMP_NUM_THREADS", "1");
         around.set("OPENBLAS_NUM_THREADS", "1");
+        around.set("STRAKE_NUM_THREADS", "1");
         EXPECT_EQ(run("one thread"), first);
     }
     {
         Surroundings around;
         around.set("OMP_NUM_THREADS", "2");
         around.set("OPENBLAS_NUM_THREADS", "2");
+        around.set("STRAKE_NUM_THREADS", "2");
         around.set("LC_ALL", "de_DE.UTF-8");  // where it is installed
         around.set("STRAKE_TEST_PADDING", std::string(100000, 'x'));
         EXPECT_EQ(run("deeper/two threads"), first);

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "core/parallel.hpp"
 #include "core/primo/aggregation.hpp"
 #include "core/primo/energy.hpp"
 
@@ -12,6 +13,7 @@ namespace {
 
 constexpr double strong = 0.25;       // of connections, beside a prism's strongest
 constexpr double least_share = 0.05;  // of a face whose prisms lie across the way from centre to centre
+constexpr int prisms_at_once = 1024;  // of one thread
 constexpr int smoothing_sweeps = 6;   // about the radius of two clusters
 
 using Eigen::Vector3d;
@@ -157,6 +159,7 @@ CoarseShell coarsen(const RestState& fine, int radius) {
     add_vertices(fine, coarse);
     add_prisms(fine, coarse);
     add_faces(fine, coarse);
+    list_by_prism(rest);
     return coarse;
 }
 
@@ -174,19 +177,22 @@ Poses prolonged(const RestState& rest, const std::vector<int>& of, const RestSta
     for (int sweep = 0; sweep < smoothing_sweeps; ++sweep) {
         const std::vector<Eigen::Matrix3d> now = rotation_differences(fine);
         const Poses before = fine;
-        for (int f = 0; f < rest.num_free(); ++f) {
-            const int i = rest.free_prisms[f], count = graph.begin[f + 1] - graph.begin[f];
-            Eigen::Vector4d rotation = before.rotation[i].coeffs();
-            Vector3d displacement = row(before.displacement, i);
-            for (int k = graph.begin[f]; k < graph.begin[f + 1]; ++k) {
-                const int j = rest.free_prisms[graph.neighbour[k]];
-                const Eigen::Vector4d other = before.rotation[j].coeffs();
-                rotation += other.dot(before.rotation[i].coeffs()) < 0 ? Eigen::Vector4d(-other) : other;
-                displacement += row(before.displacement, j) + now[j] * (row(rest.centroid, i) - row(rest.centroid, j));
+        for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
+            for (int f = begin; f < end; ++f) {
+                const int i = rest.free_prisms[f], count = graph.begin[f + 1] - graph.begin[f];
+                Eigen::Vector4d rotation = before.rotation[i].coeffs();
+                Vector3d displacement = row(before.displacement, i);
+                for (int k = graph.begin[f]; k < graph.begin[f + 1]; ++k) {
+                    const int j = rest.free_prisms[graph.neighbour[k]];
+                    const Eigen::Vector4d other = before.rotation[j].coeffs();
+                    rotation += other.dot(before.rotation[i].coeffs()) < 0 ? Eigen::Vector4d(-other) : other;
+                    displacement +=
+                        row(before.displacement, j) + now[j] * (row(rest.centroid, i) - row(rest.centroid, j));
+                }
+                fine.rotation[i].coeffs() = rotation.normalized();
+                fine.displacement.row(i) = displacement.transpose() / (count + 1);
             }
-            fine.rotation[i].coeffs() = rotation.normalized();
-            fine.displacement.row(i) = displacement.transpose() / (count + 1);
-        }
+        });
     }
     return fine;
 }

@@ -150,6 +150,21 @@ IntLists lists_by_row(int rows, const ForAll& for_all) {
     return lists;
 }
 
+}  // namespace
+
+const std::array<GaussPoint, 4>& gauss_points() {
+    static const double s = 1 / std::sqrt(3.0);
+    static const std::array<GaussPoint, 4> points{
+        {{0.5 - 0.5 * s, -s}, {0.5 - 0.5 * s, s}, {0.5 + 0.5 * s, -s}, {0.5 + 0.5 * s, s}}};
+    return points;
+}
+
+Eigen::Vector3d corner_normal(const RestState& rest, int v, int i) {
+    if (rest.normal.row(v).squaredNorm() > 0) return rest.normal.row(v).transpose();
+    const Eigen::Vector3d own = area_vector(rest.mesh, i).normalized();
+    return rest.on_plane[v] ? Eigen::Vector3d((rest.plane_projector * own).normalized()) : own;
+}
+
 void list_by_prism(RestState& rest) {
     std::vector<int> owner(rest.num_prisms(), -1);
     const IntLists crossing = lists_by_row(rest.num_prisms(), [&](const auto& add) {
@@ -174,21 +189,6 @@ void list_by_prism(RestState& rest) {
         for (int k = 0; k < rest.mesh.num_vertices(); ++k)
             for (const int i : rest.vertex_prisms[k]) add(i, k);
     });
-}
-
-}  // namespace
-
-const std::array<GaussPoint, 4>& gauss_points() {
-    static const double s = 1 / std::sqrt(3.0);
-    static const std::array<GaussPoint, 4> points{
-        {{0.5 - 0.5 * s, -s}, {0.5 - 0.5 * s, s}, {0.5 + 0.5 * s, -s}, {0.5 + 0.5 * s, s}}};
-    return points;
-}
-
-Eigen::Vector3d corner_normal(const RestState& rest, int v, int i) {
-    if (rest.normal.row(v).squaredNorm() > 0) return rest.normal.row(v).transpose();
-    const Eigen::Vector3d own = area_vector(rest.mesh, i).normalized();
-    return rest.on_plane[v] ? Eigen::Vector3d((rest.plane_projector * own).normalized()) : own;
 }
 
 RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {

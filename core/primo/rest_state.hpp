@@ -84,6 +84,9 @@ struct RestState {
 /// cancel.
 Eigen::Vector3d corner_normal(const RestState& rest, int v, int i);
 
+/// Fills `face_groups` and `prism_vertices` from `faces` and `vertex_prisms`.
+void list_by_prism(RestState& rest);
+
 /// @throws InvalidInput as PrimoShell's constructor.
 RestState rest_state(const TriMesh& mesh, const ShellOptions& options);
 

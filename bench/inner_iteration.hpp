@@ -26,7 +26,8 @@ public:
         : rest_(rest), guard_(rest, adjacency(rest)), folder_(new_folder()) {
         std::optional<SymmetryPlane> plane;
         if (is_open(rest)) plane = SymmetryPlane{{0, 1, 0}, 0};
-        quantities_ = {volume(rest, plane), area(), target_shape_closest("distance", rest, with_vertices(rest, wanted))};
+        quantities_ = {volume(rest, plane), area(),
+                       target_shape_closest("distance", rest, with_vertices(rest, wanted))};
         JournalFacts facts;
         facts.case_dir = folder_;
         facts.values = {"volume", "area", "distance"};

@@ -53,8 +53,9 @@ void Preconditioner::drop() {
     multigrid_.drop();
 }
 
-Eigen::MatrixXd Preconditioner::apply(const Eigen::MatrixXd& B) {
+Eigen::MatrixXd Preconditioner::apply(const Eigen::Ref<const Eigen::MatrixXd>& B) {
     if (is_exact()) return factor_.solve(B);
+    if (B.cols() == 1) return multigrid_.apply(B.col(0));
     Eigen::MatrixXd X(B.rows(), B.cols());
     for (Eigen::Index c = 0; c < B.cols(); ++c) X.col(c) = multigrid_.apply(B.col(c));
     return X;

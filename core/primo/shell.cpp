@@ -83,6 +83,7 @@ void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
 
 void PrimoShell::Impl::has_moved() {
     has_tangent = is_kept_here = false;
+    turn_since_kept.clear();
     reached.reset();
 }
 
@@ -111,7 +112,7 @@ void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const 
 
 bool PrimoShell::Impl::factorize() {
     const Timer timer(seconds.factorization);
-    spent = 0;
+    spent = rate = 0;
     if (spring.size() > 0) {
         const std::vector<Matrix6> diagonal = H.diagonal;
         add_lumped_springs(rest, spring_turn, spring, H);
@@ -120,6 +121,7 @@ bool PrimoShell::Impl::factorize() {
     } else {
         is_kept_here = kept.build(H, free_centroids());
     }
+    turn_since_kept.clear();
     if (!is_kept_here) return false;
     kept_rotation = free_rotations();
     return true;
@@ -141,25 +143,26 @@ Eigen::MatrixXd PrimoShell::Impl::products(const Eigen::MatrixXd& X) const {
     return Y;
 }
 
-Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
+Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::Ref<const Eigen::MatrixXd>& B) {
     const Timer timer(seconds.substitution);
     ++substitutions;
     if (is_kept_here) return kept.apply(B);
-    std::vector<Eigen::Matrix3d> turn(rest.num_free());
-    for (int f = 0; f < rest.num_free(); ++f)
-        turn[f] = (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
+    if (turn_since_kept.empty()) {
+        turn_since_kept.resize(rest.num_free());
+        for (int f = 0; f < rest.num_free(); ++f)
+            turn_since_kept[f] =
+                (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
+    }
     Eigen::MatrixXd local(B.rows(), B.cols());
     for (Eigen::Index c = 0; c < B.cols(); ++c)
-        for (int f = 0; f < rest.num_free(); ++f) {
-            local.col(c).segment<3>(6 * f).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f);
-            local.col(c).segment<3>(6 * f + 3).noalias() = turn[f].transpose() * B.col(c).segment<3>(6 * f + 3);
-        }
+        for (int f = 0; f < rest.num_free(); ++f)
+            for (const int part : {6 * f, 6 * f + 3})
+                local.col(c).segment<3>(part).noalias() = turn_since_kept[f].transpose() * B.col(c).segment<3>(part);
     local = kept.apply(local);
     for (Eigen::Index c = 0; c < B.cols(); ++c)
-        for (int f = 0; f < rest.num_free(); ++f) {
-            local.col(c).segment<3>(6 * f) = turn[f] * local.col(c).segment<3>(6 * f);
-            local.col(c).segment<3>(6 * f + 3) = turn[f] * local.col(c).segment<3>(6 * f + 3);
-        }
+        for (int f = 0; f < rest.num_free(); ++f)
+            for (const int part : {6 * f, 6 * f + 3})
+                local.col(c).segment<3>(part) = turn_since_kept[f] * local.col(c).segment<3>(part);
     return local;
 }
 

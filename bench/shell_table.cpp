@@ -1,4 +1,4 @@
-#include "bench/shell_cases.hpp"
+#include "bench/inner_iteration.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell_impl.hpp"
 
@@ -8,10 +8,11 @@
 #include <functional>
 #include <string>
 
-/// The paper's table on this project's surfaces: `shell_table [--springs D] [--warm N] [wing:22000 | body:131000 |
-/// FILE]...`. CPU seconds of the process (user and system), and the same in numeric factorizations of the rest matrix
-/// without springs. Warm solves start from the equilibrium at 10 % with its factor. --springs: over all that is loaded,
-/// lambda = |F| / (2 D), D in diagonals. --warm: memory over N warm solves and gradients instead.
+/// The paper's table on this project's surfaces: `shell_table [--springs D] [--cold] [--warm N] [wing:22000 |
+/// body:131000 | FILE]...`. CPU seconds of the process (user and system), and the same in numeric factorizations of the
+/// rest matrix without springs. --cold: the cold solve at 10 % alone, and its memory. Warm solves start from the
+/// equilibrium at 10 % with its factor. --springs: over all that is loaded, lambda = |F| / (2 D), D in diagonals.
+/// --warm: memory over N warm solves and gradients instead.
 namespace {
 
 using namespace strake;
@@ -50,7 +51,7 @@ void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
     shell.reset();
     shell.solve(loads, {}, options);
     shell.refresh_tangent();
-    const Poses poses = shell.poses();
+    Poses poses = shell.poses();
     for (const double change : {0.01, 0.05, 0.2}) {
         Equilibrium end;
         shell.set_poses(poses);
@@ -61,6 +62,7 @@ void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
         shell.set_poses(poses);
         shell.solve(loads, {}, options);
         shell.refresh_tangent();
+        poses = shell.poses();  // to the bit where the factor is of
     }
     for (const int variables : {10, 1000})
         table.row(text("gradient by ", variables, " variables, own factor"),
@@ -70,6 +72,39 @@ void warm_rows(const Table& table, PrimoShell& shell, const Loads& loads) {
         for (int c = 0; c < count; ++c) functionals.push_back(wavy(loads.force, c));
         table.row(text("gradients of ", count, " functionals, own factor"), timed([&] { shell.adjoint(functionals); }));
     }
+}
+
+/// From the equilibrium at 10 %, its factor and its gradients to loads changed by 5 %.
+void inner_row(const Table& table, const TriMesh& mesh, PrimoShell& shell, const Loads& loads) {
+    SolveOptions options;
+    options.keep_factor = true;
+    shell.reset();
+    shell.solve(changed(loads, 0.1), {}, options);
+    InnerLoop loop(mesh, shell.vertices());
+    shell.solve(loads, {}, options);
+    shell.refresh_tangent();
+    loop.run(shell, loads, options);
+    const InnerIteration one = loop.run(shell, changed(loads, 0.05), options);
+    table.row("one inner iteration, loads changed by 5 %", one.total(),
+              text("deformation ", one.deformation, ", guard ", one.guard, ", three quantities ", one.quantities,
+                   ", their gradients ", one.gradients, ", journal ", one.journal));
+}
+
+void cold_row(const Table& table, const LoadedShell& body, double share) {
+    ShellOptions options = body.options;
+    options.expected_solves = 1;  // as `strake deform`
+    PrimoShell shell(body.mesh, options);
+    Equilibrium end;
+    const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
+    const char* solver = shell.solver() == LinearSolver::direct ? "direct" : "multigrid";
+    table.row(text("cold, ", 100 * share, " %, ", solver, ", all included"), seconds, remark(end));
+}
+
+/// What fits where no factor does.
+void cold_only(const std::string& name) {
+    const LoadedShell body(name);
+    cold_row({}, body, 0.1);
+    std::printf("| peak memory | %.2f GB | | |\n", peak_gigabytes());
 }
 
 void rows(const std::string& name, double spring_distance) {
@@ -97,22 +132,22 @@ void rows(const std::string& name, double spring_distance) {
     table.row("substitution", timed([&] {
                                   for (int i = 0; i < 5; ++i) b = impl.precondition(b) * 1e-3;
                               }) / 5);
+    for (const int columns : {2, 3, 4, 8}) {
+        Eigen::MatrixXd B = Eigen::MatrixXd::Random(b.size(), columns);
+        table.row(text("substitution, ", columns, " right-hand sides"), timed([&] {
+                                                                            for (int i = 0; i < 5; ++i)
+                                                                                B = impl.precondition(B) * 1e-3;
+                                                                        }) / 5);
+    }
     table.row("product with the matrix", timed([&] {
                                              for (int i = 0; i < 5; ++i) b = impl.H.multiply(b) * 1e-3;
                                          }) / 5);
     table.row("jumps, gradient",
               timed([&] { energy_gradient(impl.rest, turn, jumps(impl.rest, impl.poses, turn), none); }));
-    for (const double share : {0.1, 0.5}) {
-        ShellOptions options = body.options;
-        options.expected_solves = 1;  // as `strake deform`
-        PrimoShell shell(body.mesh, options);
-        Equilibrium end;
-        const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
-        const char* solver = shell.solver() == LinearSolver::direct ? "direct" : "multigrid";
-        table.row(text("cold, ", 100 * share, " %, ", solver, ", all included"), seconds, remark(end));
-    }
+    for (const double share : {0.1, 0.5}) cold_row(table, body, share);
     PrimoShell shell(body.mesh, body.options);
     warm_rows(table, shell, body.loads(0.1));
+    inner_row(table, body.mesh, shell, body.loads(0.1));
     std::printf("| peak memory | %.2f GB | | |\n", peak_gigabytes());
 }
 
@@ -145,14 +180,18 @@ int main(int count, char** words) {
     keep_large_blocks();
     double spring_distance = 0;
     int warm = 0;
+    bool is_cold = false;
     std::vector<std::string> names;
     for (int i = 1; i < count; ++i)
         if (!std::strcmp(words[i], "--springs") && i + 1 < count)
             spring_distance = std::stod(words[++i]);
         else if (!std::strcmp(words[i], "--warm") && i + 1 < count)
             warm = std::stoi(words[++i]);
+        else if (!std::strcmp(words[i], "--cold"))
+            is_cold = true;
         else
             names.emplace_back(words[i]);
     if (names.empty()) names = {"wing:22000", "wing:131000", "body:131000"};
-    for (const std::string& name : names) warm > 0 ? memory(name, warm) : rows(name, spring_distance);
+    for (const std::string& name : names)
+        is_cold ? cold_only(name) : warm > 0 ? memory(name, warm) : rows(name, spring_distance);
 }

@@ -16,8 +16,8 @@ struct CoarseShell {
 /// Clusters of about four (`radius` 1) or ten (2) free prisms; one for each pinned region.
 CoarseShell coarsen(const RestState& rest, int radius);
 
-/// Poses of the finer prisms that move with their coarse ones; smoothed, so that neighbours of different clusters hardly
-/// gape. Pinned ones get those of their region.
+/// Poses of the finer prisms that move with their coarse ones; smoothed, so that neighbours of different clusters
+/// hardly gape. Pinned ones get those of their region.
 /// @param of,coarse as `coarsen` made them; `poses`: of the coarse prisms
 Poses prolonged(const RestState& rest, const std::vector<int>& of, const RestState& coarse, const Poses& poses);
 

@@ -1,5 +1,5 @@
 #pragma once
-#include "core/primo/shell_impl.hpp"
+#include "core/primo/definiteness.hpp"
 
 /// Systems with the shell's present Hessian, by conjugate gradients on what is kept from an earlier design. Residuals
 /// are measured in the norm of the preconditioner, sqrt(r.M^-1 r): it is that of the error's energy, where torques on
@@ -7,9 +7,12 @@
 namespace strake {
 
 struct CgOptions {
-    double tolerance = 1e-3;   ///< of the right-hand side's norm
-    int max_iterations = 30;   ///< also gives up as soon as it is seen that these will not do
-    double expected_rate = 1;  ///< factor by which one iteration reduces the residual; 1: not known
+    double tolerance = 1e-3;              ///< of the right-hand side's norm
+    int max_iterations = 30;              ///< also gives up as soon as it is seen that these will not do
+    double expected_rate = 1;             ///< factor by which one iteration reduces the residual; 1: not known
+    DefinitenessProbe* beside = nullptr;  ///< steps of it go along while it is open
+    /// Whether `x` with that reduction does, whatever the tolerance; may be empty.
+    std::function<bool(const Eigen::VectorXd& x, double reduction)> is_enough;
     /// Sets `tolerance` and `expected_rate` once the right-hand side's norm is known.
     std::function<void(double size, CgOptions& options)> adapt;
 };
@@ -23,21 +26,12 @@ struct CgResult {
     bool is_reached = false;  ///< the tolerance
     bool is_positive = true;  ///< no direction of negative curvature met
 };
-CgResult conjugate_gradients(PrimoShell::Impl& shell, const Eigen::VectorXd& b, const CgOptions& options);
+CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const CgOptions& options);
 
 /// H X = B, all columns side by side, each to `tolerance`. @param similar columns in whose span parts of X are to be
 /// expected, such as the solution at a neighbouring design; any number, also none. They cost a product each.
 /// @throws SolverError: H is not positive definite.
 Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
                               const Eigen::MatrixXd& similar = {});
-
-enum class Definiteness { yes, no, doubtful };
-
-/// Is the present Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
-/// of them turns indefinite first. Beside a definite factor two to six substitutions tell. "no" is a proof: a direction
-/// of negative curvature was met.
-/// @param least_stiffness share of a direction's stiffness in the factor that has to be left without a doubt
-/// @param most_inexact_probes cycles of multigrid that may be spent
-Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes = 40);
 
 }  // namespace strake

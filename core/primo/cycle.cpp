@@ -114,7 +114,7 @@ void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vect
 }
 
 template <class Real>
-Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::VectorXd& r) {
+Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::Ref<const Eigen::VectorXd>& r) {
     using Block = Eigen::Matrix<Real, 6, 6>;
     using Six = Eigen::Matrix<Real, 6, 1>;
     const double size = largest_entry(r);  // taken out, so that single precision does not underflow
@@ -148,8 +148,8 @@ std::size_t Hierarchy<Real>::bytes() const {
     return sum;
 }
 
-template Eigen::VectorXd Hierarchy<float>::apply(const Eigen::VectorXd&);
-template Eigen::VectorXd Hierarchy<double>::apply(const Eigen::VectorXd&);
+template Eigen::VectorXd Hierarchy<float>::apply(const Eigen::Ref<const Eigen::VectorXd>&);
+template Eigen::VectorXd Hierarchy<double>::apply(const Eigen::Ref<const Eigen::VectorXd>&);
 template std::size_t Hierarchy<float>::bytes() const;
 template std::size_t Hierarchy<double>::bytes() const;
 

@@ -151,18 +151,17 @@ Jumps jump_rates(const RestState& rest, const std::vector<Matrix3d>& turn, const
     return rate;
 }
 
-Jumps sum(const Jumps& a, const Jumps& b) {
-    Jumps s = a;
+Jumps sum(const Jumps& a, Jumps s) {
     for_blocks(static_cast<int>(s.face.size()), at_once, [&](int begin, int end) {
         for (int f = begin; f < end; ++f)
             for (int g = 0; g < 4; ++g) {
-                s.face[f].x[g] += b.face[f].x[g];
-                s.face[f].y[g] += b.face[f].y[g];
-                s.face[f].z[g] += b.face[f].z[g];
+                s.face[f].x[g] += a.face[f].x[g];
+                s.face[f].y[g] += a.face[f].y[g];
+                s.face[f].z[g] += a.face[f].z[g];
             }
     });
-    for (std::size_t i = 0; i < s.mirrored.size(); ++i) s.mirrored[i] += b.mirrored[i];
-    s.vertex += b.vertex;
+    for (std::size_t i = 0; i < s.mirrored.size(); ++i) s.mirrored[i] += a.mirrored[i];
+    s.vertex += a.vertex;
     return s;
 }
 

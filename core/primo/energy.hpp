@@ -25,7 +25,7 @@ Jumps jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::
 /// Rate of the jumps under twists (6 per free prism); pinned prisms stand still.
 Jumps jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist);
 /// a + b, member by member.
-Jumps sum(const Jumps& a, const Jumps& b);
+Jumps sum(const Jumps& a, Jumps b);
 
 double energy(const RestState& rest, const Jumps& jump, const Loads& loads);
 

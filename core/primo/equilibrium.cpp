@@ -166,10 +166,11 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             twist *= stages.share;
         }
         cap(shell.rest, twist);
-        const Jumps rate = jump_rates(shell.rest, at.turn, twist);
-        stress = sum(at.jump, rate);
+        stress = {};  // what is replaced is given up first: these are a tenth of all memory each
+        stress = sum(at.jump, jump_rates(shell.rest, at.turn, twist));
         term = StressTerm::exact;
         shell.advance(twist);
+        at = {};
         at = iterate(shell, loads);
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
@@ -206,6 +207,7 @@ bool Attempt::finish(const Loads& loads, Iterate at) {
         const double before = at.norm;
         const Poses poses = shell.poses;
         shell.advance(twist);
+        at = {};
         at = iterate(shell, loads);
         record(at, loads, step_size(shell.rest, twist));
         if (!systems.is_done()) continue;
@@ -214,8 +216,7 @@ bool Attempt::finish(const Loads& loads, Iterate at) {
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
-        shell.assemble(at.turn, at.jump, loads, StressTerm::exact);
-        if (!systems.is_minimum()) return buckles();
+        if (!systems.is_minimum(at, loads)) return buckles();
         shell.has_tangent = true;
         end.stable = true;
         return true;

@@ -11,6 +11,7 @@ namespace {
 
 // Rows done at once by one of several threads.
 constexpr int products_at_once = 1024, clusters_at_once = 128;
+constexpr int galerkin_at_once = 1 << 16;  // rows of A P that are there at a time
 
 /// One row under construction: blocks by column, found through `place`.
 template <class Real>
@@ -25,14 +26,27 @@ public:
         }
         return value_.data() + block_entries * place_[column];
     }
-    /// Writes the row `i`, sorted, and is empty again. The block of column `apart` goes to `taken` instead.
-    void finish(BlockRows<Real>& rows, int i, int apart = -1, Real* taken = nullptr) {
+    /// Writes the row `i`, sorted, and is empty again.
+    void finish(BlockRows<Real>& rows, int i) {
         std::sort(columns_.begin(), columns_.end());
         int to = rows.begin[i];
         for (const int column : columns_) {
             const Real* block = value_.data() + block_entries * place_[column];
-            if (column != apart) rows.column[to] = column;
-            std::copy(block, block + block_entries, column == apart ? taken : rows.block(to++));
+            rows.column[to] = column;
+            std::copy(block, block + block_entries, rows.block(to++));
+            place_[column] = -1;
+        }
+        columns_.clear();
+        value_.clear();
+    }
+
+    /// Adds the row to row `i`, which has all of its columns, and is empty again. That of column `apart` goes to
+    /// `taken`.
+    void add_to(BlockRows<Real>& rows, int i, int apart, Real* taken) {
+        for (const int column : columns_) {
+            const Real* block = value_.data() + block_entries * place_[column];
+            Real* to = column == apart ? taken : rows.block(rows.find(i, column));
+            for (int q = 0; q < block_entries; ++q) to[q] += block[q];
             place_[column] = -1;
         }
         columns_.clear();
@@ -62,27 +76,28 @@ BlockRows<Real> empty_rows(int n, int columns, const ForColumns& for_columns) {
     return rows;
 }
 
-/// (share I + factor A) P with the unit diagonal of A.
+/// Rows [first, end) of (share I + factor A) P with the unit diagonal of A.
 template <class Real>
-BlockRows<Real> product(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns, Real share, Real factor) {
-    BlockRows<Real> result = empty_rows<Real>(A.size(), columns, [&](int i, const auto& seen) {
+BlockRows<Real> product(const BlockRows<Real>& A, const BlockRows<Real>& P, int columns, Real share, Real factor,
+                        int first, int end) {
+    BlockRows<Real> result = empty_rows<Real>(end - first, columns, [&](int i, const auto& seen) {
         const auto see = [&](int j) {
             for (int p = P.begin[j]; p < P.begin[j + 1]; ++p) seen(P.column[p]);
         };
-        see(i);
-        for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) see(A.column[k]);
+        see(first + i);
+        for (int k = A.begin[first + i]; k < A.begin[first + i + 1]; ++k) see(A.column[k]);
     });
-    for_blocks(A.size(), products_at_once, [&](int begin, int end) {
+    for_blocks(end - first, products_at_once, [&](int from, int to) {
         RowBuilder<Real> row(columns);
-        for (int i = begin; i < end; ++i) {
+        for (int i = first + from; i < first + to; ++i) {
             for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) {
                 const int j = A.column[k];
                 for (int p = P.begin[j]; p < P.begin[j + 1]; ++p)
                     add_product(A.block(k), P.block(p), row.at(P.column[p]));
             }
             for (int p = P.begin[i]; p < P.begin[i + 1]; ++p) row.at(P.column[p]);
-            row.finish(result, i);
-            for (int c = result.begin[i]; c < result.begin[i + 1]; ++c) {
+            row.finish(result, i - first);
+            for (int c = result.begin[i - first]; c < result.begin[i - first + 1]; ++c) {
                 Real* block = result.block(c);
                 const int own = P.find(i, result.column[c]);
                 for (int q = 0; q < block_entries; ++q)
@@ -91,6 +106,35 @@ BlockRows<Real> product(const BlockRows<Real>& A, const BlockRows<Real>& P, int 
         }
     });
     return result;
+}
+
+/// P^T A P without its diagonal, all zeros.
+template <class Real>
+BlockRows<Real> galerkin_pattern(const BlockRows<Real>& A, const BlockRows<Real>& P, const ColumnLists& in_columns) {
+    const auto for_row = [&](int a, const auto& seen) {
+        const auto see = [&](int j) {
+            for (int p = P.begin[j]; p < P.begin[j + 1]; ++p)
+                if (P.column[p] != a) seen(P.column[p]);
+        };
+        for (int t = in_columns.begin[a]; t < in_columns.begin[a + 1]; ++t) {
+            const int i = in_columns.row[t];
+            see(i);
+            for (int k = A.begin[i]; k < A.begin[i + 1]; ++k) see(A.column[k]);
+        }
+    };
+    const int columns = in_columns.size();
+    BlockRows<Real> rows = empty_rows<Real>(columns, columns, for_row);
+    for_blocks(columns, products_at_once, [&](int begin, int end) {
+        std::vector<int> last(columns, -1);
+        for (int a = begin; a < end; ++a) {
+            int* to = rows.column.data() + rows.begin[a];
+            for_row(a, [&](int column) {
+                if (std::exchange(last[column], a) != a) *to++ = column;
+            });
+            std::sort(rows.column.data() + rows.begin[a], to);
+        }
+    });
+    return rows;
 }
 
 /// Rigid motions of the clusters about `centre` in the scaled unknowns of one row.
@@ -105,7 +149,7 @@ Matrix6 rigid_motion(const MultigridLevel<Real>& level, int i, const Points& cen
 }  // namespace
 
 template <class Real>
-std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>& level, int steps, double damping,
+std::optional<BlockRows<Real>> prolongation(MultigridLevel<Real>& level, int steps, double damping,
                                             MultigridLevel<Real>& coarse) {
     BlockRows<Real> P;
     P.value.resize(std::size_t{block_entries} * level.A.size());
@@ -131,44 +175,48 @@ std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>& level, i
         }
     });
     if (!is_independent) return std::nullopt;
+    level.T = {};  // before P grows
     for (int step = 0; step < steps; ++step)
-        P = product<Real>(level.A, P, level.clusters.count, 1, static_cast<Real>(-damping));
+        P = product<Real>(level.A, P, level.clusters.count, 1, static_cast<Real>(-damping), 0, level.A.size());
     return P;
 }
 
+/// A P is several times the size of the result: it is there for some of its rows at a time.
 template <class Real>
 BlockRows<Real> galerkin(const BlockRows<Real>& A, const BlockRows<Real>& P, const ColumnLists& in_columns,
                          std::vector<Matrix6>& diagonal) {
+    using Block = Eigen::Matrix<Real, 6, 6>;
     const int columns = in_columns.size();
-    const BlockRows<Real> AP = product<Real>(A, P, columns, 0, 1);
-    BlockRows<Real> result = empty_rows<Real>(columns, columns, [&](int a, const auto& seen) {
-        for (int t = in_columns.begin[a]; t < in_columns.begin[a + 1]; ++t)
-            for (int i = in_columns.row[t], k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
-                if (AP.column[k] != a) seen(AP.column[k]);
-    });
-    diagonal.resize(columns);
-    for_blocks(columns, clusters_at_once, [&](int begin, int end) {
-        RowBuilder<Real> row(columns);
-        for (int a = begin; a < end; ++a) {
-            for (int t = in_columns.begin[a]; t < in_columns.begin[a + 1]; ++t) {
-                Eigen::Matrix<Real, 6, 6> transposed =
-                    Eigen::Map<const Eigen::Matrix<Real, 6, 6>>(P.block(in_columns.entry[t])).transpose();
-                for (int i = in_columns.row[t], k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
-                    add_product(transposed.data(), AP.block(k), row.at(AP.column[k]));
+    BlockRows<Real> result = galerkin_pattern(A, P, in_columns);
+    std::vector<Block> own(columns, Block::Zero());
+    std::vector<int> next(in_columns.begin.begin(), in_columns.begin.end() - 1);
+    for (int first = 0; first < A.size(); first += galerkin_at_once) {
+        const int last = std::min(A.size(), first + galerkin_at_once);
+        const BlockRows<Real> AP = product<Real>(A, P, columns, 0, 1, first, last);
+        for_blocks(columns, clusters_at_once, [&](int begin, int end) {
+            RowBuilder<Real> row(columns);
+            for (int a = begin; a < end; ++a) {
+                for (int& t = next[a]; t < in_columns.begin[a + 1] && in_columns.row[t] < last; ++t) {
+                    const Block transposed = Eigen::Map<const Block>(P.block(in_columns.entry[t])).transpose();
+                    const int i = in_columns.row[t] - first;
+                    for (int k = AP.begin[i]; k < AP.begin[i + 1]; ++k)
+                        add_product(transposed.data(), AP.block(k), row.at(AP.column[k]));
+                }
+                row.add_to(result, a, a, own[a].data());
             }
-            Eigen::Matrix<Real, 6, 6> own;
-            row.finish(result, a, a, own.data());
-            diagonal[a] = own.template cast<double>();
-            diagonal[a] = (0.5 * (diagonal[a] + diagonal[a].transpose())).eval();
-        }
-    });
+        });
+    }
+    diagonal.resize(columns);
+    for (int a = 0; a < columns; ++a) {
+        diagonal[a] = own[a].template cast<double>();
+        diagonal[a] = (0.5 * (diagonal[a] + diagonal[a].transpose())).eval();
+    }
     return result;
 }
 
-#define STRAKE_INSTANTIATE(Real)                                                                          \
-    template std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>&, int, double,        \
-                                                         MultigridLevel<Real>&);                          \
-    template BlockRows<Real> galerkin(const BlockRows<Real>&, const BlockRows<Real>&, const ColumnLists&, \
+#define STRAKE_INSTANTIATE(Real)                                                                                     \
+    template std::optional<BlockRows<Real>> prolongation(MultigridLevel<Real>&, int, double, MultigridLevel<Real>&); \
+    template BlockRows<Real> galerkin(const BlockRows<Real>&, const BlockRows<Real>&, const ColumnLists&,            \
                                       std::vector<Matrix6>&);
 STRAKE_INSTANTIATE(float)
 STRAKE_INSTANTIATE(double)

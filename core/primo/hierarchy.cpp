@@ -180,7 +180,6 @@ bool Hierarchy<Real>::coarsen(Level& level, int at, Level& coarse) const {
     coarse.centre = centres(level.clusters, level.centre);
     auto P = prolongation(level, at == 0 ? options_.prolongation_steps : options_.coarse_prolongation_steps,
                           4 / (3 * level.largest), coarse);
-    level.T = {};
     if (!P) return false;
     level.P = std::move(*P);
     std::vector<Matrix6> diagonal, L, inverse;

@@ -55,7 +55,7 @@ public:
     void drop();
 
     /// About A^-1 r; not exactly linear in r, so that iterations around it have to be flexible.
-    Eigen::VectorXd apply(const Eigen::VectorXd& r);
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r);
     /// A x = b to `tolerance` (relative), by flexible conjugate gradients.
     KrylovResult solve(const BlockMatrix& A, const Eigen::VectorXd& b, double tolerance, int max_iterations = 500);
 

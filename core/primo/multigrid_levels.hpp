@@ -26,7 +26,7 @@ public:
     explicit Hierarchy(const MultigridOptions& options) : options_(options) {}
     /// False where a matrix on the way is not positive definite as far as this precision shows.
     bool build(const BlockMatrix& A, const Points& centre, const std::vector<Clusters>* clusters);
-    Eigen::VectorXd apply(const Eigen::VectorXd& r);
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r);
     std::vector<Clusters> take_clusters();
     const std::vector<MultigridLevel<Real>>& levels() const { return levels_; }
     std::size_t bytes() const;
@@ -47,9 +47,9 @@ private:
 };
 
 /// Rigid motions of the clusters about `coarse.centre`, orthonormal in the scaled unknowns, smoothed by `steps` damped
-/// Jacobi steps. Fills coarse.T. Nothing where the motions of a cluster depend on each other.
+/// Jacobi steps. Fills coarse.T and gives up level.T. Nothing where the motions of a cluster depend on each other.
 template <class Real>
-std::optional<BlockRows<Real>> prolongation(const MultigridLevel<Real>& level, int steps, double damping,
+std::optional<BlockRows<Real>> prolongation(MultigridLevel<Real>& level, int steps, double damping,
                                             MultigridLevel<Real>& coarse);
 
 /// P^T A P: off-diagonal blocks, and the diagonal ones separately.

@@ -16,7 +16,7 @@ constexpr double exact_rate = 1e-3;       // of conjugate gradients on the matri
 constexpr double loosest = 0.1;           // share of a residual that may be left in any step
 constexpr double first_share = 0.05;      // in the first one
 constexpr double tightest = 0.01;         // in later ones
-constexpr double tightest_at_end = 1e-5;  // beside the exact Hessian
+constexpr double tightest_at_end = 1e-5;  // beside the exact Hessian, where less is not seen to do
 constexpr double hardly_changed = 0.02;   // steps that shrink by this leave a Hessian that does so once more
 constexpr double usual = 6;               // substitutions of a solve beside a factor that need not be better
 constexpr int clipped_limit = 2;          // indefinite matrices near the end after which the shell is said to buckle
@@ -24,7 +24,8 @@ constexpr double without_doubt = 0.2;     // least stiffness beside that of the 
 constexpr double beside_springs = 1e-3;   // the same where it is lumped springs that stiffen the factor
 constexpr double left_at_end = 1e-4;      // of the last step that is allowed: differences of values see it
 constexpr double roughly = 2;             // times as much is good enough, where it was foreseen otherwise
-constexpr double surely = 0.5;            // of that step, below which one is foreseen to be the last
+constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
+constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
 constexpr int few_probes = 20, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
@@ -70,6 +71,18 @@ bool NewtonSystems::is_done() const {
     return end_.last_step < ends_below_ && left_ * end_.last_step < roughly * left_at_end * ends_below_;
 }
 
+void NewtonSystems::assemble(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term) {
+    probe_.reset();
+    shell_.assemble(at.turn, stress, loads, term);
+    is_assembled_ = true;
+}
+
+/// Whether the Hessian of the design before is there still: all that has changed is the loads, and the little that
+/// these do to it the first step leaves to the next.
+bool NewtonSystems::is_at_hand(const Loads& loads, StressTerm term) const {
+    return shell_.has_tangent && term == StressTerm::exact && loads.spring == shell_.loads.spring;
+}
+
 /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
 void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
     ++end_.factorizations;
@@ -94,19 +107,17 @@ bool NewtonSystems::is_buckling() const { return !options_.fallbacks && clipped_
 /// but no less than a few iterations give, nor than what may be left at the end.
 void NewtonSystems::adapt(double size, CgOptions& cg) {
     const double left = size_before_ > 0 ? size / size_before_ : 0;  // by the last step
-    const double step = end_.last_step * left;                       // to be expected
     const double squared = size_before_ > 0 ? left * left : first_share;
-    cg.tolerance = std::clamp(squared, ends_below_ > 0 ? tightest_at_end : tightest, loosest);
-    if (step > 0 && ends_below_ > 0) {
-        const double enough = std::min(loosest, left_at_end * ends_below_ / step);
-        cg.tolerance = step < surely * ends_below_ ? enough : std::max(cg.tolerance, enough);
-    }
+    cg.tolerance = ends_below_ > 0 ? tightest_at_end : std::clamp(squared, tightest, loosest);
+    before_last_ = std::clamp(squared, tightest_at_end, loosest);
     if (shell_.is_kept_here && shell_.kept.is_exact())
         cg.expected_rate = exact_rate;
     else if (is_rate_measured_)
         cg.expected_rate = rate_;
     else if (size_before_ > 0)
         cg.expected_rate = std::min(left, 1.0);  // the linear part of it can be no larger
+    else if (shell_.rate > 0)
+        cg.expected_rate = shell_.rate;
     size_before_ = size;
 }
 
@@ -115,23 +126,35 @@ CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
     cg.max_iterations = shell_.kept.is_exact() ? cg_limit
                         : shell_.is_kept_here  ? multigrid_limit
                                                : multigrid_kept_limit;
+    if (probe_) cg.beside = &*probe_;
+    if (ends_below_ > 0)
+        cg.is_enough = [this](const Eigen::VectorXd& x, double reduction) {
+            const double step = step_size(shell_.rest, x);
+            if (step < surely * ends_below_) return reduction * step < left_at_end * ends_below_;
+            // Beside multigrid another system would have its soft modes settle once more.
+            return reduction < before_last_ ||
+                   (shell_.kept.is_exact() && reduction * step < last_but_one * ends_below_);
+        };
     cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
     CgResult result = conjugate_gradients(shell_, -at.gradient, cg);
     is_rate_measured_ = !(shell_.is_kept_here && shell_.kept.is_exact()) && result.iterations > 1;
     rate_ = result.rate;
+    if (is_rate_measured_) shell_.rate = rate_;
     left_ = result.reduction;
     return result;
 }
 
 Eigen::VectorXd NewtonSystems::step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term,
                                     bool& reuse) {
-    const bool is_old = reuse && contraction_ < hardly_changed;
-    if (!is_old) shell_.assemble(at.turn, stress, loads, term);
+    const bool is_old = reuse && ((contraction_ < hardly_changed && is_assembled_) || is_at_hand(loads, term));
+    if (!is_old) assemble(at, stress, loads, term);
     if (reuse) {
+        if (ends_below_ > 0 && shell_.kept.is_exact() && !probe_) probe_.emplace(shell_, without_doubt);
         const CgResult cg = solve_inexactly(at);
         if (cg.is_positive && cg.is_reached) return cg.x;
     }
-    if (is_old) shell_.assemble(at.turn, stress, loads, term);
+    if (is_old) assemble(at, stress, loads, term);
+    probe_.reset();
     size_before_ = 0;
     factorize(at, stress, loads);
     if (is_buckling()) return {};
@@ -144,12 +167,22 @@ Eigen::VectorXd NewtonSystems::step(const Iterate& at, const Jumps& stress, cons
     return cg.x;
 }
 
-bool NewtonSystems::is_minimum() {
+/// The rest of the probe, of a Hessian that has hardly changed since.
+Definiteness NewtonSystems::probed() {
+    while (probe_->is_open()) probe_->advance(shell_, shell_.precondition(probe_->residual()));
+    return probe_->found();
+}
+
+bool NewtonSystems::is_minimum(const Iterate& at, const Loads& loads) {
     shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual);
     spent_from_ = shell_.substitutions;
     const bool pays = options_.keep_factor && shell_.spent > shell_.kept.build_cost();
+    const bool is_probed = probe_ && !pays && contraction_ < hardly_changed;
+    Definiteness found = is_probed ? probed() : Definiteness::doubtful;
+    assemble(at, at.jump, loads, StressTerm::exact);
     if (!shell_.kept.is_exact()) return is_minimum_beside_multigrid(pays);
-    if (!pays && probe_definiteness(shell_, without_doubt) == Definiteness::yes) return true;
+    if (!pays && !is_probed) found = probe_definiteness(shell_, without_doubt);
+    if (found == Definiteness::yes) return true;
     ++end_.factorizations;
     if (!shell_.factorize()) return false;
     return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;

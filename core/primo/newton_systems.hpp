@@ -26,9 +26,9 @@ public:
         : shell_(shell), options_(options), end_(end) {}
 
     /// Forgets how the last steps went.
-    void begin() { size_before_ = 0, contraction_ = 1, ends_below_ = 0; }
+    void begin() { size_before_ = 0, contraction_ = 1, ends_below_ = 0, is_assembled_ = true, probe_.reset(); }
     /// From here on Hessians are exact, and a step shorter than that which leaves next to nothing is the last.
-    void begin_end(double min_step) { ends_below_ = min_step; }
+    void begin_end(double min_step) { is_assembled_ = false, ends_below_ = min_step; }
     /// Whether the last step was such a one.
     bool is_done() const;
     /// Says that a step of that size was taken, in diagonals.
@@ -40,15 +40,18 @@ public:
     /// @throws SolverError where the stiffness without stress is not positive definite
     Eigen::VectorXd step(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term, bool& reuse);
 
-    /// Whether the assembled Hessian is positive definite: by conjugate gradients, or in doubt by a factor; beyond what
-    /// a factor can hold, in doubt, where no direction of negative curvature was met.
-    /// @pre the exact Hessian is assembled
-    bool is_minimum();
+    /// Whether the exact Hessian at `at`, the end, is positive definite: by conjugate gradients, or in doubt by a
+    /// factor; beyond what a factor can hold, in doubt, where no direction of negative curvature was met. Leaves it
+    /// assembled.
+    bool is_minimum(const Iterate& at, const Loads& loads);
 
     /// Indefinite matrices met near the end.
     int clipped() const { return clipped_; }
 
 private:
+    void assemble(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term);
+    bool is_at_hand(const Loads& loads, StressTerm term) const;
+    Definiteness probed();
     void factorize(const Iterate& at, const Jumps& stress, const Loads& loads);
     bool clip(const Iterate& at, const Jumps& stress, const Loads& loads);
     bool is_minimum_beside_multigrid(bool renew);
@@ -62,11 +65,14 @@ private:
     int clipped_ = 0;
     double ends_below_ = 0;   ///< steps are the last below it; 0: none is
     double left_ = 1;         ///< of the last system's residual
+    double before_last_ = 0;  ///< as much of the present one may be left, unless this step is the last
     double size_before_ = 0;  ///< of the last residual, in the norm of what is kept
     int spent_from_ = shell_.substitutions;
     double rate_ = 1;  ///< of conjugate gradients
     bool is_rate_measured_ = false;
-    double contraction_ = 1;  ///< of the last step beside the one before
+    double contraction_ = 1;    ///< of the last step beside the one before
+    bool is_assembled_ = true;  ///< such a Hessian as the steps are to be taken with, be it that of the step before
+    std::optional<DefinitenessProbe> probe_;  ///< of the assembled Hessian, an exact one near the end
 };
 
 }  // namespace strake

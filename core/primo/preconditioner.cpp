@@ -53,15 +53,12 @@ void Preconditioner::drop() {
     multigrid_.drop();
 }
 
-Eigen::MatrixXd Preconditioner::apply(const Eigen::MatrixXd& B) {
+Eigen::MatrixXd Preconditioner::apply(const Eigen::Ref<const Eigen::MatrixXd>& B) {
     if (is_exact()) return factor_.solve(B);
+    if (B.cols() == 1) return multigrid_.apply(B.col(0));
     Eigen::MatrixXd X(B.rows(), B.cols());
     for (Eigen::Index c = 0; c < B.cols(); ++c) X.col(c) = multigrid_.apply(B.col(c));
     return X;
-}
-
-Eigen::VectorXd Preconditioner::apply_column(const Eigen::VectorXd& b) {
-    return is_exact() ? factor_.solve_column(b) : multigrid_.apply(b);
 }
 
 long Preconditioner::num_entries() const {

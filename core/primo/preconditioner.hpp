@@ -24,8 +24,7 @@ public:
     void drop();
     /// A symmetric positive definite approximation of the inverse of the H it was built from, applied to the columns
     /// of B; symmetric and linear but for a few percent where it is not exact. @pre is_built()
-    Eigen::MatrixXd apply(const Eigen::MatrixXd& B);
-    Eigen::VectorXd apply_column(const Eigen::VectorXd& b);
+    Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& B);
     /// True: `build` proves that H is positive definite, and `apply` is its inverse but for single precision.
     bool is_exact() const { return solver_ == LinearSolver::direct; }
     /// What `build` costs, in applications to one column: measured, the same for all sizes within a third.

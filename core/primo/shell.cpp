@@ -62,8 +62,7 @@ PrimoShell::Impl::Impl(RestState given, LinearSolver solver, int expected_solves
     loads = complete({}, rest.mesh.num_vertices());
     const double edge = std::sqrt(rest.area.mean() * 4 / std::sqrt(3.0));
     const double height_in_edges = rest.prism_height.mean() / edge;
-    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves),
-             height_in_edges);
+    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves), height_in_edges);
 }
 
 void PrimoShell::Impl::reset_poses() {
@@ -85,6 +84,7 @@ void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
 
 void PrimoShell::Impl::has_moved() {
     has_tangent = is_kept_here = false;
+    turn_since_kept.clear();
     reached.reset();
 }
 
@@ -113,7 +113,7 @@ void PrimoShell::Impl::assemble(const std::vector<Eigen::Matrix3d>& turn, const 
 
 bool PrimoShell::Impl::factorize() {
     const Timer timer(seconds.factorization);
-    spent = 0;
+    spent = rate = 0;
     if (spring.size() > 0) {
         const std::vector<Matrix6> diagonal = H.diagonal;
         add_lumped_springs(rest, spring_turn, spring, H);
@@ -122,6 +122,7 @@ bool PrimoShell::Impl::factorize() {
     } else {
         is_kept_here = kept.build(H, free_centroids());
     }
+    turn_since_kept.clear();
     if (!is_kept_here) return false;
     kept_rotation = free_rotations();
     return true;
@@ -144,23 +145,26 @@ Eigen::MatrixXd PrimoShell::Impl::products(const Eigen::MatrixXd& X) const {
 }
 
 /// X, six rows per free prism, in the frames where `kept` was built, or back from there.
-template <class Columns>
-void PrimoShell::Impl::turn_to_kept(Columns& X, bool back) const {
+void PrimoShell::Impl::turn_to_kept(Eigen::MatrixXd& X, bool back) {
+    const bool is_new = turn_since_kept.empty();
+    turn_since_kept.resize(rest.num_free());
     for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
         for (int f = begin; f < end; ++f) {
-            Eigen::Matrix3d turn =
-                (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
-            if (!back) turn.transposeInPlace();
+            Eigen::Matrix3d& turn = turn_since_kept[f];
+            if (is_new) turn = (poses.rotation[rest.free_prisms[f]] * kept_rotation[f].conjugate()).toRotationMatrix();
             for (Eigen::Index c = 0; c < X.cols(); ++c)
                 for (const int at : {6 * f, 6 * f + 3}) {
-                    const Eigen::Vector3d part = X.col(c).template segment<3>(at);
-                    X.col(c).template segment<3>(at) = turn * part;
+                    const Eigen::Vector3d part = X.col(c).segment<3>(at);
+                    if (back)
+                        X.col(c).segment<3>(at) = turn * part;
+                    else
+                        X.col(c).segment<3>(at) = turn.transpose() * part;
                 }
         }
     });
 }
 
-Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
+Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::Ref<const Eigen::MatrixXd>& B) {
     const Timer timer(seconds.substitution);
     ++substitutions;
     if (is_kept_here) return kept.apply(B);
@@ -169,17 +173,6 @@ Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::MatrixXd& B) {
     X = kept.apply(X);
     turn_to_kept(X, true);
     return X;
-}
-
-Eigen::VectorXd PrimoShell::Impl::precondition_column(const Eigen::VectorXd& b) {
-    const Timer timer(seconds.substitution);
-    ++substitutions;
-    if (is_kept_here) return kept.apply_column(b);
-    Eigen::VectorXd x = b;
-    turn_to_kept(x, false);
-    x = kept.apply_column(x);
-    turn_to_kept(x, true);
-    return x;
 }
 
 Points PrimoShell::Impl::free_centroids() const {

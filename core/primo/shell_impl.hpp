@@ -19,10 +19,12 @@ struct PrimoShell::Impl {
     double reached_step = 0;             ///< the tolerance it was reached with
     Preconditioner kept;                 ///< of a Hessian at kept_rotation, this design's or an earlier one's
     std::vector<Eigen::Quaterniond> kept_rotation;
-    bool is_kept_here = false;  ///< `kept` was built at `poses`
-    double spent = 0;           ///< substitutions beyond the usual since `kept` was built, also by sensitivities
-    int substitutions = 0;      ///< in all
-    Eigen::MatrixXf adjoints;   ///< of the last functionals, as long as they are few, and where the prisms were then
+    bool is_kept_here = false;                     ///< `kept` was built at `poses`
+    std::vector<Eigen::Matrix3d> turn_since_kept;  ///< of the free prisms to `poses`; empty: not yet known
+    double rate = 0;                               ///< of conjugate gradients on `kept`, when last measured; 0: not yet
+    double spent = 0;          ///< substitutions beyond the usual since `kept` was built, also by sensitivities
+    int substitutions = 0;     ///< in all
+    Eigen::MatrixXf adjoints;  ///< of the last functionals, as long as they are few, and where the prisms were then
     std::vector<Eigen::Quaterniond> adjoint_rotation;
     SolveTimes seconds;
 
@@ -39,10 +41,8 @@ struct PrimoShell::Impl {
     Eigen::MatrixXd products(const Eigen::MatrixXd& X) const;
     void has_moved();  ///< forgets what is known of the poses before
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
-    Eigen::MatrixXd precondition(const Eigen::MatrixXd& B);
-    Eigen::VectorXd precondition_column(const Eigen::VectorXd& b);
-    template <class Columns>
-    void turn_to_kept(Columns& X, bool back) const;
+    Eigen::MatrixXd precondition(const Eigen::Ref<const Eigen::MatrixXd>& B);
+    void turn_to_kept(Eigen::MatrixXd& X, bool back);
     Points free_centroids() const;  ///< of the free prisms at `poses`
     std::vector<Eigen::Quaterniond> free_rotations() const;
     void advance(const Eigen::VectorXd& twist);

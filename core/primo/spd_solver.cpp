@@ -128,8 +128,7 @@ struct SpdSolver::Impl {
         single.first_column.assign(super, super + count + 1);
         single.first_row.assign(pi, pi + count + 1);
         single.row.assign(s, s + pi[count]);
-        single.first_entry.assign(px, px + count + 1);
-        single.entry.take(std::exchange(factor->x, nullptr), factor->xsize);
+        single.take(static_cast<double*>(std::exchange(factor->x, nullptr)), std::vector<long>(px, px + count + 1));
         factor->xtype = CHOLMOD_PATTERN;  // symbolic again, as after the analysis
         single.most_rows = 0;
         for (std::ptrdiff_t k = 0; k < count; ++k)
@@ -187,17 +186,10 @@ bool SpdSolver::factorize(const BlockMatrix& A) {
 bool SpdSolver::has_factor() const { return impl_->numeric; }
 void SpdSolver::drop_factor() { impl_->numeric = false; }
 
-Eigen::MatrixXd SpdSolver::solve(const Eigen::MatrixXd& B) const {
+Eigen::MatrixXd SpdSolver::solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const {
     if (!impl_->numeric) throw SolverError("Cholesky: solve without a factor");
-    Eigen::MatrixXd result(B.rows(), B.cols());
+    Eigen::MatrixXd result;
     impl_->single.solve(B, result);
-    return result;
-}
-
-Eigen::VectorXd SpdSolver::solve_column(const Eigen::VectorXd& b) const {
-    if (!impl_->numeric) throw SolverError("Cholesky: solve without a factor");
-    Eigen::VectorXd result(b.size());
-    impl_->single.solve(b, result);
     return result;
 }
 

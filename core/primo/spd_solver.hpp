@@ -19,8 +19,7 @@ public:
     bool has_factor() const;
     void drop_factor();
     /// Solves A X = B, B is 6 size x k. @pre has_factor().
-    Eigen::MatrixXd solve(const Eigen::MatrixXd& B) const;
-    Eigen::VectorXd solve_column(const Eigen::VectorXd& b) const;
+    Eigen::MatrixXd solve(const Eigen::Ref<const Eigen::MatrixXd>& B) const;
     long num_factor_entries() const;
 
 private:

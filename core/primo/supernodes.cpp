@@ -14,84 +14,90 @@ namespace {
 // Four entries of the factor.
 #define STRAKE_ENTRIES(at) __builtin_convertvector(loose<FourSingles>(at).lanes, Four)
 
-// The factor is read once, in order, but in pieces too short for the processor to see that.
-constexpr long ahead = 1024;        // entries
-constexpr int wide_panel = 4;       // columns
-constexpr int rows_at_once = 4096;  // into the factor's order and back, by one of several threads
+// The factor is read once, in order, but with too much in between for the processor to see that.
+constexpr long ahead = 1024;          // entries
+constexpr int places_at_once = 4096;  // of a right-hand side, by one of several threads
 
-/// One right-hand side is a matter of reading the factor, and is summed in double precision; several are one of
-/// arithmetic, and take half of the time in single.
+/// One or two right-hand sides are a matter of reading the factor, and are summed in double precision, one after the
+/// other; more are one of arithmetic, lie beside each other, and take half of the time in single.
 template <int width>
-using Number = std::conditional_t<width == 1, double, float>;
+constexpr bool is_few = width <= 2;
+template <int width>
+using Number = std::conditional_t<is_few<width>, double, float>;
 
-/// `panel` columns of the factor, from below the block on its diagonal, and `width` right-hand sides that lie beside
-/// each other: one, four, or a multiple of eight.
+/// Where row i of right-hand side k lies: few have `apart` rows each.
+template <int width>
+STRAKE_INLINE Number<width>& entry_of(Number<width>* x, long apart, long i, int k) {
+    return is_few<width> ? x[i + k * apart] : x[i * width + k];
+}
+
+/// What a panel of the factor has below its triangle, and few right-hand sides. These are read and written up to the
+/// next multiple of four rows.
 template <int width, int panel>
-struct Panel;
-
-template <int panel>
-struct Panel<1, panel> {
+struct FewPanel {
     /// y_i -= sum of the columns L_ij x_j.
-    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, const double* x, double* y) {
-        int i = 0;
-        for (; i + 4 <= rows; i += 4) {
-            __builtin_prefetch(L + panel * i + ahead);
-            Four sum = {};
-            for (int j = 0; j < panel; ++j) sum += STRAKE_ENTRIES(L + j * height + i) * x[j];
-            four(y + i).lanes -= sum;
-        }
-        for (; i < rows; ++i) {
-            double sum = 0;
-            for (int j = 0; j < panel; ++j) sum += static_cast<double>(L[j * height + i]) * x[j];
-            y[i] -= sum;
+    static STRAKE_INLINE void subtract_columns(const float* L, int rows, const double* x, double* y, long apart) {
+        for (int i = 0; i < rows; i += panel_rows, L += panel * panel_rows) {
+            __builtin_prefetch(L + ahead);
+            Four sum[width] = {};
+            for (int j = 0; j < panel; ++j) {
+                const Four entries = STRAKE_ENTRIES(L + j * panel_rows);
+                for (int k = 0; k < width; ++k) sum[k] += entries * x[k * apart + j];
+            }
+            for (int k = 0; k < width; ++k) four(y + k * apart + i).lanes -= sum[k];
         }
     }
     /// x_j -= sum over i of L_ij y_i.
-    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, const double* y, double* x) {
-        Four sum[panel] = {};
-        int i = 0;
-        for (; i + 4 <= rows; i += 4) {
-            __builtin_prefetch(L + panel * i - ahead);
-            const Four other = four(y + i).lanes;
-            for (int j = 0; j < panel; ++j) sum[j] += STRAKE_ENTRIES(L + j * height + i) * other;
+    static STRAKE_INLINE void subtract_rows(const float* L, int rows, const double* y, double* x, long apart) {
+        Four sums[width][panel] = {};
+        for (int i = (rows - 1) / panel_rows * panel_rows; rows > 0 && i >= 0; i -= panel_rows) {
+            const float* at = L + static_cast<long>(panel) * i;
+            __builtin_prefetch(at - ahead);
+            for (int j = 0; j < panel; ++j) {
+                const Four entries = STRAKE_ENTRIES(at + j * panel_rows);
+                for (int k = 0; k < width; ++k) sums[k][j] += entries * four(y + k * apart + i).lanes;
+            }
         }
-        double rest[panel] = {};
-        for (; i < rows; ++i)
-            for (int j = 0; j < panel; ++j) rest[j] += static_cast<double>(L[j * height + i]) * y[i];
-        for (int j = 0; j < panel; ++j) x[j] -= ((sum[j][0] + sum[j][1]) + (sum[j][2] + sum[j][3])) + rest[j];
+        for (int j = 0; j < panel; ++j)
+            for (int k = 0; k < width; ++k) x[k * apart + j] -= sum(sums[k][j]);
     }
 };
 
+/// The same for a multiple of eight right-hand sides, which lie beside each other.
 template <int width, int panel>
-struct Panel {
-    static constexpr int groups = (width + 7) / 8;
-    using Lanes = std::conditional_t<width / groups == 8, EightSingles, FourSingles>;
-    static constexpr int lanes = width / groups;
+struct ManyPanel {
+    static constexpr int groups = width / 8;
 
-    static STRAKE_INLINE Loose<Lanes>& at(float* values, int group) { return loose<Lanes>(values + lanes * group); }
+    static STRAKE_INLINE Loose<EightSingles>& at(float* values, int group) {
+        return loose<EightSingles>(values + 8 * group);
+    }
 
-    static STRAKE_INLINE void subtract_columns(const float* L, long height, int rows, float* x, float* y) {
-        Lanes from[panel][groups];
+    static STRAKE_INLINE void subtract_columns(const float* L, int rows, float* x, float* y, long) {
+        EightSingles from[panel][groups];
         for (int j = 0; j < panel; ++j)
             for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g).lanes;
         for (int i = 0; i < rows; ++i, y += width) {
-            if (i % 4 == 0) __builtin_prefetch(L + panel * i + ahead);
+            const float* entry = L + static_cast<long>(panel) * (i & -panel_rows) + i % panel_rows;
+            if (i % panel_rows == 0) __builtin_prefetch(entry + ahead);
             for (int g = 0; g < groups; ++g) {
-                Lanes sum = from[0][g] * L[i];
-                for (int j = 1; j < panel; ++j) sum += from[j][g] * L[j * height + i];
+                EightSingles sum = from[0][g] * entry[0];
+                for (int j = 1; j < panel; ++j) sum += from[j][g] * entry[j * panel_rows];
                 at(y, g).lanes -= sum;
             }
         }
     }
-    static STRAKE_INLINE void subtract_rows(const float* L, long height, int rows, float* y, float* x) {
-        Lanes to[panel][groups];
+    static STRAKE_INLINE void subtract_rows(const float* L, int rows, float* y, float* x, long) {
+        EightSingles to[panel][groups];
         for (int j = 0; j < panel; ++j)
             for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g).lanes;
-        for (int i = 0; i < rows; ++i, y += width) {
-            if (i % 4 == 0) __builtin_prefetch(L + panel * i - ahead);
+        y += static_cast<long>(rows) * width;
+        for (int i = rows - 1; i >= 0; --i) {
+            y -= width;
+            const float* entry = L + static_cast<long>(panel) * (i & -panel_rows) + i % panel_rows;
+            if (i % panel_rows == 0) __builtin_prefetch(entry - ahead);
             for (int g = 0; g < groups; ++g) {
-                const Lanes other = at(y, g).lanes;
-                for (int j = 0; j < panel; ++j) to[j][g] -= other * L[j * height + i];
+                const EightSingles other = at(y, g).lanes;
+                for (int j = 0; j < panel; ++j) to[j][g] -= other * entry[j * panel_rows];
             }
         }
         for (int j = 0; j < panel; ++j)
@@ -99,98 +105,168 @@ struct Panel {
     }
 };
 
+/// Four right-hand sides: two rows of them fill a register.
+template <int panel>
+struct ManyPanel<4, panel> {
+    /// The entries of two rows each, for all four right-hand sides.
+    static STRAKE_INLINE void spread(const float* entries, EightSingles& first, EightSingles& last) {
+        const FourSingles v = loose<FourSingles>(entries).lanes;
+        first = __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
+        last = __builtin_shufflevector(v, v, 2, 2, 2, 2, 3, 3, 3, 3);
+    }
+    static STRAKE_INLINE Loose<EightSingles>& two_rows(float* values) { return loose<EightSingles>(values); }
+
+    static STRAKE_INLINE void subtract_columns(const float* L, int rows, float* x, float* y, long) {
+        EightSingles from[panel];
+        for (int j = 0; j < panel; ++j) {
+            const FourSingles one = loose<FourSingles>(x + 4 * j).lanes;
+            from[j] = __builtin_shufflevector(one, one, 0, 1, 2, 3, 0, 1, 2, 3);
+        }
+        for (int i = 0; i < rows; i += panel_rows, L += panel * panel_rows, y += 4 * panel_rows) {
+            __builtin_prefetch(L + ahead);
+            EightSingles first = {}, last = {};
+            for (int j = 0; j < panel; ++j) {
+                EightSingles two, other_two;
+                spread(L + j * panel_rows, two, other_two);
+                first += from[j] * two;
+                last += from[j] * other_two;
+            }
+            two_rows(y).lanes -= first;
+            two_rows(y + 8).lanes -= last;
+        }
+    }
+    static STRAKE_INLINE void subtract_rows(const float* L, int rows, float* y, float* x, long) {
+        EightSingles sum[panel] = {};
+        for (int i = (rows - 1) / panel_rows * panel_rows; rows > 0 && i >= 0; i -= panel_rows) {
+            const float* at = L + static_cast<long>(panel) * i;
+            __builtin_prefetch(at - ahead);
+            const EightSingles first = two_rows(y + 4L * i).lanes, last = two_rows(y + 4L * i + 8).lanes;
+            for (int j = 0; j < panel; ++j) {
+                EightSingles two, other_two;
+                spread(at + j * panel_rows, two, other_two);
+                sum[j] += first * two + last * other_two;
+            }
+        }
+        for (int j = 0; j < panel; ++j)
+            loose<FourSingles>(x + 4 * j).lanes -= __builtin_shufflevector(sum[j], sum[j], 0, 1, 2, 3) +
+                                                   __builtin_shufflevector(sum[j], sum[j], 4, 5, 6, 7);
+    }
+};
+
+template <int width, int panel>
+using Panel = std::conditional_t<is_few<width>, FewPanel<width, panel>, ManyPanel<width, panel>>;
+
+/// The rows of a supernode's right-hand sides, from some row on.
+template <int width>
+struct Local {
+    Number<width>* at;
+    long apart;
+    STRAKE_INLINE Number<width>& operator()(long i, int k) const { return entry_of<width>(at, apart, i, k); }
+    STRAKE_INLINE Number<width>* from(long i) const { return &(*this)(i, 0); }
+};
+
 /// The panel's own columns of the right-hand side divided by its triangle, and taken off the rows below.
 template <int width, int panel>
-STRAKE_INLINE void forward_panel(const float* L, long height, int rows, Number<width>* x) {
+STRAKE_INLINE void forward_panel(const float* L, int height, const Local<width>& x) {
     for (int p = 0; p < panel; ++p) {
-        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
-        for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * panel_rows + p]);
+        for (int k = 0; k < width; ++k) x(p, k) *= inverse;
         for (int i = p + 1; i < panel; ++i)
-            for (int k = 0; k < width; ++k)
-                x[i * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[p * width + k];
+            for (int k = 0; k < width; ++k) x(i, k) -= static_cast<Number<width>>(L[p * panel_rows + i]) * x(p, k);
     }
-    Panel<width, panel>::subtract_columns(L + panel, height, rows - panel, x, x + panel * width);
+    Panel<width, panel>::subtract_columns(L + triangle_size(panel), height - panel, x.at, x.from(panel), x.apart);
 }
 
 template <int width, int panel>
-STRAKE_INLINE void backward_panel(const float* L, long height, int rows, Number<width>* x) {
-    Panel<width, panel>::subtract_rows(L + panel, height, rows - panel, x + panel * width, x);
+STRAKE_INLINE void backward_panel(const float* L, int height, const Local<width>& x) {
+    Panel<width, panel>::subtract_rows(L + triangle_size(panel), height - panel, x.from(panel), x.at, x.apart);
     for (int p = panel - 1; p >= 0; --p) {
         for (int i = p + 1; i < panel; ++i)
-            for (int k = 0; k < width; ++k)
-                x[p * width + k] -= static_cast<Number<width>>(L[p * height + i]) * x[i * width + k];
-        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * height + p]);
-        for (int k = 0; k < width; ++k) x[p * width + k] *= inverse;
+            for (int k = 0; k < width; ++k) x(p, k) -= static_cast<Number<width>>(L[p * panel_rows + i]) * x(i, k);
+        const Number<width> inverse = 1 / static_cast<Number<width>>(L[p * panel_rows + p]);
+        for (int k = 0; k < width; ++k) x(p, k) *= inverse;
     }
 }
 
 /// `local` holds the rows of the supernode: its own, known so far, then zeros that collect what goes to rows below.
 template <int width>
-STRAKE_INLINE void forward(const float* L, int columns, int rows, Number<width>* local) {
+STRAKE_INLINE void forward(const float* L, int columns, int rows, const Local<width>& local) {
     int j = 0;
-    const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
-    for (; j + wide_panel <= columns; j += wide_panel)
-        forward_panel<width, wide_panel>(at(), rows, rows - j, local + static_cast<long>(j) * width);
-    for (; j + 2 <= columns; j += 2)
-        forward_panel<width, 2>(at(), rows, rows - j, local + static_cast<long>(j) * width);
-    for (; j < columns; ++j) forward_panel<width, 1>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    const auto from = [&] { return Local<width>{local.from(j), local.apart}; };
+    for (; j + 4 <= columns; L += panel_size(4, rows - j), j += 4) forward_panel<width, 4>(L, rows - j, from());
+    for (; j + 2 <= columns; L += panel_size(2, rows - j), j += 2) forward_panel<width, 2>(L, rows - j, from());
+    for (; j < columns; L += panel_size(1, rows - j), ++j) forward_panel<width, 1>(L, rows - j, from());
 }
 
-/// `local` holds the solution in the rows below and the right-hand side in the supernode's own.
+/// `local` holds the solution in the rows below and the right-hand side in the supernode's own. `L`: behind its
+/// entries.
 template <int width>
-STRAKE_INLINE void backward(const float* L, int columns, int rows, Number<width>* local) {
+STRAKE_INLINE void backward(const float* L, int columns, int rows, const Local<width>& local) {
     int j = columns;  // the panels of `forward`, from behind
-    const auto at = [&] { return L + static_cast<long>(j) * rows + j; };
-    if (j % 2) --j, backward_panel<width, 1>(at(), rows, rows - j, local + static_cast<long>(j) * width);
-    while (j % wide_panel) j -= 2, backward_panel<width, 2>(at(), rows, rows - j, local + static_cast<long>(j) * width);
-    while (j > 0)
-        j -= wide_panel, backward_panel<width, wide_panel>(at(), rows, rows - j, local + static_cast<long>(j) * width);
+    const auto from = [&] { return Local<width>{local.from(j), local.apart}; };
+    if (j % 2) j -= 1, L -= panel_size(1, rows - j), backward_panel<width, 1>(L, rows - j, from());
+    if (j % 4) j -= 2, L -= panel_size(2, rows - j), backward_panel<width, 2>(L, rows - j, from());
+    while (j > 0) j -= 4, L -= panel_size(4, rows - j), backward_panel<width, 4>(L, rows - j, from());
+}
+
+/// Rows [0, count) of the right-hand sides from one place to another: their own columns of a supernode.
+template <int width>
+STRAKE_INLINE void copy_rows(const Local<width>& from, int count, const Local<width>& to) {
+    if (!is_few<width>) {
+        std::memcpy(to.at, from.at, sizeof(Number<width>) * count * width);
+        return;
+    }
+    for (int k = 0; k < width; ++k)
+        std::memcpy(to.at + k * to.apart, from.at + k * from.apart, sizeof(Number<width>) * count);
 }
 
 /// The supernodes of one task, upwards or back down; x holds the rows, then those of later rounds, task by task.
 template <int width>
-STRAKE_INLINE void substitute(const Supernodes& f, int task, bool upwards, Number<width>* x, Number<width>* local) {
+STRAKE_INLINE void substitute(const Supernodes& f, int task, bool upwards, const Local<width>& x,
+                              Number<width>* scratch) {
     const int first = f.task_begin[task], last = f.task_begin[task + 1];
     for (int q = first; upwards && q < last; ++q) {
         const int s = f.order[q], column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
-        std::memset(local + static_cast<long>(columns) * width, 0, sizeof(Number<width>) * (rows - columns) * width);
-        forward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
+        const Local<width> own{x.from(column), x.apart}, local{scratch, rows + panel_rows};
+        copy_rows<width>(own, columns, local);
+        for (int k = 0; k < (is_few<width> ? width : 1); ++k)
+            std::memset(local.at + (is_few<width> ? columns + k * local.apart : long{columns} * width), 0,
+                        sizeof(Number<width>) * (rows - columns) * (is_few<width> ? 1 : width));
+        forward<width>(f.entry.get() + f.first_entry[s], columns, rows, local);
+        copy_rows<width>(local, columns, own);
         for (int i = columns; i < rows; ++i)
-            for (int k = 0; k < width; ++k)
-                x[static_cast<long>(row[i]) * width + k] += local[static_cast<long>(i) * width + k];
+            for (int k = 0; k < width; ++k) x(row[i], k) += local(i, k);
     }
     for (int q = last - 1; !upwards && q >= first; --q) {
         const int s = f.order[q], column = f.first_column[s], columns = f.first_column[s + 1] - column;
         const int* row = f.row.data() + f.first_row[s];
         const int rows = static_cast<int>(f.first_row[s + 1] - f.first_row[s]);
-        std::memcpy(local, x + static_cast<long>(column) * width, sizeof(Number<width>) * columns * width);
+        const Local<width> own{x.from(column), x.apart}, local{scratch, rows + panel_rows};
+        copy_rows<width>(own, columns, local);
         for (int i = columns; i < rows; ++i)
-            for (int k = 0; k < width; ++k)
-                local[static_cast<long>(i) * width + k] = x[static_cast<long>(row[i]) * width + k];
-        backward<width>(f.entry.data() + f.first_entry[s], columns, rows, local);
-        std::memcpy(x + static_cast<long>(column) * width, local, sizeof(Number<width>) * columns * width);
+            for (int k = 0; k < width; ++k) local(i, k) = x(row[i], k);
+        backward<width>(f.entry.get() + f.first_entry[s + 1], columns, rows, local);
+        copy_rows<width>(local, columns, own);
     }
 }
 
 #if defined(__x86_64__)
 template <int width>
-__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, int task, bool upwards, Number<width>* x,
+__attribute__((target("avx2"))) void substitute_wide(const Supernodes& f, int task, bool upwards, const Local<width>& x,
                                                      Number<width>* local) {
     substitute<width>(f, task, upwards, x, local);
 }
 #endif
 template <int width>
-void substitute_plain(const Supernodes& f, int task, bool upwards, Number<width>* x, Number<width>* local) {
+void substitute_plain(const Supernodes& f, int task, bool upwards, const Local<width>& x, Number<width>* local) {
     substitute<width>(f, task, upwards, x, local);
 }
 
 template <int width>
-void do_task(const Supernodes& f, int task, bool upwards, Number<width>* x) {
-    std::vector<Number<width>> local(static_cast<std::size_t>(f.most_rows) * width);
+void do_task(const Supernodes& f, int task, bool upwards, const Local<width>& x) {
+    std::vector<Number<width>> local(static_cast<std::size_t>(f.most_rows + panel_rows) * width);
 #if defined(__x86_64__)
     if (__builtin_cpu_supports("avx2")) return substitute_wide<width>(f, task, upwards, x, local.data());
 #endif
@@ -199,15 +275,13 @@ void do_task(const Supernodes& f, int task, bool upwards, Number<width>* x) {
 
 /// Calls work(row of a later round, where the task keeps it) for all of a task.
 template <int width, class Work>
-void for_outside(const Supernodes& f, int task, Number<width>* x, const Work& work) {
-    Number<width>* apart = x + static_cast<long>(f.size) * width;
+void for_outside(const Supernodes& f, int task, const Local<width>& x, const Work& work) {
     for (int q = f.outside_begin[task]; q < f.outside_begin[task + 1]; ++q)
-        for (int k = 0; k < width; ++k)
-            work(x[static_cast<long>(f.outside[q]) * width + k], apart[static_cast<long>(q) * width + k]);
+        for (int k = 0; k < width; ++k) work(x(f.outside[q], k), x(long{f.size} + q, k));
 }
 
 template <int width>
-void substitute_all(const Supernodes& f, Number<width>* x) {
+void substitute_all(const Supernodes& f, const Local<width>& x) {
     const int rounds = static_cast<int>(f.round_begin.size()) - 1;
     const auto for_tasks = [&](int round, const auto& work) {
         const int first = f.round_begin[round];
@@ -228,48 +302,39 @@ void substitute_all(const Supernodes& f, Number<width>* x) {
 /// Columns [first, first + width) of B to X; those beyond the last are zeros. Their sizes are taken out before and put
 /// back, so that single precision neither over- nor underflows.
 template <int width>
-void solve_block(const Supernodes& f, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X,
+void solve_block(const Supernodes& f, const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X,
                  Eigen::Index first) {
     const int given = static_cast<int>(std::min<Eigen::Index>(width, B.cols() - first));
     double size[width];
     for (int k = 0; k < given; ++k) {
-        size[k] = width > 1 ? largest_entry(B.col(first + k)) : 1;
+        size[k] = !is_few<width> ? largest_entry(B.col(first + k)) : 1;
         if (!(size[k] > 0)) size[k] = 1;
     }
-    std::vector<Number<width>> x((static_cast<std::size_t>(f.size) + f.outside.size()) * width, 0);
-    for_blocks(f.size, rows_at_once, [&](int begin, int end) {
+    const auto rows = static_cast<long>(f.size + f.outside.size());
+    std::vector<Number<width>> values(static_cast<std::size_t>(rows) * width, 0);
+    const Local<width> x{values.data(), rows};
+    for_blocks(f.size, places_at_once, [&](int begin, int end) {
         for (int i = begin; i < end; ++i)
             for (int k = 0; k < given; ++k)
-                x[static_cast<std::size_t>(i) * width + k] =
-                    static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
+                x(i, k) = static_cast<Number<width>>(B(f.permutation[i], first + k) / size[k]);
     });
-    substitute_all<width>(f, x.data());
-    for_blocks(f.size, rows_at_once, [&](int begin, int end) {
+    substitute_all<width>(f, x);
+    for_blocks(f.size, places_at_once, [&](int begin, int end) {
         for (int i = begin; i < end; ++i)
-            for (int k = 0; k < given; ++k)
-                X(f.permutation[i], first + k) = size[k] * x[static_cast<std::size_t>(i) * width + k];
+            for (int k = 0; k < given; ++k) X(f.permutation[i], first + k) = size[k] * x(i, k);
     });
 }
 
 }  // namespace
 
-void Singles::take(void* doubles, std::size_t count) {
-    auto* bytes = static_cast<unsigned char*>(doubles);
-    for (std::size_t k = 0; k < count; ++k) {  // a single ends before the double that is read next
-        double value;
-        std::memcpy(&value, bytes + 8 * k, sizeof value);
-        const auto single = static_cast<float>(value);
-        std::memcpy(bytes + 4 * k, &single, sizeof single);
-    }
-    void* smaller = std::realloc(doubles, std::max<std::size_t>(4, 4 * count));
-    values_.reset(static_cast<float*>(smaller ? smaller : doubles));
-}
-
-void Supernodes::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::Ref<Eigen::MatrixXd> X) const {
+void Supernodes::solve(const Eigen::Ref<const Eigen::MatrixXd>& B, Eigen::MatrixXd& X) const {
+    X.resize(B.rows(), B.cols());
     for (Eigen::Index first = 0; first < B.cols();) {
         const Eigen::Index left = B.cols() - first;
         if (left == 1)
             solve_block<1>(*this, B, X, first), first += 1;
+        else if (left == 2)
+            solve_block<2>(*this, B, X, first), first += 2;
         else if (left <= 4)
             solve_block<4>(*this, B, X, first), first += 4;
         else if (left <= 8)

@@ -60,30 +60,31 @@ struct FewPanel {
     }
 };
 
-/// The same for right-hand sides that lie beside each other: four, or a multiple of eight.
+/// The same for a multiple of eight right-hand sides, which lie beside each other.
 template <int width, int panel>
 struct ManyPanel {
-    static constexpr int groups = (width + 7) / 8, lanes = width / groups;
-    using Lanes = std::conditional_t<lanes == 8, EightSingles, FourSingles>;
+    static constexpr int groups = width / 8;
 
-    static STRAKE_INLINE Loose<Lanes>& at(float* values, int group) { return loose<Lanes>(values + lanes * group); }
+    static STRAKE_INLINE Loose<EightSingles>& at(float* values, int group) {
+        return loose<EightSingles>(values + 8 * group);
+    }
 
     static STRAKE_INLINE void subtract_columns(const float* L, int rows, float* x, float* y, long) {
-        Lanes from[panel][groups];
+        EightSingles from[panel][groups];
         for (int j = 0; j < panel; ++j)
             for (int g = 0; g < groups; ++g) from[j][g] = at(x + j * width, g).lanes;
         for (int i = 0; i < rows; ++i, y += width) {
             const float* entry = L + static_cast<long>(panel) * (i & -rows_at_once) + i % rows_at_once;
             if (i % rows_at_once == 0) __builtin_prefetch(entry + ahead);
             for (int g = 0; g < groups; ++g) {
-                Lanes sum = from[0][g] * entry[0];
+                EightSingles sum = from[0][g] * entry[0];
                 for (int j = 1; j < panel; ++j) sum += from[j][g] * entry[j * rows_at_once];
                 at(y, g).lanes -= sum;
             }
         }
     }
     static STRAKE_INLINE void subtract_rows(const float* L, int rows, float* y, float* x, long) {
-        Lanes to[panel][groups];
+        EightSingles to[panel][groups];
         for (int j = 0; j < panel; ++j)
             for (int g = 0; g < groups; ++g) to[j][g] = at(x + j * width, g).lanes;
         y += static_cast<long>(rows) * width;
@@ -92,12 +93,58 @@ struct ManyPanel {
             const float* entry = L + static_cast<long>(panel) * (i & -rows_at_once) + i % rows_at_once;
             if (i % rows_at_once == 0) __builtin_prefetch(entry - ahead);
             for (int g = 0; g < groups; ++g) {
-                const Lanes other = at(y, g).lanes;
+                const EightSingles other = at(y, g).lanes;
                 for (int j = 0; j < panel; ++j) to[j][g] -= other * entry[j * rows_at_once];
             }
         }
         for (int j = 0; j < panel; ++j)
             for (int g = 0; g < groups; ++g) at(x + j * width, g).lanes = to[j][g];
+    }
+};
+
+/// Four right-hand sides: two rows of them fill a register.
+template <int panel>
+struct ManyPanel<4, panel> {
+    static STRAKE_INLINE EightSingles first_two(FourSingles v) {
+        return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
+    }
+    static STRAKE_INLINE EightSingles last_two(FourSingles v) {
+        return __builtin_shufflevector(v, v, 2, 2, 2, 2, 3, 3, 3, 3);
+    }
+    static STRAKE_INLINE Loose<EightSingles>& two_rows(float* values) { return loose<EightSingles>(values); }
+
+    static STRAKE_INLINE void subtract_columns(const float* L, int rows, float* x, float* y, long) {
+        EightSingles from[panel];
+        for (int j = 0; j < panel; ++j) {
+            const FourSingles one = loose<FourSingles>(x + 4 * j).lanes;
+            from[j] = __builtin_shufflevector(one, one, 0, 1, 2, 3, 0, 1, 2, 3);
+        }
+        for (int i = 0; i < rows; i += rows_at_once, L += panel * rows_at_once, y += 4 * rows_at_once) {
+            __builtin_prefetch(L + ahead);
+            EightSingles first = {}, last = {};
+            for (int j = 0; j < panel; ++j) {
+                const FourSingles entries = loose<FourSingles>(L + j * rows_at_once).lanes;
+                first += from[j] * first_two(entries);
+                last += from[j] * last_two(entries);
+            }
+            two_rows(y).lanes -= first;
+            two_rows(y + 8).lanes -= last;
+        }
+    }
+    static STRAKE_INLINE void subtract_rows(const float* L, int rows, float* y, float* x, long) {
+        EightSingles sum[panel] = {};
+        for (int i = (rows - 1) / rows_at_once * rows_at_once; rows > 0 && i >= 0; i -= rows_at_once) {
+            const float* at = L + static_cast<long>(panel) * i;
+            __builtin_prefetch(at - ahead);
+            const EightSingles first = two_rows(y + 4L * i).lanes, last = two_rows(y + 4L * i + 8).lanes;
+            for (int j = 0; j < panel; ++j) {
+                const FourSingles entries = loose<FourSingles>(at + j * rows_at_once).lanes;
+                sum[j] += first * first_two(entries) + last * last_two(entries);
+            }
+        }
+        for (int j = 0; j < panel; ++j)
+            loose<FourSingles>(x + 4 * j).lanes -= __builtin_shufflevector(sum[j], sum[j], 0, 1, 2, 3) +
+                                                   __builtin_shufflevector(sum[j], sum[j], 4, 5, 6, 7);
     }
 };
 

@@ -102,15 +102,12 @@ struct ManyPanel {
     }
 };
 
+// Two of four entries, each for four right-hand sides.
+#define STRAKE_FOR_FOUR(entries, a, b) __builtin_shufflevector(entries, entries, a, a, a, a, b, b, b, b)
+
 /// Four right-hand sides: two rows of them fill a register.
 template <int panel>
 struct ManyPanel<4, panel> {
-    static STRAKE_INLINE EightSingles first_two(FourSingles v) {
-        return __builtin_shufflevector(v, v, 0, 0, 0, 0, 1, 1, 1, 1);
-    }
-    static STRAKE_INLINE EightSingles last_two(FourSingles v) {
-        return __builtin_shufflevector(v, v, 2, 2, 2, 2, 3, 3, 3, 3);
-    }
     static STRAKE_INLINE Loose<EightSingles>& two_rows(float* values) { return loose<EightSingles>(values); }
 
     static STRAKE_INLINE void subtract_columns(const float* L, int rows, float* x, float* y, long) {
@@ -124,8 +121,8 @@ struct ManyPanel<4, panel> {
             EightSingles first = {}, last = {};
             for (int j = 0; j < panel; ++j) {
                 const FourSingles entries = loose<FourSingles>(L + j * rows_at_once).lanes;
-                first += from[j] * first_two(entries);
-                last += from[j] * last_two(entries);
+                first += from[j] * STRAKE_FOR_FOUR(entries, 0, 1);
+                last += from[j] * STRAKE_FOR_FOUR(entries, 2, 3);
             }
             two_rows(y).lanes -= first;
             two_rows(y + 8).lanes -= last;
@@ -139,7 +136,7 @@ struct ManyPanel<4, panel> {
             const EightSingles first = two_rows(y + 4L * i).lanes, last = two_rows(y + 4L * i + 8).lanes;
             for (int j = 0; j < panel; ++j) {
                 const FourSingles entries = loose<FourSingles>(at + j * rows_at_once).lanes;
-                sum[j] += first * first_two(entries) + last * last_two(entries);
+                sum[j] += first * STRAKE_FOR_FOUR(entries, 0, 1) + last * STRAKE_FOR_FOUR(entries, 2, 3);
             }
         }
         for (int j = 0; j < panel; ++j)

@@ -24,6 +24,7 @@ constexpr double without_doubt = 0.2;     // least stiffness beside that of the 
 constexpr double beside_springs = 1e-3;   // the same where it is lumped springs that stiffen the factor
 constexpr double left_at_end = 1e-4;      // of the last step that is allowed: differences of values see it
 constexpr double roughly = 2;             // times as much is good enough, where it was foreseen otherwise
+constexpr double foreseen = 0.5;          // of that step, below which one is foreseen to be the last
 constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
 constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
 constexpr int few_probes = 20, many_probes = 200;  // cycles of multigrid that show definiteness
@@ -108,8 +109,13 @@ bool NewtonSystems::is_buckling() const { return !options_.fallbacks && clipped_
 void NewtonSystems::adapt(double size, CgOptions& cg) {
     const double left = size_before_ > 0 ? size / size_before_ : 0;  // by the last step
     const double squared = size_before_ > 0 ? left * left : first_share;
-    cg.tolerance = ends_below_ > 0 ? tightest_at_end : std::clamp(squared, tightest, loosest);
-    before_last_ = std::clamp(squared, tightest_at_end, loosest);
+    cg.tolerance = std::clamp(squared, ends_below_ > 0 ? tightest_at_end : tightest, loosest);
+    if (ends_below_ > 0 && shell_.kept.is_exact()) {
+        before_last_ = std::exchange(cg.tolerance, tightest_at_end);
+    } else if (const double step = end_.last_step * left; ends_below_ > 0 && step > 0) {  // what is to be expected
+        const double enough = std::min(loosest, left_at_end * ends_below_ / step);
+        cg.tolerance = step < foreseen * ends_below_ ? enough : std::max(cg.tolerance, enough);
+    }
     if (shell_.is_kept_here && shell_.kept.is_exact())
         cg.expected_rate = exact_rate;
     else if (is_rate_measured_)
@@ -127,13 +133,12 @@ CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
                         : shell_.is_kept_here  ? multigrid_limit
                                                : multigrid_kept_limit;
     if (probe_) cg.beside = &*probe_;
-    if (ends_below_ > 0)
+    // Beside multigrid another system would have its soft modes settle once more: there the step is foreseen instead.
+    if (ends_below_ > 0 && shell_.kept.is_exact())
         cg.is_enough = [this](const Eigen::VectorXd& x, double reduction) {
             const double step = step_size(shell_.rest, x);
             if (step < surely * ends_below_) return reduction * step < left_at_end * ends_below_;
-            // Beside multigrid another system would have its soft modes settle once more.
-            return reduction < before_last_ ||
-                   (shell_.kept.is_exact() && reduction * step < last_but_one * ends_below_);
+            return reduction < before_last_ || reduction * step < last_but_one * ends_below_;
         };
     cg.adapt = [this](double size, CgOptions& now) { adapt(size, now); };
     CgResult result = conjugate_gradients(shell_, -at.gradient, cg);

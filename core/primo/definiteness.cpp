@@ -64,7 +64,6 @@ void DefinitenessProbe::advance(const PrimoShell::Impl& shell, const Eigen::Vect
     alpha_.push_back(rz_ / curvature);
     add_multiple(r_, -alpha_.back(), Hp);
     const double before = std::exchange(least_, least_ritz(alpha_, beta_));
-    if (getenv("PR")) fprintf(stderr, "probe %zu least %g\n", k, least_);
     if (!is_exact_) {  // softer than its preconditioner everywhere: only the sign and a standstill mean something
         if (!(least_ > 0)) return close(Definiteness::doubtful);
         if (k >= least_inexact_probes && least_ > settled_inexactly * before) return close(Definiteness::yes);

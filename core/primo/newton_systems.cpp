@@ -27,7 +27,7 @@ constexpr double roughly = 2;             // times as much is good enough, where
 constexpr double foreseen = 0.5;          // of that step, below which one is foreseen to be the last
 constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
 constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
-constexpr int few_probes = 20, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int few_probes = 30, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
 

@@ -86,7 +86,7 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
               Equilibrium& end) {
     const double diagonal = box_diagonal(problem.surface);
     const auto progress = [&](const SolveRecord& r) {
-        if (!args.quiet && !args.json)
+        if (r.iteration > 0 && !args.quiet && !args.json)
             fmt::print(stderr, "iteration {:3}  energy {: .10e}  step {:.1e}  gradient {:.1e}  {:.1f} s\n", r.iteration,
                        r.energy, r.step, r.relative_gradient, r.seconds);
         return true;

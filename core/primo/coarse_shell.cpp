@@ -121,8 +121,9 @@ void add_faces(const RestState& fine, CoarseShell& coarse) {
         Vector3d across = row(fine.centroid, face.j) - row(fine.centroid, face.i);
         across -= across.dot(along) * along;
         const Vector3d apart = centre(face.j) - centre(face.i);
-        const double share =
-            std::max(across.dot(apart) / apart.squaredNorm(), least_share * across.norm() / apart.norm());
+        // No face becomes stiffer; nor where the centres coincide, and this is no number.
+        const double share = std::min(
+            1.0, std::max(across.dot(apart) / apart.squaredNorm(), least_share * across.norm() / apart.norm()));
         SharedFace shared = face;
         shared.i = i;
         shared.j = j;

@@ -115,9 +115,14 @@ bool is_at_rest(const PrimoShell::Impl& shell) {
     return true;
 }
 
-/// Moves the prisms from rest to about where the equilibrium of a coarser shell is. False where they stay at rest.
+/// Moves the prisms from rest to about where the equilibrium of a coarser shell is. False where they stay at rest; it
+/// is no more than a guide, so that what it cannot do is left to the finer one.
 bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     if (!is_guided || shell.rest.num_free() < least_for_coarse || !is_at_rest(shell)) return false;
+    const SolveProgress ahead = [this](SolveRecord record) {
+        record.iteration = 0;
+        return !progress || progress(record);
+    };
     CoarseShell coarse = coarsen(shell.rest, is_rough() ? 1 : 2);
     PrimoShell::Impl rough(std::move(coarse.rest), LinearSolver::automatic, 1);
     rough.spring_pattern = shell.spring_pattern;  // that every part is held is known
@@ -125,13 +130,18 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     rough.place_pinned(motions);
     Equilibrium found;
     Attempt attempt{
-        .shell = rough, .options = options, .progress = {}, .end = found, .motions = motions, .worth = worth_from};
-    bool is_found = attempt.mixed(loads, pins_moved, false);
-    if (!is_found && found.iterations > 0 && options.fallbacks) {
-        found.iterations = 0;
-        is_found = attempt.load_steps(loads, motions, coarse_load_steps);
+        .shell = rough, .options = options, .progress = ahead, .end = found, .motions = motions, .worth = worth_from};
+    bool is_found = false;
+    try {
+        is_found = attempt.mixed(loads, pins_moved, false);
+        if (!is_found && found.iterations > 0 && options.fallbacks && !attempt.cancelled) {
+            found.iterations = 0;
+            is_found = attempt.load_steps(loads, motions, coarse_load_steps);
+        }
+    } catch (const SolverError&) {
     }
     add(rough.seconds, shell.seconds);
+    cancelled = attempt.cancelled;
     if (!is_found) return false;
     shell.poses = prolonged(shell.rest, coarse.of, rough.rest, rough.poses);
     shell.place_pinned(motions);

@@ -57,7 +57,7 @@ enum class SolveStatus { converged, not_converged, unstable, cancelled };
 std::string to_string(SolveStatus status);
 
 struct SolveRecord {
-    int iteration;
+    int iteration;                           ///< told of a coarser shell that goes ahead: 0
     double energy, relative_gradient, step;  ///< step in diagonals
     double seconds;
 };

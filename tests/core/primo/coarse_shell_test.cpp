@@ -17,8 +17,9 @@ struct Held {
     ShellOptions options;
     Loads unit;  ///< linear response of one diagonal
 
-    explicit Held(TriMesh surface, int axis, double height = 0.03) : mesh(std::move(surface)) {
-        options = uniform(mesh, height * box_diagonal(mesh));
+    explicit Held(TriMesh surface, int axis, int also_pinned = -1) : mesh(std::move(surface)) {
+        options = uniform(mesh, 0.03 * box_diagonal(mesh));
+        if (also_pinned >= 0) options.pin[also_pinned] = fixed_prism;
         const double low = mesh.vertices.col(axis).minCoeff(), high = mesh.vertices.col(axis).maxCoeff();
         const auto at = [=](const Eigen::Vector3d& c) { return (c[axis] - low) / (high - low); };
         pin_where(mesh, options, fixed_prism, [&](const Eigen::Vector3d& c) { return at(c) < 0.06; });
@@ -152,6 +153,53 @@ TEST(CoarseShell, EndIsTheSameBesideASymmetryPlane) {
     Held held = held_wing(8000);
     held.options.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
     expect_same_end(held, held.loads(0.4));
+}
+
+TEST(CoarseShell, IsCancelled) {
+    const Held held = held_wing(6000);
+    PrimoShell shell(held.mesh, held.options);
+    int told = 0;
+    const Equilibrium end = shell.solve(held.loads(0.5), {}, {}, [&](const SolveRecord& record) {
+        EXPECT_EQ(record.iteration, 0);
+        return ++told < 2;
+    });
+    EXPECT_EQ(told, 2);
+    EXPECT_EQ(end.status, SolveStatus::cancelled);
+    EXPECT_EQ(end.iterations, 0);
+    EXPECT_EQ(shell.vertices(), held.mesh.vertices);
+}
+
+/// The wing beside a part of its own, of which the first triangle is pinned.
+Held wing_beside(const Points& vertices, const Eigen::Matrix<int, Eigen::Dynamic, 3>& triangles) {
+    TriMesh both = example::wing(5000);
+    const int n = both.num_vertices(), m = both.num_triangles();
+    both.vertices.conservativeResize(n + vertices.rows(), 3);
+    both.vertices.bottomRows(vertices.rows()) = vertices.rowwise() + Eigen::RowVector3d(0, 0.5, 2);
+    both.triangles.conservativeResize(m + triangles.rows(), 3);
+    both.triangles.bottomRows(triangles.rows()) = triangles.array() + n;
+    return Held(both, 1, m);
+}
+
+TEST(CoarseShell, CentresMayCoincide) {
+    Points vertices(4, 3);
+    vertices << 0, 0, 0, 0.3, 0, 0, 0, 0.3, 0, 0.1, 0.1, 0;
+    const Held held = wing_beside(vertices, Eigen::Matrix<int, 4, 3>{{0, 2, 1}, {0, 1, 3}, {1, 2, 3}, {2, 0, 3}});
+    const RestState fine = rest_state(held.mesh, held.options);
+    double stiffest = 0;
+    for (const SharedFace& face : fine.faces) stiffest = std::max(stiffest, face.weight);
+    for (const SharedFace& face : coarsen(fine, 2).rest.faces) {
+        EXPECT_TRUE(std::isfinite(face.weight));
+        EXPECT_LE(face.weight, stiffest);
+    }
+    expect_same_end(held, held.loads(0.3));
+}
+
+TEST(CoarseShell, WhatItCannotDoIsLeftToTheFinerOne) {
+    // Folded back onto the pinned triangle: coarser prisms see no way from one to the other.
+    Points vertices(5, 3);
+    vertices << 0, 0, 0, 0.3, 0, 0, 0, 0.3, 0, 0, 0.3, 0, 0.3, 0.3, 0;
+    const Held held = wing_beside(vertices, Eigen::Matrix<int, 3, 3>{{0, 1, 2}, {1, 0, 3}, {1, 3, 4}});
+    expect_same_end(held, held.loads(0.3));
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ if [ -z "${STRAKE_BIN:-}" ]; then
     STRAKE_BIN=build/run/bin
 fi
 bin=$(realpath "$STRAKE_BIN")
-export OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # as on the paper's machine: one core
+export STRAKE_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 OMP_NUM_THREADS=1  # as on the paper's machine: one core
 mkdir -p "$out" cases/paper/generated
 generated=cases/paper/generated
 

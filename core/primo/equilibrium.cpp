@@ -24,6 +24,7 @@ constexpr double closing_step = 1e-3;     // diagonals: from here a few iteratio
 constexpr int extra_iterations = 4;
 constexpr int hasty_growth_limit = 2;   // the same where failing early is asked for
 constexpr double far = 0.3;             // diagonals: what is further away is approached in stages
+constexpr double farthest = 1e3;        // diagonals: no more stages for what is further
 constexpr double stage_end = 0.02;      // diagonals: step from which the next stage begins
 constexpr int stage_iterations = 4;     // allowed to each
 constexpr int least_for_coarse = 4000;  // free prisms from which a coarser shell goes ahead
@@ -91,7 +92,7 @@ struct Stages {
 
     void begin(const Eigen::VectorXd& residual, double step) {
         start = residual;
-        count = static_cast<int>(std::ceil(step / far));
+        count = static_cast<int>(std::ceil(std::min(step, farthest) / far));
         share = 1.0 / count;
         left = 1 - share;
     }

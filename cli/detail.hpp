@@ -10,9 +10,9 @@
 /// of it on standard error, a line each. One program has one command line: this is kept once for it.
 namespace strake::cli {
 
-/// Adds -v and --debug to every command that the program has by now.
-/// `--threads` for the commands that solve.
+/// Adds --threads to the commands that solve.
 void add_threads_option(CLI::App& app);
+/// Adds -v and --debug to every command that the program has by now.
 void add_detail_options(CLI::App& app);
 
 bool wants_detail();  ///< -v was given

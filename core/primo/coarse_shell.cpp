@@ -5,7 +5,6 @@
 #include <map>
 
 #include "core/parallel.hpp"
-#include "core/primo/aggregation.hpp"
 #include "core/primo/energy.hpp"
 
 namespace strake {
@@ -43,8 +42,8 @@ Graph connections(const RestState& rest) {
 }
 
 /// Numbers of the coarse prisms: clusters of free ones first, then one for each pinned region.
-std::vector<int> numbers(const RestState& rest, int radius, std::vector<int>& pins) {
-    const Clusters clusters = aggregate(strong_connections(connections(rest), strong), radius);
+std::vector<int> numbers(const RestState& rest, const Graph& neighbours, int radius, std::vector<int>& pins) {
+    const Clusters clusters = aggregate(strong_connections(neighbours, strong), radius);
     pins.assign(clusters.count, free_prism);
     std::map<int, int> region;
     std::vector<int> of(rest.num_prisms());
@@ -148,11 +147,10 @@ void add_faces(const RestState& fine, CoarseShell& coarse) {
 CoarseShell coarsen(const RestState& fine, int radius) {
     CoarseShell coarse;
     RestState& rest = coarse.rest;
-    coarse.of = numbers(fine, radius, rest.pin);
+    coarse.neighbours = connections(fine);
+    coarse.of = numbers(fine, coarse.neighbours, radius, rest.pin);
     rest.mesh = fine.mesh;
     rest.diagonal = fine.diagonal;
-    rest.height = fine.height;
-    rest.normal = fine.normal;
     rest.fixed_vertex = fine.fixed_vertex;
     rest.on_plane = fine.on_plane;
     rest.symmetry = fine.symmetry;
@@ -164,17 +162,17 @@ CoarseShell coarsen(const RestState& fine, int radius) {
     return coarse;
 }
 
-Poses prolonged(const RestState& rest, const std::vector<int>& of, const RestState& coarse, const Poses& poses) {
+Poses prolonged(const RestState& rest, const CoarseShell& shell, const RestState& coarse, const Poses& poses) {
     const int n = rest.num_prisms();
     const std::vector<Eigen::Matrix3d> turn = rotation_differences(poses);
     Poses fine{std::vector<Eigen::Quaterniond>(n), Points(n, 3)};
     for (int i = 0; i < n; ++i) {
-        const int c = of[i];
+        const int c = shell.of[i];
         fine.rotation[i] = poses.rotation[c];
         fine.displacement.row(i) =
             poses.displacement.row(c) + (turn[c] * (row(rest.centroid, i) - row(coarse.centroid, c))).transpose();
     }
-    const Graph graph = connections(rest);
+    const Graph& graph = shell.neighbours;
     for (int sweep = 0; sweep < smoothing_sweeps; ++sweep) {
         const std::vector<Eigen::Matrix3d> now = rotation_differences(fine);
         const Poses before = fine;

@@ -58,7 +58,8 @@ struct Attempt {
     bool cancelled = false;
     NewtonSystems systems{shell, options, end};
     const std::vector<RigidMotion>& motions;
-    double worth = 0;  ///< on a coarser shell: ends with a step below `coarse_end`, at once if the first is below this
+    bool is_rough = false;    ///< on a coarser shell: ends with a step below `coarse_end`
+    double worth = 0;         ///< and at once, without success, if the first is below this
     bool is_guided = true;    ///< goes ahead on a coarser shell where the way is long
     bool was_guided = false;  ///< has done so
 
@@ -76,7 +77,6 @@ struct Attempt {
         if (progress && !progress(end.records.back())) cancelled = true;
     }
 
-    bool is_rough() const { return worth > 0; }
     bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
@@ -124,19 +124,25 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
         record.iteration = 0;
         return !progress || progress(record);
     };
-    CoarseShell coarse = coarsen(shell.rest, is_rough() ? 1 : 2);
+    CoarseShell coarse = coarsen(shell.rest, is_rough ? 1 : 2);
     PrimoShell::Impl rough(std::move(coarse.rest), LinearSolver::automatic, 1);
     rough.spring_pattern = shell.spring_pattern;  // that every part is held is known
     rough.prepare(loads.spring);
     rough.place_pinned(motions);
     Equilibrium found;
-    Attempt attempt{
-        .shell = rough, .options = options, .progress = ahead, .end = found, .motions = motions, .worth = worth_from};
+    Attempt attempt{.shell = rough,
+                    .options = options,
+                    .progress = ahead,
+                    .end = found,
+                    .motions = motions,
+                    .is_rough = true,
+                    .worth = worth_from};
     bool is_found = false;
     try {
         is_found = attempt.mixed(loads, pins_moved, false);
         if (!is_found && found.iterations > 0 && options.fallbacks && !attempt.cancelled) {
             found.iterations = 0;
+            attempt.worth = 0;  // a load step may be short
             is_found = attempt.load_steps(loads, motions, coarse_load_steps);
         }
     } catch (const SolverError&) {
@@ -144,7 +150,7 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     add(rough.seconds, shell.seconds);
     cancelled = attempt.cancelled;
     if (!is_found) return false;
-    shell.poses = prolonged(shell.rest, coarse.of, rough.rest, rough.poses);
+    shell.poses = prolonged(shell.rest, coarse, rough.rest, rough.poses);
     shell.place_pinned(motions);
     shell.has_moved();
     return was_guided = true;
@@ -193,7 +199,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             systems.begin();
             continue;
         }
-        if (is_rough() && step < coarse_end) return true;
+        if (is_rough && step < coarse_end) return true;
         if (step < nearly_there) return finish(loads, std::move(at));
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);

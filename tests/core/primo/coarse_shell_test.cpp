@@ -83,7 +83,7 @@ TEST(CoarseShell, MovesRigidlyWithoutEnergy) {
     const Poses poses = moved(coarse.rest);
     const Loads none = complete({}, mesh.num_vertices());
     EXPECT_LT(energy(coarse.rest, jumps(coarse.rest, poses, rotation_differences(poses)), none), 1e-24);
-    const Poses fine_poses = prolonged(fine, coarse.of, coarse.rest, poses), wanted = moved(fine);
+    const Poses fine_poses = prolonged(fine, coarse, coarse.rest, poses), wanted = moved(fine);
     EXPECT_LT((fine_poses.displacement - wanted.displacement).cwiseAbs().maxCoeff(), 1e-13);
     for (int i = 0; i < fine.num_prisms(); ++i)
         EXPECT_LT(fine_poses.rotation[i].angularDistance(wanted.rotation[i]),

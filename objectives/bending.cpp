@@ -107,8 +107,8 @@ double willmore(const TriMesh& mesh, const Inner& inside, Points* dJ_dv) {
         }
         const Vector3d dN = (ds - f.N * f.N.dot(ds)) / f.area;
         const double by_area = (z[v[0]] + z[v[1]] + z[v[2]]) / 3;
-        for (int k = 0; k < 3; ++k)
-            dJ_dv->row(v[k]) += 0.5 * (dN.cross(f.opposite[k]) + f.N.cross(dy[k]) + by_area * f.N.cross(f.opposite[k]));
+        const Vector3d turning = 0.5 * (dN + by_area * f.N), N = 0.5 * f.N;
+        for (int k = 0; k < 3; ++k) dJ_dv->row(v[k]) += turning.cross(f.opposite[k]) + N.cross(dy[k]);
     }
     return sum;
 }
@@ -137,7 +137,7 @@ Quantity bending_energy(const std::string& name, const TriMesh& start, const std
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         Points dJ_dv;
         const double W = willmore(request.surface, inside, request.wants(0) ? &dJ_dv : nullptr);
-        return one_value(name, W, std::move(dJ_dv));
+        return one_value(W, std::move(dJ_dv));
     });
 }
 
@@ -153,7 +153,7 @@ Quantity fairness(const std::string& name, const TriMesh& start, const std::vect
         for (int v = 0; v < bent.rows(); ++v) bent.row(v) = inside.seen(v, bent.row(v));
         const Points weighted = weight.asDiagonal() * bent;
         const double sum = bent.cwiseProduct(weighted).sum();
-        return one_value(name, sum, request.wants(0) ? Points(2 * (L->transpose() * weighted)) : Points());
+        return one_value(sum, request.wants(0) ? Points(2 * (L->transpose() * weighted)) : Points());
     });
 }
 

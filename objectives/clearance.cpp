@@ -100,7 +100,7 @@ Quantity clearance(const std::string& name, const TriMesh& start, const TriMesh&
             for (Eigen::Index i = 0; i < count; ++i)
                 dJ_dv.row(vertices[static_cast<std::size_t>(i)]) += weight[i] * towards.row(i);
         }
-        QuantityResult result = one_value(name, least, std::move(dJ_dv));
+        QuantityResult result = one_value(least, std::move(dJ_dv));
         const int at = vertices[static_cast<std::size_t>(deepest)];
         if (depth > 0)
             result.remarks.push_back(text(name, ": vertex ", at, " (", v(at, 0), ", ", v(at, 1), ", ", v(at, 2),

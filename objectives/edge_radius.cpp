@@ -16,6 +16,10 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
+/// Of one point, on the stack.
+using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 4, 1>;
+using Basis = Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3>;
+
 /// A point of the fit: a vertex (a == b), or where edge ab is cut.
 struct Place {
     int a, b;
@@ -33,13 +37,13 @@ private:
     bool cuts_ = false;
     Vector3d n_ = Vector3d::Zero(), o_;
     double offset_ = 0, size_ = 1;
-    MatrixXd basis_;  ///< 3 x 2 or 3 x 3
+    Basis basis_;  ///< 3 x 2 or 3 x 3
     std::vector<Place> places_;
 };
 
 Fit::Fit(std::string name, const TriMesh& start, const std::vector<char>& region,
          const std::optional<SectionPlane>& plane)
-    : name_(std::move(name)), cuts_(plane.has_value()), basis_(MatrixXd::Identity(3, 3)) {
+    : name_(std::move(name)), cuts_(plane.has_value()), basis_(Basis::Identity(3, 3)) {
     if (static_cast<int>(region.size()) != start.num_triangles())
         throw InvalidInput(text(name_, ": ", region.size(), " marks for ", start.num_triangles(), " triangles"));
     if (plane) {
@@ -92,7 +96,7 @@ double Fit::radius(const TriMesh& mesh, Points* dr_dv) const {
     VectorXd squares(count), ts(count);
     for (Eigen::Index i = 0; i < count; ++i) {
         const Vector3d p = point(mesh, places_[static_cast<std::size_t>(i)], ts[i]);
-        const VectorXd q = basis_.transpose() * (p - o_) / size_;
+        const Row q = basis_.transpose() * (p - o_) / size_;
         rows.row(i) << q.transpose(), 1;
         squares[i] = q.squaredNorm();
     }
@@ -101,18 +105,18 @@ double Fit::radius(const TriMesh& mesh, Points* dr_dv) const {
     if (!(spectrum.eigenvalues()[0] > 1e-14 * spectrum.eigenvalues()[d]))
         throw InvalidInput(text(name_, ": the points lie on a ", cuts_ ? "line" : "plane", ": no radius"));
     const auto solver = normal.ldlt();
-    const VectorXd x = solver.solve(rows.transpose() * squares / static_cast<double>(count));
+    const Row x = solver.solve(rows.transpose() * squares / static_cast<double>(count));
     const double r2 = x[d] + 0.25 * x.head(d).squaredNorm();
     const double r = std::sqrt(r2);
     if (!dr_dv) return size_ * r;
-    VectorXd by_x(d + 1);
+    Row by_x(d + 1);
     by_x << x.head(d) / (4 * r), 1 / (2 * r);
-    const VectorXd y = solver.solve(by_x);
+    const Row y = solver.solve(by_x);
     *dr_dv = Points::Zero(mesh.num_vertices(), 3);
     for (Eigen::Index i = 0; i < count; ++i) {
-        const VectorXd a = rows.row(i);
+        const Row a = rows.row(i);
         const double off = squares[i] - a.dot(x);
-        const VectorXd by_q = (off * y.head(d) + y.dot(a) * (2 * a.head(d) - x.head(d))) / static_cast<double>(count);
+        const Row by_q = (off * y.head(d) + y.dot(a) * (2 * a.head(d) - x.head(d))) / static_cast<double>(count);
         Vector3d by_p = basis_ * by_q;
         const Place& place = places_[static_cast<std::size_t>(i)];
         if (cuts_) {
@@ -134,7 +138,7 @@ Quantity edge_radius(const std::string& name, const TriMesh& start, const std::v
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         Points dr_dv;
         const double r = fit.radius(request.surface, request.wants(0) ? &dr_dv : nullptr);
-        return one_value(name, r, std::move(dr_dv));
+        return one_value(r, std::move(dr_dv));
     });
 }
 

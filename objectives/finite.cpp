@@ -9,7 +9,9 @@ namespace strake {
 namespace {
 
 int first_non_finite_row(const Points& rows) {
-    if (rows.allFinite()) return -1;
+    // x - x is 0, or NaN where x is not finite; a sum is vectorised, allFinite() is not.
+    const Eigen::Map<const Eigen::ArrayXd> all(rows.data(), rows.size());
+    if ((all - all).sum() == 0) return -1;
     for (int k = 0; k < static_cast<int>(rows.rows()); ++k)
         if (!rows.row(k).allFinite()) return k;
     return -1;
@@ -25,18 +27,24 @@ std::optional<Failure> vertices_finite(const std::string& quantity, const TriMes
                         surface.vertices(k, 1), ", ", surface.vertices(k, 2), ")")};
 }
 
-QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv) {
+QuantityResult one_value(double value, Points dJ_dv) {
     QuantityResult result;
-    const int k = first_non_finite_row(dJ_dv);
-    if (!std::isfinite(value))
-        result.failure =
-            Failure{"undefined", text(quantity, " = ", value, ": the surface is too large or too small for it")};
-    else if (k >= 0)
-        result.failure = Failure{"undefined", text(quantity, ": the sensitivity to vertex ", k, " is not finite")};
-    else {
-        result.values = {value};
-        if (dJ_dv.rows() > 0) result.dJ_dv.push_back(std::move(dJ_dv));
-    }
+    result.values = {value};
+    if (dJ_dv.rows() > 0) result.dJ_dv.push_back(std::move(dJ_dv));
+    return result;
+}
+
+QuantityResult finite(const std::vector<std::string>& names, QuantityResult result) {
+    const auto undefined = [](const std::string& why) { return QuantityResult{{}, {}, Failure{"undefined", why}}; };
+    for (std::size_t i = 0; i < result.values.size(); ++i)
+        if (!std::isfinite(result.values[i]))
+            return undefined(text(names[i], " = ", result.values[i], ": the surface is too large or too small for it"));
+    for (std::size_t i = 0; i < result.dJ_dv.size(); ++i)
+        if (const int k = first_non_finite_row(result.dJ_dv[i]); k >= 0)
+            return undefined(text(names[i], ": the sensitivity to vertex ", k, " is not finite"));
+    for (std::size_t i = 0; i < result.dJ_down.size(); ++i)
+        if (!result.dJ_down[i].allFinite())
+            return undefined(text(names[i], ": a derivative by the case's variables is not finite"));
     return result;
 }
 
@@ -51,24 +59,13 @@ Quantity checked_quantity(const std::string& name, std::vector<std::string> name
     quantity.names = std::move(names);
     quantity.evaluate = [name, names = quantity.names, nv = start.num_vertices(), nt = start.num_triangles(),
                          measure = std::move(measure)](const QuantityRequest& request) {
-        const auto undefined = [](const std::string& why) { return QuantityResult{{}, {}, Failure{"undefined", why}}; };
         require_same_counts(name, request.surface, nv, nt);
         if (auto failure = vertices_finite(name, request.surface)) return QuantityResult{{}, {}, failure};
-        QuantityResult result;
         try {
-            result = measure(request);
+            return finite(names, measure(request));
         } catch (const InvalidInput& error) {
-            return undefined(error.what());
+            return QuantityResult{{}, {}, Failure{"undefined", error.what()}};
         }
-        for (std::size_t i = 0; i < result.values.size(); ++i)
-            if (!std::isfinite(result.values[i])) return undefined(text(names[i], " = ", result.values[i]));
-        for (std::size_t i = 0; i < result.dJ_dv.size(); ++i)
-            if (const int k = first_non_finite_row(result.dJ_dv[i]); k >= 0)
-                return undefined(text(names[i], ": the sensitivity to vertex ", k, " is not finite"));
-        for (std::size_t i = 0; i < result.dJ_down.size(); ++i)
-            if (!result.dJ_down[i].allFinite())
-                return undefined(text(names[i], ": a derivative by the case's variables is not finite"));
-        return result;
     };
     return quantity;
 }

@@ -7,9 +7,11 @@ namespace strake {
 /// A failure of kind `undefined` naming the first vertex with a coordinate that is not finite; nothing when all are.
 std::optional<Failure> vertices_finite(const std::string& quantity, const TriMesh& surface);
 
-/// The result of one value and, where asked for, its sensitivities (else 0 rows); a failure of kind `undefined`
-/// where either is not finite.
-QuantityResult one_value(const std::string& quantity, double value, Points dJ_dv);
+/// One value and, where asked for, its sensitivities (else 0 rows); checked_quantity or `finite` tests both.
+QuantityResult one_value(double value, Points dJ_dv);
+
+/// `result`, or a failure of kind `undefined` that says which of its values or sensitivities is not finite.
+QuantityResult finite(const std::vector<std::string>& names, QuantityResult result);
 
 /// A quantity of the surfaces that have the counts of `start`: `measure` is asked about finite ones only, what it
 /// throws as InvalidInput is a failure of kind `undefined`, and so is a value or sensitivity that is not finite.

@@ -51,13 +51,11 @@ Points gradient(const TriMesh& mesh, const Vector3d& o, const Integrals& by) {
     Points dJ_dv = Points::Zero(mesh.num_vertices(), 3);
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         const auto [a, b, c] = corners(mesh, t, o);
-        const double V = a.dot(b.cross(c)) / 6;
-        const Vector3d s = a + b + c, Ws = by.xx * s;
-        const std::array<Vector3d, 3> W{by.xx * a, by.xx * b, by.xx * c},
-            dV{b.cross(c) / 6, c.cross(a) / 6, a.cross(b) / 6};
+        const std::array<Vector3d, 3> W{by.xx * a, by.xx * b, by.xx * c}, six_dV{b.cross(c), c.cross(a), a.cross(b)};
+        const double V = a.dot(six_dV[0]) / 6;
+        const Vector3d s = a + b + c, Ws = W[0] + W[1] + W[2], shared = V * (by.x / 4 + Ws / 10);
         const double per_V = by.V + by.x.dot(s) / 4 + (a.dot(W[0]) + b.dot(W[1]) + c.dot(W[2]) + s.dot(Ws)) / 20;
-        for (int k = 0; k < 3; ++k)
-            dJ_dv.row(mesh.triangles(t, k)) += per_V * dV[k] + V * (by.x / 4 + (W[k] + Ws) / 10);
+        for (int k = 0; k < 3; ++k) dJ_dv.row(mesh.triangles(t, k)) += per_V / 6 * six_dV[k] + V / 10 * W[k] + shared;
     }
     return dJ_dv;
 }

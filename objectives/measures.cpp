@@ -163,7 +163,7 @@ Quantity volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmet
         if (auto failure = vertices_finite("volume", request.surface)) return QuantityResult{{}, {}, failure};
         Points dV_dv;
         const double V = of.value(request.surface, request.want_sensitivities ? &dV_dv : nullptr);
-        return one_value("volume", V, std::move(dV_dv));
+        return finite({"volume"}, one_value(V, std::move(dV_dv)));
     };
     return quantity;
 }
@@ -174,7 +174,7 @@ Quantity area() {
     quantity.evaluate = [](const QuantityRequest& request) {
         const TriMesh& mesh = request.surface;
         if (auto failure = vertices_finite("area", mesh)) return QuantityResult{{}, {}, failure};
-        if (!request.want_sensitivities) return one_value("area", surface_area(mesh), {});
+        if (!request.want_sensitivities) return finite({"area"}, one_value(surface_area(mesh), {}));
         double sum = 0;
         Points dA_dv = Points::Zero(mesh.num_vertices(), 3);
         for (int t = 0; t < mesh.num_triangles(); ++t) {
@@ -191,7 +191,7 @@ Quantity area() {
                 dA_dv.row(mesh.triangles(t, k)) += half_normal.cross(opposite);
             }
         }
-        return one_value("area", sum, std::move(dA_dv));
+        return finite({"area"}, one_value(sum, std::move(dA_dv)));
     };
     return quantity;
 }

@@ -28,7 +28,7 @@ class Impact {
 public:
     Impact(const std::string& name, const NewtonianFlow& flow, double cp_max, const QuantityRequest& request)
         : flow_(flow), cp_max_(cp_max), mesh_(request.surface), at_(stream_state(name, flow.stream, request.own)) {
-        if (flow_.shadows) visible_.emplace(mesh_, at_.axes.drag);
+        if (flow_.shadows) visible_.emplace(mesh_, at_.axes.drag, request.want_sensitivities);
         for (int t = 0; t < mesh_.num_triangles(); ++t) {
             const Facet facet = facet_of(t);
             const Vector3d f = -facet.cp * facet.seen * facet.s;

@@ -10,7 +10,7 @@ Quantity projected_area(const std::string& name, const TriMesh& start, const Str
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
         const TriMesh& mesh = request.surface;
         const StreamState at = stream_state(name, stream, request.own);
-        const VisibleAreas visible(mesh, at.axes.drag);
+        const VisibleAreas visible(mesh, at.axes.drag, request.wants(0));
         double sum = 0;
         for (int t = 0; t < mesh.num_triangles(); ++t) sum += visible.area(t);
         QuantityResult result{{sum}, {}, {}};

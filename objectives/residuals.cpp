@@ -60,7 +60,7 @@ Quantity sum_of_squares(const std::string& name, int num_vertices, int num_trian
             const Eigen::VectorXd g = 2 * (at.dr_dv.transpose() * at.r);
             dJ_dv = Eigen::Map<const Points>(g.data(), num_vertices, 3);
         }
-        return one_value(name, J, std::move(dJ_dv));
+        return finite({name}, one_value(J, std::move(dJ_dv)));
     };
     return quantity;
 }

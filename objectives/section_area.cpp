@@ -137,19 +137,11 @@ Quantity section_area(const std::string& name, const TriMesh& start, const Secti
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     const Cut cut(name, start, section, symmetry);
     const int nv = start.num_vertices(), nt = start.num_triangles();
-    Quantity quantity;
-    quantity.names = {name};
-    quantity.evaluate = [=](const QuantityRequest& request) {
-        require_same_counts(name, request.surface, nv, nt);
-        if (auto failure = vertices_finite(name, request.surface)) return QuantityResult{{}, {}, failure};
-        try {
-            Points dA_dv;
-            const double A = cut.area(request.surface, request.want_sensitivities ? &dA_dv : nullptr);
-            return one_value(name, A, std::move(dA_dv));
-        } catch (const InvalidInput& error) {
-            return QuantityResult{{}, {}, Failure{"undefined", error.what()}};
-        }
-    };
+    Quantity quantity = checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
+        Points dA_dv;
+        const double A = cut.area(request.surface, request.want_sensitivities ? &dA_dv : nullptr);
+        return one_value(A, std::move(dA_dv));
+    });
     if (section.wanted)
         quantity.residuals = checked(name, nv, nt, [=](const TriMesh& surface, const TriMesh&) {
             Points dA_dv;

@@ -45,46 +45,46 @@ ShadowCutter::ShadowCutter(const TriMesh& m, const Vector3d& u) : mesh(m) {
         const double a = depth[m.triangles(t, 0)], b = depth[m.triangles(t, 1)], c = depth[m.triangles(t, 2)];
         nearest.push_back(std::min({a, b, c}));
         farthest.push_back(std::max({a, b, c}));
+        boxes.emplace_back(corner(t, 0)).extend(corner(t, 1)).extend(corner(t, 2));
     }
     tolerance = same_depth_rel * box_diagonal(m);
     fill_grid();
 }
 
 template <class Visit>
-void ShadowCutter::cells_of(int t, const Visit& visit) const {
-    const Vector2d a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-    const Vector2d from = (a.cwiseMin(b).cwiseMin(c) - low) / cell, to = (a.cwiseMax(b).cwiseMax(c) - low) / cell;
+void ShadowCutter::cells_of(int i, const Visit& visit) const {
+    const Vector2d from = (boxes[i].min() - low) / cell, to = (boxes[i].max() - low) / cell;
     const auto clamped = [](double x, int count) { return std::clamp(static_cast<int>(x), 0, count - 1); };
-    for (int j = clamped(from[1], rows); j <= clamped(to[1], rows); ++j)
-        for (int i = clamped(from[0], columns); i <= clamped(to[0], columns); ++i) visit(j * columns + i);
+    for (int row = clamped(from[1], rows); row <= clamped(to[1], rows); ++row)
+        for (int column = clamped(from[0], columns); column <= clamped(to[0], columns); ++column)
+            visit(row * columns + column);
 }
 
 void ShadowCutter::fill_grid() {
     if (front.empty()) return;
-    low = at.row(mesh.triangles(front[0], 0));
-    Vector2d high = low;
-    double boxes = 0;
-    for (const int t : front) {
-        const Vector2d a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-        const Vector2d from = a.cwiseMin(b).cwiseMin(c), to = a.cwiseMax(b).cwiseMax(c);
-        low = low.cwiseMin(from);
-        high = high.cwiseMax(to);
-        boxes += (to - from).prod();
+    Eigen::AlignedBox2d all;
+    double areas = 0;
+    for (const Eigen::AlignedBox2d& box : boxes) {
+        all.extend(box);
+        areas += box.volume();
     }
-    const Vector2d size = high - low;
+    low = all.min();
+    const Vector2d size = all.sizes();
     const double count = static_cast<double>(front.size()), longest = size.maxCoeff();
     // About as large as a triangle's box, and never many more cells than triangles.
-    cell = std::max({std::sqrt(boxes / count), std::sqrt(size.prod() / (2 * count)), longest / (2 * count + 1)});
+    cell = std::max({std::sqrt(areas / count), std::sqrt(size.prod() / (2 * count)), longest / (2 * count + 1)});
     if (!(cell > 0)) cell = 1;
     columns = static_cast<int>(size[0] / cell) + 1;
     rows = static_cast<int>(size[1] / cell) + 1;
     begin.assign(static_cast<std::size_t>(columns) * rows + 1, 0);
-    for (const int t : front) cells_of(t, [&](int c) { ++begin[c + 1]; });
+    for (int i = 0; i < static_cast<int>(front.size()); ++i) cells_of(i, [&](int c) { ++begin[c + 1]; });
     for (std::size_t c = 1; c < begin.size(); ++c) begin[c] += begin[c - 1];
     items.resize(begin.back());
     std::vector<int> next(begin.begin(), begin.end() - 1);
-    for (std::size_t i = 0; i < front.size(); ++i)
-        cells_of(front[i], [&](int c) { items[next[c]++] = static_cast<int>(i); });
+    for (int i = 0; i < static_cast<int>(front.size()); ++i) cells_of(i, [&](int c) { items[next[c]++] = i; });
+    for (std::size_t c = 0; c + 1 < begin.size(); ++c)
+        std::sort(items.begin() + begin[c], items.begin() + begin[c + 1],
+                  [&](int i, int j) { return std::pair(nearest[i], i) < std::pair(nearest[j], j); });
 }
 
 bool ShadowCutter::apart(int t, int o) const {
@@ -160,12 +160,16 @@ auto ShadowCutter::cut_out(int i, double least, std::vector<int>& seen, std::vec
     const int t = front[i];
     std::optional<std::vector<ShadowPiece>> pieces;
     hiders.clear();
-    cells_of(t, [&](int c) {
+    cells_of(i, [&](int c) {
         for (int item = begin[c]; item < begin[c + 1]; ++item) {
             const int j = items[item], o = front[j];
-            if (seen[j] == i || j == i || (pieces && pieces->empty())) continue;
+            if (nearest[j] >= farthest[i] - tolerance || (pieces && pieces->empty())) break;
+            if (seen[j] == i || j == i) continue;
             seen[j] = i;
-            if (nearest[j] >= farthest[i] - tolerance || apart(t, o) || share_edge(t, o) || !hides(o, t)) continue;
+            if ((boxes[i].min().array() >= boxes[j].max().array()).any() ||
+                (boxes[j].min().array() >= boxes[i].max().array()).any() || apart(t, o) || share_edge(t, o) ||
+                !hides(o, t))
+                continue;
             if (!pieces) pieces.emplace(1, piece_of(t));
             hiders.push_back(o);
             subtract(*pieces, o, least);

@@ -29,13 +29,14 @@ struct ShadowCutter {
     double cell = 1, tolerance = 0;
     Eigen::Vector2d low;
     int columns = 1, rows = 1;
-    std::vector<int> begin, items;          ///< per cell, places in `front`
-    std::vector<double> nearest, farthest;  ///< depths of the front triangles
+    std::vector<int> begin, items;           ///< per cell, places in `front`, the nearest first
+    std::vector<double> nearest, farthest;   ///< depths of the front triangles
+    std::vector<Eigen::AlignedBox2d> boxes;  ///< of the front triangles, projected
 
     ShadowCutter(const TriMesh& m, const Eigen::Vector3d& u);
     void fill_grid();
     template <class Visit>
-    void cells_of(int t, const Visit& visit) const;
+    void cells_of(int i, const Visit& visit) const;  ///< that the box of front[i] meets
 
     Eigen::Vector2d corner(int t, int k) const { return at.row(mesh.triangles(t, k)); }
     ShadowPiece piece_of(int t) const { return {corner(t, 0), corner(t, 1), corner(t, 2)}; }

@@ -106,7 +106,7 @@ Quantity displacement(const std::string& name, const TriMesh& start, const std::
     return checked_quantity(name, {name}, start, [=, rest = start.vertices](const QuantityRequest& request) {
         const Points d = request.surface.vertices - rest, weighted = share.asDiagonal() * d;
         const double sum = d.cwiseProduct(weighted).sum();
-        return one_value(name, sum, request.wants(0) ? Points(2 * weighted) : Points());
+        return one_value(sum, request.wants(0) ? Points(2 * weighted) : Points());
     });
 }
 
@@ -133,7 +133,7 @@ Quantity creases(const std::string& name, const TriMesh& start, double angle, co
                     dJ_dv.row(v[k]) += hinge.weight * change * by_s[i].cross(opposite);
                 }
         }
-        return one_value(name, sum, std::move(dJ_dv));
+        return one_value(sum, std::move(dJ_dv));
     });
 }
 
@@ -149,7 +149,7 @@ Quantity planarity(const std::string& name, const TriMesh& start, const std::vec
         // In the plane's own terms: the smallest eigenvalue keeps its digits.
         const VectorXd off = from_mean * n;
         const double sum = off.dot(share.cwiseProduct(off));
-        return one_value(name, sum, request.wants(0) ? Points(2 * share.cwiseProduct(off) * n.transpose()) : Points());
+        return one_value(sum, request.wants(0) ? Points(2 * share.cwiseProduct(off) * n.transpose()) : Points());
     });
 }
 
@@ -171,7 +171,7 @@ Quantity symmetry_error(const std::string& name, const TriMesh& start, const Sym
             dJ_dv.row(k) += by - 2 * plane.normal.dot(by) * plane.normal;
             for (int c = 0; c < 3; ++c) dJ_dv.row(partner.corner[c]) -= partner.b[c] * by;
         }
-        return one_value(name, sum, std::move(dJ_dv));
+        return one_value(sum, std::move(dJ_dv));
     });
 }
 

@@ -153,7 +153,7 @@ public:
                     dt_dv.row(request.surface.triangles(at.from.triangle, k)) -= at.from.ds_dv[k];
                 }
             }
-            QuantityResult one = one_value(name_, at.thickness, std::move(dt_dv));
+            QuantityResult one = finite({name_}, one_value(at.thickness, std::move(dt_dv)));
             if (one.failure) return one;
             result.values.push_back(one.values[0]);
             if (request.want_sensitivities) result.dJ_dv.push_back(std::move(one.dJ_dv[0]));

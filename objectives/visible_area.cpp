@@ -13,7 +13,7 @@ constexpr double no_area_rel = 1e-13;  // of a triangle's own projected area
 
 }  // namespace
 
-VisibleAreas::VisibleAreas(const TriMesh& mesh, const Vector3d& u) : mesh_(mesh), u_(u) {
+VisibleAreas::VisibleAreas(const TriMesh& mesh, const Vector3d& u, bool with_derivatives) : mesh_(mesh), u_(u) {
     const ShadowCutter cutter(mesh, u);
     area_ = Eigen::VectorXd::Zero(mesh.num_triangles());
     hidden_.assign(static_cast<std::size_t>(mesh.num_triangles()), 0);
@@ -26,6 +26,7 @@ VisibleAreas::VisibleAreas(const TriMesh& mesh, const Vector3d& u) : mesh_(mesh)
         if (!pieces) area_[t] = full;
         if (!pieces || pieces->empty()) continue;
         for (const ShadowPiece& piece : *pieces) area_[t] += area_of(piece);
+        if (!with_derivatives) continue;
         add_borders(cutter, t, t, hiders);
         for (const int o : hiders) add_borders(cutter, t, o, hiders);
     }

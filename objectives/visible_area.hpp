@@ -17,7 +17,8 @@ struct ShadowCutter;
 class VisibleAreas {
 public:
     /// @param u unit vector. Cost: O(n log n) for triangles of similar size.
-    VisibleAreas(const TriMesh& mesh, const Eigen::Vector3d& u);
+    /// @param with_derivatives without, add_gradient and derivative_along are not to be asked.
+    VisibleAreas(const TriMesh& mesh, const Eigen::Vector3d& u, bool with_derivatives);
 
     double area(int t) const { return area_[t]; }  ///< length^2; 0 where the triangle faces away
     bool partly_hidden(int t) const { return hidden_[t] != 0; }

@@ -127,7 +127,7 @@ Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag
                 add_area_gradient(mesh, cuts, at, share * by_area, -share * by_length, share * by_length, dJ_dv);
         }
         if (symmetry && dJ_dv.rows() > 0) dJ_dv = folded(dJ_dv, *symmetry);
-        return one_value(name, sum, std::move(dJ_dv));
+        return one_value(sum, std::move(dJ_dv));
     });
 }
 

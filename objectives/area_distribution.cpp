@@ -50,7 +50,8 @@ std::vector<double> places_of(const AreaCuts& cuts, double begin, double end) {
 
 /// A triangle against the row of sections: `inside` are those that cut it, from `next` on all lie behind it.
 struct Against {
-    double a;  ///< - axis . s
+    Vector3d e, f;  ///< edges from the first corner to the others
+    double a;       ///< - axis . s
     std::array<double, 3> w;
     std::size_t inside, next;
 };
@@ -63,7 +64,7 @@ void for_each_triangle(const TriMesh& mesh, const AreaCuts& cuts, const Eigen::V
         const auto v = mesh.triangles.row(t);
         const Vector3d p = mesh.vertices.row(v[0]);
         const Vector3d e = Vector3d(mesh.vertices.row(v[1])) - p, f = Vector3d(mesh.vertices.row(v[2])) - p;
-        Against at{-0.5 * cuts.axis.dot(e.cross(f)), {along[v[0]], along[v[1]], along[v[2]]}, 0, 0};
+        Against at{e, f, -0.5 * cuts.axis.dot(e.cross(f)), {along[v[0]], along[v[1]], along[v[2]]}, 0, 0};
         const auto [low, high] = std::minmax({at.w[0], at.w[1], at.w[2]});
         const auto from = std::upper_bound(places.begin(), places.end(), low);
         at.inside = static_cast<std::size_t>(from - places.begin());
@@ -119,11 +120,13 @@ void add_area_gradient(const TriMesh& mesh, const AreaCuts& cuts, const AreaDist
             by_a += g * share.f;
             for (int k = 0; k < 3; ++k) by_w[k] += g * triangle.a * share.by_w[k];
         }
-        for (int k = 0; k < 3; ++k) {
-            const Vector3d opposite =
-                mesh.vertices.row(mesh.triangles(t, (k + 2) % 3)) - mesh.vertices.row(mesh.triangles(t, (k + 1) % 3));
-            dJ_dv.row(mesh.triangles(t, k)) += by_w[k] * cuts.m - 0.5 * by_a * cuts.axis.cross(opposite);
-        }
+        if (triangle.inside == triangle.next && by_a == 0) return;
+        const Vector3d turned = -0.5 * by_a * cuts.axis, by_e = triangle.f.cross(turned),
+                       by_f = turned.cross(triangle.e);
+        const auto v = mesh.triangles.row(t);
+        dJ_dv.row(v[0]) += by_w[0] * cuts.m - by_e - by_f;
+        dJ_dv.row(v[1]) += by_w[1] * cuts.m + by_e;
+        dJ_dv.row(v[2]) += by_w[2] * cuts.m + by_f;
     });
 }
 

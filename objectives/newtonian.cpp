@@ -58,6 +58,7 @@ public:
 
 private:
     struct Facet {
+        Vector3d e, f;       // edges from the first corner to the others
         Vector3d s, arm;     // area vector; centroid from the point of the moments
         double area, m;      // |s|, u . s
         double cp, by_sine;  // Cp and its derivative by sigma = m / area
@@ -90,7 +91,9 @@ Impact::Facet Impact::facet_of(int t) const {
     Facet facet;
     const Vector3d a = mesh_.vertices.row(mesh_.triangles(t, 0)), b = mesh_.vertices.row(mesh_.triangles(t, 1)),
                    c = mesh_.vertices.row(mesh_.triangles(t, 2));
-    facet.s = 0.5 * (b - a).cross(c - a);
+    facet.e = b - a;
+    facet.f = c - a;
+    facet.s = 0.5 * facet.e.cross(facet.f);
     facet.arm = (a + b + c) / 3 - flow_.about;
     facet.area = facet.s.norm();
     facet.m = at_.axes.drag.dot(facet.s);
@@ -140,11 +143,11 @@ Points Impact::gradient(int i, std::array<double, 2>& by_angle) const {
             by_u += c * f.seen * f.s;
         }
         const Vector3d by_centroid = -f.seen * f.cp * f.s.cross(w.moment) / 3;
-        for (int k = 0; k < 3; ++k) {
-            const Vector3d opposite = mesh_.vertices.row(mesh_.triangles(t, (k + 2) % 3)) -
-                                      mesh_.vertices.row(mesh_.triangles(t, (k + 1) % 3));
-            dJ_dv.row(mesh_.triangles(t, k)) += 0.5 * by_s.cross(opposite) + by_centroid;
-        }
+        const Vector3d by_e = 0.5 * f.f.cross(by_s), by_f = 0.5 * by_s.cross(f.e);
+        const auto v = mesh_.triangles.row(t);
+        dJ_dv.row(v[0]) += by_centroid - by_e - by_f;
+        dJ_dv.row(v[1]) += by_centroid + by_e;
+        dJ_dv.row(v[2]) += by_centroid + by_f;
     }
     if (visible_) visible_->add_gradient(by_seen, dJ_dv);
     for (int angle = 0; angle < 2; ++angle) {

@@ -15,13 +15,18 @@ using Eigen::Vector3d;
 
 constexpr double half_width = 0.1;    ///< of a strip, in wanted edge lengths
 constexpr double least_share = 0.75;  ///< of the turning within twice the width; the rest of a bend is a curved flank
+constexpr double off_middle = 0.42;   ///< of the turning: so far from half a chain may go to stay straight
 constexpr double least_turn = 0.05;   ///< radians; flatter edges are not the middle of anything
-constexpr double least_length = 1.0;  ///< of a chain, in wanted edge lengths
+constexpr double most_turn = 1.2 * std::numbers::pi;  ///< within twice the width; what bends more is a tip, not an edge
+constexpr double least_length = 1.0;                  ///< of a chain, in wanted edge lengths
+constexpr int most_steps = 400;                       ///< of a walk; what is finer than that has no middle
 
 /// A straight walk over the surface away from the middle of an edge, square to it.
 struct Walk {
     double turn = 0, inner = 0;  ///< of the normal about the edge, radians: on twice half_width, and on half_width
     std::vector<std::pair<int, double>> triangles;  ///< on half_width, and how far away each begins
+    std::vector<int> crossed;                       ///< half-edges by which it leaves these
+    bool ends = false;                              ///< at twice half_width, a feature or a boundary
 };
 
 class RoundedEdges {
@@ -38,10 +43,12 @@ public:
         const int halves = static_cast<int>(base_.twin.size());
         for (int h = 0; h < halves; ++h)
             if (is_feature_[h]) beside_feature_[base_.from(h)] = beside_feature_[to(h)] = 1;
+        std::vector<int> middles;
         for (int h = 0; h < halves; ++h)
-            if (!is_feature_[h] && h < base_.twin[h] && is_middle(h)) take(h);
+            if (!is_feature_[h] && h < base_.twin[h] && is_middle(h, 0)) middles.push_back(h);
+        trace(middles);
         if (!chosen_.empty()) {
-            std::vector<int> middles = chosen_;
+            middles = chosen_;
             close_gaps();
             drop_short_chains();
             std::erase_if(middles,
@@ -73,11 +80,13 @@ private:
         Vector3d direction = inward(h);
         const double reach = half_width * base_.edge_length;
         double gone = 0;
-        for (int step = 0; step < 64; ++step) {
+        for (int step = 0; step < most_steps; ++step) {
             if (gone <= reach) result.triangles.push_back({h / 3, gone});
             double length = 0;
             const int out = exit_of(h, x, direction, length);
-            if (out < 0 || gone + length >= 2 * reach || is_feature_[out]) break;
+            result.ends = out < 0 || gone + length >= 2 * reach || is_feature_[out];
+            if (result.ends || std::abs(result.turn) > most_turn) break;
+            if (gone <= reach) result.crossed.push_back(out);
             gone += length;
             x += length * direction;
             const int g = base_.twin[out];
@@ -110,8 +119,8 @@ private:
         return best;
     }
 
-    /// Half of the turning lies on either side of h.
-    bool is_middle(int h) const {
+    /// Half of the turning lies on either side of h, or at least `off` less than half.
+    bool is_middle(int h, double off) const {
         const double own = turn_at(h);
         if (std::abs(own) < least_turn) return false;
         // Which side comes first must not depend on the numbering.
@@ -121,8 +130,57 @@ private:
         const double sign = own > 0 ? 1 : -1, bend = sign * own;
         const double before = sign * first.turn, whole = before + bend + sign * second.turn;
         const double inner = bend + sign * (first.inner + second.inner), slack = 1e-6 * whole;
-        return inner >= angle_ - angle_slack && inner >= least_share * whole && before < 0.5 * whole - slack &&
-               before + bend >= 0.5 * whole - slack;
+        return first.ends && second.ends && whole <= most_turn && inner >= angle_ - angle_slack &&
+               inner >= least_share * whole && before < (0.5 + off) * whole - slack &&
+               before + bend >= (0.5 - off) * whole - slack;
+    }
+
+    /// Chains that stay straight while they are near the middle: where it wanders from one row of edges to the next,
+    /// both would be chains, with slivers between them.
+    void trace(std::vector<int>& middles) {
+        const Vector3d side(0.2859, 0.5437, 0.7891);  // the order must not depend on the numbering
+        std::stable_sort(middles.begin(), middles.end(), [&](int g, int h) {
+            return side.dot(base_.points[base_.from(g)] + base_.points[to(g)]) <
+                   side.dot(base_.points[base_.from(h)] + base_.points[to(h)]);
+        });
+        is_beside_.assign(base_.twin.size(), 0);
+        for (const int middle : middles) {
+            if (taken_[middle] || is_beside_[middle] || leads_beside(middle) || leads_beside(base_.twin[middle]))
+                continue;
+            add(middle);
+            for (const int h : {middle, base_.twin[middle]})
+                for (int at = h, next = -1; (next = onward(at)) >= 0; at = next) add(next);
+        }
+    }
+    void add(int h) {
+        take(h);
+        for (const int from : {h, base_.twin[h]})
+            for (const int g : walk(from).crossed) is_beside_[g] = is_beside_[base_.twin[g]] = 1;
+    }
+    /// The edge by which the chain goes on where h ends, if it does not meet anything there; or -1.
+    int onward(int h) const {
+        const int v = to(h);
+        if (count_[v] != 1 || beside_feature_[v]) return -1;
+        const Vector3d ahead = along(h).normalized();
+        int best = -1;
+        double most = 0.8;
+        each_out_of(v, [&](int g) {
+            const double cosine = ahead.dot(along(g).normalized());
+            if (taken_[g] || is_beside_[g] || count_[to(g)] > 0 || cosine <= most || leads_beside(g) ||
+                !is_middle(g, off_middle))
+                return;
+            best = g;
+            most = cosine;
+        });
+        return best;
+    }
+
+    /// Straight on, another chain runs beside: they are joined by close_gap(), for which there must be room.
+    bool leads_beside(int h) const {
+        const Vector3d ahead = along(h).normalized();
+        bool found = false;
+        each_out_of(to(h), [&](int g) { found = found || (is_beside_[g] && ahead.dot(along(g).normalized()) > 0.8); });
+        return found;
     }
 
     /// Ends of chains that face each other are joined along edges.
@@ -206,8 +264,8 @@ private:
     double angle_;
     BaseSurface& base_;
     std::vector<char> taken_;
-    std::vector<int> count_;  ///< chosen edges at a point
-    std::vector<char> beside_feature_;
+    std::vector<int> count_;                        ///< chosen edges at a point
+    std::vector<char> beside_feature_, is_beside_;  ///< points on features; half-edges in the strip of a chain
     std::vector<int> chosen_;
 };
 

@@ -90,7 +90,42 @@ TriMesh bellows() {
     return mesh_of(points, triangles);
 }
 
+/// A cone to x = 8 with a flat base, half an ellipse above and a flatter one below: where it is thin its sides are
+/// rounded edges, and the middle of their bend wanders from one meridian to the next.
+TriMesh cone_with_flat_belly(int rings, int meridians) {
+    std::vector<Eigen::Vector3d> points{{0, 0, 0}};
+    std::vector<std::array<int, 3>> triangles;
+    const auto at = [&](int i, int j) { return 1 + i * meridians + j % meridians; };
+    constexpr int of_base = 4;
+    for (int i = 0; i < rings + of_base; ++i)
+        for (int j = 0; j < meridians; ++j) {
+            const double x = 8.0 * std::min(i + 1, rings) / rings, t = 2 * std::numbers::pi * j / meridians;
+            const double r = i < rings ? x : x * (1 - (i + 1.0 - rings) / (of_base + 1));
+            points.emplace_back(x, 0.375 * r * std::cos(t), (std::sin(t) > 0 ? 0.1625 : 0.0625) * r * std::sin(t));
+        }
+    points.emplace_back(8, 0, 0);
+    for (int j = 0; j < meridians; ++j) {
+        triangles.push_back({0, at(0, j + 1), at(0, j)});
+        triangles.push_back(
+            {static_cast<int>(points.size()) - 1, at(rings + of_base - 1, j), at(rings + of_base - 1, j + 1)});
+        for (int i = 0; i + 1 < rings + of_base; ++i) {
+            triangles.push_back({at(i, j), at(i, j + 1), at(i + 1, j + 1)});
+            triangles.push_back({at(i, j), at(i + 1, j + 1), at(i + 1, j)});
+        }
+    }
+    return mesh_of(points, triangles);
+}
+
 }  // namespace
+
+TEST(RemeshSlivers, NoneWhereTheMiddleOfARoundedEdgeWanders) {
+    for (const int meridians : {120, 200, 280}) {
+        const TriMesh mesh = cone_with_flat_belly(90, meridians);
+        const RemeshResult result = remesh(mesh, {.edge_length = 0.09});
+        EXPECT_GT(shape_of(result.mesh).smallest, 0.2) << meridians;
+        EXPECT_EQ(result.new_intersections, 0) << meridians;
+    }
+}
 
 TEST(RemeshSlivers, BesideAKnifeEdgeDoNotBendItsLine) {
     const TriMesh mesh = knife_edge(true);

@@ -27,7 +27,7 @@ constexpr double roughly = 2;             // times as much is good enough, where
 constexpr double foreseen = 0.5;          // of that step, below which one is foreseen to be the last
 constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
 constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
-constexpr int few_probes = 30, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
 
@@ -193,8 +193,8 @@ bool NewtonSystems::is_minimum(const Iterate& at, const Loads& loads) {
     return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;
 }
 
-/// Soft modes that multigrid does not damp well settle late: then a factorization decides where it can be afforded,
-/// which also proves it of the matrix without springs; else many more cycles do.
+/// The softest mode of a shell near to buckling is hard to tell from an indefinite one: then a factorization decides
+/// where it can be afforded, which also proves it of the matrix without springs; else many more cycles do.
 bool NewtonSystems::is_minimum_beside_multigrid(bool renew) {
     const bool is_affordable = shell_.rest.num_free() <= factor_limit;
     if (renew || !is_affordable) {

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int cg_limit = 20;  // substitutions for one step, above which a new factor is cheaper
 constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
+constexpr double hardly_moved = 0.002;                           // diagonals: fresh cycles would be no better
 constexpr double exact_rate = 1e-3;       // of conjugate gradients on the matrix's own factor, in single precision
 constexpr double loosest = 0.1;           // share of a residual that may be left in any step
 constexpr double first_share = 0.05;      // in the first one
@@ -66,6 +67,7 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
 void NewtonSystems::took(double step) {
     contraction_ = end_.last_step > 0 ? step / end_.last_step : 1;
     end_.last_step = step;
+    moved_ += step;
 }
 
 bool NewtonSystems::is_done() const {
@@ -87,6 +89,7 @@ bool NewtonSystems::is_at_hand(const Loads& loads, StressTerm term) const {
 /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
 void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
     ++end_.factorizations;
+    moved_ = 0;
     if (!shell_.factorize()) clip(at, stress, loads);
 }
 
@@ -129,9 +132,9 @@ void NewtonSystems::adapt(double size, CgOptions& cg) {
 
 CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
     CgOptions cg;
-    cg.max_iterations = shell_.kept.is_exact() ? cg_limit
-                        : shell_.is_kept_here  ? multigrid_limit
-                                               : multigrid_kept_limit;
+    cg.max_iterations = shell_.kept.is_exact()  ? cg_limit
+                        : moved_ < hardly_moved ? multigrid_limit
+                                                : multigrid_kept_limit;
     if (probe_) cg.beside = &*probe_;
     // Beside multigrid another system would have its soft modes settle once more: there the step is foreseen instead.
     if (ends_below_ > 0 && shell_.kept.is_exact())

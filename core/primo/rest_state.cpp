@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/primo/prism_order.hpp"
 
 namespace strake {
 namespace {
@@ -230,6 +231,7 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
     }
     rest.normal = vertex_normals(rest);
     add_faces(rest, adjacent);
+    order_locally(rest);
     add_vertex_map(rest, adjacent);
     list_by_prism(rest);
     return rest;

@@ -102,6 +102,7 @@ std::array<Eigen::Vector3d, 2> face_normals(const RestState& rest, const std::ar
 }
 
 void add_faces(RestState& rest, const Adjacency& adjacent) {
+    rest.faces.reserve(adjacent.num_edges());
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         const auto triangles = adjacent.edge_triangles[e];
         const std::array<int, 2> edge = adjacent.edges[e];

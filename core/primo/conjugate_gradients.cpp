@@ -60,10 +60,10 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const C
     result.x = Eigen::VectorXd::Zero(b.size());
     result.reduction = b.squaredNorm() > 0 ? 1 : 0;
     double rz = 0, first = 0;
-    Eigen::VectorXd r = std::move(b), z, p, Hp, before;
+    Eigen::VectorXd r = std::move(b), p, before;
     bool is_enough = false;
     while (!is_enough && result.reduction > options.tolerance && result.iterations < options.max_iterations) {
-        z = preconditioned(shell, r, options.beside);
+        const Eigen::VectorXd z = preconditioned(shell, r, options.beside);
         const double next = dot(r, z);
         if (!(next > 0) || !std::isfinite(next)) break;  // nothing is left but round-off
         if (result.iterations++ == 0) {
@@ -77,7 +77,7 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const C
             scale_and_add(p, (next - since(before, z)) / rz, z);
         }
         rz = next;
-        Hp = shell.product(p);
+        const Eigen::VectorXd Hp = shell.product(p);
         const double curvature = dot(p, Hp);
         if (!(curvature > 0)) {
             result.is_positive = false;

@@ -80,7 +80,8 @@ void Hierarchy<Real>::cycle(int at, const std::vector<Real>& b, std::vector<Real
     smooth(level, at, x, residual, false);
 }
 
-/// The K-cycle (Notay, Vassilevski 2008): two steps of flexible conjugate gradients, one where that is enough.
+/// The K-cycle (Notay, Vassilevski 2008): two steps of flexible conjugate gradients, one where that is enough. The
+/// linear one, a W-cycle, takes both as they come.
 template <class Real>
 void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vector<Real>& x) {
     Level& level = levels_[at];
@@ -88,6 +89,17 @@ void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vect
     std::vector<Real>&c = level.c1, &v = level.v1, &d = level.c2, &w = level.v2, &left = level.left;
     cycle(at, b, c);
     multiply(level.A, c, v);
+    if (kind_ == Cycle::linear) {
+        left.resize(b.size()), x.resize(b.size());
+        for_entries(b.size(), [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) left[i] = b[i] - v[i];
+        });
+        cycle(at, left, d);
+        for_entries(b.size(), [&](int begin, int end) {
+            for (int i = begin; i < end; ++i) x[i] = c[i] + d[i];
+        });
+        return;
+    }
     const double rho = dot(c, v), size = dot(b, b);
     if (!(rho > 0)) {  // b is zero, or round-off: the iteration outside will see
         x = c;
@@ -114,7 +126,7 @@ void Hierarchy<Real>::coarse_solve(int at, const std::vector<Real>& b, std::vect
 }
 
 template <class Real>
-Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::Ref<const Eigen::VectorXd>& r) {
+Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind) {
     using Block = Eigen::Matrix<Real, 6, 6>;
     using Six = Eigen::Matrix<Real, 6, 1>;
     const double size = largest_entry(r);  // taken out, so that single precision does not underflow
@@ -128,6 +140,7 @@ Eigen::VectorXd Hierarchy<Real>::apply(const Eigen::Ref<const Eigen::VectorXd>& 
             Eigen::Map<Six>(b.data() + 6 * i) = scale(i) * part;
         }
     });
+    kind_ = kind;
     cycle(0, b, x);
     Eigen::VectorXd z(r.size());
     for_blocks(n, rows_at_once, [&](int begin, int end) {
@@ -148,8 +161,8 @@ std::size_t Hierarchy<Real>::bytes() const {
     return sum;
 }
 
-template Eigen::VectorXd Hierarchy<float>::apply(const Eigen::Ref<const Eigen::VectorXd>&);
-template Eigen::VectorXd Hierarchy<double>::apply(const Eigen::Ref<const Eigen::VectorXd>&);
+template Eigen::VectorXd Hierarchy<float>::apply(const Eigen::Ref<const Eigen::VectorXd>&, Cycle);
+template Eigen::VectorXd Hierarchy<double>::apply(const Eigen::Ref<const Eigen::VectorXd>&, Cycle);
 template std::size_t Hierarchy<float>::bytes() const;
 template std::size_t Hierarchy<double>::bytes() const;
 

@@ -161,7 +161,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     const bool is_near = go_ahead(loads, pins_moved, std::max(worth, reuse ? worth_anew : worth_coarse));
     if (is_near) reuse = false;
     Iterate at = iterate(shell, loads);
-    Jumps stress = at.jump;
+    Jumps stress = std::move(at.jump);  // a twentieth of all memory each: one of them at a time
     // Pins that jumped leave gaping faces: their stress means nothing yet.
     StressTerm term = is_near || pins_moved ? StressTerm::none : StressTerm::exact;
     systems.begin();
@@ -169,6 +169,7 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     int growing = 0;  // iterations in a row with a step well above the smallest
     Stages stages;
     for (int i = 0; i < attempt_limit + stage_iterations * (stages.count - 1) && !out_of_budget(); ++i) {
+        at.jump = {};
         if (stages.left > 0) at.gradient -= stages.left * stages.start;
         Eigen::VectorXd twist = systems.step(at, stress, loads, term, reuse);
         if (twist.size() == 0) {
@@ -183,8 +184,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             twist *= stages.share;
         }
         cap(shell.rest, twist);
-        stress = {};  // what is replaced is given up first: these are a tenth of all memory each
-        stress = sum(at.jump, jump_rates(shell.rest, at.turn, twist));
+        stress = {};  // what is replaced is given up first
+        stress = sum(jumps(shell.rest, shell.poses, at.turn), jump_rates(shell.rest, at.turn, twist));
         term = StressTerm::exact;
         shell.advance(twist);
         at = {};
@@ -200,7 +201,11 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             continue;
         }
         if (is_rough && step < coarse_end) return true;
-        if (step < nearly_there) return finish(loads, std::move(at));
+        if (step < nearly_there) {
+            stress = {};
+            twist.resize(0);
+            return finish(loads, std::move(at));
+        }
         growing = step > 1.5 * smallest ? growing + 1 : 0;
         smallest = std::min(smallest, step);
         if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;

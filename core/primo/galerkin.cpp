@@ -175,7 +175,7 @@ std::optional<BlockRows<Real>> prolongation(MultigridLevel<Real>& level, int ste
         }
     });
     if (!is_independent) return std::nullopt;
-    level.T = {};  // before P grows
+    level.T = std::vector<Matrix6>();  // before P grows; an empty list in its place would keep the memory
     for (int step = 0; step < steps; ++step)
         P = product<Real>(level.A, P, level.clusters.count, 1, static_cast<Real>(-damping), 0, level.A.size());
     return P;

@@ -141,7 +141,7 @@ bool Hierarchy<Real>::build(const BlockMatrix& A, const Points& centre, const st
         for (int i = begin; i < end; ++i)
             Eigen::Map<Block<Real>>(scale_.data() + std::size_t{block_entries} * i) = inverse[i].template cast<Real>();
     });
-    inverse = {};
+    inverse = std::vector<Matrix6>();
     for (int at = 0;; ++at) {
         if (clusters && at == static_cast<int>(clusters->size())) break;
         if (clusters)
@@ -152,7 +152,7 @@ bool Hierarchy<Real>::build(const BlockMatrix& A, const Points& centre, const st
         if (!coarsen(levels_[at], at, coarse)) return false;
         levels_.push_back(std::move(coarse));
     }
-    levels_.back().T = {};
+    levels_.back().T = std::vector<Matrix6>();
     levels_.back().clusters = {};
     return factorize_last();
 }

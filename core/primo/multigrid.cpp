@@ -71,9 +71,9 @@ std::size_t Multigrid::bytes() const {
     return (impl_->single ? impl_->single->bytes() : 0) + (impl_->twice ? impl_->twice->bytes() : 0);
 }
 
-Eigen::VectorXd Multigrid::apply(const Eigen::Ref<const Eigen::VectorXd>& r) {
-    if (impl_->single) return impl_->single->apply(r);
-    if (impl_->twice) return impl_->twice->apply(r);
+Eigen::VectorXd Multigrid::apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind) {
+    if (impl_->single) return impl_->single->apply(r, kind);
+    if (impl_->twice) return impl_->twice->apply(r, kind);
     throw SolverError("multigrid: applied without levels");
 }
 

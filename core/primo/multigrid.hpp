@@ -31,6 +31,10 @@ struct MultigridOptions {
     double inner_tolerance = 0.25;  ///< a coarse system solved so well by its first cycle gets no second
 };
 
+/// How the two cycles on each coarser level are combined: best, as conjugate gradients would, which depends on the
+/// right-hand side; or added up, which makes the whole a symmetric linear map, but for round-off, and a little weaker.
+enum class Cycle { best, linear };
+
 struct KrylovResult {
     Eigen::VectorXd x;
     int iterations = 0;
@@ -54,8 +58,8 @@ public:
     bool is_ready() const;
     void drop();
 
-    /// About A^-1 r; not exactly linear in r, so that iterations around it have to be flexible.
-    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r);
+    /// About A^-1 r; unless asked for not exactly linear in r, so that iterations around it have to be flexible.
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind = Cycle::best);
     /// A x = b to `tolerance` (relative), by flexible conjugate gradients.
     KrylovResult solve(const BlockMatrix& A, const Eigen::VectorXd& b, double tolerance, int max_iterations = 500);
 

@@ -26,7 +26,7 @@ public:
     explicit Hierarchy(const MultigridOptions& options) : options_(options) {}
     /// False where a matrix on the way is not positive definite as far as this precision shows.
     bool build(const BlockMatrix& A, const Points& centre, const std::vector<Clusters>* clusters);
-    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r);
+    Eigen::VectorXd apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind);
     std::vector<Clusters> take_clusters();
     const std::vector<MultigridLevel<Real>>& levels() const { return levels_; }
     std::size_t bytes() const;
@@ -38,12 +38,13 @@ private:
     bool factorize_last();
     void smooth(Level& level, int at, std::vector<Real>& x, std::vector<Real>& r, bool before) const;
     void cycle(int at, const std::vector<Real>& b, std::vector<Real>& x);         ///< x = about A^-1 b
-    void coarse_solve(int at, const std::vector<Real>& b, std::vector<Real>& x);  ///< two cycles, best combined
+    void coarse_solve(int at, const std::vector<Real>& b, std::vector<Real>& x);  ///< two cycles
 
     MultigridOptions options_;
     std::vector<Level> levels_;
     std::vector<Real> scale_;  ///< inverse factors of the finest diagonal blocks, block_entries each
     SpdSolver coarsest_;
+    Cycle kind_ = Cycle::best;  ///< of what is being applied
 };
 
 /// Rigid motions of the clusters about `coarse.centre`, orthonormal in the scaled unknowns, smoothed by `steps` damped

@@ -12,6 +12,7 @@ namespace {
 
 constexpr int cg_limit = 20;  // substitutions for one step, above which a new factor is cheaper
 constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
+constexpr double hardly_moved = 0.002;                           // diagonals: fresh cycles would be no better
 constexpr double exact_rate = 1e-3;       // of conjugate gradients on the matrix's own factor, in single precision
 constexpr double loosest = 0.1;           // share of a residual that may be left in any step
 constexpr double first_share = 0.05;      // in the first one
@@ -27,7 +28,7 @@ constexpr double roughly = 2;             // times as much is good enough, where
 constexpr double foreseen = 0.5;          // of that step, below which one is foreseen to be the last
 constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
 constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
-constexpr int few_probes = 30, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
 
@@ -66,6 +67,7 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
 void NewtonSystems::took(double step) {
     contraction_ = end_.last_step > 0 ? step / end_.last_step : 1;
     end_.last_step = step;
+    moved_ += step;
 }
 
 bool NewtonSystems::is_done() const {
@@ -87,6 +89,7 @@ bool NewtonSystems::is_at_hand(const Loads& loads, StressTerm term) const {
 /// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
 void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
     ++end_.factorizations;
+    moved_ = 0;
     if (!shell_.factorize()) clip(at, stress, loads);
 }
 
@@ -129,9 +132,9 @@ void NewtonSystems::adapt(double size, CgOptions& cg) {
 
 CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
     CgOptions cg;
-    cg.max_iterations = shell_.kept.is_exact() ? cg_limit
-                        : shell_.is_kept_here  ? multigrid_limit
-                                               : multigrid_kept_limit;
+    cg.max_iterations = shell_.kept.is_exact()  ? cg_limit
+                        : moved_ < hardly_moved ? multigrid_limit
+                                                : multigrid_kept_limit;
     if (probe_) cg.beside = &*probe_;
     // Beside multigrid another system would have its soft modes settle once more: there the step is foreseen instead.
     if (ends_below_ > 0 && shell_.kept.is_exact())
@@ -193,8 +196,8 @@ bool NewtonSystems::is_minimum(const Iterate& at, const Loads& loads) {
     return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;
 }
 
-/// Soft modes that multigrid does not damp well settle late: then a factorization decides where it can be afforded,
-/// which also proves it of the matrix without springs; else many more cycles do.
+/// The softest mode of a shell near to buckling is hard to tell from an indefinite one: then a factorization decides
+/// where it can be afforded, which also proves it of the matrix without springs; else many more cycles do.
 bool NewtonSystems::is_minimum_beside_multigrid(bool renew) {
     const bool is_affordable = shell_.rest.num_free() <= factor_limit;
     if (renew || !is_affordable) {

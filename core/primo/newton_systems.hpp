@@ -70,7 +70,8 @@ private:
     int spent_from_ = shell_.substitutions;
     double rate_ = 1;  ///< of conjugate gradients
     bool is_rate_measured_ = false;
-    double contraction_ = 1;    ///< of the last step beside the one before
+    double moved_ = std::numeric_limits<double>::infinity();  ///< diagonals, since what is kept was built
+    double contraction_ = 1;                                  ///< of the last step beside the one before
     bool is_assembled_ = true;  ///< such a Hessian as the steps are to be taken with, be it that of the step before
     std::optional<DefinitenessProbe> probe_;  ///< of the assembled Hessian, an exact one near the end
 };

@@ -53,11 +53,11 @@ void Preconditioner::drop() {
     multigrid_.drop();
 }
 
-Eigen::MatrixXd Preconditioner::apply(const Eigen::Ref<const Eigen::MatrixXd>& B) {
+Eigen::MatrixXd Preconditioner::apply(const Eigen::Ref<const Eigen::MatrixXd>& B, Cycle kind) {
     if (is_exact()) return factor_.solve(B);
-    if (B.cols() == 1) return multigrid_.apply(B.col(0));
+    if (B.cols() == 1) return multigrid_.apply(B.col(0), kind);
     Eigen::MatrixXd X(B.rows(), B.cols());
-    for (Eigen::Index c = 0; c < B.cols(); ++c) X.col(c) = multigrid_.apply(B.col(c));
+    for (Eigen::Index c = 0; c < B.cols(); ++c) X.col(c) = multigrid_.apply(B.col(c), kind);
     return X;
 }
 

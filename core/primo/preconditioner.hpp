@@ -23,8 +23,8 @@ public:
     bool is_built() const { return is_exact() ? factor_.has_factor() : multigrid_.is_ready(); }
     void drop();
     /// A symmetric positive definite approximation of the inverse of the H it was built from, applied to the columns
-    /// of B; symmetric and linear but for a few percent where it is not exact. @pre is_built()
-    Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& B);
+    /// of B; symmetric and linear but for a few percent where it is neither exact nor asked to be. @pre is_built()
+    Eigen::MatrixXd apply(const Eigen::Ref<const Eigen::MatrixXd>& B, Cycle kind = Cycle::best);
     /// True: `build` proves that H is positive definite, and `apply` is its inverse but for single precision.
     bool is_exact() const { return solver_ == LinearSolver::direct; }
     /// What `build` costs, in applications to one column: measured, the same for all sizes within a third.

@@ -5,6 +5,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/primo/prism_order.hpp"
 
 namespace strake {
 namespace {
@@ -101,6 +102,7 @@ std::array<Eigen::Vector3d, 2> face_normals(const RestState& rest, const std::ar
 }
 
 void add_faces(RestState& rest, const Adjacency& adjacent) {
+    rest.faces.reserve(adjacent.num_edges());
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         const auto triangles = adjacent.edge_triangles[e];
         const std::array<int, 2> edge = adjacent.edges[e];
@@ -230,6 +232,7 @@ RestState rest_state(const TriMesh& mesh, const ShellOptions& options) {
     }
     rest.normal = vertex_normals(rest);
     add_faces(rest, adjacent);
+    order_locally(rest);
     add_vertex_map(rest, adjacent);
     list_by_prism(rest);
     return rest;

@@ -62,7 +62,7 @@ struct RestState {
     Points normal;                 ///< per vertex, unit; zero where the triangles' normals cancel
     std::vector<int> pin;          ///< m
     std::vector<int> free_index;   ///< m: number among the free prisms, -1 if pinned
-    std::vector<int> free_prisms;
+    std::vector<int> free_prisms;  ///< in the order of their numbers
     std::vector<SharedFace> faces;
     std::vector<MirroredFace> mirrored;
     FaceGroups face_groups;

@@ -164,13 +164,13 @@ void PrimoShell::Impl::turn_to_kept(Eigen::MatrixXd& X, bool back) {
     });
 }
 
-Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::Ref<const Eigen::MatrixXd>& B) {
+Eigen::MatrixXd PrimoShell::Impl::precondition(const Eigen::Ref<const Eigen::MatrixXd>& B, Cycle kind) {
     const Timer timer(seconds.substitution);
     ++substitutions;
-    if (is_kept_here) return kept.apply(B);
+    if (is_kept_here) return kept.apply(B, kind);
     Eigen::MatrixXd X = B;
     turn_to_kept(X, false);
-    X = kept.apply(X);
+    X = kept.apply(X, kind);
     turn_to_kept(X, true);
     return X;
 }

@@ -41,7 +41,7 @@ struct PrimoShell::Impl {
     Eigen::MatrixXd products(const Eigen::MatrixXd& X) const;
     void has_moved();  ///< forgets what is known of the poses before
     /// Applies what is kept in each prism's co-rotated frame: only relative rotations of neighbours spoil it.
-    Eigen::MatrixXd precondition(const Eigen::Ref<const Eigen::MatrixXd>& B);
+    Eigen::MatrixXd precondition(const Eigen::Ref<const Eigen::MatrixXd>& B, Cycle kind = Cycle::best);
     void turn_to_kept(Eigen::MatrixXd& X, bool back);
     Points free_centroids() const;  ///< of the free prisms at `poses`
     std::vector<Eigen::Quaterniond> free_rotations() const;

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "core/primo/shell_impl.hpp"
 #include "shells.hpp"
 
 using namespace strake;
@@ -72,6 +73,37 @@ TEST(Invariance, RenumberingChangesNothing) {
     ASSERT_EQ(again.solve(Body::loads(other)).status, SolveStatus::converged);
     const Points w = again.vertices();
     for (int k = 0; k < v.rows(); ++k) EXPECT_LT((w.row(k) - v.row(order[k])).norm(), 1e-10);
+}
+
+// A scattered order is made local inside, by the free prisms' numbers, and nobody outside sees that.
+TEST(Invariance, AScatteredOrderIsMadeLocalInside) {
+    Body body;
+    body.mesh = ellipsoid({1, 0.5, 0.3}, 4);
+    body.options = Body::make_options(body.mesh);
+    std::vector<int> order;
+    const TriMesh other = renumbered(body.mesh, 3, &order);
+    PrimoShell a(body.mesh, body.options), b(other, Body::make_options(other));
+    const RestState& rest = b.impl().rest;
+    for (int f = 0; f < rest.num_free(); ++f) {
+        ASSERT_EQ(rest.free_index[rest.free_prisms[f]], f);
+        ASSERT_EQ(rest.pin[rest.free_prisms[f]], free_prism);
+    }
+    double apart = 0, file_apart = 0;
+    for (const SharedFace& face : rest.faces) {
+        if (rest.pin[face.i] != free_prism || rest.pin[face.j] != free_prism) continue;
+        apart = std::max(apart, std::abs(1.0 * rest.free_index[face.i] - rest.free_index[face.j]));
+        file_apart = std::max(file_apart, std::abs(1.0 * face.i - face.j));
+    }
+    EXPECT_GT(file_apart, 0.9 * rest.num_prisms());
+    EXPECT_LT(apart, 0.1 * rest.num_prisms());
+    ASSERT_EQ(a.solve(Body::loads(body.mesh)).status, SolveStatus::converged);
+    ASSERT_EQ(b.solve(Body::loads(other)).status, SolveStatus::converged);
+    const Points moved = a.vertices(), seen = b.vertices();
+    const ShellSensitivities da = a.adjoint({moved})[0], db = b.adjoint({seen})[0];
+    for (int k = 0; k < moved.rows(); ++k) {
+        ASSERT_LT((seen.row(k) - moved.row(order[k])).norm(), 1e-9);
+        ASSERT_LT((db.force.row(k) - da.force.row(order[k])).norm(), 1e-7 * da.force.norm());
+    }
 }
 
 TEST(Invariance, ChangeOfUnitScalesTractionInversely) {

@@ -1,11 +1,9 @@
 #include "optimize/failure_border.hpp"
 
-#include "optimize/quadratic_model.hpp"
-
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <vector>
+#include <limits>
 
 namespace strake {
 namespace {
@@ -14,9 +12,13 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr std::size_t most_sound = 120, most_failed = 60;
-constexpr std::size_t least_failed = 2;  ///< one may have been bad luck
-constexpr double most_caution = 1e3;
-constexpr double offset_weight = 1e-4;  ///< of the plane's offset beside its normal: as good as free
+constexpr std::size_t least_failed = 2;
+/// The border may be curved: of a point at distance 1 in the metric the angle of the plane is known to so much only.
+constexpr double curving = 0.2;
+constexpr double most_off = 2;  ///< times that, a point may lie on the wrong side
+constexpr int most_sweeps = 40;
+constexpr double settled = 1e-4;         ///< of the mean, from one sweep to the next
+constexpr double least_variance = 1e-9;  ///< of what it was before, so that nothing divides by zero
 
 void add(std::deque<VectorXd>& points, const VectorXd& x, std::size_t most) {
     if (!points.empty() && points.back() == x) return;
@@ -24,98 +26,103 @@ void add(std::deque<VectorXd>& points, const VectorXd& x, std::size_t most) {
     if (points.size() > most) points.pop_front();
 }
 
-/// Points as columns, in coordinates in which the metric is the identity, relative to x.
-MatrixXd columns(const std::vector<const VectorXd*>& points, const VectorXd& x, const MatrixXd& U) {
-    MatrixXd all(x.size(), static_cast<Eigen::Index>(points.size()));
-    for (std::size_t i = 0; i < points.size(); ++i) all.col(static_cast<Eigen::Index>(i)) = U * (*points[i] - x);
-    return all;
+/// phi(z) / Phi(z) of the standard normal distribution.
+double hazard(double z) {
+    if (z < -30) return -z - 1 / z + 2 / (z * z * z);
+    return std::exp(-0.5 * z * z) / (std::sqrt(2 * M_PI) * 0.5 * std::erfc(-z / M_SQRT2));
 }
 
-struct Plane {
-    VectorXd normal;  ///< length 1; empty: no plane parts them
-    double limit = 0;
-};
-
-/// The plane of the widest margin; margins count relative to the distance from the origin, which is sound, so that far
-/// points say about the direction of the plane what near ones say about its place.
-Plane widest_margin(const MatrixXd& sound, const MatrixXd& failed, double caution) {
-    const Eigen::Index n = sound.rows(), first = sound.cols(), count = first + failed.cols();
-    const double gap = failed.colwise().norm().minCoeff();
-    if (!(gap > 0)) return {};
-    // min |v|^2 + weight c^2 over v.s + c <= -distance, v.f + c >= distance in units of the gap.
-    QuadraticModel m;
-    m.gradient = VectorXd::Zero(n + 1);
-    m.hessian = MatrixXd::Identity(n + 1, n + 1);
-    m.hessian(n, n) = offset_weight;
-    m.lower = VectorXd::Constant(n + 1, -1e6);
-    m.upper = -m.lower;
-    m.constraints = VectorXd::Ones(count);
-    m.jacobian.resize(count, n + 1);
-    m.jacobian.topLeftCorner(first, n) = sound.transpose() / gap;
-    m.jacobian.bottomLeftCorner(failed.cols(), n) = -failed.transpose() / gap;
-    m.jacobian.col(n).head(first).setOnes();
-    m.jacobian.col(n).tail(failed.cols()).setConstant(-1);
-    for (Eigen::Index i = 0; i < count; ++i) {
-        const double distance = (i < first ? sound.col(i) : failed.col(i - first)).norm();
-        m.jacobian.row(i) /= std::max(distance / gap, 1.0);
+/// The standard normal distribution of w, given that a.w + noise > 0 for every column a of `sides`, as the normal
+/// distribution that expectation propagation finds. False: it did not come to an end.
+bool cut_to_sides(const MatrixXd& sides, const VectorXd& noise, VectorXd& mean, MatrixXd& covariance) {
+    const Eigen::Index n = sides.rows(), count = sides.cols();
+    VectorXd precision = VectorXd::Zero(count), shift = VectorXd::Zero(count);
+    mean = VectorXd::Zero(n);
+    covariance = MatrixXd::Identity(n, n);
+    for (int sweep = 0; sweep < most_sweeps; ++sweep) {
+        const VectorXd before = mean;
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const VectorXd v = covariance * sides.col(i);
+            const double variance = sides.col(i).dot(v), at = sides.col(i).dot(mean);
+            const double rest = 1 / variance - precision[i];  // precision of what the others say
+            if (!(variance > 0) || !(rest > 0)) continue;
+            const double centre = (at / variance - shift[i]) / rest, all = 1 + noise[i] * noise[i] * rest;
+            const double z = centre * std::sqrt(rest / all), r = hazard(z);
+            const double cut_mean = centre + r / std::sqrt(rest * all);
+            const double cut_variance = std::max(1 - r * (z + r) / all, least_variance) / rest;
+            const double more = std::max(1 / cut_variance - rest, 0.0) - precision[i];
+            const double shift_more = cut_mean / cut_variance - centre * rest - shift[i];
+            precision[i] += more;
+            shift[i] += shift_more;
+            mean += (shift_more - more * at) / (1 + more * variance) * v;
+            covariance -= more / (1 + more * variance) * v * v.transpose();
+        }
+        const MatrixXd all = MatrixXd::Identity(n, n) + sides * precision.asDiagonal() * sides.transpose();
+        covariance = all.llt().solve(MatrixXd::Identity(n, n));
+        mean = covariance * (sides * shift);
+        if (!mean.allFinite()) return false;
+        if ((mean - before).norm() <= settled * mean.norm()) break;
     }
-    m.constraints.head(first) *= std::min(1.0, 1 / caution);
-    m.constraints.tail(failed.cols()) *= std::min(1.0, caution);
-    m.num_inequalities = static_cast<int>(count);
-    const VectorXd v = solve_model(m);
-    if (v.size() == 0 || !(v.head(n).norm() > 0)) return {};
-    Plane plane{v.head(n).normalized(), -gap * v[n] / v.head(n).norm()};
-    const bool parts = (plane.normal.transpose() * sound).maxCoeff() < plane.limit &&
-                       plane.limit < (plane.normal.transpose() * failed).minCoeff();
-    return parts ? plane : Plane{};
+    return true;
 }
 
 }  // namespace
 
+VectorXd BorderBelief::coordinates(const VectorXd& x) const {
+    VectorXd z(x.size() + 1);
+    z << U * (x - origin) / unit, 1;
+    return z;
+}
+
+double BorderBelief::sureness(const VectorXd& x) const {
+    const VectorXd z = coordinates(x);
+    return -mean.dot(z) / std::sqrt(z.dot(covariance * z));
+}
+
+FailureCut BorderBelief::cut(const VectorXd& x, double sureness) const {
+    const VectorXd z = coordinates(x), v = covariance * z;
+    const VectorXd w = mean + sureness / std::sqrt(z.dot(v)) * v;
+    const Eigen::Index n = x.size();
+    const double length = std::max(w.head(n).norm(), std::numeric_limits<double>::min());
+    FailureCut cut;
+    cut.normal = U.transpose() * w.head(n) / length;
+    cut.limit = cut.normal.dot(origin) - w[n] * unit / length;
+    return cut;
+}
+
 void FailureBorder::add_sound(const VectorXd& x) { add(sound_, x, most_sound); }
 void FailureBorder::add_failed(const VectorXd& x) { add(failed_, x, most_failed); }
 
-std::optional<FailureCut> FailureBorder::cut(const VectorXd& x, const MatrixXd& metric, double caution) const {
+std::optional<BorderBelief> FailureBorder::belief(const VectorXd& x, const MatrixXd& metric) const {
     if (failed_.size() < least_failed) return {};
-    const MatrixXd U = metric.llt().matrixU();
-    std::vector<const VectorXd*> sound{&x}, failed;
-    for (const VectorXd& s : sound_) sound.push_back(&s);
-    for (const VectorXd& f : failed_) failed.push_back(&f);
-    std::stable_sort(failed.begin(), failed.end(), [&](const VectorXd* a, const VectorXd* b) {
-        return (U * (*a - x)).squaredNorm() < (U * (*b - x)).squaredNorm();
-    });
-    const MatrixXd inside = columns(sound, x, U);
-    for (; !failed.empty(); failed.resize(failed.size() / 2)) {
-        const MatrixXd outside = columns(failed, x, U);
-        const Plane plane = widest_margin(inside, outside, caution);
-        if (plane.normal.size() == 0) continue;
-        FailureCut cut;
-        cut.normal = U.transpose() * plane.normal;
-        cut.limit = cut.normal.dot(x) + plane.limit;
-        return cut;
+    BorderBelief b;
+    b.origin = x;
+    b.U = metric.llt().matrixU();
+    b.unit = std::numeric_limits<double>::infinity();
+    for (const VectorXd& f : failed_) b.unit = std::min(b.unit, (b.U * (f - x)).norm());
+    if (!(b.unit > 0)) return {};
+    const auto first = static_cast<Eigen::Index>(sound_.size()) + 1;
+    MatrixXd sides(x.size() + 1, first + static_cast<Eigen::Index>(failed_.size()));
+    VectorXd noise(sides.cols());
+    const auto set = [&](Eigen::Index i, const VectorXd& point, double sign) {
+        const VectorXd z = b.coordinates(point);
+        sides.col(i) = sign * z.normalized();
+        noise[i] = curving * b.unit * z.head(x.size()).norm();
+    };
+    Eigen::Index count = 0;
+    set(count++, x, -1);
+    for (const VectorXd& s : sound_) set(count++, s, -1);
+    for (const VectorXd& f : failed_) set(count++, f, 1);
+    for (; count > first; --count) {
+        if (!cut_to_sides(sides.leftCols(count), noise.head(count), b.mean, b.covariance)) return {};
+        const VectorXd off = sides.leftCols(count).transpose() * b.mean + most_off * noise.head(count);
+        if (off.minCoeff() > 0) return b;
+        Eigen::Index worst = 0;
+        off.tail(count - first).minCoeff(&worst);
+        sides.col(first + worst) = sides.col(count - 1);
+        noise[first + worst] = noise[count - 1];
     }
     return {};
-}
-
-void BorderWatch::look(const VectorXd& x, const MatrixXd& metric) {
-    const double caution = failed_ > 0 ? std::pow(3.0, failed_ - 1) : std::pow(2.0, 1 - moved_);
-    cut_ = border_.cut(x, metric, std::clamp(caution, 1 / most_caution, most_caution));
-}
-
-void BorderWatch::has_moved(const VectorXd& x, const MatrixXd& metric) {
-    ++moved_;
-    failed_ = 0;
-    look(x, metric);
-}
-
-void BorderWatch::has_failed(const VectorXd& x, const MatrixXd& metric) {
-    ++failed_;
-    moved_ = 0;
-    look(x, metric);
-}
-
-std::optional<FailureCut> BorderWatch::furthest(const VectorXd& x, const MatrixXd& metric) const {
-    return border_.cut(x, metric, 1 / most_caution);
 }
 
 }  // namespace strake

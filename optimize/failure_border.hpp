@@ -15,40 +15,36 @@ struct FailureCut {
     double limit = 0;
 };
 
+/// What is believed of the plane w.(u, 1) = 0, u = U (x - origin) / unit: a normal distribution of w.
+struct BorderBelief {
+    Eigen::VectorXd origin;
+    Eigen::MatrixXd U;     ///< U^T U is the metric
+    double unit = 1;       ///< distance from the origin to the closest point that failed
+    Eigen::VectorXd mean;  ///< n + 1
+    Eigen::MatrixXd covariance;
+
+    /// How far x is from the plane on the side that gives values, in standard deviations: Phi of it is the probability
+    /// of a value.
+    double sureness(const Eigen::VectorXd& x) const;
+    /// The side of the points that are as sure as `sureness`, to first order about x.
+    FailureCut cut(const Eigen::VectorXd& x, double sureness) const;
+    Eigen::VectorXd coordinates(const Eigen::VectorXd& x) const;  ///< (u, 1)
+};
+
 class FailureBorder {
 public:
     void add_sound(const Eigen::VectorXd& x);
     void add_failed(const Eigen::VectorXd& x);
 
-    /// The plane of widest margin (support vector machine without slack: Boser, Guyon, Vapnik 1992) between the points
-    /// that gave values, x among them, and those that failed, in the metric (n x n, positive definite). Margins count
-    /// relative to the distance from x, so that far points say about the direction of the plane what near ones say
-    /// about its place. Where no plane parts them, the failed points far from x are left out, for the border may be
-    /// curved. Nothing: even the closest cannot be parted from the others, or fewer than two points have failed.
-    /// @param caution ratio of the margin to the failed points over that to the others
-    std::optional<FailureCut> cut(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric, double caution = 1) const;
+    /// All planes that part the points that gave values, x among them, from those that failed, are taken to be as
+    /// likely as each other (Bayes point machine: Herbrich, Graepel, Campbell 2001), by expectation propagation (Minka
+    /// 2001), in the metric (n x n, positive definite). The border may be curved: the further a point is from x, the
+    /// less it says. Failures that fit no such plane were bad luck, and are left out, the worst first. Nothing: none is
+    /// left, or fewer than two points have failed.
+    std::optional<BorderBelief> belief(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric) const;
 
 private:
     std::deque<Eigen::VectorXd> sound_, failed_;  ///< the latest
-};
-
-/// The border as a search goes on: each failure makes the next plane more careful, each new point bolder, so that
-/// about every other step along it fails until it is known.
-class BorderWatch {
-public:
-    explicit BorderWatch(const FailureBorder& border) : border_(border) {}
-    void look(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric);
-    void has_moved(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric);   ///< to x
-    void has_failed(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric);  ///< to move from x
-
-    const std::optional<FailureCut>& cut() const { return cut_; }
-    /// As far out as what failed allows.
-    std::optional<FailureCut> furthest(const Eigen::VectorXd& x, const Eigen::MatrixXd& metric) const;
-
-private:
-    const FailureBorder& border_;
-    std::optional<FailureCut> cut_;
-    int failed_ = 0, moved_ = 1;  ///< in a row
 };
 
 }  // namespace strake

@@ -113,6 +113,7 @@ Sample Guard::count_and_evaluate(const Eigen::VectorXd& x) {
 Sample Guard::sample_of(const Eigen::VectorXd& x) {
     if (evaluations >= limit) stop(Cause::evaluations);
     if (options.max_seconds > 0 && evaluations > 0 && now() - begin_ > options.max_seconds) stop(Cause::time);
+    if (patience_ > 0 && evaluations - gained_at_ >= patience_) stop(Cause::stalled);
     ++evaluations;
     Sample s;
     try {
@@ -156,6 +157,9 @@ void Guard::rank(const Eigen::VectorXd& x) {
         !has_best || (feasible && !best_feasible) ||
         (feasible == best_feasible && (feasible ? last_.objective < best.objective : violation < best_violation));
     if (better) {
+        const double gain = feasible ? best.objective - last_.objective : best_violation - violation;
+        const double floor = feasible ? options.objective_tolerance * std::abs(last_.objective) : 0;
+        if (!has_best || feasible != best_feasible || gain > floor) gained_at_ = evaluations;
         has_best = true;
         best = last_;
         best_x = x;
@@ -194,7 +198,8 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
     if (program.differences) {
         last_x_.resize(0);  // the program's last evaluation is no longer the one at x
         const auto evaluate = [&](const Eigen::VectorXd& at) {
-            Sample next = count_and_evaluate(at);
+            Sample next = sample_of(at);  // not to the border: so close by, one failure of bad luck would hide it
+            failed_on_the_way = next.is_of_step;
             if (next.failure.empty()) return next;
             ++failures;
             failure = next.failure;

@@ -19,6 +19,7 @@ enum class Cause {
     stopped,
     asked_nonfinite,
     circles,  ///< the algorithm asks for points that it knows, without end
+    stalled,  ///< `patience` has run out
     exception
 };
 
@@ -44,6 +45,9 @@ public:
     const MethodFacts& method;
     std::vector<int> free;  ///< numbers of the variables whose bounds differ
     bool wants_gradient = true;
+    /// For the present part of the search: evaluations in a row that gain less than the tolerance. 0: any number.
+    void set_patience(int most) { patience_ = most, gained_at_ = evaluations; }
+
     int limit;           ///< of evaluations, for the present part of the search: <= options.max_evaluations
     double scale = 1;    ///< NLopt sees objective / scale
     double penalty = 0;  ///< of a unit of violation, in the merit that is told
@@ -79,6 +83,7 @@ private:
     Sample last_;
     Eigen::VectorXd last_x_;
     long asked_ = 0;
+    int patience_ = 0, gained_at_ = 0;
     bool told_outside_ = false;
     double begin_ = now();
 };

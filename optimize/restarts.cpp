@@ -10,6 +10,9 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr int most_openings = 12;
+/// Evaluations without gain, for each variable and one, in a box that failures have cut: cobyla may go round on a side
+/// of such a box without end.
+constexpr int patience = 10;
 
 class Restarts {
 public:
@@ -40,8 +43,12 @@ private:
     bool once_more() {
         const Level before = level();
         const Box box = box_around(guard_.program, centre_, radius_);
+        const bool is_cut = std::isfinite(radius_) && !lagrangian_;
+        guard_.set_patience(is_cut ? patience * static_cast<int>(guard_.free.size() + 1) : 0);
         const nlopt::result code = run_.run(centre_, box, options_.objective_tolerance, options_.step_tolerance);
+        guard_.set_patience(0);
         recentre();
+        if (guard_.cause == Cause::stalled) guard_.cause = Cause::none;  // in this box: that is as good as converged
         if (guard_.cause == Cause::failure) return shrink(before);
         if (guard_.cause == Cause::asked_nonfinite) return broke_down("it asked for a point that is not finite");
         if (guard_.cause == Cause::circles) return circles();
@@ -86,7 +93,7 @@ private:
         const Level now = level();
         in_a_row_ = now.value < before.value || now.feasible != before.feasible ? 1 : in_a_row_ + 1;
         end_.is_at_border =
-            !guard_.failed_on_the_way && guard_.border.cut(guard_.best_x, metric_of(guard_.program)).has_value();
+            !guard_.failed_on_the_way && guard_.border.belief(guard_.best_x, metric_of(guard_.program)).has_value();
         if (end_.is_at_border)
             return end(MinimizeStop::blocked,
                        text("evaluations fail beyond a border; the last failure: ", guard_.failure));

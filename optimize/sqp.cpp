@@ -28,7 +28,7 @@ constexpr int calm_steps = 2;   ///< small decreases in a row that mean converge
 
 SqpEnd SqpSearch::run() {
     start_hessian();
-    border_.look(x_, p_.metric);
+    look_at_border();
     // What is known holds at the start, not where an earlier search from there has ended.
     if (p_.hessian.size() > 0 && guard_.best_x == p_.start) B_ = p_.hessian;
     if (!is_outpaced())
@@ -77,6 +77,7 @@ QuadraticModel SqpSearch::model(const VectorXd& constraints, double damping,
 }
 
 VectorXd SqpSearch::model_step(const VectorXd& constraints) {
+    damping_ = 0;
     VectorXd d = solve_model(model(constraints, 0));
     is_limited_ = d.size() > 0 && metric_norm(p_, d) > 1.01 * radius_;
     if (!is_limited_) return d;
@@ -84,7 +85,8 @@ VectorXd SqpSearch::model_step(const VectorXd& constraints) {
     double low = std::log(1e-6 * size), high = std::log(1e10 * size);
     for (int i = 0; i < 30; ++i) {
         const double middle = 0.5 * (low + high);
-        d = solve_model(model(constraints, std::exp(middle)));
+        damping_ = std::exp(middle);
+        d = solve_model(model(constraints, damping_));
         if (d.size() == 0) return d;
         const double length = metric_norm(p_, d);
         if (length > radius_)
@@ -209,17 +211,15 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
     // Far from feasible the violations are most of the merit: where it stands still, they cannot be met.
     const bool stuck = largest_violation(p_, trial.constraints) > 10 * tolerance() &&
                        decrease <= 10 * guard_.options.objective_tolerance * std::abs(merit(trial));
-    calm_ = small && !border_.cut() ? calm_ + 1 : 0;
+    calm_ = small && !cut_ ? calm_ + 1 : 0;
     stuck_ = stuck ? stuck_ + 1 : 0;
     x_ = x;
     at_ = trial;
     failures_ = rejections_ = 0;
-    has_probed_ = false;
     ++accepted_;
-    border_.has_moved(x_, p_.metric);
+    look_at_border();
     if (calm_ >= calm_steps) return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
     if (stuck_ >= stuck_steps) return end(MinimizeStop::roundoff, "the violation of the constraints no longer falls");
-    if (creeps(decrease)) return end_at_border();
     return is_outpaced();
 }
 

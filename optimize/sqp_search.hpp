@@ -39,7 +39,7 @@ private:
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
 
     QuadraticModel model(const Eigen::VectorXd& constraints, double damping) const {
-        return model(constraints, damping, border_.cut());
+        return model(constraints, damping, cut_);
     }
     QuadraticModel model(const Eigen::VectorXd& constraints, double damping,
                          const std::optional<FailureCut>& cut) const;
@@ -80,19 +80,17 @@ private:
 
     /// Without the border the step would be another one.
     bool is_cut_off(const Eigen::VectorXd& d) const;
-    /// The decrease that the model promises on this side of the cut.
-    double promised(const std::optional<FailureCut>& cut) const;
-
     double so_far() const { return guard_.highest - at_.objective; }
 
-    /// Up to the border nothing is left to gain. It is believed when steps along it fail, too.
+    /// Nothing is left to gain on this side of the border: believed when steps through it fail, too.
     bool end_at_border();
 
-    /// Small steps in a row up to a border whose place is known better than its direction.
-    bool creeps(double decrease);
+    /// The decrease of the merit that the model promises for d.
+    double promised(const Eigen::VectorXd& d) const;
 
-    /// What the model promises when the border lies as far out as it may.
-    double border_gain() const { return promised(border_.furthest(x_, p_.metric)); }
+    /// Where the border may lie, seen from x_, and the cut that the next step keeps to: bold ones promise much and
+    /// fail, careful ones promise little; the one with the largest product of promise and probability is taken.
+    void look_at_border();
 
     bool rejected(double length);
 
@@ -119,12 +117,13 @@ private:
     Eigen::MatrixXd B_;
     Eigen::MatrixXd of_steps_;  ///< B as the last accepted step left it
     double radius_ = guard_.options.first_step;
+    double damping_ = 0;  ///< that kept the last of the model's steps within the radius
     double least_curvature_;
-    BorderWatch border_{guard_.border};
+    std::optional<FailureCut> cut_;  ///< the next step keeps to its side; none: no border is known
+    double expected_ = 0;            ///< decrease of the merit from a step that does, times its probability
     bool is_limited_ = false;
     int accepted_ = 0;
-    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0, creeping_ = 0;
-    bool has_probed_ = false;  ///< the border, since the last accepted step
+    int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
     SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false};
 };
 

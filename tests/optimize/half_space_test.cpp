@@ -46,9 +46,9 @@ class FailingHalfSpace : public testing::TestWithParam<Method> {};
 TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations) {
     const Method method = GetParam();
     const char* more = std::getenv("STRAKE_SEEDS");
-    const unsigned seeds = more ? static_cast<unsigned>(std::atoi(more)) : 6;
-    // Within 1e-3 of what is attainable (crs2: 1e-2); along the border one of the 36 may stay a little short, and with
-    // many seeds (STRAKE_SEEDS) one in twenty: where the clean run is short, five times as much hardly tells a plane.
+    const unsigned seeds = more ? static_cast<unsigned>(std::atoi(more)) : method == Method::crs2 ? 6 : 18;
+    // Within 1e-3 of what is attainable (crs2: 1e-2), all of them; with many seeds (STRAKE_SEEDS) one in 300 may stay a
+    // little short: where the clean run takes 3 evaluations, 15 hardly tell a plane.
     int short_of_it = 0;
     for (const int n : {2, 4, 6})
         for (const double beyond : {0.7, 1.3, 2.0})
@@ -67,14 +67,14 @@ TEST_P(FailingHalfSpace, WhatCanBeReachedIsReachedWithinFiveTimesTheEvaluations)
                               << ": " << 1 - share << " after " << r.evaluations << " (" << clean.evaluations << "), "
                               << r.reason << "\n";
                 const double wanted = method == Method::crs2 ? 0.99 : 0.999;
-                if (beyond > 1 && share < wanted) ++short_of_it;
-                EXPECT_GE(share, beyond > 1 ? wanted - 0.007 : wanted)
+                if (share < wanted) ++short_of_it;
+                EXPECT_GE(share, seeds > 50 && beyond > 1 ? wanted - 0.007 : wanted)
                     << r.evaluations << " (clean: " << clean.evaluations << "): " << r.reason;
                 if (r.failures > 0) {
                     EXPECT_NE(r.reason.find("fail"), std::string::npos) << r.reason;
                 }
             }
-    EXPECT_LE(short_of_it, seeds <= 12 ? 1 : static_cast<int>(9 * seeds) / 20);
+    EXPECT_LE(short_of_it, static_cast<int>(9 * seeds) / 300);
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, FailingHalfSpace,

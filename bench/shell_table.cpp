@@ -9,10 +9,11 @@
 #include <string>
 
 /// The paper's table on this project's surfaces: `shell_table [--springs D] [--cold [--solver auto|direct|multigrid]...
-/// [--share S]...] [--warm N] [wing:22000 | body:131000 | FILE]...`. CPU seconds of the process (user and system), and
-/// the same in numeric factorizations of the rest matrix without springs. --cold: cold solves alone, by every solver
-/// named, at every share of the diagonal (10 % unless said), and their memory. Warm solves start from the equilibrium
-/// at 10 % with its factor. --springs: over all that is loaded, lambda = |F| / (2 D), D in diagonals.
+/// [--share S]... [--steps]] [--warm N] [wing:22000 | body:131000 | FILE]...`. CPU seconds of the process (user and
+/// system), and the same in numeric factorizations of the rest matrix without springs. --cold: cold solves alone, by
+/// every solver named, at every share of the diagonal (10 % unless said), their Newton steps where asked for, and their
+/// memory. Warm solves start from the equilibrium at 10 % with its factor. --springs: over all that is loaded, lambda =
+/// |F| / (2 D), D in diagonals.
 /// --warm: memory over N warm solves and gradients instead.
 namespace {
 
@@ -106,6 +107,7 @@ void cold_row(const Table& table, const LoadedShell& body, double share) {
 struct Cold {
     std::vector<std::string> solvers;
     std::vector<double> shares;
+    bool shows_steps = false;
 };
 
 LinearSolver solver_named(const std::string& name) {
@@ -136,6 +138,10 @@ void cold_only(const std::string& name, const Cold& cold) {
             std::printf("| %s | %d | %g %% | %s | %.2f | %s%s |\n", name.substr(name.rfind('/') + 1).c_str(),
                         body.mesh.num_triangles(), 100 * share, solver.c_str(), seconds, remark(end).c_str(),
                         apart.c_str());
+            for (const SolveRecord& record : end.records)
+                if (cold.shows_steps)
+                    std::printf("    %d: step %.2e, energy %.6e, gradient %.2e\n", record.iteration, record.step,
+                                record.energy, record.relative_gradient);
             std::fflush(stdout);
         }
     }
@@ -225,6 +231,8 @@ int main(int count, char** words) {
             warm = std::stoi(words[++i]);
         else if (!std::strcmp(words[i], "--cold"))
             is_cold = true;
+        else if (!std::strcmp(words[i], "--steps"))
+            cold.shows_steps = true;
         else if (!std::strcmp(words[i], "--solver") && i + 1 < count)
             cold.solvers.emplace_back(words[++i]);
         else if (!std::strcmp(words[i], "--share") && i + 1 < count)

@@ -34,8 +34,9 @@ struct Table {
 };
 
 std::string remark(const Equilibrium& end) {
-    return text(to_string(end.status), ", ", end.iterations, " it, ", end.factorizations, " fact, ", end.substitutions,
-                " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
+    const std::string change = end.solver != end.first_solver ? ", went over to " + to_string(end.solver) : "";
+    return text(to_string(end.status), change, ", ", end.iterations, " it, ", end.factorizations, " fact, ",
+                end.substitutions, " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
 }
 
 /// Of one functional by the size of the loads on groups of vertices.

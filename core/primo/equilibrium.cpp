@@ -352,6 +352,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     const bool pins_moved = differ(motions, shell.motions);
 
     Equilibrium end;
+    end.first_solver = solver();
     Attempt attempt{.shell = shell, .options = options, .progress = progress, .end = end, .motions = motions};
     shell.place_pinned(motions);
     const auto begin_again = [&] {
@@ -376,6 +377,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     }
     end.seconds = shell.seconds;
     end.substitutions = shell.substitutions - substitutions_before;
+    end.solver = solver();
     if (done) {
         end.status = SolveStatus::converged;
         end.reason = text("equilibrium after ", end.iterations, " Newton iterations");

@@ -71,6 +71,10 @@ std::size_t Multigrid::bytes() const {
     return (impl_->single ? impl_->single->bytes() : 0) + (impl_->twice ? impl_->twice->bytes() : 0);
 }
 
+double Multigrid::cycle_work() const {
+    return impl_->single ? impl_->single->cycle_work() : impl_->twice ? impl_->twice->cycle_work() : 0;
+}
+
 Eigen::VectorXd Multigrid::apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind) {
     if (impl_->single) return impl_->single->apply(r, kind);
     if (impl_->twice) return impl_->twice->apply(r, kind);

@@ -66,6 +66,7 @@ public:
     bool is_single_precision() const;      ///< else double: long thin parts, or a matrix near singular
     std::vector<int> level_sizes() const;  ///< block rows, finest first
     std::size_t bytes() const;             ///< of all levels, without the factor of the last
+    double cycle_work() const;             ///< products of 6x6 blocks in one `apply`, those in double precision twice
 
 private:
     struct Impl;

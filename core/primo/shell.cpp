@@ -38,6 +38,18 @@ std::string to_string(SolveStatus status) {
     return "unknown";
 }
 
+std::string to_string(LinearSolver solver) {
+    switch (solver) {
+        case LinearSolver::automatic:
+            return "auto";
+        case LinearSolver::direct:
+            return "direct";
+        case LinearSolver::multigrid:
+            return "multigrid";
+    }
+    return "unknown";
+}
+
 Eigen::Quaterniond rotation_of(const Eigen::Vector3d& r) {
     const double angle = r.norm();
     const double s = angle < 1e-4 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
@@ -62,7 +74,8 @@ PrimoShell::Impl::Impl(RestState given, LinearSolver solver, int expected_solves
     loads = complete({}, rest.mesh.num_vertices());
     const double edge = std::sqrt(rest.area.mean() * 4 / std::sqrt(3.0));
     const double height_in_edges = rest.prism_height.mean() / edge;
-    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves), height_in_edges);
+    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves), height_in_edges,
+             solver == LinearSolver::automatic);
 }
 
 void PrimoShell::Impl::reset_poses() {

@@ -36,7 +36,7 @@ nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status
     j["last_step"] = json_number(end.last_step);
     j["max_displacement"] = json_number(moved);
     j["stable"] = end.stable;
-    j["solver"] = {to_string(end.first_solver)};
+    j["solver"] = nlohmann::ordered_json::array({to_string(end.first_solver)});
     if (end.solver != end.first_solver) j["solver"].push_back(to_string(end.solver));
     j["factorizations"] = end.factorizations;
     j["substitutions"] = end.substitutions;

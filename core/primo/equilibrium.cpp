@@ -33,7 +33,6 @@ constexpr double worth_anew = 0.2;      // the same where what is kept of the re
 // A step from a guess that is longer changes the matrix so much that one set up anew pays; a factor costs more.
 constexpr double rough_guess = 0.005, rough_guess_for_factor = 0.02;  // diagonals
 constexpr int coarse_load_steps = 4;                                  // where it does not get there at once
-constexpr int lost = 3;              // indefinite matrices in a row where a coarser shell has led past the end
 constexpr double coarse_end = 0.01;  // diagonals: step with which it has gone far enough
 
 /// Shortens a step so that no prism turns or travels too far.
@@ -175,7 +174,6 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
     systems.begin();
     double smallest = std::numeric_limits<double>::infinity();
     int growing = 0;  // iterations in a row with a step well above the smallest
-    int astray = 0;   // the same beside indefinite matrices
     Stages stages;
     for (int i = 0; i < attempt_limit + stage_iterations * (stages.count - 1) && !out_of_budget(); ++i) {
         at.jump = {};
@@ -202,9 +200,6 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
         const double step = step_size(shell.rest, twist);
         record(at, loads, step);
         if (!std::isfinite(at.norm)) return false;
-        // It has snapped to where this one does not follow by full steps; from rest another end is near.
-        astray = is_near && systems.was_clipped() ? astray + 1 : 0;
-        if (astray == lost) return false;
         if (is_near && i == 0 && step > (shell.kept.is_exact() ? rough_guess_for_factor : rough_guess)) reuse = false;
         if (stages.advance(step)) {
             smallest = std::numeric_limits<double>::infinity();
@@ -212,7 +207,8 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             systems.begin();
             continue;
         }
-        if (is_rough && step < coarse_end && !systems.was_clipped()) return true;
+        // Where a coarser one still has led to what is about to snap, the way from rest ends elsewhere.
+        if (is_rough && step < coarse_end) return !(is_near && systems.was_clipped());
         if (step < nearly_there) {
             stress = {};
             twist.resize(0);

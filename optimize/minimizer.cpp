@@ -181,7 +181,7 @@ private:
             const double before = guard_.best.objective;
             const bool feasible_before = guard_.best_feasible;
             Sample sample;
-            if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
+            if (!guard_.try_at(guard_.best_x, true, sample)) return has_no_gradient();
             const SqpEnd sqp = minimize_by_sqp(guard_, curvature);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
@@ -195,6 +195,13 @@ private:
             const double size = metric_of(guard_.program).trace();
             curvature = doubtful ? 0 : fresh_share * sqp.hessian.trace() / size;
         }
+    }
+
+    /// The best point has a value: it stands, though its gradient fails.
+    void has_no_gradient() {
+        if (guard_.cause != Cause::failure) return take(end_by_cause(guard_));
+        end(MinimizeStop::blocked,
+            text("no gradient where the best point is, and so no way on from there: ", guard_.failure));
     }
 
     /// What is left to gain is what the model says, and its curvature may come from before the border was met.
@@ -231,7 +238,7 @@ private:
         guard_.wants_gradient = true;
         guard_.border = {};  // all over the box no plane parts what fails
         Sample sample;
-        if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
+        if (!guard_.try_at(guard_.best_x, true, sample)) return has_no_gradient();
         guard_.scale = objective_scale(guard_);
         run_sqp();
         result_.reason = text(result_.reason, " (polish by slsqp of what ", method_->name, " found)");

@@ -116,6 +116,23 @@ TEST(Faults, DifferencesUnderFaultsToo) {
         }
 }
 
+/// Values come everywhere, gradients on one side of a plane only: the lowest value stands, and the run has not failed.
+TEST(Faults, WhereOnlyGradientsFailTheBestPointStands) {
+    for (const MethodFacts& method : all_methods()) {
+        if (!method.needs_gradients && !method.is_global) continue;
+        SCOPED_TRACE(method.name);
+        NonlinearProgram p = bowl().program;
+        p.differentiate = [sound = p.differentiate](const VectorXd& x, Sample& s) {
+            sound(x, s);
+            if (x[0] > 0) s.failure = "the adjoint diverges";
+        };
+        const MinimizeResult r = minimize(p, tight_options(method.method, 400));
+        EXPECT_EQ(r.stop, MinimizeStop::blocked) << r.reason;
+        EXPECT_NE(r.reason.find("the adjoint diverges"), std::string::npos) << r.reason;
+        EXPECT_LT(r.best.objective, p.evaluate(p.start).objective);
+    }
+}
+
 TEST(Faults, SeveralStartsUnderFaultsToo) {
     for (const MethodFacts& method : all_methods())
         for (const Fault fault : {Fault::not_a_number, Fault::throws, Fault::fails})

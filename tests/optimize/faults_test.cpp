@@ -1,3 +1,4 @@
+#include "derivatives.hpp"
 #include "optimize/guard.hpp"
 #include "programs.hpp"
 
@@ -131,6 +132,24 @@ TEST(Faults, WhereOnlyGradientsFailTheBestPointStands) {
         EXPECT_NE(r.reason.find("the adjoint diverges"), std::string::npos) << r.reason;
         EXPECT_LT(r.best.objective, p.evaluate(p.start).objective);
     }
+}
+
+/// One failure of ten is no border to go along, and where the gradient of that way failed the search once ended.
+TEST(Faults, BadLuckDoesNotEndASearchWithoutGradients) {
+    for (const Method method : {Method::cobyla, Method::bobyqa})
+        for (unsigned seed = 1; seed <= 40; ++seed) {
+            SCOPED_TRACE(text(method_facts(method).name, ", seed ", seed));
+            NonlinearProgram p = bowl().program;
+            int calls = 0;
+            p.differentiate = nullptr;
+            p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
+                Sample s = sound(x);
+                if (calls++ > 0 && random_vector(1, seed * 1000 + calls)[0] > 0.8) s.failure = "bad luck";
+                return s;
+            };
+            const MinimizeResult r = minimize(p, tight_options(method, 600));
+            EXPECT_LT(r.best.objective - 1, 1e-3 * (p.evaluate(p.start).objective - 1)) << r.reason;
+        }
 }
 
 TEST(Faults, SeveralStartsUnderFaultsToo) {

@@ -152,6 +152,25 @@ TEST(Faults, BadLuckDoesNotEndASearchWithoutGradients) {
         }
 }
 
+/// slsqp begins along the border where the method without gradients has its best point: that is not paid again.
+TEST(Faults, NoPointIsPaidTwiceAlongABorder) {
+    for (const Method method : {Method::cobyla, Method::bobyqa}) {
+        SCOPED_TRACE(method_facts(method).name);
+        NonlinearProgram p = bowl().program;
+        std::vector<VectorXd> paid;
+        p.differentiate = nullptr;
+        p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
+            for (const VectorXd& y : paid) EXPECT_NE(x, y) << x.transpose();
+            paid.push_back(x);
+            Sample s = sound(x);
+            if (x[0] - x[1] + x[2] > 0.2) s.failure = "the flow separates";
+            return s;
+        };
+        const MinimizeResult r = minimize(p, tight_options(method, 300));
+        EXPECT_NE(r.reason.find("slsqp went on"), std::string::npos) << r.reason;
+    }
+}
+
 TEST(Faults, SeveralStartsUnderFaultsToo) {
     for (const MethodFacts& method : all_methods())
         for (const Fault fault : {Fault::not_a_number, Fault::throws, Fault::fails})

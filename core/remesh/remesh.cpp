@@ -223,7 +223,8 @@ private:
                 result_.new_intersections = count;
                 best = mesh_;
             }
-            if (count == 0 || round == 4 || in_vain == 2) break;
+            const bool is_hopeless = count > 0.05 * mesh_.num_triangles();  // wires, and sheets that lie on each other
+            if (count == 0 || round == 4 || in_vain == 2 || is_hopeless) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();

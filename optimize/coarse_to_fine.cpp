@@ -67,8 +67,9 @@ private:
         if (!any)
             throw InvalidInput("nothing to optimize: no variable of any level moves anything; is all of it fixed?");
         state_.result.level = state_.space.level;
-        conclude_run(state_.result, {level, program_.rows(), program_.quantity_failed(), state_.run_best.feasible,
-                                     state_.can_refine(), refining_is_idle_});
+        conclude_run(state_.result,
+                     {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
+                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_});
     }
 
     /// True: on to this front. A level that was left for details that turn out to be worth nothing goes on to its end.

@@ -82,6 +82,8 @@ bool Guard::try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample) {
 
 const Sample& Guard::sample_at(const Eigen::VectorXd& x, bool gradient) {
     if (has_best && x == best_x && (!gradient || best.gradient.size() > 0)) return best;
+    if (has_best && x == best_x && !program.differentiate)
+        last_ = best, last_x_ = x;  // differences need its values only
     if (!(last_x_.size() > 0 && x == last_x_)) evaluate(x);
     if (gradient && last_.gradient.size() == 0) differentiate(x);
     return last_;

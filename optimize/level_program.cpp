@@ -132,7 +132,8 @@ Sample LevelProgram::evaluate(const Eigen::VectorXd& x) {
         sample.failure = current_.reason;
         sample.is_of_step =
             current_.status == EvaluationStatus::not_converged || current_.status == EvaluationStatus::unstable;
-        sample.is_fatal = current_.status == EvaluationStatus::quantity_failed && !current_.may_go_on;
+        last_failed_in_quantity_ = current_.status == EvaluationStatus::quantity_failed;
+        sample.is_fatal = last_failed_in_quantity_ && !current_.may_go_on;
         quantity_failed_ |= sample.is_fatal;
     }
     state_.record(x, current_, objective, rank,
@@ -150,6 +151,7 @@ void LevelProgram::differentiate(Sample& sample) {
         sample.failure = current_.reason;
         sample.is_fatal = !current_.may_go_on;
         quantity_failed_ |= sample.is_fatal;
+        last_failed_in_quantity_ = true;
         return;
     }
     if (came_later && !current_.dJ_dv.empty()) state_.tell_sensitivities(current_, current_.dJ_dv[0]);

@@ -39,6 +39,8 @@ public:
     bool has_lagrangian() const { return !known_.sensitivities.empty() && !needs_differences_; }
     const ConstraintRows& rows() const { return rows_; }
     bool quantity_failed() const { return quantity_failed_; }
+    /// The last failure left the surface sound.
+    bool last_failed_in_quantity() const { return last_failed_in_quantity_; }
 
 private:
     Sample evaluate(const Eigen::VectorXd& x);
@@ -55,7 +57,7 @@ private:
     Eigen::VectorXd current_x_;
     Rank current_rank_;
     KnownDesign known_;
-    bool needs_differences_ = false, quantity_failed_ = false;
+    bool needs_differences_ = false, quantity_failed_ = false, last_failed_in_quantity_ = false;
 };
 
 }  // namespace strake

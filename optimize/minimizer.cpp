@@ -19,6 +19,7 @@ constexpr double global_share = 0.7;   ///< of the evaluations; the rest polishe
 constexpr double most_failing = 0.75;  ///< of the evaluations: more, and nothing is known of convergence
 constexpr int most_confirmations = 5, separable_confirmations = 20;
 constexpr double border_share = 1e-2;
+constexpr int most_returns = 5;      ///< of a method without gradients, from what looked like a border
 constexpr double fresh_share = 0.1;  ///< of the mean curvature: soft directions are to be seen
 constexpr int restoration_steps = 40, most_feasibility_phases = 2;
 
@@ -102,7 +103,8 @@ private:
         const int jacobian =
             method_->needs_gradients && !guard_.program.differences ? 0 : static_cast<int>(guard_.free.size());
         if (is_constrained()) guard_.limit = all - std::min(all / 4, jacobian + 4);
-        const SearchEnd found = search_by(*method_);
+        SearchEnd found = search_by(*method_);
+        for (int i = 0; i < most_returns && was_bad_luck(found); ++i) found = search_by(*method_);
         guard_.limit = all;
         take(found);
         settle(found);
@@ -110,6 +112,20 @@ private:
             end(found.stop, text("the limit of evaluations is reached (", guard_.evaluations, ")"));
         if (found.is_at_border && (guard_.cause == Cause::failure || guard_.cause == Cause::none)) follow_border();
         second_opinion();
+    }
+
+    /// What failed looks like a border, but next to the best point differences fail on either side: slsqp could not
+    /// begin there, and the method goes on.
+    bool was_bad_luck(const SearchEnd& found) {
+        if (method_->needs_gradients || !found.is_at_border) return false;
+        if (guard_.cause != Cause::failure && guard_.cause != Cause::none) return false;
+        guard_.cause = Cause::none;
+        Sample sample;
+        if (guard_.try_at(guard_.best_x, true, sample) || guard_.cause != Cause::failure) return false;
+        guard_.cause = Cause::none;
+        guard_.border = {};
+        guard_.tell_event(text("no plane parts what fails (", guard_.failure, "); ", method_->name, " goes on"));
+        return true;
     }
 
     /// slsqp knows the border of what fails, and goes on along it.
@@ -181,7 +197,7 @@ private:
             const double before = guard_.best.objective;
             const bool feasible_before = guard_.best_feasible;
             Sample sample;
-            if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
+            if (!guard_.try_at(guard_.best_x, true, sample)) return has_no_gradient();
             const SqpEnd sqp = minimize_by_sqp(guard_, curvature);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
@@ -195,6 +211,13 @@ private:
             const double size = metric_of(guard_.program).trace();
             curvature = doubtful ? 0 : fresh_share * sqp.hessian.trace() / size;
         }
+    }
+
+    /// The best point has a value: it stands, though its gradient fails.
+    void has_no_gradient() {
+        if (guard_.cause != Cause::failure) return take(end_by_cause(guard_));
+        end(MinimizeStop::blocked,
+            text("no gradient where the best point is, and so no way on from there: ", guard_.failure));
     }
 
     /// What is left to gain is what the model says, and its curvature may come from before the border was met.
@@ -231,7 +254,7 @@ private:
         guard_.wants_gradient = true;
         guard_.border = {};  // all over the box no plane parts what fails
         Sample sample;
-        if (!guard_.try_at(guard_.best_x, true, sample)) return take(end_by_cause(guard_));
+        if (!guard_.try_at(guard_.best_x, true, sample)) return has_no_gradient();
         guard_.scale = objective_scale(guard_);
         run_sqp();
         result_.reason = text(result_.reason, " (polish by slsqp of what ", method_->name, " found)");

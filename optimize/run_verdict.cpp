@@ -55,6 +55,15 @@ std::string failures_note(const RunEnd& end) {
                 " evaluations of this level failed: look at why (history.csv, the report) before you raise anything");
 }
 
+/// The words may end with lines of a program's log.
+std::string blocked_advice(const RunEnd& end, const std::string& words) {
+    if (!end.last_failed_in_quantity)
+        return "; the surface buckles or folds there: allow a smaller max_displacement, or give a larger thickness";
+    return text(words.find('\n') == std::string::npos ? "; " : "\n",
+                "the surface is sound there, a quantity has no value: its log says why; a constraint or a smaller "
+                "max_displacement keeps away from there");
+}
+
 void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
     if (end.level.conflict.size() > 1) {
         r.status = "conflict";
@@ -93,9 +102,7 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             break;
         case MinimizeStop::blocked:
             r.status = "blocked";
-            r.reason = text(words,
-                            "; the surface buckles or folds there: allow a smaller max_displacement, or give a larger "
-                            "thickness");
+            r.reason = text(words, blocked_advice(end, words));
             break;
         case MinimizeStop::failed:
             r.status = r.best_evaluation > 0 ? "blocked" : "failed";

@@ -9,9 +9,10 @@ struct RunEnd {
     const MinimizeResult& level;  ///< of the last level
     const ConstraintRows& rows;
     bool quantity_failed = false;
-    bool is_feasible = false;       ///< there is a feasible design
-    bool can_refine = false;        ///< there are finer patches
-    bool refining_is_idle = false;  ///< they promise nothing
+    bool last_failed_in_quantity = false;  ///< what blocks the run is no fault of the surface
+    bool is_feasible = false;              ///< there is a feasible design
+    bool can_refine = false;               ///< there are finer patches
+    bool refining_is_idle = false;         ///< they promise nothing
 };
 
 /// Fills status, reason and the names of conflicting constraints. @pre the other fields of the result are final.

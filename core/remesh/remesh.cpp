@@ -183,7 +183,7 @@ private:
         const bool is_much = mesh_.num_triangles() > 12 * most_expected_;  // thin places everywhere: it would not end
         if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
         if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
-            const double far = std::max(7e-4 * base_.diagonal, 0.1 * sizing_.longest);
+            const double far = std::max(5e-4 * base_.diagonal, 0.1 * sizing_.longest);
             count += note_far_edges(mesh_, sizing_, far, firm_.threads);
         }
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
@@ -223,7 +223,8 @@ private:
                 result_.new_intersections = count;
                 best = mesh_;
             }
-            if (count == 0 || round == 4 || in_vain == 2) break;
+            const bool is_hopeless = count > 0.05 * mesh_.num_triangles();  // wires, and sheets that lie on each other
+            if (count == 0 || round == 4 || in_vain == 2 || is_hopeless) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();

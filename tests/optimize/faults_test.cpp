@@ -1,3 +1,4 @@
+#include "derivatives.hpp"
 #include "optimize/guard.hpp"
 #include "programs.hpp"
 
@@ -114,6 +115,60 @@ TEST(Faults, DifferencesUnderFaultsToo) {
             EXPECT_TRUE(right || r.stop != MinimizeStop::converged) << r.reason;
             EXPECT_FALSE(r.gradient_inconsistent);
         }
+}
+
+/// Values come everywhere, gradients on one side of a plane only: the lowest value stands, and the run has not failed.
+TEST(Faults, WhereOnlyGradientsFailTheBestPointStands) {
+    for (const MethodFacts& method : all_methods()) {
+        if (!method.needs_gradients && !method.is_global) continue;
+        SCOPED_TRACE(method.name);
+        NonlinearProgram p = bowl().program;
+        p.differentiate = [sound = p.differentiate](const VectorXd& x, Sample& s) {
+            sound(x, s);
+            if (x[0] > 0) s.failure = "the adjoint diverges";
+        };
+        const MinimizeResult r = minimize(p, tight_options(method.method, 400));
+        EXPECT_EQ(r.stop, MinimizeStop::blocked) << r.reason;
+        EXPECT_NE(r.reason.find("the adjoint diverges"), std::string::npos) << r.reason;
+        EXPECT_LT(r.best.objective, p.evaluate(p.start).objective);
+    }
+}
+
+/// One failure of ten is no border to go along, and where the gradient of that way failed the search once ended.
+TEST(Faults, BadLuckDoesNotEndASearchWithoutGradients) {
+    for (const Method method : {Method::cobyla, Method::bobyqa})
+        for (unsigned seed = 1; seed <= 40; ++seed) {
+            SCOPED_TRACE(text(method_facts(method).name, ", seed ", seed));
+            NonlinearProgram p = bowl().program;
+            int calls = 0;
+            p.differentiate = nullptr;
+            p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
+                Sample s = sound(x);
+                if (calls++ > 0 && random_vector(1, seed * 1000 + calls)[0] > 0.8) s.failure = "bad luck";
+                return s;
+            };
+            const MinimizeResult r = minimize(p, tight_options(method, 600));
+            EXPECT_LT(r.best.objective - 1, 1e-3 * (p.evaluate(p.start).objective - 1)) << r.reason;
+        }
+}
+
+/// slsqp begins along the border where the method without gradients has its best point: that is not paid again.
+TEST(Faults, NoPointIsPaidTwiceAlongABorder) {
+    for (const Method method : {Method::cobyla, Method::bobyqa}) {
+        SCOPED_TRACE(method_facts(method).name);
+        NonlinearProgram p = bowl().program;
+        std::vector<VectorXd> paid;
+        p.differentiate = nullptr;
+        p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
+            for (const VectorXd& y : paid) EXPECT_NE(x, y) << x.transpose();
+            paid.push_back(x);
+            Sample s = sound(x);
+            if (x[0] - x[1] + x[2] > 0.2) s.failure = "the flow separates";
+            return s;
+        };
+        const MinimizeResult r = minimize(p, tight_options(method, 300));
+        EXPECT_NE(r.reason.find("slsqp went on"), std::string::npos) << r.reason;
+    }
 }
 
 TEST(Faults, SeveralStartsUnderFaultsToo) {

@@ -74,6 +74,26 @@ TEST(Verdict, BoundsThatHoldTheRunAreCounted) {
     EXPECT_TRUE(says(r.reason, "bounds active on 2 of 2 variables of level 1")) << r.reason;
 }
 
+/// A quantity that fails from some volume on: no advice to mend a surface that is sound.
+TEST(Verdict, WhereAQuantityFailsTheSurfaceIsNotBlamed) {
+    Problem problem = volume_problem();
+    double first = 0;
+    const auto honest = problem.quantities[0].evaluate;
+    problem.quantities[0].evaluate = [&, honest](const QuantityRequest& request) {
+        QuantityResult result = honest(request);
+        if (first == 0) first = result.values[0];
+        if (result.values[0] < 1.01 * first) return result;
+        return QuantityResult{{}, {}, Failure{"exit", "the flow separates"}};
+    };
+    problem.quantities[0].failing_shortens_step = true;
+    problem.optimize.max_evaluations = 200;
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "blocked") << r.reason;
+    EXPECT_TRUE(says(r.reason, "the flow separates")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "a quantity has no value")) << r.reason;
+    EXPECT_FALSE(says(r.reason, "buckles")) << r.reason;
+}
+
 TEST(Verdict, AThrowingQuantityEndsTheRunWithItsWords) {
     Problem problem = volume_problem();
     int calls = 0;

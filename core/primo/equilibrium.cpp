@@ -62,6 +62,7 @@ struct Attempt {
     double worth = 0;         ///< and at once, without success, if the first is below this
     bool is_guided = true;    ///< goes ahead on a coarser shell where the way is long
     bool was_guided = false;  ///< has done so
+    bool was_misled = false;  ///< and ended beside an indefinite matrix: about to snap
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -78,6 +79,7 @@ struct Attempt {
     }
 
     bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
+    bool compare_from_rest(const Loads& loads, bool pins_moved);
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
     bool finish(const Loads& loads, Iterate at);
@@ -140,13 +142,7 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     bool is_found = false;
     try {
         is_found = attempt.mixed(loads, pins_moved, false);
-        attempt.is_guided = false;
-        if (!is_found && attempt.was_guided && !attempt.cancelled) {
-            rough.reset_poses();
-            rough.place_pinned(motions);
-            found.iterations = 0;
-            is_found = attempt.mixed(loads, pins_moved, false);
-        }
+        if (attempt.was_misled && !attempt.cancelled) is_found = attempt.compare_from_rest(loads, pins_moved);
         if (!is_found && found.iterations > 0 && options.fallbacks && !attempt.cancelled) {
             found.iterations = 0;
             attempt.worth = 0;  // a load step may be short
@@ -161,6 +157,24 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     shell.place_pinned(motions);
     shell.has_moved();
     return was_guided = true;
+}
+
+/// From rest without a guide; what was there is taken back where that finds nothing of less energy.
+bool Attempt::compare_from_rest(const Loads& loads, bool pins_moved) {
+    const Poses guided = shell.poses;
+    const double guided_energy = end.records.back().energy;
+    shell.reset_poses();
+    shell.place_pinned(motions);
+    is_guided = false;
+    end.iterations = 0;
+    try {
+        if (mixed(loads, pins_moved, false) && end.records.back().energy < guided_energy) return true;
+    } catch (const SolverError&) {
+    }
+    if (cancelled) return false;
+    shell.poses = guided;
+    shell.has_moved();
+    return true;
 }
 
 bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
@@ -207,8 +221,10 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             systems.begin();
             continue;
         }
-        // Where a coarser one still has led to what is about to snap, the way from rest ends elsewhere.
-        if (is_rough && step < coarse_end) return !(is_near && systems.was_clipped());
+        if (is_rough && step < coarse_end) {
+            was_misled = is_near && systems.was_clipped();
+            return true;
+        }
         if (step < nearly_there) {
             stress = {};
             twist.resize(0);

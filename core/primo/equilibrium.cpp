@@ -18,6 +18,7 @@ constexpr double largest_turn = 1.0;      // radians a prism may turn in one ste
 constexpr double largest_travel = 1.0;    // diagonals a prism may travel in one step
 constexpr double nearly_there = 1e-5;     // diagonals: from here the exact Hessian takes over
 constexpr double enough_gradient = 3e-8;  // relative: round-off leaves 1e-9 to 1e-7
+constexpr double roundoff_step = 1e-15;   // diagonals: from here a gradient that still falls means nothing
 constexpr int attempt_limit = 25;         // iterations of one mixed attempt
 constexpr int growth_limit = 4;           // iterations in a row that lead away
 constexpr double closing_step = 1e-3;     // diagonals: from here a few iterations more are allowed
@@ -257,8 +258,9 @@ bool Attempt::finish(const Loads& loads, Iterate at) {
         at = iterate(shell, loads);
         record(at, loads, step_size(shell.rest, twist));
         if (!systems.is_done()) continue;
-        if (at.norm > enough_gradient * at.scale && at.norm < before / 2) continue;  // small, and still falling
-        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);       // at the floor round-off decides
+        const bool still_falls = at.norm > enough_gradient * at.scale && at.norm < before / 2;
+        if (still_falls && end.last_step > roundoff_step) continue;             // without loads the scale falls with it
+        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
@@ -310,29 +312,6 @@ bool Attempt::load_steps(const Loads& loads, const std::vector<RigidMotion>& mot
         if (!mixed(part, !motions.empty(), false)) return false;
     }
     return true;
-}
-
-void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions) {
-    int wanted = 0;
-    for (const int pin : rest.pin) wanted = std::max(wanted, pin);
-    if (static_cast<int>(motions.size()) != wanted)
-        throw InvalidInput(text("shell: ", motions.size(), " motions for ", wanted, " pinned regions"));
-    for (const RigidMotion& motion : motions)
-        if (!motion.rotation.allFinite() || !motion.translation.allFinite() || !motion.about.allFinite())
-            throw InvalidInput("shell: a pinned motion is not finite");
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (!rest.on_plane[k] || rest.fixed_vertex[k]) continue;
-        for (const int i : rest.vertex_prisms[k]) {
-            if (rest.pin[i] <= 0) continue;
-            const RigidMotion& motion = motions[rest.pin[i] - 1];
-            const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
-            const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
-            if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
-                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
-                                        " off the symmetry plane by ", rest.symmetry->normal.dot(d),
-                                        "; move it within the plane only"));
-        }
-    }
 }
 
 bool differ(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b) {

@@ -84,6 +84,29 @@ void PrimoShell::Impl::reset_poses() {
     has_moved();
 }
 
+void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions) {
+    int wanted = 0;
+    for (const int pin : rest.pin) wanted = std::max(wanted, pin);
+    if (static_cast<int>(motions.size()) != wanted)
+        throw InvalidInput(text("shell: ", motions.size(), " motions for ", wanted, " pinned regions"));
+    for (const RigidMotion& motion : motions)
+        if (!motion.rotation.allFinite() || !motion.translation.allFinite() || !motion.about.allFinite())
+            throw InvalidInput("shell: a pinned motion is not finite");
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (!rest.on_plane[k] || rest.fixed_vertex[k]) continue;
+        for (const int i : rest.vertex_prisms[k]) {
+            if (rest.pin[i] <= 0) continue;
+            const RigidMotion& motion = motions[rest.pin[i] - 1];
+            const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
+            const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
+            if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
+                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
+                                        " off the symmetry plane by ", rest.symmetry->normal.dot(d),
+                                        "; move it within the plane only"));
+        }
+    }
+}
+
 void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {
     for (int i = 0; i < rest.num_prisms(); ++i) {
         if (rest.pin[i] <= 0) continue;

@@ -148,6 +148,7 @@ public:
     Eigen::MatrixXd gradient(const Loads& loads = {}) const;
 
     /// The paper's single solve: vertices displaced by the linear response at rest (rotations not composed).
+    /// @throws InvalidInput, as `solve`; SolverError where a part is barely held
     Points linear_response(const Loads& loads, const std::vector<RigidMotion>& motions = {});
 
     /// Vertex velocities dv for changes of the forces dF (n x 3 each), at the equilibrium of the last `solve`

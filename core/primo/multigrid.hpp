@@ -51,8 +51,9 @@ public:
 
     /// Clusters and coarse matrices of A. `centre` (one row per block row) is the point about which the twist of each
     /// block row is meant. False when A is seen to be indefinite (nothing is kept then; a true answer is no proof).
+    /// @param in_double where single precision does not do; without, that is false too
     /// @throws InvalidInput: sizes differ; SolverError: not finite, out of memory.
-    [[nodiscard]] bool setup(const BlockMatrix& A, const Points& centre);
+    [[nodiscard]] bool setup(const BlockMatrix& A, const Points& centre, bool in_double = true);
     /// The same for new numbers in the same pattern, with the clusters of `setup`.
     [[nodiscard]] bool update(const BlockMatrix& A, const Points& centre);
     bool is_ready() const;

@@ -72,22 +72,27 @@ bool Preconditioner::change(const BlockMatrix& H) {
     return factor_.factorize(H);
 }
 
-bool Preconditioner::build(const BlockMatrix& H, const Points& centre) {
-    if (is_exact()) return factor_.factorize(H);
-    const bool can_change = may_change_ && H.size() < large;
-    if (can_change && has_clusters_ && multigrid_.is_ready()) count_regret(H.size());
-    if (can_change && regret_ > ordering_price) return change(H);
-    const bool built = has_clusters_ ? multigrid_.update(H, centre) : multigrid_.setup(H, centre);
-    const bool is_first = built && !has_clusters_;
-    has_clusters_ = has_clusters_ || built;
+/// The first time. Only then it is known what a cycle costs: where connections are strong in one direction clusters are
+/// small, and where single precision does not do it would cost twice.
+bool Preconditioner::set_up(const BlockMatrix& H, const Points& centre, bool can_change) {
+    has_clusters_ = multigrid_.setup(H, centre, !can_change);
     cycles_ = 0;
-    // Only now it is known what a cycle costs: where connections are strong in one direction clusters are small, and
-    // where single precision does not do all of it costs twice.
+    if (!can_change) return has_clusters_;
+    if (!has_clusters_) return change(H);
     const double foreseen = usual_cycles * multigrid_.cycle_work() / H.size();
     const double by_factors =
         ordering_price + usual_factors * factor_price(H.size()) + usual_substitutions * substitution_price;
-    if (can_change && is_first && foreseen > clearly * by_factors) return change(H);
-    return built;
+    return foreseen > clearly * by_factors ? change(H) : true;
+}
+
+bool Preconditioner::build(const BlockMatrix& H, const Points& centre) {
+    if (is_exact()) return factor_.factorize(H);
+    const bool can_change = may_change_ && H.size() < large;
+    if (!has_clusters_) return set_up(H, centre, can_change);
+    if (can_change && multigrid_.is_ready()) count_regret(H.size());
+    if (can_change && regret_ > ordering_price) return change(H);
+    cycles_ = 0;
+    return multigrid_.update(H, centre);
 }
 
 void Preconditioner::drop() {

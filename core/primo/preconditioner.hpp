@@ -35,6 +35,7 @@ public:
     long num_entries() const;  ///< numbers kept
 
 private:
+    bool set_up(const BlockMatrix& H, const Points& centre, bool can_change);
     bool change(const BlockMatrix& H);
     void count_regret(int prisms);
 

@@ -13,8 +13,7 @@
 /// system), and the same in numeric factorizations of the rest matrix without springs. --cold: cold solves alone, by
 /// every solver named, at every share of the diagonal (10 % unless said), their Newton steps where asked for, and their
 /// memory. Warm solves start from the equilibrium at 10 % with its factor. --springs: over all that is loaded, lambda =
-/// |F| / (2 D), D in diagonals.
-/// --warm: memory over N warm solves and gradients instead.
+/// |F| / (2 D), D in diagonals. --warm: memory over N warm solves and gradients instead.
 namespace {
 
 using namespace strake;
@@ -101,8 +100,7 @@ void cold_row(const Table& table, const LoadedShell& body, double share) {
     PrimoShell shell(body.mesh, options);
     Equilibrium end;
     const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
-    const char* solver = shell.solver() == LinearSolver::direct ? "direct" : "multigrid";
-    table.row(text("cold, ", 100 * share, " %, ", solver, ", all included"), seconds, remark(end));
+    table.row(text("cold, ", 100 * share, " %, ", to_string(shell.solver()), ", all included"), seconds, remark(end));
 }
 
 struct Cold {
@@ -112,9 +110,8 @@ struct Cold {
 };
 
 LinearSolver solver_named(const std::string& name) {
-    if (name == "direct") return LinearSolver::direct;
-    if (name == "multigrid") return LinearSolver::multigrid;
-    if (name == "auto") return LinearSolver::automatic;
+    for (const LinearSolver solver : {LinearSolver::automatic, LinearSolver::direct, LinearSolver::multigrid})
+        if (name == to_string(solver)) return solver;
     throw InvalidInput("--solver " + name + ": auto, direct or multigrid");
 }
 

@@ -120,9 +120,7 @@ TEST(Schemes, TheProductIsTheDerivativeOfTheGradientAlsoWithSprings) {
     }
 }
 
-/// A strip pressed beyond Euler's load in steps, each beside the factor of the one before: straight, it stays an
-/// equilibrium, and nothing pushes it sideways.
-// Without loads the residual's own scale falls with it, and no solve may wait for their ratio.
+/// Without loads the residual's own scale falls with it, and no solve may wait for their ratio.
 TEST(Schemes, ADesignOfNoLoadsIsFoundFromAnyOther) {
     const TriMesh mesh = example::wing(1000);
     for (const LinearSolver solver : {LinearSolver::direct, LinearSolver::multigrid}) {
@@ -153,6 +151,8 @@ TEST(Schemes, ADesignOfNoLoadsIsFoundFromAnyOther) {
     }
 }
 
+/// A strip pressed beyond Euler's load in steps, each beside the factor of the one before: straight, it stays an
+/// equilibrium, and nothing pushes it sideways.
 TEST(Schemes, WhatIsCalledStableHasAPositiveDefiniteHessian) {
     const TriMesh mesh = strip(1, 0.1, 20, 2);
     ShellOptions options = uniform(mesh, 0.02);

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/level_program.hpp"
 #include "optimize/methods.hpp"
+#include "optimize/partial_gradient.hpp"
 #include "optimize/refinement.hpp"
 #include "optimize/run_verdict.hpp"
 
@@ -203,6 +204,9 @@ private:
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
+            static const int econ = std::getenv("ECON") ? std::atoi(std::getenv("ECON")) : 2;
+            if (program.differences && program.differences->objective && econ > 0 && parent_.gradient.size() == P.cols())
+                program.start_gradient = inherited_gradient(parent_, doubt_, P, program.metric);
             if (!is_same) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
         }
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
@@ -247,6 +251,8 @@ private:
         MinimizeResult result = minimize(program, how);
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
+        parent_ = result.best;
+        doubt_ = result.doubt;
         curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
         // Finer details move the shape by less than what they are details of.
         if (sees_values_only && result.best.failure.empty()) {
@@ -271,6 +277,8 @@ private:
     RunState state_;
     LevelProgram program_;
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
+    Sample parent_;           ///< best of the level, its gradient in y
+    Eigen::MatrixXd doubt_;   ///< of that gradient
     double curvature_ = 1, first_step_ = 0.5;
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end

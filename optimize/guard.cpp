@@ -71,6 +71,28 @@ const Sample& Guard::at_all(const Eigen::VectorXd& asked, bool gradient) {
     }
 }
 
+bool Guard::try_with(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample) {
+    guess_ = &guess;
+    const bool ok = try_at(x, true, sample);
+    guess_ = nullptr;
+    return ok;
+}
+
+bool Guard::try_refined(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample) {
+    sample.gradient.resize(0);
+    if (has_best && x == best_x) best.gradient.resize(0);
+    last_ = sample;
+    last_x_ = x;
+    is_refined_ = true;
+    const bool ok = try_with(x, guess, sample);
+    is_refined_ = false;
+    return ok;
+}
+
+void Guard::forget_guessed() {
+    if (best.is_partly_guessed) best.gradient.resize(0), best.is_partly_guessed = false, last_x_.resize(0);
+}
+
 bool Guard::try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample) {
     try {
         sample = at_all(x, gradient);
@@ -178,7 +200,7 @@ void Guard::rank(const Eigen::VectorXd& x) {
 
 void Guard::differentiate(const Eigen::VectorXd& x) {
     Sample s = last_;
-    if (program.differentiate) try {
+    if (program.differentiate && !is_refined_) try {
             program.differentiate(x, s);
         } catch (const InvalidInput&) {
             throw;
@@ -197,29 +219,36 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
         last_x_.resize(0);
         stop(Cause::fatal);
     }
-    if (program.differences) {
-        last_x_.resize(0);  // the program's last evaluation is no longer the one at x
-        const auto evaluate = [&](const Eigen::VectorXd& at) {
-            Sample next = sample_of(at);  // not to the border: so close by, one failure of bad luck would hide it
-            failed_on_the_way = next.is_of_step;
-            if (next.failure.empty()) return next;
-            ++failures;
-            failure = next.failure;
-            if (next.is_fatal) stop(Cause::fatal);
-            return next;
-        };
-        const auto expect = [&](std::vector<Eigen::VectorXd> points) {
-            if (!program.expect) return;
-            points.resize(std::min(points.size(), static_cast<std::size_t>(std::max(0, limit - evaluations))));
-            program.expect(points);
-        };
-        if (!differentiate_by_differences(program, x, s, evaluate, expect))
-            fail_gradient(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
-    }
+    if (program.differences) add_differences(x, s);
     last_ = s;
     check_gradient(x);
     last_x_ = x;
     if (has_best && best_x == x) best = last_;
+}
+
+void Guard::add_differences(const Eigen::VectorXd& x, Sample& s) {
+    last_x_.resize(0);  // the program's last evaluation is no longer the one at x
+    const auto evaluate = [&](const Eigen::VectorXd& at) {
+        Sample next = sample_of(at);  // not to the border: so close by, one failure of bad luck would hide it
+        failed_on_the_way = next.is_of_step;
+        if (next.failure.empty()) return next;
+        ++failures;
+        failure = next.failure;
+        if (next.is_fatal) stop(Cause::fatal);
+        return next;
+    };
+    const auto expect = [&](std::vector<Eigen::VectorXd> points) {
+        if (!program.expect) return;
+        points.resize(std::min(points.size(), static_cast<std::size_t>(std::max(0, limit - evaluations))));
+        program.expect(points);
+    };
+    if (guess_ && differentiate_along(program, x, s, *guess_, evaluate, expect)) {
+        s.is_partly_guessed = !guess_->is_complete;
+        return;
+    }
+    s.is_partly_guessed = false;
+    if (!differentiate_by_differences(program, x, s, evaluate, expect))
+        fail_gradient(x, text("no differences for the gradient at evaluation ", evaluations, ": ", failure));
 }
 
 void Guard::check_gradient(const Eigen::VectorXd& x) {

@@ -2,6 +2,7 @@
 #include "optimize/failure_border.hpp"
 #include "optimize/methods.hpp"
 #include "optimize/minimizer.hpp"
+#include "optimize/partial_gradient.hpp"
 
 #include <exception>
 
@@ -35,6 +36,13 @@ public:
     Eigen::VectorXd all_variables(const double* z) const;
     /// As at_all, without an exception: false, `cause` is set.
     bool try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample);
+
+    /// The gradient at x as `at_all`, from a guess and the differences that it asks for; all differences where these fail.
+    bool try_with(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample);
+    /// Pays these differences at x, whose sample is known, too.
+    bool try_refined(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample);
+    /// What was guessed of the gradient at the best point is paid when it is asked for again.
+    void forget_guessed();
 
     void tell_event(const std::string& words) const {
         if (options.on_event) options.on_event(words);
@@ -76,10 +84,13 @@ private:
     void evaluate(const Eigen::VectorXd& x);
     void rank(const Eigen::VectorXd& x);
     void differentiate(const Eigen::VectorXd& x);
+    void add_differences(const Eigen::VectorXd& x, Sample& sample);
     void check_gradient(const Eigen::VectorXd& x);
     double now() const;  ///< seconds
     bool tell(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
 
+    const GradientGuess* guess_ = nullptr;  ///< of the next gradient
+    bool is_refined_ = false;               ///< what the program itself knows of that gradient is in the guess
     Sample last_;
     Eigen::VectorXd last_x_;
     long asked_ = 0;

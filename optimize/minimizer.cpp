@@ -70,10 +70,21 @@ private:
         return guard_.wants_gradient && !(d && d->objective && d->rows.empty());
     }
 
+    bool evaluate_start(Sample& sample) {
+        const NonlinearProgram& p = guard_.program;
+        const bool knows_more = method_->method == Method::slsqp && p.start_gradient && p.differences;
+        if (!knows_more) return guard_.try_at(p.start, guard_.wants_gradient, sample);
+        if (!guard_.try_at(p.start, false, sample)) return false;
+        const StartGradient& known = *p.start_gradient;
+        return guard_.try_with(p.start,
+                               {known.gradient, known.jacobian, known.details, metric_of(p), known.doubt.cols() == 0},
+                               sample);
+    }
+
     /// Evaluates the start. False: that is all.
     bool start() {
         Sample sample;
-        if (!guard_.try_at(guard_.program.start, guard_.wants_gradient, sample)) {
+        if (!evaluate_start(sample)) {
             take(end_by_cause(guard_));
             if (guard_.cause == Cause::failure || guard_.cause == Cause::fatal)
                 end(MinimizeStop::failed, text("the start cannot be evaluated: ", guard_.failure));
@@ -193,15 +204,18 @@ private:
 
     void run_sqp() {
         double curvature = 0;
-        for (bool go_on = true; go_on;) {
+        int rounds = 0;
+        for (bool go_on = true; go_on; ++rounds) {
             const double before = guard_.best.objective;
             const bool feasible_before = guard_.best_feasible;
             Sample sample;
+            if (rounds > 0) guard_.forget_guessed();
             if (!guard_.try_at(guard_.best_x, true, sample)) return has_no_gradient();
             const SqpEnd sqp = minimize_by_sqp(guard_, curvature);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
             result_.hessian = sqp.hessian;
+            result_.doubt = sqp.doubt;
             end(sqp.stop, sqp.reason);
             const bool doubtful = confirmations_ == 0 && promises_more(guard_);
             go_on = sqp.is_at_border

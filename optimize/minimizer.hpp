@@ -21,6 +21,15 @@ struct Sample {
     /// With a failure: it tells of the way to this x rather than of x (a solve that did not converge from where it
     /// began), and so nothing of where others fail.
     bool is_of_step = false;
+    bool is_partly_guessed = false;  ///< the gradient: not all of its differences were paid
+};
+
+/// What is known of the gradient at the start of a program with differences.
+struct StartGradient {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd jacobian;
+    Eigen::MatrixXd details;  ///< n x k: the slopes along these are not known yet
+    Eigen::MatrixXd doubt;    ///< columns: gradients by which what is known may be off; empty: none
 };
 
 struct NonlinearProgram {
@@ -45,6 +54,8 @@ struct NonlinearProgram {
     Eigen::MatrixXd hessian;
     /// The part of it, positive semidefinite, whose shape is known and whose size is a guess. Empty: none.
     Eigen::MatrixXd guessed;
+    /// Of the gradient at the start, where differences make it. Used by slsqp.
+    std::optional<StartGradient> start_gradient;
 };
 
 /// One evaluation, told as it happens.
@@ -114,6 +125,7 @@ struct MinimizeResult {
     bool is_flat = false;     ///< no evaluation gave another objective, or its gradient is zero at a start
     double radius = 0;        ///< slsqp: the last length of step that was allowed
     Eigen::MatrixXd hessian;  ///< slsqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
+    Eigen::MatrixXd doubt;    ///< slsqp: columns, by which the gradient of `best` may be off; empty: none
 };
 
 /// Minimizes from `start` within the bounds. Variables with equal bounds are removed first. Every x is evaluated once,

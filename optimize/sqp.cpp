@@ -18,7 +18,6 @@ constexpr double acceptable = 1e-4, good = 0.7, poor = 0.25;   // actual over pr
 constexpr double nearly_met = 1e-3;                            // violation at which a finer level may take over
 constexpr int most_softenings = 4;                             ///< looks at the present metric before a step is taken
 constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
-constexpr int dear_gradient = 6;                               ///< differences: from so many variables on
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
 constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
@@ -27,6 +26,10 @@ constexpr int calm_steps = 2;   ///< small decreases in a row that mean converge
 }  // namespace
 
 SqpEnd SqpSearch::run() {
+    if (is_economical()) {
+        const bool is_first = p_.start_gradient && guard_.best_x == p_.start;
+        doubt_ = GradientDoubt(p_.metric, is_first ? p_.start_gradient->doubt : MatrixXd());
+    }
     start_hessian();
     look_at_border();
     // What is known holds at the start, not where an earlier search from there has ended.
@@ -36,6 +39,10 @@ SqpEnd SqpSearch::run() {
         }
     restore();
     end_.radius = radius_;
+    if (guard_.best_x == x_ && !doubt_.is_certain())
+        end_.doubt = doubt_.remaining();
+    else
+        guard_.forget_guessed();
     // Where steps are rejected however short, what they taught of the curvature is noise.
     end_.hessian = end_.stop == MinimizeStop::roundoff && accepted_ > 0 ? of_steps_ : B_;
     return end_;
@@ -137,7 +144,7 @@ bool SqpSearch::step() {
                           total_violation(p_, tightened(at_.constraints + at_.jacobian * d));
     if (relief > 0) raise_penalty(-gain / (0.7 * relief));
     const double predicted = gain + guard_.penalty * std::max(relief, 0.0);
-    if (is_at_rest(d, predicted)) return !is_cut_off(d) || end_at_border();
+    if (is_at_rest(d, predicted)) return ends_here() && (!is_cut_off(d) || end_at_border());
     Sample trial;
     if (!evaluate(x_ + d, false, trial)) return failed_at(d);
     double decrease = merit(at_) - merit(trial);
@@ -166,7 +173,7 @@ bool SqpSearch::step() {
 }
 
 void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
-    const bool is_dear = p_.differences && p_.differences->objective && x_.size() >= dear_gradient;
+    const bool is_dear = is_economical();
     const double before = d.norm();
     for (int k = 0; is_dear && k < most_stretches; ++k) {
         const double curvature = 2 * (merit(trial) - merit(at_) - slope);
@@ -200,7 +207,7 @@ bool SqpSearch::correct(Sample& trial, VectorXd& d) {
 }
 
 bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
-    if (!evaluate(x, true, trial)) return failed_at(x - x_);
+    if (!differentiate(x, trial)) return failed_at(x - x_);
     const VectorXd lambda = multipliers(p_, trial);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
     of_steps_ = B_;
@@ -218,6 +225,7 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
     failures_ = rejections_ = 0;
     ++accepted_;
     look_at_border();
+    if ((calm_ >= calm_steps || stuck_ >= stuck_steps) && pay_doubt()) calm_ = stuck_ = 0;
     if (calm_ >= calm_steps) return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
     if (stuck_ >= stuck_steps) return end(MinimizeStop::roundoff, "the violation of the constraints no longer falls");
     return is_outpaced();

@@ -19,6 +19,7 @@ struct SqpEnd {
     Eigen::MatrixXd hessian;  ///< the model at the end
     int softenings;           ///< directions that were found longer than the metric knew
     bool is_at_border;        ///< of what fails; what more there is to gain lies along it
+    Eigen::MatrixXd doubt;    ///< columns, by which the gradient at the best point may be off; empty: none
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

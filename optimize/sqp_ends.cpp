@@ -11,6 +11,7 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
+constexpr int doubtful_rejections = 2;  ///< in a row: the guessed part of the gradient may be why
 constexpr int failures_at_border = 100, failures_in_row_at_border = 32;  ///< more than elsewhere
 constexpr double border_share = 1e-5;  ///< of the decrease: what less a step along a border may gain is not worth it
 
@@ -59,7 +60,8 @@ bool SqpSearch::failed_at(const VectorXd& d) {
 }
 
 bool SqpSearch::rejected(double length) {
-    if (++rejections_ < most_rejections && length > 1e-12) return false;
+    if (++rejections_ == doubtful_rejections && pay_doubt()) return false;
+    if (rejections_ < most_rejections && length > 1e-12) return false;
     return end(MinimizeStop::roundoff, "no step, however short, gains what the gradient promises");
 }
 

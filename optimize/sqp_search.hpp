@@ -54,8 +54,20 @@ private:
     /// Evaluates x; false with the guard's cause set when there is no value.
     bool evaluate(const Eigen::VectorXd& x, bool gradient, Sample& sample);
 
+    /// Differences are worth to be saved: each gradient costs many.
+    bool is_economical() const;
+
+    /// Evaluates and differentiates x, the end of the step d; by differences it pays only for what the model and the
+    /// values do not tell well enough.
+    bool differentiate(const Eigen::VectorXd& x, Sample& trial);
+    GradientGuess guess(const Sample& trial, const Eigen::VectorXd& d) const;
+
+    /// Pays for all that is guessed of the gradient at x_. False: it was exact, or could not be evaluated.
+    bool pay_doubt();
+
     /// One step. True: the end.
     bool step();
+    bool ends_here() { return !pay_doubt(); }
 
     /// A second-order correction: the same model with the curvature that the trial met added to the constraints.
     bool correct(Sample& trial, Eigen::VectorXd& d);
@@ -123,8 +135,9 @@ private:
     double expected_ = 0;            ///< decrease of the merit from a step that does, times its probability
     bool is_limited_ = false;
     int accepted_ = 0;
+    GradientDoubt doubt_;  ///< of the gradient in at_
     int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
-    SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false};
+    SqpEnd end_{MinimizeStop::failed, "", 0, 0, {}, 0, false, {}};
 };
 
 }  // namespace strake

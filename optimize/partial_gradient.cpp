@@ -1,0 +1,159 @@
+#include "optimize/partial_gradient.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
+#include <Eigen/QR>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Points next to x from which slopes are taken.
+class Probes {
+public:
+    Probes(const NonlinearProgram& p, const VectorXd& x)
+        : p_(p), x_(x), step_(p.differences->step), is_blocked_(static_cast<std::size_t>(x.size()), 0) {}
+
+    void add(const VectorXd& direction) {
+        const VectorXd up = step_ * direction;
+        if (fits(up)) return deltas_.push_back(up);
+        if (fits(-up)) return deltas_.push_back(-up);
+        VectorXd cut = up;
+        for (Eigen::Index j = 0; j < cut.size(); ++j)
+            if (!fits_at(j, up[j])) cut[j] = 0, is_blocked_[static_cast<std::size_t>(j)] = 1;
+        if (!cut.isZero(0)) deltas_.push_back(cut);
+    }
+    /// Variables that were cut out are probed one by one.
+    void add_blocked() {
+        for (Eigen::Index j = 0; j < x_.size(); ++j) {
+            if (!is_blocked_[static_cast<std::size_t>(j)] || !(p_.lower[j] < p_.upper[j])) continue;
+            const double above = p_.upper[j] - x_[j], below = x_[j] - p_.lower[j];
+            VectorXd delta = VectorXd::Zero(x_.size());
+            delta[j] = above >= below ? std::min(step_, above) : -std::min(step_, below);
+            deltas_.push_back(delta);
+        }
+    }
+    const std::vector<VectorXd>& deltas() const { return deltas_; }
+    VectorXd point(std::size_t k) const { return (x_ + deltas_[k]).cwiseMax(p_.lower).cwiseMin(p_.upper); }
+    bool turn(std::size_t k) {
+        deltas_[k] *= -1;
+        return fits(deltas_[k]);
+    }
+
+private:
+    bool fits_at(Eigen::Index j, double delta) const {
+        return x_[j] + delta >= p_.lower[j] && x_[j] + delta <= p_.upper[j];
+    }
+    bool fits(const VectorXd& delta) const {
+        for (Eigen::Index j = 0; j < delta.size(); ++j)
+            if (!fits_at(j, delta[j])) return false;
+        return true;
+    }
+
+    const NonlinearProgram& p_;
+    const VectorXd& x_;
+    double step_;
+    std::vector<char> is_blocked_;
+    std::vector<VectorXd> deltas_;
+};
+
+/// Objective and constraints in one row.
+Eigen::RowVectorXd values_of(const Sample& s) {
+    Eigen::RowVectorXd all(1 + s.constraints.size());
+    all << s.objective, s.constraints.transpose();
+    return all;
+}
+
+}  // namespace
+
+bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sample& sample, const GradientGuess& guess,
+                         const std::function<Sample(const VectorXd&)>& evaluate,
+                         const std::function<void(const std::vector<VectorXd>&)>& expect) {
+    Probes probes(program, x);
+    for (Eigen::Index k = 0; k < guess.directions.cols(); ++k) probes.add(guess.directions.col(k));
+    probes.add_blocked();
+    const std::size_t count = probes.deltas().size();
+    const Eigen::Index rows = sample.constraints.size();
+    MatrixXd values(static_cast<Eigen::Index>(count), 1 + rows);
+    std::vector<std::size_t> wanted(count);
+    std::iota(wanted.begin(), wanted.end(), 0);
+    for (int side = 0; side < 2 && !wanted.empty(); ++side) {
+        std::vector<VectorXd> points;
+        for (const std::size_t k : wanted) {
+            if (side == 1 && !probes.turn(k)) return false;
+            points.push_back(probes.point(k));
+        }
+        if (expect) expect(points);
+        std::vector<std::size_t> failed;
+        for (std::size_t i = 0; i < wanted.size(); ++i) {
+            const Sample s = evaluate(points[i]);
+            if (s.failure.empty())
+                values.row(static_cast<Eigen::Index>(wanted[i])) = values_of(s) - values_of(sample);
+            else
+                failed.push_back(wanted[i]);
+        }
+        wanted = failed;
+    }
+    if (!wanted.empty()) return false;
+    MatrixXd D(x.size(), static_cast<Eigen::Index>(count)), known(x.size(), 1 + rows);
+    for (std::size_t k = 0; k < count; ++k) D.col(static_cast<Eigen::Index>(k)) = probes.deltas()[k];
+    known << guess.gradient, guess.jacobian.transpose();
+    const Eigen::LLT<MatrixXd> metric(guess.metric);
+    const MatrixXd A = metric.matrixU() * D / program.differences->step;
+    const MatrixXd missing = (values - D.transpose() * known) / program.differences->step;
+    const MatrixXd change = A.transpose().completeOrthogonalDecomposition().solve(missing);
+    known += metric.matrixL() * change;
+    sample.gradient = known.col(0);
+    const MatrixXd own = sample.jacobian;
+    sample.jacobian = known.rightCols(rows).transpose();
+    const std::vector<char>& by_differences = program.differences->rows;
+    for (Eigen::Index i = 0; i < rows && own.rows() == rows; ++i)
+        if (!by_differences.empty() && !by_differences[static_cast<std::size_t>(i)]) sample.jacobian.row(i) = own.row(i);
+    return true;
+}
+
+GradientDoubt::GradientDoubt(const MatrixXd& metric, const MatrixXd& known_before)
+    : metric_(metric), squared_(VectorXd::Zero(metric.rows())) {
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(metric);
+    const VectorXd root = eigen.eigenvalues().cwiseMax(1e-12 * eigen.eigenvalues().maxCoeff()).cwiseSqrt();
+    modes_ = eigen.eigenvectors() * root.cwiseInverse().asDiagonal();
+    duals_ = eigen.eigenvectors() * root.asDiagonal();
+    if (known_before.cols() > 0) squared_ = (modes_.transpose() * known_before).rowwise().squaredNorm();
+}
+
+void GradientDoubt::moved(const VectorXd& change) { squared_ += (modes_.transpose() * change).cwiseAbs2(); }
+
+std::vector<int> GradientDoubt::most_doubtful(double share) const {
+    std::vector<int> order(static_cast<std::size_t>(squared_.size()));
+    std::iota(order.begin(), order.end(), 0);
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return squared_[a] > squared_[b]; });
+    const double all = squared_.sum();
+    double held = 0;
+    std::size_t count = 0;
+    while (count < order.size() && squared_[order[count]] > 0 && (share >= 1 || held < share * all))
+        held += squared_[order[count++]];
+    order.resize(count);
+    return order;
+}
+
+MatrixXd GradientDoubt::remaining() const { return duals_ * squared_.cwiseSqrt().asDiagonal(); }
+
+StartGradient inherited_gradient(const Sample& parent, const MatrixXd& doubt, const MatrixXd& prolongation,
+                                 const MatrixXd& metric) {
+    const Eigen::LLT<MatrixXd> llt(metric);
+    const MatrixXd MP = metric * prolongation;
+    const MatrixXd W = (prolongation.transpose() * MP).llt().solve(MP.transpose()).transpose();
+    StartGradient start;
+    start.gradient = W * parent.gradient;
+    start.jacobian = parent.jacobian * W.transpose();
+    start.doubt = W * doubt;
+    const MatrixXd known = llt.matrixU() * prolongation;
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(known).householderQ();
+    start.details = llt.matrixU().solve(Q.rightCols(Q.cols() - known.cols()));
+    return start;
+}
+
+}  // namespace strake

@@ -204,8 +204,7 @@ private:
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
-            static const int econ = std::getenv("ECON") ? std::atoi(std::getenv("ECON")) : 2;
-            if (program.differences && program.differences->objective && econ > 0 && parent_.gradient.size() == P.cols())
+            if (program.differences && program.differences->objective && parent_.gradient.size() == P.cols())
                 program.start_gradient = inherited_gradient(parent_, doubt_, P, program.metric);
             if (!is_same) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
         }
@@ -277,8 +276,8 @@ private:
     RunState state_;
     LevelProgram program_;
     Eigen::MatrixXd hessian_;  ///< at the end of the level, in y; empty: not known
-    Sample parent_;           ///< best of the level, its gradient in y
-    Eigen::MatrixXd doubt_;   ///< of that gradient
+    Sample parent_;            ///< best of the level, its gradient in y
+    Eigen::MatrixXd doubt_;    ///< of that gradient
     double curvature_ = 1, first_step_ = 0.5;
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end

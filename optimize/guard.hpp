@@ -37,7 +37,8 @@ public:
     /// As at_all, without an exception: false, `cause` is set.
     bool try_at(const Eigen::VectorXd& x, bool gradient, Sample& sample);
 
-    /// The gradient at x as `at_all`, from a guess and the differences that it asks for; all differences where these fail.
+    /// The gradient at x as `at_all`, from a guess and the differences that it asks for; all differences where these
+    /// fail.
     bool try_with(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample);
     /// Pays these differences at x, whose sample is known, too.
     bool try_refined(const Eigen::VectorXd& x, const GradientGuess& guess, Sample& sample);

@@ -76,9 +76,8 @@ private:
         if (!knows_more) return guard_.try_at(p.start, guard_.wants_gradient, sample);
         if (!guard_.try_at(p.start, false, sample)) return false;
         const StartGradient& known = *p.start_gradient;
-        return guard_.try_with(p.start,
-                               {known.gradient, known.jacobian, known.details, metric_of(p), known.doubt.cols() == 0},
-                               sample);
+        return guard_.try_with(
+            p.start, {known.gradient, known.jacobian, known.details, metric_of(p), known.doubt.cols() == 0}, sample);
     }
 
     /// Evaluates the start. False: that is all.

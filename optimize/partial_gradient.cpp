@@ -111,7 +111,8 @@ bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sam
     sample.jacobian = known.rightCols(rows).transpose();
     const std::vector<char>& by_differences = program.differences->rows;
     for (Eigen::Index i = 0; i < rows && own.rows() == rows; ++i)
-        if (!by_differences.empty() && !by_differences[static_cast<std::size_t>(i)]) sample.jacobian.row(i) = own.row(i);
+        if (!by_differences.empty() && !by_differences[static_cast<std::size_t>(i)])
+            sample.jacobian.row(i) = own.row(i);
     return true;
 }
 

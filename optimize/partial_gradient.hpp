@@ -21,7 +21,8 @@ bool differentiate_along(const NonlinearProgram& program, const Eigen::VectorXd&
                          const GradientGuess& guess, const std::function<Sample(const Eigen::VectorXd& x)>& evaluate,
                          const std::function<void(const std::vector<Eigen::VectorXd>&)>& expect = {});
 
-/// How well the gradient at the present point of a search is known, direction by direction of the metric's eigenvectors.
+/// How well the gradient at the present point of a search is known, direction by direction of the metric's
+/// eigenvectors.
 class GradientDoubt {
 public:
     GradientDoubt() = default;
@@ -40,12 +41,14 @@ public:
     const Eigen::MatrixXd& metric() const { return metric_; }
 
 private:
-    Eigen::MatrixXd metric_, modes_, duals_;  ///< modes of size 1 in the metric, orthogonal in it; duals: metric * modes
+    Eigen::MatrixXd metric_, modes_,
+        duals_;  ///< modes of size 1 in the metric, orthogonal in it; duals: metric * modes
     Eigen::VectorXd squared_;
 };
 
 /// What a level knows of its first gradient from the one above it: slopes along the columns of `prolongation` from the
-/// gradient there, so that only those of the details have to be paid. `doubt`: as GradientDoubt takes it, of the parent.
+/// gradient there, so that only those of the details have to be paid. `doubt`: as GradientDoubt takes it, of the
+/// parent.
 StartGradient inherited_gradient(const Sample& parent, const Eigen::MatrixXd& doubt,
                                  const Eigen::MatrixXd& prolongation, const Eigen::MatrixXd& metric);
 

@@ -20,16 +20,15 @@ constexpr int most_softenings = 4;                             ///< looks at the
 constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
+constexpr int most_corrections = 2;
 constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
 constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
 
 }  // namespace
 
 SqpEnd SqpSearch::run() {
-    if (is_economical()) {
-        const bool is_first = p_.start_gradient && guard_.best_x == p_.start;
-        doubt_ = GradientDoubt(p_.metric, is_first ? p_.start_gradient->doubt : MatrixXd());
-    }
+    if (p_.start_gradient && is_dear())
+        doubt_ = GradientDoubt(p_.metric, guard_.best_x == p_.start ? p_.start_gradient->doubt : MatrixXd());
     start_hessian();
     look_at_border();
     // What is known holds at the start, not where an earlier search from there has ended.
@@ -168,14 +167,14 @@ bool SqpSearch::step() {
         stiffen(trial, taken);
         return rejected(length);
     }
+    if (!meet_constraints(trial, taken)) return failed_at(taken);
     stretch(trial, taken, at_.gradient.dot(d) - guard_.penalty * std::max(relief, 0.0));
     return accept(x_ + taken, trial, merit(at_) - merit(trial));
 }
 
 void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
-    const bool is_dear = is_economical();
     const double before = d.norm();
-    for (int k = 0; is_dear && k < most_stretches; ++k) {
+    for (int k = 0; is_dear() && k < most_stretches; ++k) {
         const double curvature = 2 * (merit(trial) - merit(at_) - slope);
         const double times = curvature > 0 ? std::min(-slope / curvature, most_stretching) : most_stretching;
         if (!(times > worth_stretching)) break;
@@ -195,6 +194,20 @@ void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
     if (!(all > 1)) return;
     radius_ = std::clamp(metric_norm(p_, d), radius_, largest_radius);
     if (accepted_ == 0 && p_.guessed.size() > 0) B_ -= (1 - 1 / all) * p_.guessed;
+}
+
+bool SqpSearch::meet_constraints(Sample& trial, VectorXd& d) {
+    for (int k = 0; k < most_corrections && is_dear(); ++k) {
+        if (largest_violation(p_, trial.constraints) <= tolerance()) break;
+        const double before = merit(trial);
+        if (!correct(trial, d)) {
+            if (guard_.cause != Cause::failure) return false;
+            guard_.cause = Cause::none;  // it was a try
+            break;
+        }
+        if (!(merit(trial) < before)) break;
+    }
+    return true;
 }
 
 bool SqpSearch::correct(Sample& trial, VectorXd& d) {

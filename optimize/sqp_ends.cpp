@@ -10,7 +10,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr int most_rejections = 12;  ///< in a row: the gradient does not say what the values do
+constexpr int most_rejections = 12;     ///< in a row: the gradient does not say what the values do
 constexpr int doubtful_rejections = 2;  ///< in a row: the guessed part of the gradient may be why
 constexpr int failures_at_border = 100, failures_in_row_at_border = 32;  ///< more than elsewhere
 constexpr double border_share = 1e-5;  ///< of the decrease: what less a step along a border may gain is not worth it

@@ -1,24 +1,22 @@
 #include "optimize/sqp_search.hpp"
 
 #include <algorithm>
-#include <cstdlib>
 
+/// Gradients by differences below the first level: what the level above, the model and the values tell is not paid.
 namespace strake {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
 constexpr int dear_gradient = 6;     ///< differences: from so many variables on
 constexpr double most_change = 4;    ///< of the gradient over a step, as a multiple of what the model expects
-double paid_share() { static const double s = std::getenv("SHARE") ? std::atof(std::getenv("SHARE")) : 0.9; return s; }
+constexpr double paid_share = 0.9;   ///< of the doubt
+constexpr double most_of_all = 0.3;  ///< directions that may hold it; spread over more, the gradient is paid whole
 
 }  // namespace
 
-bool SqpSearch::is_economical() const {
-    return p_.differences && p_.differences->objective && x_.size() >= dear_gradient;
-}
+bool SqpSearch::is_dear() const { return p_.differences && p_.differences->objective && x_.size() >= dear_gradient; }
 
 GradientGuess SqpSearch::guess(const Sample& trial, const VectorXd& d) const {
     const VectorXd lambda = multipliers(p_, at_), Bd = B_ * d, Md = doubt_.metric() * d;
@@ -26,29 +24,29 @@ GradientGuess SqpSearch::guess(const Sample& trial, const VectorXd& d) const {
     const VectorXd rise = trial.constraints - at_.constraints;
     // The values at both ends tell how much the slope along d has changed, if it changed evenly.
     const double bent = 2 * (trial.objective - at_.objective + lambda.dot(rise) - slope.dot(d));
-    const double times = std::clamp(bent / std::max(d.dot(Bd), 1e-300), 0.0, most_change);
+    constexpr double tiny = std::numeric_limits<double>::min();
+    const double times = std::clamp(bent / std::max(d.dot(Bd), tiny), 0.0, most_change);
     GradientGuess g;
     g.metric = doubt_.metric();
-    g.jacobian = at_.jacobian + 2 * (rise - at_.jacobian * d) * Md.transpose() / std::max(d.dot(Md), 1e-300);
+    g.jacobian = at_.jacobian + 2 * (rise - at_.jacobian * d) * Md.transpose() / std::max(d.dot(Md), tiny);
     g.gradient = at_.gradient + times * Bd - (g.jacobian - at_.jacobian).transpose() * lambda;
     return g;
 }
 
 bool SqpSearch::differentiate(const VectorXd& x, Sample& trial) {
-    static const int econ = std::getenv("ECON") ? std::atoi(std::getenv("ECON")) : 2;
-    if (!is_economical() || p_.differences->central || econ == 0 || (econ == 2 && !p_.start_gradient)) return evaluate(x, true, trial);
+    if (!p_.start_gradient || !is_dear() || p_.differences->central) return evaluate(x, true, trial);
     GradientGuess g = guess(trial, x - x_);
     GradientDoubt doubt = doubt_;
     doubt.moved(B_ * (x - x_));
-    const std::vector<int> wanted = doubt.most_doubtful(paid_share());
+    std::vector<int> wanted = doubt.most_doubtful(paid_share);
+    if (static_cast<double>(wanted.size()) > most_of_all * static_cast<double>(x.size()))
+        wanted = doubt.most_doubtful(1);
     doubt.paid(wanted);
     g.directions = doubt.directions(wanted);
     g.is_complete = doubt.is_certain();
     if (!guard_.try_with(x, g, trial)) return false;
-    if (trial.is_partly_guessed)
-        doubt_ = doubt;
-    else
-        doubt_.paid_all();
+    if (!trial.is_partly_guessed) doubt.paid_all();
+    doubt_ = doubt;
     return true;
 }
 

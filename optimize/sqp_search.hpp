@@ -54,8 +54,8 @@ private:
     /// Evaluates x; false with the guard's cause set when there is no value.
     bool evaluate(const Eigen::VectorXd& x, bool gradient, Sample& sample);
 
-    /// Differences are worth to be saved: each gradient costs many.
-    bool is_economical() const;
+    /// A gradient costs an evaluation for each of many variables.
+    bool is_dear() const;
 
     /// Evaluates and differentiates x, the end of the step d; by differences it pays only for what the model and the
     /// values do not tell well enough.
@@ -71,6 +71,10 @@ private:
 
     /// A second-order correction: the same model with the curvature that the trial met added to the constraints.
     bool correct(Sample& trial, Eigen::VectorXd& d);
+
+    /// The same where a gradient costs many evaluations: a step that misses the constraints is brought nearer to them
+    /// before the next one is paid. False: the search has to end.
+    bool meet_constraints(Sample& trial, Eigen::VectorXd& d);
 
     /// Where a gradient costs an evaluation for each variable, the parabola through the values is followed along a step
     /// that turns out too short, before the next gradient is paid. Longer steps replace `trial` and `d`.

@@ -204,7 +204,7 @@ private:
             const Eigen::MatrixXd P =
                 program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
             program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
-            if (program.differences && program.differences->objective && parent_.gradient.size() == P.cols())
+            if (program.differences && program.differences->objective)
                 program.start_gradient = inherited_gradient(parent_, doubt_, P, program.metric);
             if (!is_same) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
         }

@@ -100,12 +100,15 @@ bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sam
     if (!wanted.empty()) return false;
     MatrixXd D(x.size(), static_cast<Eigen::Index>(count)), known(x.size(), 1 + rows);
     for (std::size_t k = 0; k < count; ++k) D.col(static_cast<Eigen::Index>(k)) = probes.deltas()[k];
-    known << guess.gradient, guess.jacobian.transpose();
-    const Eigen::LLT<MatrixXd> metric(guess.metric);
-    const MatrixXd A = metric.matrixU() * D / program.differences->step;
-    const MatrixXd missing = (values - D.transpose() * known) / program.differences->step;
-    const MatrixXd change = A.transpose().completeOrthogonalDecomposition().solve(missing);
-    known += metric.matrixL() * change;
+    known.col(0) = guess.gradient;
+    known.rightCols(rows) = guess.jacobian.transpose();
+    if (count > 0) {
+        const Eigen::LLT<MatrixXd> metric(guess.metric);
+        const MatrixXd A = metric.matrixU() * D / program.differences->step;
+        const MatrixXd missing = (values - D.transpose() * known) / program.differences->step;
+        const MatrixXd change = A.transpose().completeOrthogonalDecomposition().solve(missing);
+        known += metric.matrixL() * change;
+    }
     sample.gradient = known.col(0);
     const MatrixXd own = sample.jacobian;
     sample.jacobian = known.rightCols(rows).transpose();
@@ -142,18 +145,20 @@ std::vector<int> GradientDoubt::most_doubtful(double share) const {
 
 MatrixXd GradientDoubt::remaining() const { return duals_ * squared_.cwiseSqrt().asDiagonal(); }
 
-StartGradient inherited_gradient(const Sample& parent, const MatrixXd& doubt, const MatrixXd& prolongation,
-                                 const MatrixXd& metric) {
+std::optional<StartGradient> inherited_gradient(const Sample& parent, const MatrixXd& doubt,
+                                                const MatrixXd& prolongation, const MatrixXd& metric) {
+    const Eigen::Index n = prolongation.rows(), coarse = prolongation.cols();
+    if (parent.gradient.size() != coarse || parent.jacobian.cols() != coarse || coarse > n) return {};
     const Eigen::LLT<MatrixXd> llt(metric);
     const MatrixXd MP = metric * prolongation;
     const MatrixXd W = (prolongation.transpose() * MP).llt().solve(MP.transpose()).transpose();
+    if (!W.allFinite()) return {};  // the level lacks what the parent could do
     StartGradient start;
     start.gradient = W * parent.gradient;
     start.jacobian = parent.jacobian * W.transpose();
-    start.doubt = W * doubt;
-    const MatrixXd known = llt.matrixU() * prolongation;
-    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(known).householderQ();
-    start.details = llt.matrixU().solve(Q.rightCols(Q.cols() - known.cols()));
+    if (doubt.rows() == coarse) start.doubt = W * doubt;
+    const MatrixXd Q = Eigen::HouseholderQR<MatrixXd>(llt.matrixU() * prolongation).householderQ();
+    start.details = llt.matrixU().solve(Q.rightCols(n - coarse));
     return start;
 }
 

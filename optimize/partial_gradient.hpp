@@ -46,10 +46,10 @@ private:
     Eigen::VectorXd squared_;
 };
 
-/// What a level knows of its first gradient from the one above it: slopes along the columns of `prolongation` from the
-/// gradient there, so that only those of the details have to be paid. `doubt`: as GradientDoubt takes it, of the
-/// parent.
-StartGradient inherited_gradient(const Sample& parent, const Eigen::MatrixXd& doubt,
-                                 const Eigen::MatrixXd& prolongation, const Eigen::MatrixXd& metric);
+/// What a level knows of its first gradient from the one above it: the slopes along the columns of `prolongation` are
+/// those of the gradient there, only those of the details have to be paid. None where that gradient is not known.
+/// @param doubt of the parent, as GradientDoubt takes it; may be empty
+std::optional<StartGradient> inherited_gradient(const Sample& parent, const Eigen::MatrixXd& doubt,
+                                                const Eigen::MatrixXd& prolongation, const Eigen::MatrixXd& metric);
 
 }  // namespace strake

@@ -20,9 +20,9 @@ constexpr int most_softenings = 4;                             ///< looks at the
 constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
-constexpr int most_corrections = 2;
-constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
-constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
+constexpr int most_corrections = 2;  ///< of a step that misses the constraints, before the next gradient is paid
+constexpr int stuck_steps = 4;       ///< the same, outside of the constraints
+constexpr int calm_steps = 2;        ///< small decreases in a row that mean convergence
 
 }  // namespace
 

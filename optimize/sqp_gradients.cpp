@@ -55,12 +55,21 @@ bool SqpSearch::pay_doubt() {
     const std::vector<int> wanted = doubt_.most_doubtful(1);
     const GradientGuess g{at_.gradient, at_.jacobian, doubt_.directions(wanted), doubt_.metric(), true};
     Sample sample = at_;
-    if (!guard_.try_refined(x_, g, sample)) return false;
+    if (!guard_.try_refined(x_, g, sample)) {
+        if (guard_.cause == Cause::failure) guard_.cause = Cause::none;  // the search goes on with what it knows
+        return false;
+    }
     at_ = sample;
     doubt_.paid_all();
     raise_penalty(1.5 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
     look_at_border();
     return true;
+}
+
+bool SqpSearch::ends_here() {
+    if (doubt_.is_certain()) return true;
+    if (pay_doubt()) return false;
+    return guard_.cause == Cause::none || ended_by_guard();
 }
 
 }  // namespace strake

@@ -67,7 +67,8 @@ private:
 
     /// One step. True: the end.
     bool step();
-    bool ends_here() { return !pay_doubt(); }
+    /// What is guessed of the gradient is paid before it is said that nothing is left to gain. False: it goes on.
+    bool ends_here();
 
     /// A second-order correction: the same model with the curvature that the trial met added to the constraints.
     bool correct(Sample& trial, Eigen::VectorXd& d);

@@ -54,13 +54,12 @@ std::unique_ptr<Journal> fresh(const std::filesystem::path& file, const Problem&
     return Journal::create(file, facts, {0, problem.optimize.max_evaluations, problem.optimize.max_seconds});
 }
 
-/// Every start is killed after five evaluations of its own.
-void expect_survives(const Problem& problem, std::vector<int>& calls) {
+/// Every start is killed after so many evaluations of its own.
+void expect_survives(const Problem& problem, std::vector<int>& calls, int step = 5) {
     calls.clear();
     const Told whole = run(problem, nullptr);
     const std::vector<int> needed = calls;
     ASSERT_GT(whole.result.evaluations, 6) << whole.result.reason;
-    constexpr int step = 5;
     const TempFolder folder;
     calls.clear();
     fresh(folder / "j", problem);
@@ -114,6 +113,20 @@ TEST_P(EveryMethodReplays, StopsOnRequest) {
 
 INSTANTIATE_TEST_SUITE_P(Replay, EveryMethodReplays, testing::ValuesIn(all_methods()),
                          [](const auto& info) { return std::string(info.param.name); });
+
+TEST(Replay, OfGradientsThatAreInheritedAndPartlyGuessed) {
+    std::vector<int> calls;
+    Problem problem = ellipsoid_problem(2, 3);
+    problem.quantities.push_back(counted_volume(problem.surface, calls));
+    maximize_volume(problem);
+    problem.objective = "bulk";
+    for (Quantity& quantity : problem.quantities) quantity.has_sensitivities = false;
+    problem.optimize.finite_differences = true;
+    problem.optimize.max_evaluations = 240;
+    const RunResult whole = optimize(problem);
+    ASSERT_GE(whole.levels.size(), 2u) << whole.reason;
+    expect_survives(problem, calls, 37);
+}
 
 TEST(Replay, OfStartsDifferencesAndFailuresThatShortenSteps) {
     std::vector<int> calls;

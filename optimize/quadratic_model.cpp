@@ -1,5 +1,7 @@
 #include "optimize/quadratic_model.hpp"
 
+#include "optimize/first_order.hpp"
+
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 #include <vector>
@@ -120,6 +122,21 @@ VectorXd solve_model(const QuadraticModel& model) {
     const VectorXd w = solve(p);
     if (w.size() == 0 || !w.allFinite()) return {};
     return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
+}
+
+VectorXd multipliers(const QuadraticModel& model, const VectorXd& d) {
+    constexpr double hair = 1e-7;  // of what is compared: SLSQP's tolerances are far below
+    ActiveSet set;
+    for (Eigen::Index i = 0; i < model.constraints.size(); ++i) {
+        const double change = model.jacobian.row(i).dot(d);
+        if (i >= model.num_inequalities ||
+            model.constraints[i] + change >= -hair * (std::abs(model.constraints[i]) + std::abs(change)))
+            set.rows.push_back(i);
+    }
+    for (Eigen::Index j = 0; j < d.size(); ++j)
+        if (d[j] > model.lower[j] && d[j] < model.upper[j]) set.variables.push_back(j);
+    return least_squares_multipliers(model.hessian, model.gradient + model.hessian * d, model.jacobian,
+                                     model.num_inequalities, set);
 }
 
 }  // namespace strake

@@ -23,4 +23,7 @@ struct QuadraticModel {
 /// so that its own first step is exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
 Eigen::VectorXd solve_model(const QuadraticModel& model);
 
+/// Multipliers of the model's constraints at its solution d.
+Eigen::VectorXd multipliers(const QuadraticModel& model, const Eigen::VectorXd& d);
+
 }  // namespace strake

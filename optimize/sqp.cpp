@@ -21,6 +21,7 @@ constexpr double softened = 1.5;                               ///< a step so ma
 constexpr int dear_gradient = 6;                               ///< differences: from so many variables on
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
+constexpr double largest_correction = 0.5;  ///< share of the step: what bends more is no matter of second order
 constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
 constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
 
@@ -49,7 +50,7 @@ VectorXd SqpSearch::tightened(VectorXd constraints) const {
 void SqpSearch::start_hessian() {
     const double slope = std::max(dual_norm(p_, lagrangian_gradient()), 1e-3 * dual_norm(p_, at_.gradient));
     B_ = std::max(slope > 0 ? slope / guard_.options.first_step : 1.0, least_curvature_) * p_.metric;
-    raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
+    raise_penalty(2 * multipliers(p_, x_, at_).lpNorm<Eigen::Infinity>());
 }
 
 bool SqpSearch::is_outpaced() {
@@ -99,6 +100,13 @@ VectorXd SqpSearch::model_step(const VectorXd& constraints) {
     return d;
 }
 
+VectorXd SqpSearch::step_multipliers(const QuadraticModel& of, const VectorXd& d) const {
+    const VectorXd all = multipliers(of, d);
+    VectorXd lambda(at_.constraints.size());
+    lambda << all.head(p_.num_inequalities), all.tail(lambda.size() - p_.num_inequalities);  // the cut's lies between
+    return lambda;
+}
+
 VectorXd SqpSearch::careful_step() {
     VectorXd d = model_step(at_.constraints);
     // Once per point: to come back to it after a failure costs an equilibrium.
@@ -132,6 +140,7 @@ bool SqpSearch::step() {
                    text("the limit of evaluations is reached (", guard_.options.max_evaluations, ")"));
     const VectorXd d = careful_step();
     if (d.size() == 0) return model_failed();
+    const VectorXd lambda = step_multipliers(model(at_.constraints, damping_), d);
     const double gain = -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));
     const double relief = total_violation(p_, tightened(at_.constraints)) -
                           total_violation(p_, tightened(at_.constraints + at_.jacobian * d));
@@ -147,6 +156,7 @@ bool SqpSearch::step() {
         if (!correct(trial, taken)) return failed_at(d);
         decrease = merit(at_) - merit(trial);
     }
+    measure_curvature(trial, taken);
     const double ratio = decrease / predicted;
     const double length = metric_norm(p_, taken);
     if (ratio < poor)  // where the parabola through the values has its least, within a tenth and a half
@@ -158,11 +168,11 @@ bool SqpSearch::step() {
                                radius_,
                            largest_radius);
     if (ratio < acceptable || !(decrease > 0)) {
-        stiffen(trial, taken);
+        stiffen(trial, taken, lambda);
         return rejected(length);
     }
     stretch(trial, taken, at_.gradient.dot(d) - guard_.penalty * std::max(relief, 0.0));
-    return accept(x_ + taken, trial, merit(at_) - merit(trial));
+    return accept(x_ + taken, trial, merit(at_) - merit(trial), lambda);
 }
 
 void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
@@ -192,16 +202,16 @@ void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
 
 bool SqpSearch::correct(Sample& trial, VectorXd& d) {
     const VectorXd corrected = model_step(trial.constraints - at_.jacobian * d);
-    if (corrected.size() == 0 || metric_norm(p_, corrected) > 2 * radius_) return true;
+    if (corrected.size() == 0 || metric_norm(p_, corrected - d) > largest_correction * metric_norm(p_, d)) return true;
     Sample second;
     if (!evaluate(x_ + corrected, false, second)) return false;
     if (merit(second) < merit(trial)) trial = second, d = corrected;
     return true;
 }
 
-bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
+bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease, const VectorXd& lambda) {
     if (!evaluate(x, true, trial)) return failed_at(x - x_);
-    const VectorXd lambda = multipliers(p_, trial);
+    bend(lambda);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
     of_steps_ = B_;
     raise_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>());
@@ -233,8 +243,27 @@ void SqpSearch::update(const VectorXd& s, const VectorXd& y) {
     B_ = 0.5 * (B_ + B_.transpose()).eval();
 }
 
-void SqpSearch::stiffen(const Sample& trial, const VectorXd& d) {
-    const VectorXd lambda = multipliers(p_, at_), Md = p_.metric * d;
+void SqpSearch::measure_curvature(const Sample& trial, const VectorXd& d) {
+    const double length2 = d.dot(p_.metric * d);
+    const VectorXd bends = trial.constraints - at_.constraints - at_.jacobian * d;
+    for (Eigen::Index i = 0; i < bends.size(); ++i) {
+        const double rounding = 1e-9 * (std::abs(at_.constraints[i]) + std::abs(trial.constraints[i]));
+        if (std::abs(bends[i]) > rounding && length2 > 0)
+            curvature_[i] = std::min(curvature_[i], std::max(2 * bends[i] / length2, 0.0));
+    }
+}
+
+void SqpSearch::bend(const VectorXd& lambda) {
+    for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+        const double needed = std::isfinite(curvature_[i]) ? lambda[i] * curvature_[i] : 0;
+        if (!(needed > included_[i])) continue;
+        B_ += (needed - included_[i]) * p_.metric;
+        included_[i] = needed;
+    }
+}
+
+void SqpSearch::stiffen(const Sample& trial, const VectorXd& d, const VectorXd& lambda) {
+    const VectorXd Md = p_.metric * d;
     const VectorXd slope = at_.gradient + at_.jacobian.transpose() * lambda;
     const double rise =
         trial.objective - at_.objective + lambda.dot(trial.constraints - at_.constraints) - slope.dot(d);

@@ -12,6 +12,9 @@ public:
     SqpSearch(Guard& guard, double least_curvature)
         : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best), least_curvature_(least_curvature) {
         p_.metric = metric_of(p_);
+        const Eigen::Index rows = at_.constraints.size();
+        curvature_ = Eigen::VectorXd::Constant(rows, std::numeric_limits<double>::infinity());
+        included_ = Eigen::VectorXd::Zero(rows);
     }
 
     SqpEnd run();
@@ -27,7 +30,7 @@ private:
     }
 
     Eigen::VectorXd lagrangian_gradient() const {
-        return at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
+        return at_.gradient + at_.jacobian.transpose() * multipliers(p_, x_, at_);
     }
 
     /// B = beta metric, so that the first step has the length of the first radius, or less where more is known.
@@ -47,6 +50,9 @@ private:
     /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.
     Eigen::VectorXd model_step(const Eigen::VectorXd& constraints);
 
+    /// Of the program's constraints, by the model whose step d is.
+    Eigen::VectorXd step_multipliers(const QuadraticModel& of, const Eigen::VectorXd& d) const;
+
     /// The model's step. Where the present metric finds it too long (a direction has become soft), the metric learns of
     /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
     Eigen::VectorXd careful_step();
@@ -64,7 +70,7 @@ private:
     /// that turns out too short, before the next gradient is paid. Longer steps replace `trial` and `d`.
     void stretch(Sample& trial, Eigen::VectorXd& d, double slope);
 
-    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease);
+    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease, const Eigen::VectorXd& lambda);
 
     /// Powell's damped BFGS update.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
@@ -72,9 +78,16 @@ private:
     /// The model promises nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_at_rest(const Eigen::VectorXd& d, double predicted);
 
+    /// Least curvatures that the constraints have shown along a step, in the metric.
+    void measure_curvature(const Sample& trial, const Eigen::VectorXd& d);
+
+    /// The Hessian of the Lagrangian gets the share of constraints that have become active: as much as they have shown,
+    /// in every direction. Else their curvature is met one direction after the other, by steps far out of them.
+    void bend(const Eigen::VectorXd& lambda);
+
     /// What a rejected step tells for nothing: the Lagrangian's curvature along d, where it is more than the model's.
     /// No more than makes the model's own step along d as long as the radius: a wall further out is not curvature here.
-    void stiffen(const Sample& trial, const Eigen::VectorXd& d);
+    void stiffen(const Sample& trial, const Eigen::VectorXd& d, const Eigen::VectorXd& lambda);
 
     bool failed_at(const Eigen::VectorXd& d);
 
@@ -115,6 +128,8 @@ private:
     Eigen::VectorXd x_;
     Sample at_;  ///< at x_, with gradients
     Eigen::MatrixXd B_;
+    Eigen::VectorXd curvature_;  ///< of the constraints
+    Eigen::VectorXd included_;   ///< multiplier times curvature that B has got
     Eigen::MatrixXd of_steps_;  ///< B as the last accepted step left it
     double radius_ = guard_.options.first_step;
     double damping_ = 0;  ///< that kept the last of the model's steps within the radius

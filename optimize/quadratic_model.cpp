@@ -1,7 +1,5 @@
 #include "optimize/quadratic_model.hpp"
 
-#include "optimize/first_order.hpp"
-
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 #include <vector>
@@ -124,7 +122,7 @@ VectorXd solve_model(const QuadraticModel& model) {
     return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
 }
 
-VectorXd multipliers(const QuadraticModel& model, const VectorXd& d) {
+ActiveSet active_set(const QuadraticModel& model, const VectorXd& d) {
     constexpr double hair = 1e-7;  // of what is compared: SLSQP's tolerances are far below
     ActiveSet set;
     for (Eigen::Index i = 0; i < model.constraints.size(); ++i) {
@@ -135,8 +133,7 @@ VectorXd multipliers(const QuadraticModel& model, const VectorXd& d) {
     }
     for (Eigen::Index j = 0; j < d.size(); ++j)
         if (d[j] > model.lower[j] && d[j] < model.upper[j]) set.variables.push_back(j);
-    return least_squares_multipliers(model.hessian, model.gradient + model.hessian * d, model.jacobian,
-                                     model.num_inequalities, set);
+    return set;
 }
 
 }  // namespace strake

@@ -1,5 +1,5 @@
 #pragma once
-#include <Eigen/Core>
+#include "optimize/first_order.hpp"
 
 /// The model problem of one step of sequential quadratic programming. Internal.
 namespace strake {
@@ -23,7 +23,7 @@ struct QuadraticModel {
 /// so that its own first step is exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
 Eigen::VectorXd solve_model(const QuadraticModel& model);
 
-/// Multipliers of the model's constraints at its solution d.
-Eigen::VectorXd multipliers(const QuadraticModel& model, const Eigen::VectorXd& d);
+/// What holds the model's solution d: constraints without slack, and variables that are at no bound.
+ActiveSet active_set(const QuadraticModel& model, const Eigen::VectorXd& d);
 
 }  // namespace strake

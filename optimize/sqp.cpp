@@ -100,11 +100,17 @@ VectorXd SqpSearch::model_step(const VectorXd& constraints) {
     return d;
 }
 
-VectorXd SqpSearch::step_multipliers(const QuadraticModel& of, const VectorXd& d) const {
-    const VectorXd all = multipliers(of, d);
-    VectorXd lambda(at_.constraints.size());
-    lambda << all.head(p_.num_inequalities), all.tail(lambda.size() - p_.num_inequalities);  // the cut's lies between
-    return lambda;
+ActiveSet SqpSearch::held(const QuadraticModel& of, const VectorXd& d) const {
+    ActiveSet set = active_set(of, d);
+    const Eigen::Index cut = of.constraints.size() > at_.constraints.size() ? p_.num_inequalities : -1;
+    std::erase(set.rows, cut);
+    for (Eigen::Index& row : set.rows)
+        if (cut >= 0 && row > cut) --row;
+    return set;
+}
+
+VectorXd SqpSearch::multipliers_at(const Sample& sample, const ActiveSet& set) const {
+    return least_squares_multipliers(p_.metric, sample.gradient, sample.jacobian, p_.num_inequalities, set);
 }
 
 VectorXd SqpSearch::careful_step() {
@@ -140,7 +146,7 @@ bool SqpSearch::step() {
                    text("the limit of evaluations is reached (", guard_.options.max_evaluations, ")"));
     const VectorXd d = careful_step();
     if (d.size() == 0) return model_failed();
-    const VectorXd lambda = step_multipliers(model(at_.constraints, damping_), d);
+    const ActiveSet set = held(model(at_.constraints, damping_), d);
     const double gain = -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));
     const double relief = total_violation(p_, tightened(at_.constraints)) -
                           total_violation(p_, tightened(at_.constraints + at_.jacobian * d));
@@ -168,11 +174,11 @@ bool SqpSearch::step() {
                                radius_,
                            largest_radius);
     if (ratio < acceptable || !(decrease > 0)) {
-        stiffen(trial, taken, lambda);
+        stiffen(trial, taken, multipliers_at(at_, set));
         return rejected(length);
     }
     stretch(trial, taken, at_.gradient.dot(d) - guard_.penalty * std::max(relief, 0.0));
-    return accept(x_ + taken, trial, merit(at_) - merit(trial), lambda);
+    return accept(x_ + taken, trial, merit(at_) - merit(trial), set);
 }
 
 void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
@@ -209,8 +215,9 @@ bool SqpSearch::correct(Sample& trial, VectorXd& d) {
     return true;
 }
 
-bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease, const VectorXd& lambda) {
+bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease, const ActiveSet& set) {
     if (!evaluate(x, true, trial)) return failed_at(x - x_);
+    const VectorXd lambda = multipliers_at(trial, set);
     bend(lambda);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
     of_steps_ = B_;

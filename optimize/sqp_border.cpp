@@ -60,7 +60,7 @@ bool SqpSearch::end_at_border() {
             Sample trial;
             if (evaluate(x_ + d, false, trial)) {
                 const double decrease = merit(at_) - merit(trial);
-                if (decrease > 0) return accept(x_ + d, trial, decrease, step_multipliers(without_cut, free));
+                if (decrease > 0) return accept(x_ + d, trial, decrease, held(without_cut, free));
                 continue;
             }
             if (guard_.cause != Cause::failure) return ended_by_guard();

@@ -50,8 +50,9 @@ private:
     /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.
     Eigen::VectorXd model_step(const Eigen::VectorXd& constraints);
 
-    /// Of the program's constraints, by the model whose step d is.
-    Eigen::VectorXd step_multipliers(const QuadraticModel& of, const Eigen::VectorXd& d) const;
+    /// What holds the step d of a model, of the program's own constraints.
+    ActiveSet held(const QuadraticModel& of, const Eigen::VectorXd& d) const;
+    Eigen::VectorXd multipliers_at(const Sample& sample, const ActiveSet& set) const;
 
     /// The model's step. Where the present metric finds it too long (a direction has become soft), the metric learns of
     /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
@@ -70,7 +71,7 @@ private:
     /// that turns out too short, before the next gradient is paid. Longer steps replace `trial` and `d`.
     void stretch(Sample& trial, Eigen::VectorXd& d, double slope);
 
-    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease, const Eigen::VectorXd& lambda);
+    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease, const ActiveSet& set);
 
     /// Powell's damped BFGS update.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);

@@ -76,6 +76,8 @@ private:
     /// Powell's damped BFGS update.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
 
+    bool is_little(double promise) const;
+
     /// The model promises nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_at_rest(const Eigen::VectorXd& d, double predicted);
 

@@ -131,8 +131,10 @@ ActiveSet active_set(const QuadraticModel& model, const VectorXd& d) {
             model.constraints[i] + change >= -hair * (std::abs(model.constraints[i]) + std::abs(change)))
             set.rows.push_back(i);
     }
-    for (Eigen::Index j = 0; j < d.size(); ++j)
-        if (d[j] > model.lower[j] && d[j] < model.upper[j]) set.variables.push_back(j);
+    for (Eigen::Index j = 0; j < d.size(); ++j) {
+        const double range = model.upper[j] - model.lower[j], slack = std::isfinite(range) ? hair * range : 0;
+        if (d[j] > model.lower[j] + slack && d[j] < model.upper[j] - slack) set.variables.push_back(j);
+    }
     return set;
 }
 

@@ -221,7 +221,7 @@ bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease, const 
     bend(lambda);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
     of_steps_ = B_;
-    raise_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>());
+    adapt_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>(), largest_violation(p_, trial.constraints) <= tolerance());
     const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
     const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&
                        largest_violation(p_, trial.constraints) <= tolerance();

@@ -40,6 +40,12 @@ private:
     bool is_outpaced();
 
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
+    /// After an accepted step: half way to what its multipliers need, where that is less (Powell 1978). A penalty that is
+    /// much too large takes the curvature of the constraints for a reason to make short steps.
+    void adapt_penalty(double needed, bool feasible) {
+        raise_penalty(needed);
+        if (needed > 0 && feasible) guard_.penalty = 0.5 * (guard_.penalty + needed);
+    }
 
     QuadraticModel model(const Eigen::VectorXd& constraints, double damping) const {
         return model(constraints, damping, cut_);

@@ -11,8 +11,8 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double nearly_active = 0.02;  ///< in the metric: steps of 1 are the largest reasonable ones
-constexpr int bound_passes = 5;       ///< in search of the bounds that hold their variables
-constexpr double at_bound = 1e-9;  ///< of the range: rounding must not decide
+constexpr int bound_passes = 5;         ///< in search of the bounds that hold their variables
+constexpr double at_bound = 1e-9;       ///< of the range: rounding must not decide
 
 /// L^-1 b with metric = L L^T.
 MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {

@@ -14,8 +14,8 @@ struct ActiveSet {
 Eigen::VectorXd least_squares_multipliers(const Eigen::MatrixXd& metric, const Eigen::VectorXd& gradient,
                                           const Eigen::MatrixXd& jacobian, int num_inequalities, const ActiveSet& set);
 
-/// Least-squares multipliers of the constraints that are active or nearly so (a short step in the metric leads there), by
-/// the variables that no bound holds: at the others the bound takes a share. `sample` is that at x, differentiated.
+/// Least-squares multipliers of the constraints that are active or nearly so (a short step in the metric leads there),
+/// by the variables that no bound holds: at the others the bound takes a share. `sample` is that at x, differentiated.
 Eigen::VectorXd multipliers(const NonlinearProgram& program, const Eigen::VectorXd& x, const Sample& sample);
 
 /// Variable j is at a bound (to rounding) and the direction leads out.

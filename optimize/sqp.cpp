@@ -22,8 +22,8 @@ constexpr int dear_gradient = 6;                               ///< differences:
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
 constexpr double largest_correction = 0.5;  ///< share of the step: what bends more is no matter of second order
-constexpr int stuck_steps = 4;  ///< the same, outside of the constraints
-constexpr int calm_steps = 2;   ///< small decreases in a row that mean convergence
+constexpr int stuck_steps = 4;              ///< the same, outside of the constraints
+constexpr int calm_steps = 2;               ///< small decreases in a row that mean convergence
 
 }  // namespace
 

@@ -40,8 +40,8 @@ private:
     bool is_outpaced();
 
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
-    /// After an accepted step: half way to what its multipliers need, where that is less (Powell 1978). A penalty that is
-    /// much too large takes the curvature of the constraints for a reason to make short steps.
+    /// After an accepted step: half way to what its multipliers need, where that is less (Powell 1978). A penalty that
+    /// is much too large takes the curvature of the constraints for a reason to make short steps.
     void adapt_penalty(double needed, bool feasible) {
         raise_penalty(needed);
         if (needed > 0 && feasible) guard_.penalty = 0.5 * (guard_.penalty + needed);
@@ -139,7 +139,7 @@ private:
     Eigen::MatrixXd B_;
     Eigen::VectorXd curvature_;  ///< of the constraints
     Eigen::VectorXd included_;   ///< multiplier times curvature that B has got
-    Eigen::MatrixXd of_steps_;  ///< B as the last accepted step left it
+    Eigen::MatrixXd of_steps_;   ///< B as the last accepted step left it
     double radius_ = guard_.options.first_step;
     double damping_ = 0;  ///< that kept the last of the model's steps within the radius
     double least_curvature_;

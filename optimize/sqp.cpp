@@ -254,8 +254,7 @@ void SqpSearch::measure_curvature(const Sample& trial, const VectorXd& d) {
     const double length2 = d.dot(p_.metric * d);
     const VectorXd bends = trial.constraints - at_.constraints - at_.jacobian * d;
     for (Eigen::Index i = 0; i < bends.size(); ++i) {
-        const double rounding = 1e-9 * (std::abs(at_.constraints[i]) + std::abs(trial.constraints[i]));
-        if (std::abs(bends[i]) > rounding && length2 > 0)
+        if (std::abs(bends[i]) > 0.01 * tolerance() && length2 > 0)  // less may be rounding
             curvature_[i] = std::min(curvature_[i], std::max(2 * bends[i] / length2, 0.0));
     }
 }

@@ -53,7 +53,7 @@ public:
         if (f >= 0 && mesh_.features[f].kind == FeatureKind::kept) return false;
         if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
         const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
-        Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0};
+        Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0, 0, 0};
         if (!keeps_short(a, b, foot.point, moves)) return false;  // most fail here, and it is cheap
         if (!mesh_.can_collapse(h, a)) return false;
         if (f >= 0 && !mesh_.collapse_fits_curve(h, a, guard_.chord_slack)) return false;

@@ -90,7 +90,7 @@ private:
 
     bool on_surface(int v, const Place& from, const Vector3d& shift, Place& place) const {
         const Foot foot = project(*mesh_.base, from.point + shift, from.foot, 0.5 * mesh_.size[v]);
-        place = {foot.point, normal_at(*mesh_.base, foot.triangle, foot.point), foot.triangle, 0};
+        place = {foot.point, normal_at(*mesh_.base, foot), foot.triangle, 0};
         return place.normal.dot(mesh_.normal[v]) > 0.5;
     }
     bool on_curve(int v, double shift, Place& place) const {

@@ -14,28 +14,6 @@ double box_distance2(const Vector3d& low, const Vector3d& high, const Vector3d& 
 
 }  // namespace
 
-TrianglePoint closest_on_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x) {
-    // The seven regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-    const Vector3d ab = b - a, ac = c - a, ax = x - a;
-    const double d1 = ab.dot(ax), d2 = ac.dot(ax);
-    if (d1 <= 0 && d2 <= 0) return {a, 3};
-    const Vector3d bx = x - b;
-    const double d3 = ab.dot(bx), d4 = ac.dot(bx);
-    if (d3 >= 0 && d4 <= d3) return {b, 4};
-    const Vector3d cx = x - c;
-    const double d5 = ab.dot(cx), d6 = ac.dot(cx);
-    if (d6 >= 0 && d5 <= d6) return {c, 5};
-    const double wc = d1 * d4 - d3 * d2;
-    if (wc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, 0};
-    const double wb = d5 * d2 - d1 * d6;
-    if (wb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, 2};
-    const double wa = d3 * d6 - d5 * d4;
-    if (wa <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 1};
-    const double whole = wa + wb + wc;
-    if (!(whole > 0)) return {a, 3};
-    return {a + wb / whole * ab + wc / whole * ac, -1};
-}
-
 TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
                            double piece) {
     pieces_.reserve(tri.size() + tri.size() / 2);

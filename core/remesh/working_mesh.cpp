@@ -86,7 +86,7 @@ void WorkingMesh::find_foot(int m, int h) {
         const bool both_tell = a_tells && b_tells;
         if (both_tell ? normal[a].dot(normal[b]) > 0.97 : (pos[m] - pos[a]).squaredNorm() < size[m] * size[m]) return;
         const Foot below = project(*base, pos[m], foot[m], size[m]);
-        const Vector3d there = normal_at(*base, below.triangle, below.point);
+        const Vector3d there = normal_at(*base, below);
         if (there.dot(normal[m]) < 0) return;  // the other side of a thin part
         foot[m] = below.triangle;
         normal[m] = there;

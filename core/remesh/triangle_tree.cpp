@@ -20,7 +20,8 @@ TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vecto
     for (int t = 0; t < static_cast<int>(tri.size()); ++t)
         cut(points[tri[t][0]], points[tri[t][1]], points[tri[t][2]], t, piece, 0);
     nodes_.reserve(pieces_.size());
-    build(0, static_cast<int>(pieces_.size()));
+    const bool is_in_order = pieces_.size() == tri.size();  // none is long, so halves of the list are near together
+    if (!pieces_.empty()) build(0, static_cast<int>(pieces_.size()), is_in_order);
 }
 
 /// Halves the longest side until it is short.
@@ -39,29 +40,40 @@ void TriangleTree::cut(const Vector3d& a, const Vector3d& b, const Vector3d& c, 
     }
 }
 
-void TriangleTree::build(int begin, int end) {
+void TriangleTree::build(int begin, int end, bool is_in_order) {
     const std::size_t self = nodes_.size();
     nodes_.push_back({pieces_[begin].low, pieces_[begin].high, begin, end, -1});
+    if (end - begin <= leaf_size) {
+        for (int i = begin; i < end; ++i) {
+            nodes_[self].low = nodes_[self].low.cwiseMin(pieces_[i].low);
+            nodes_[self].high = nodes_[self].high.cwiseMax(pieces_[i].high);
+        }
+        return;
+    }
+    const int middle = begin + (end - begin) / 2;
+    if (!is_in_order) part(begin, middle, end);
+    build(begin, middle, is_in_order);
+    const int right = nodes_[self].right = static_cast<int>(nodes_.size());
+    build(middle, end, is_in_order);
+    nodes_[self].low = nodes_[self + 1].low.cwiseMin(nodes_[right].low);
+    nodes_[self].high = nodes_[self + 1].high.cwiseMax(nodes_[right].high);
+}
+
+/// Puts the lower half along the longest side of the centres' box first.
+void TriangleTree::part(int begin, int middle, int end) {
     Vector3d low = pieces_[begin].low + pieces_[begin].high, high = low;
     for (int i = begin; i < end; ++i) {
-        nodes_[self].low = nodes_[self].low.cwiseMin(pieces_[i].low);
-        nodes_[self].high = nodes_[self].high.cwiseMax(pieces_[i].high);
         const Vector3d twice_centre = pieces_[i].low + pieces_[i].high;
         low = low.cwiseMin(twice_centre);
         high = high.cwiseMax(twice_centre);
     }
-    if (end - begin <= leaf_size) return;
     int axis = 0;
     (high - low).maxCoeff(&axis);
-    const int middle = begin + (end - begin) / 2;
     std::nth_element(pieces_.begin() + begin, pieces_.begin() + middle, pieces_.begin() + end,
                      [axis](const Piece& p, const Piece& q) {
                          const double x = p.low[axis] + p.high[axis], y = q.low[axis] + q.high[axis];
                          return x != y ? x < y : p.triangle < q.triangle;
                      });
-    build(begin, middle);
-    nodes_[self].right = static_cast<int>(nodes_.size());
-    build(middle, end);
 }
 
 int TriangleTree::closest(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,

@@ -49,6 +49,7 @@ inline TrianglePoint closest_on_triangle(const Eigen::Vector3d& a, const Eigen::
 class TriangleTree {
 public:
     TriangleTree() = default;
+    /// @param tri in order of space: where none is long, that saves sorting them.
     TriangleTree(const std::vector<Eigen::Vector3d>& points, const std::vector<std::array<int, 3>>& tri, double piece);
     /// The triangle of patch `wanted` closest to x, nearer than the square root of `below2`; tie: the one with the
     /// smallest number; -1: none. Small patches far away would have the whole tree searched without that bound.
@@ -66,7 +67,8 @@ private:
     };
     void cut(const Eigen::Vector3d& a, const Eigen::Vector3d& b, const Eigen::Vector3d& c, int t, double piece,
              int depth);
-    void build(int begin, int end);
+    void build(int begin, int end, bool is_in_order);
+    void part(int begin, int middle, int end);
     std::vector<Piece> pieces_;
     std::vector<Node> nodes_;
 };

@@ -21,6 +21,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.patch = base.patch;
     mesh.features = base.features;
     mesh.corner.resize(3 * m);
+    mesh.compact_triangles = static_cast<int>(m);
     for (std::size_t h = 0; h < 3 * m; ++h) mesh.corner[h] = base.tri[h / 3][h % 3];
     mesh.foot.assign(n, 0);
     mesh.normal.assign(n, Vector3d::Zero());

@@ -35,6 +35,7 @@ struct WorkingMesh {
     std::vector<FeatureEdge> features;
     std::vector<int> mark;  ///< scratch per vertex
     int stamp = 0;
+    int compact_triangles = 0, changes = 0;  ///< at the last compact(); triangles made and removed since they were sorted
 
     static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static int prev(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -108,7 +109,7 @@ struct WorkingMesh {
     /// Foot and normal of vertex m, new in the middle of edge h.
     void find_foot(int m, int h);
 
-    /// Renumbers vertices, triangles and features without gaps, in order.
+    /// Renumbers vertices, triangles and features without gaps; in order of space, where much has changed.
     void compact();
 
 private:

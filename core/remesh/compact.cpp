@@ -60,17 +60,18 @@ void WorkingMesh::compact() {
     constexpr double many = 0.05;
     const bool sorts = changes > many * num_triangles();
     if (sorts) changes = 0;
-    const std::vector<int> vertices =
-        sorts ? sorted_by(num_vertices(), static_cast<int>(base->tri.size()),
-                          [&](int v) { return half[v] >= 0 ? foot[v] : -1; })
-              : in_order(num_vertices(), [&](int v) { return half[v] >= 0; });
+    const std::vector<int> vertices = sorts ? sorted_by(num_vertices(), static_cast<int>(base->tri.size()),
+                                                        [&](int v) { return half[v] >= 0 ? foot[v] : -1; })
+                                            : in_order(num_vertices(), [&](int v) { return half[v] >= 0; });
     const std::vector<int> number = inverse(vertices, num_vertices());
     for (int& v : corner)
         if (v >= 0) v = number[v];
     const int n = static_cast<int>(vertices.size());
     const std::vector<int> triangles =
         sorts ? sorted_by(num_triangles(), n,
-                          [&](int t) { return std::min({corner[3 * t], corner[3 * t + 1], corner[3 * t + 2]}); })
+                          [&](int t) {
+                              return std::min({corner[3 * t], corner[3 * t + 1], corner[3 * t + 2]});
+                          })
               : in_order(num_triangles(), [&](int t) { return is_alive(t); });
     compact_triangles = static_cast<int>(triangles.size());
     const std::vector<int> triangle_number = inverse(triangles, num_triangles());
@@ -95,9 +96,10 @@ void WorkingMesh::compact() {
     if (!group.empty()) take(group, triangles, !sorts);
     take(patch, triangles, !sorts);
 
-    take(pos, vertices, !sorts), take(normal, vertices, !sorts), take(foot, vertices, !sorts), take(half, vertices, !sorts), take(valence, vertices, !sorts);
-    take(origin, vertices, !sorts), take(size, vertices, !sorts), take(limit, vertices, !sorts), take(role, vertices, !sorts), take(calm, vertices, !sorts),
-        take(bent, vertices, !sorts);
+    take(pos, vertices, !sorts), take(normal, vertices, !sorts), take(foot, vertices, !sorts),
+        take(half, vertices, !sorts), take(valence, vertices, !sorts);
+    take(origin, vertices, !sorts), take(size, vertices, !sorts), take(limit, vertices, !sorts),
+        take(role, vertices, !sorts), take(calm, vertices, !sorts), take(bent, vertices, !sorts);
     for (int& h : half) h = renumber(h);
     mark.assign(n, 0);
     stamp = 0;

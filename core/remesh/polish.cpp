@@ -1,5 +1,6 @@
 #include "core/remesh/passes.hpp"
 
+#include <algorithm>
 #include <limits>
 #include <numbers>
 
@@ -10,6 +11,7 @@ namespace {
 
 using Eigen::Vector3d;
 
+constexpr double well_shaped = 0.76;  ///< no angle below 30 degrees, or above 108
 constexpr int most_tries = 12;  ///< of a vertex in a sweep: where hundreds of thin triangles meet, all would ask for it
 
 class Polish {
@@ -86,6 +88,77 @@ private:
         return quality;
     }
 
+public:
+    /// Flips edges that lie off the input by more than `share` of their length, or moves the vertices around them.
+    /// @return how many flips and moves brought them nearer.
+    int approach(double share) {
+        share_ = share;
+        const std::vector<int> far = farthest_edges();
+        std::vector<int> look;
+        for (const int h : far)
+            for (const int v : {mesh_.from(h), mesh_.to(h), mesh_.apex(h), mesh_.apex(mesh_.twin[h])})
+                if (mesh_.role[v] == VertexRole::free && std::find(look.begin(), look.end(), v) == look.end())
+                    look.push_back(v);
+        int count = 0;
+        for (const int h : far) count += flip(h);
+        for (int sweep = 0; sweep < 3; ++sweep)
+            for (const int v : look) count += improve(v, 2);
+        return count;
+    }
+
+private:
+    /// Edges of deviations above 1, as far as there are few of them; else the farthest, and the share is theirs.
+    std::vector<int> farthest_edges() {
+        std::vector<double> deviations(mesh_.corner.size(), 0);
+        in_parts(static_cast<int>(mesh_.corner.size()), guard_.threads, [&](int begin, int end) {
+            for (int h = begin; h < end; ++h)
+                if (mesh_.corner[h] >= 0 && mesh_.feature[h] < 0 && mesh_.twin[h] > h && may_be_far(h))
+                    deviations[h] = deviation(mesh_.from(h), mesh_.to(h));
+        });
+        std::vector<int> far;
+        for (int h = 0; h < static_cast<int>(deviations.size()); ++h)
+            if (deviations[h] > 1) far.push_back(h);
+        const std::size_t few = 16 + mesh_.num_triangles() / 1000;
+        if (far.size() <= few) return far;
+        std::stable_sort(far.begin(), far.end(), [&](int g, int h) { return deviations[g] > deviations[h]; });
+        far.resize(few);
+        share_ *= deviations[far.back()];
+        return far;
+    }
+    bool may_be_far(int h) const {
+        const int a = mesh_.from(h), b = mesh_.to(h);
+        const bool a_tells = mesh_.role[a] == VertexRole::free, b_tells = mesh_.role[b] == VertexRole::free;
+        return a_tells && b_tells ? mesh_.normal[a].dot(mesh_.normal[b]) < 0.985 : a_tells || b_tells;
+    }
+    /// How far the edge between vertices a and b is off the input; 1: by the share of its wanted length.
+    double deviation(int a, int b) const { return deviation(a, mesh_.pos[a], mesh_.foot[a], b); }
+    double deviation(int a, const Vector3d& x, int foot, int b) const {
+        const int hint = mesh_.role[a] == VertexRole::free ? foot : mesh_.foot[b];
+        double farthest2 = 0;
+        for (const double t : {0.5, 0.3, 0.7}) {
+            const Foot there = project(*mesh_.base, x + t * (mesh_.pos[b] - x), hint, mesh_.size[b]);
+            farthest2 = std::max(farthest2, there.distance2);
+        }
+        return std::sqrt(farthest2) / (share_ * mesh_.wanted(a, b));
+    }
+    static double fourth(double x) { return (x * x) * (x * x); }
+    bool flip(int h) {
+        const int g = mesh_.twin[h], a = mesh_.from(h), b = mesh_.to(h), c = mesh_.apex(h), d = mesh_.apex(g);
+        if (mesh_.role[c] != VertexRole::free && mesh_.role[d] != VertexRole::free) return false;
+        if (mesh_.valence[a] <= 4 || mesh_.valence[b] <= 4 || c == d || mesh_.are_neighbours(c, d)) return false;
+        const Facing n0 = facing(mesh_, a, d, c), n1 = facing(mesh_, d, b, c);
+        if (std::min(n0.quality, n1.quality) < std::min({well_shaped, mesh_.quality(h / 3), mesh_.quality(g / 3)}))
+            return false;
+        if (std::min(n0.dot, n1.dot) < guard_.cos_natural || n0.normal.dot(n1.normal) < guard_.cos_natural)
+            return false;
+        const double before =
+            fourth(deviation(a, b)) + fourth(1 / mesh_.quality(h / 3)) + fourth(1 / mesh_.quality(g / 3));
+        const double after = fourth(deviation(c, d)) + fourth(1 / n0.quality) + fourth(1 / n1.quality);
+        if (after > 0.95 * before) return false;
+        mesh_.flip(h);
+        return true;
+    }
+
     Place here(int v) const { return {mesh_.pos[v], mesh_.normal[v], mesh_.foot[v], 0}; }
 
     bool on_surface(int v, const Place& from, const Vector3d& shift, Place& place) const {
@@ -107,7 +180,8 @@ private:
         return true;
     }
 
-    /// Sum of 1 / quality^4 around v were it at `place`; infinite where a triangle would face away.
+    /// Sum of 1 / quality^4 around v were it at `place`, and of deviation^4 when these count; infinite where a triangle
+    /// would face away.
     double cost(int v, const Place& place) {
         const Vector3d normal = mesh_.normal[v];
         mesh_.normal[v] = place.normal;
@@ -118,11 +192,15 @@ private:
             const Facing made = facing(mesh_, v, p, q, place.point, mesh_.pos[p], mesh_.pos[q]);
             if (!is_old && (made.dot <= 1 ? made.dot < guard_.cos_natural : turns(v, p, q, made)))
                 sum = std::numeric_limits<double>::infinity();
+            if (!is_old && share_ > 0 && made.quality < std::min(well_shaped, mesh_.quality(h / 3)))
+                sum = std::numeric_limits<double>::infinity();
             const double worse = 1 / std::max(made.quality, 1e-4);
             sum += (worse * worse) * (worse * worse);
             return std::isfinite(sum);
         });
         mesh_.normal[v] = normal;
+        if (share_ > 0 && std::isfinite(sum))
+            mesh_.neighbours(v, [&](int u) { sum += fourth(deviation(v, place.point, place.foot, u)); });
         return sum;
     }
     bool turns(int v, int p, int q, const Facing& made) const {
@@ -144,9 +222,12 @@ private:
 
     WorkingMesh& mesh_;
     const StepGuard& guard_;
+    double share_ = 0;  ///< of an edge's wanted length, by which it may be off the input; 0: does not count
 };
 
 }  // namespace
+
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share) { return Polish(mesh, guard).approach(share); }
 
 int polish(WorkingMesh& mesh, const StepGuard& guard, double below) { return Polish(mesh, guard).run(below); }
 

@@ -13,7 +13,10 @@ namespace strake {
 namespace {
 
 constexpr double radians = std::numbers::pi / 180;
-constexpr double worth_polishing = 0.8;  ///< quality below which a triangle's corners are moved one by one
+constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
+constexpr double worth_approaching = 0.05;  ///< share of its length by which an edge may be off the input
+constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
+constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
@@ -57,10 +60,15 @@ public:
         shorten_needles();
         is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
         if (is_finished_) accept_lengths();
-        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1;
+        for (int i = is_finished_ ? std::max(1, options_.iterations - finishing + 1) : 1;
              i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
+            const int finish = options_.iterations - finishing;
+            if (is_finished_ || i < 2 || i >= finish || !has_converged()) continue;
+            if (i + 1 < finish) note_limits(finish);
+            skipped_ = finish - i;
+            i = finish;
         }
         if (!result_.cancelled) disentangle();
         count();
@@ -96,21 +104,24 @@ private:
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        const double tight = tightness(record.iteration);
+        const int step = record.iteration + skipped_;
+        const double tight = tightness(step);
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact();
         record.flips = flip_edges(mesh_, loose_);
-        const bool is_finish = is_finished_ || record.iteration + 3 > options_.iterations;
+        const bool is_finish = is_finished_ || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
-        if (is_finish || !(tight < 1)) smooth(mesh_, loose_, goal);  // half of it has been cut or joined: once will do
+        // At first, and where half of it has been cut or joined, once will do.
+        if (is_finish || (step > 2 && !(tight < 1))) smooth(mesh_, loose_, goal);
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
             polish(mesh_, loose_, worth_polishing);
-            if (record.iteration == options_.iterations) {
+            if (step == options_.iterations) {
                 flip_edges(mesh_, firm_);
                 polish(mesh_, loose_, worth_polishing);
+                approach(mesh_, loose_, worth_approaching);
             }
         }
         record.triangles = mesh_.num_triangles();
@@ -125,7 +136,7 @@ private:
         if (is_finished_) return 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
         const double mean = mean_quality_inside();
-        return mean >= 0.977 ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
+        return mean >= evenly_shaped ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
     }
 
     /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
@@ -157,6 +168,11 @@ private:
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
         return last.splits + last.collapses < 0.05 * last.triangles;
+    }
+    /// What is left to do is the finish.
+    bool has_converged() const {
+        const RemeshRecord& last = result_.records.back();
+        return last.splits + last.collapses < 0.03 * last.triangles && mean_quality_inside() >= evenly_shaped;
     }
     /// Of the triangles away from features.
     double mean_quality_inside() const {
@@ -261,6 +277,7 @@ private:
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
+    int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     Crossings crossings_{base_};
     RemeshResult result_;

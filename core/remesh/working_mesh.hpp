@@ -35,7 +35,8 @@ struct WorkingMesh {
     std::vector<FeatureEdge> features;
     std::vector<int> mark;  ///< scratch per vertex
     int stamp = 0;
-    int compact_triangles = 0, changes = 0;  ///< at the last compact(); triangles made and removed since they were sorted
+    int compact_triangles = 0,
+        changes = 0;  ///< at the last compact(); triangles made and removed since they were sorted
 
     static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static int prev(int h) { return h % 3 == 0 ? h + 2 : h - 1; }

@@ -227,9 +227,11 @@ int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, dou
         const int a = mesh.from(h), b = mesh.to(h);
         const bool a_goes = collapse.attempt(h, a);
         if (!a_goes && !collapse.attempt(h, b)) return 0;
-        mesh.around(a_goes ? b : a, [&](int out) {
-            next.note_triangle(mesh, out / 3);
-            return true;
+        mesh.neighbours(a_goes ? b : a, [&](int u) {
+            mesh.around(u, [&](int out) {
+                next.note(mesh, out);
+                return true;
+            });
         });
         return 1;
     });

@@ -95,10 +95,12 @@ public:
         share_ = share;
         const std::vector<int> far = farthest_edges();
         std::vector<int> look;
+        std::vector<char> is_listed(mesh_.num_vertices(), 0);
         for (const int h : far)
-            for (const int v : {mesh_.from(h), mesh_.to(h), mesh_.apex(h), mesh_.apex(mesh_.twin[h])})
-                if (mesh_.role[v] == VertexRole::free && std::find(look.begin(), look.end(), v) == look.end())
-                    look.push_back(v);
+            for (const int v : {mesh_.from(h), mesh_.to(h), mesh_.apex(h), mesh_.apex(mesh_.twin[h])}) {
+                if (mesh_.role[v] == VertexRole::free && !is_listed[v]) look.push_back(v);
+                is_listed[v] = 1;
+            }
         int count = 0;
         for (const int h : far) count += flip(h);
         for (int sweep = 0; sweep < 3; ++sweep)

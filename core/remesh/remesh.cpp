@@ -14,7 +14,7 @@ namespace {
 
 constexpr double radians = std::numbers::pi / 180;
 constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
-constexpr double worth_approaching = 0.05;  ///< share of its length by which an edge may be off the input
+constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
 constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;

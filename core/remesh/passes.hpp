@@ -63,9 +63,10 @@ double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal);
 /// @return how many moved.
 int polish(WorkingMesh& mesh, const StepGuard& guard, double below);
 
-/// Brings the edges that are farthest off the input, by more than `share` of their wanted length, nearer to it.
+/// No edge becomes folded by more than `most_fold`, radians. Brings the edges that are farthest off the input, by more
+/// than `share` of their wanted length, nearer to it.
 /// @return how many flips and moves did that.
-int approach(WorkingMesh& mesh, const StepGuard& guard, double share);
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold);
 
 /// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
 struct RidgeEdges {

@@ -75,7 +75,7 @@ private:
                     better = true;
                 }
             }
-        if (best > 0.98 * start) return false;
+        if (best > 0.98 * start || (share_ > 0 && sharpens(v, at))) return false;
         put(v, at);
         return true;
     }
@@ -91,8 +91,9 @@ private:
 public:
     /// Flips edges that lie off the input by more than `share` of their length, or moves the vertices around them.
     /// @return how many flips and moves brought them nearer.
-    int approach(double share) {
+    int approach(double share, double most_fold) {
         share_ = share;
+        cos_fold_ = std::cos(most_fold);
         const std::vector<int> far = farthest_edges();
         std::vector<int> look;
         std::vector<char> is_listed(mesh_.num_vertices(), 0);
@@ -127,10 +128,34 @@ private:
         share_ *= deviations[far.back()];
         return far;
     }
+    /// The sharpest edge of v's triangles that is no feature, as a cosine.
+    double sharpest(int v) const {
+        double least = 1;
+        mesh_.around(v, [&](int h) {
+            for (const int side : {h, mesh_.next(h)}) {
+                if (mesh_.feature[side] >= 0 || mesh_.twin[side] < 0) continue;
+                const Vector3d n = mesh_.area_vector2(side / 3), m = mesh_.area_vector2(mesh_.twin[side] / 3);
+                least = std::min(least, n.dot(m) / (n.norm() * m.norm()));
+            }
+            return true;
+        });
+        return least;
+    }
+    /// No creases may come of it.
+    bool sharpens(int v, const Place& at) {
+        const double before = sharpest(v);
+        const Vector3d x = mesh_.pos[v];
+        mesh_.pos[v] = at.point;
+        const double after = sharpest(v);
+        mesh_.pos[v] = x;
+        return after < std::min(before, cos_fold_);
+    }
+    /// Normals that vary smoothly would hide a fold between long triangles.
+    const Vector3d& plane(int v) const { return mesh_.base->normal[mesh_.foot[v]]; }
     bool may_be_far(int h) const {
         const int a = mesh_.from(h), b = mesh_.to(h);
         const bool a_tells = mesh_.role[a] == VertexRole::free, b_tells = mesh_.role[b] == VertexRole::free;
-        return a_tells && b_tells ? mesh_.normal[a].dot(mesh_.normal[b]) < 0.985 : a_tells || b_tells;
+        return a_tells && b_tells ? plane(a).dot(plane(b)) < 0.985 : a_tells || b_tells;
     }
     /// How far the edge between vertices a and b is off the input; 1: by the share of its wanted length.
     double deviation(int a, int b) const { return deviation(a, mesh_.pos[a], mesh_.foot[a], b); }
@@ -158,7 +183,9 @@ private:
         const double after = fourth(deviation(c, d)) + fourth(1 / n0.quality) + fourth(1 / n1.quality);
         if (after > 0.95 * before) return false;
         mesh_.flip(h);
-        return true;
+        if (std::min(sharpest(c), sharpest(d)) >= cos_fold_) return true;
+        mesh_.flip(WorkingMesh::next(h));  // from d to c, back
+        return false;
     }
 
     Place here(int v) const { return {mesh_.pos[v], mesh_.normal[v], mesh_.foot[v], 0}; }
@@ -225,11 +252,14 @@ private:
     WorkingMesh& mesh_;
     const StepGuard& guard_;
     double share_ = 0;  ///< of an edge's wanted length, by which it may be off the input; 0: does not count
+    double cos_fold_ = 0;
 };
 
 }  // namespace
 
-int approach(WorkingMesh& mesh, const StepGuard& guard, double share) { return Polish(mesh, guard).approach(share); }
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold) {
+    return Polish(mesh, guard).approach(share, most_fold);
+}
 
 int polish(WorkingMesh& mesh, const StepGuard& guard, double below) { return Polish(mesh, guard).run(below); }
 

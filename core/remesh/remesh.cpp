@@ -121,7 +121,7 @@ private:
             if (step == options_.iterations) {
                 flip_edges(mesh_, firm_);
                 polish(mesh_, loose_, worth_polishing);
-                approach(mesh_, loose_, worth_approaching);
+                approach(mesh_, loose_, worth_approaching, 0.9 * options_.angle_deg * radians);
             }
         }
         record.triangles = mesh_.num_triangles();
@@ -172,7 +172,7 @@ private:
     /// What is left to do is the finish.
     bool has_converged() const {
         const RemeshRecord& last = result_.records.back();
-        return last.splits + last.collapses < 0.03 * last.triangles && mean_quality_inside() >= evenly_shaped;
+        return last.splits + last.collapses < 0.02 * last.triangles && mean_quality_inside() >= evenly_shaped;
     }
     /// Of the triangles away from features.
     double mean_quality_inside() const {

@@ -8,11 +8,12 @@
 #include <functional>
 #include <string>
 
-/// The paper's table on this project's surfaces: `shell_table [--springs D] [--cold] [--warm N] [wing:22000 |
-/// body:131000 | FILE]...`. CPU seconds of the process (user and system), and the same in numeric factorizations of the
-/// rest matrix without springs. --cold: the cold solve at 10 % alone, and its memory. Warm solves start from the
-/// equilibrium at 10 % with its factor. --springs: over all that is loaded, lambda = |F| / (2 D), D in diagonals.
-/// --warm: memory over N warm solves and gradients instead.
+/// The paper's table on this project's surfaces: `shell_table [--springs D] [--cold [--solver auto|direct|multigrid]...
+/// [--share S]... [--steps]] [--warm N] [wing:22000 | body:131000 | FILE]...`. CPU seconds of the process (user and
+/// system), and the same in numeric factorizations of the rest matrix without springs. --cold: cold solves alone, by
+/// every solver named, at every share of the diagonal (10 % unless said), their Newton steps where asked for, and their
+/// memory. Warm solves start from the equilibrium at 10 % with its factor. --springs: over all that is loaded, lambda =
+/// |F| / (2 D), D in diagonals. --warm: memory over N warm solves and gradients instead.
 namespace {
 
 using namespace strake;
@@ -32,8 +33,9 @@ struct Table {
 };
 
 std::string remark(const Equilibrium& end) {
-    return text(to_string(end.status), ", ", end.iterations, " it, ", end.factorizations, " fact, ", end.substitutions,
-                " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
+    const std::string change = end.solver != end.first_solver ? ", went over to " + to_string(end.solver) : "";
+    return text(to_string(end.status), change, ", ", end.iterations, " it, ", end.factorizations, " fact, ",
+                end.substitutions, " subst, step ", end.last_step, end.stable ? "" : ", NOT proven stable");
 }
 
 /// Of one functional by the size of the loads on groups of vertices.
@@ -98,15 +100,50 @@ void cold_row(const Table& table, const LoadedShell& body, double share) {
     PrimoShell shell(body.mesh, options);
     Equilibrium end;
     const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
-    const char* solver = shell.solver() == LinearSolver::direct ? "direct" : "multigrid";
-    table.row(text("cold, ", 100 * share, " %, ", solver, ", all included"), seconds, remark(end));
+    table.row(text("cold, ", 100 * share, " %, ", to_string(shell.solver()), ", all included"), seconds, remark(end));
 }
 
-/// What fits where no factor does.
-void cold_only(const std::string& name) {
+struct Cold {
+    std::vector<std::string> solvers;
+    std::vector<double> shares;
+    bool shows_steps = false;
+};
+
+LinearSolver solver_named(const std::string& name) {
+    for (const LinearSolver solver : {LinearSolver::automatic, LinearSolver::direct, LinearSolver::multigrid})
+        if (name == to_string(solver)) return solver;
+    throw InvalidInput("--solver " + name + ": auto, direct or multigrid");
+}
+
+/// A row for each solver and share: what fits also where no factor does. Ends are held against the first solver's.
+void cold_only(const std::string& name, const Cold& cold) {
     const LoadedShell body(name);
-    cold_row({}, body, 0.1);
-    std::printf("| peak memory | %.2f GB | | |\n", peak_gigabytes());
+    for (const double share : cold.shares) {
+        Points first;
+        for (const std::string& solver : cold.solvers) {
+            ShellOptions options = body.options;
+            options.expected_solves = 1;  // as `strake deform`
+            options.solver = solver_named(solver);
+            PrimoShell shell(body.mesh, options);
+            Equilibrium end;
+            const double seconds = timed([&] { end = shell.solve(body.loads(share)); });
+            std::string apart;
+            if (first.size() == 0)
+                first = shell.vertices();
+            else
+                apart =
+                    text(", apart ", (shell.vertices() - first).rowwise().norm().maxCoeff() / box_diagonal(body.mesh));
+            std::printf("| %s | %d | %g %% | %s | %.2f | %s%s |\n", name.substr(name.rfind('/') + 1).c_str(),
+                        body.mesh.num_triangles(), 100 * share, solver.c_str(), seconds, remark(end).c_str(),
+                        apart.c_str());
+            for (const SolveRecord& record : end.records)
+                if (cold.shows_steps)
+                    std::printf("    %d: step %.2e, energy %.6e, gradient %.2e\n", record.iteration, record.step,
+                                record.energy, record.relative_gradient);
+            std::fflush(stdout);
+        }
+    }
+    std::printf("| peak memory | | | | %.2f GB | |\n", peak_gigabytes());
 }
 
 void rows(const std::string& name, double spring_distance) {
@@ -183,6 +220,7 @@ int main(int count, char** words) {
     double spring_distance = 0;
     int warm = 0;
     bool is_cold = false;
+    Cold cold;
     std::vector<std::string> names;
     for (int i = 1; i < count; ++i)
         if (!std::strcmp(words[i], "--springs") && i + 1 < count)
@@ -191,9 +229,17 @@ int main(int count, char** words) {
             warm = std::stoi(words[++i]);
         else if (!std::strcmp(words[i], "--cold"))
             is_cold = true;
+        else if (!std::strcmp(words[i], "--steps"))
+            cold.shows_steps = true;
+        else if (!std::strcmp(words[i], "--solver") && i + 1 < count)
+            cold.solvers.emplace_back(words[++i]);
+        else if (!std::strcmp(words[i], "--share") && i + 1 < count)
+            cold.shares.push_back(std::stod(words[++i]));
         else
             names.emplace_back(words[i]);
     if (names.empty()) names = {"wing:22000", "wing:131000", "body:131000"};
+    if (cold.solvers.empty()) cold.solvers = {"auto"};
+    if (cold.shares.empty()) cold.shares = {0.1};
     for (const std::string& name : names)
-        is_cold ? cold_only(name) : warm > 0 ? memory(name, warm) : rows(name, spring_distance);
+        is_cold ? cold_only(name, cold) : warm > 0 ? memory(name, warm) : rows(name, spring_distance);
 }

@@ -36,6 +36,8 @@ nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status
     j["last_step"] = json_number(end.last_step);
     j["max_displacement"] = json_number(moved);
     j["stable"] = end.stable;
+    j["solver"] = nlohmann::ordered_json::array({to_string(end.first_solver)});
+    if (end.solver != end.first_solver) j["solver"].push_back(to_string(end.solver));
     j["factorizations"] = end.factorizations;
     j["substitutions"] = end.substitutions;
     j["load_steps"] = end.load_steps;

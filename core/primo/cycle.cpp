@@ -161,9 +161,26 @@ std::size_t Hierarchy<Real>::bytes() const {
     return sum;
 }
 
+/// Products of blocks: those of the finest level once, of each one below twice as often as of the one above it.
+template <class Real>
+double Hierarchy<Real>::cycle_work() const {
+    double sum = 0, visits = 1;
+    for (std::size_t at = 0; at + 1 < levels_.size(); ++at, visits *= 2) {
+        const Level& level = levels_[at];
+        const int products = 2 * (at == 0 ? options_.smoothing_steps : options_.coarse_smoothing_steps) + (at > 0);
+        // Vectors count as the diagonal blocks that are not there.
+        const double blocks = static_cast<double>(level.A.column.size()) + level.A.size();
+        sum += visits * (products * blocks + 2 * static_cast<double>(level.P.column.size()));
+    }
+    const double last = 2 * static_cast<double>(coarsest_.num_factor_entries()) / block_entries;
+    return (sum + visits / 2 * last) * static_cast<double>(sizeof(Real) / sizeof(float));
+}
+
 template Eigen::VectorXd Hierarchy<float>::apply(const Eigen::Ref<const Eigen::VectorXd>&, Cycle);
 template Eigen::VectorXd Hierarchy<double>::apply(const Eigen::Ref<const Eigen::VectorXd>&, Cycle);
 template std::size_t Hierarchy<float>::bytes() const;
+template double Hierarchy<float>::cycle_work() const;
+template double Hierarchy<double>::cycle_work() const;
 template std::size_t Hierarchy<double>::bytes() const;
 
 }  // namespace strake

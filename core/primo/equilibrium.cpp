@@ -18,6 +18,7 @@ constexpr double largest_turn = 1.0;      // radians a prism may turn in one ste
 constexpr double largest_travel = 1.0;    // diagonals a prism may travel in one step
 constexpr double nearly_there = 1e-5;     // diagonals: from here the exact Hessian takes over
 constexpr double enough_gradient = 3e-8;  // relative: round-off leaves 1e-9 to 1e-7
+constexpr double roundoff_step = 1e-15;   // diagonals: from here a gradient that still falls means nothing
 constexpr int attempt_limit = 25;         // iterations of one mixed attempt
 constexpr int growth_limit = 4;           // iterations in a row that lead away
 constexpr double closing_step = 1e-3;     // diagonals: from here a few iterations more are allowed
@@ -62,6 +63,7 @@ struct Attempt {
     double worth = 0;         ///< and at once, without success, if the first is below this
     bool is_guided = true;    ///< goes ahead on a coarser shell where the way is long
     bool was_guided = false;  ///< has done so
+    bool was_misled = false;  ///< and ended beside an indefinite matrix: about to snap
 
     bool out_of_budget() const {
         // What is as good as there is not given up for a few iterations.
@@ -78,6 +80,7 @@ struct Attempt {
     }
 
     bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
+    bool compare_from_rest(const Loads& loads, bool pins_moved);
     bool mixed(const Loads& loads, bool pins_moved, bool reuse);
     bool line_search(const Loads& loads);
     bool finish(const Loads& loads, Iterate at);
@@ -140,6 +143,7 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     bool is_found = false;
     try {
         is_found = attempt.mixed(loads, pins_moved, false);
+        if (attempt.was_misled && !attempt.cancelled) is_found = attempt.compare_from_rest(loads, pins_moved);
         if (!is_found && found.iterations > 0 && options.fallbacks && !attempt.cancelled) {
             found.iterations = 0;
             attempt.worth = 0;  // a load step may be short
@@ -154,6 +158,24 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     shell.place_pinned(motions);
     shell.has_moved();
     return was_guided = true;
+}
+
+/// From rest without a guide; what was there is taken back where that finds nothing of less energy.
+bool Attempt::compare_from_rest(const Loads& loads, bool pins_moved) {
+    const Poses guided = shell.poses;
+    const double guided_energy = end.records.back().energy;
+    shell.reset_poses();
+    shell.place_pinned(motions);
+    is_guided = false;
+    end.iterations = 0;
+    try {
+        if (mixed(loads, pins_moved, false) && end.records.back().energy < guided_energy) return true;
+    } catch (const SolverError&) {
+    }
+    if (cancelled) return false;
+    shell.poses = guided;
+    shell.has_moved();
+    return true;
 }
 
 bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
@@ -200,7 +222,10 @@ bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
             systems.begin();
             continue;
         }
-        if (is_rough && step < coarse_end) return true;
+        if (is_rough && step < coarse_end) {
+            was_misled = is_near && systems.was_clipped();
+            return true;
+        }
         if (step < nearly_there) {
             stress = {};
             twist.resize(0);
@@ -233,8 +258,9 @@ bool Attempt::finish(const Loads& loads, Iterate at) {
         at = iterate(shell, loads);
         record(at, loads, step_size(shell.rest, twist));
         if (!systems.is_done()) continue;
-        if (at.norm > enough_gradient * at.scale && at.norm < before / 2) continue;  // small, and still falling
-        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);       // at the floor round-off decides
+        const bool still_falls = at.norm > enough_gradient * at.scale && at.norm < before / 2;
+        if (still_falls && end.last_step > roundoff_step) continue;             // without loads the scale falls with it
+        if (at.norm > before) shell.poses = poses, at = iterate(shell, loads);  // at the floor round-off decides
         end.gradient_norm = at.norm;
         end.relative_gradient = at.norm / std::max(at.scale, 1e-300);
         end.energy = energy(shell.rest, at.jump, loads);
@@ -288,29 +314,6 @@ bool Attempt::load_steps(const Loads& loads, const std::vector<RigidMotion>& mot
     return true;
 }
 
-void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions) {
-    int wanted = 0;
-    for (const int pin : rest.pin) wanted = std::max(wanted, pin);
-    if (static_cast<int>(motions.size()) != wanted)
-        throw InvalidInput(text("shell: ", motions.size(), " motions for ", wanted, " pinned regions"));
-    for (const RigidMotion& motion : motions)
-        if (!motion.rotation.allFinite() || !motion.translation.allFinite() || !motion.about.allFinite())
-            throw InvalidInput("shell: a pinned motion is not finite");
-    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-        if (!rest.on_plane[k] || rest.fixed_vertex[k]) continue;
-        for (const int i : rest.vertex_prisms[k]) {
-            if (rest.pin[i] <= 0) continue;
-            const RigidMotion& motion = motions[rest.pin[i] - 1];
-            const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
-            const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
-            if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
-                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
-                                        " off the symmetry plane by ", rest.symmetry->normal.dot(d),
-                                        "; move it within the plane only"));
-        }
-    }
-}
-
 bool differ(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b) {
     if (a.size() != b.size()) return true;
     for (std::size_t i = 0; i < a.size(); ++i)
@@ -340,6 +343,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     const bool pins_moved = differ(motions, shell.motions);
 
     Equilibrium end;
+    end.first_solver = solver();
     Attempt attempt{.shell = shell, .options = options, .progress = progress, .end = end, .motions = motions};
     shell.place_pinned(motions);
     const auto begin_again = [&] {
@@ -364,6 +368,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     }
     end.seconds = shell.seconds;
     end.substitutions = shell.substitutions - substitutions_before;
+    end.solver = solver();
     if (done) {
         end.status = SolveStatus::converged;
         end.reason = text("equilibrium after ", end.iterations, " Newton iterations");

@@ -24,7 +24,7 @@ struct Multigrid::Impl {
         return done;
     }
 
-    bool build(const BlockMatrix& A, const Points& centre, bool keep) {
+    bool build(const BlockMatrix& A, const Points& centre, bool keep, bool in_double) {
         if (centre.rows() != A.size())
             throw InvalidInput(text("multigrid: ", centre.rows(), " centres for ", A.size(), " block rows"));
         if (A.size() == 0) throw InvalidInput("multigrid: the matrix has no rows");
@@ -35,7 +35,7 @@ struct Multigrid::Impl {
         twice.reset();
         // Long thin parts bend so softly that single precision cannot tell them from indefinite ones.
         if (!(keep && was_double) && build(single, A, centre, keep)) return true;
-        return build(twice, A, centre, keep && was_double);
+        return in_double && build(twice, A, centre, keep && was_double);
     }
 };
 
@@ -44,11 +44,13 @@ Multigrid::~Multigrid() = default;
 Multigrid::Multigrid(Multigrid&&) noexcept = default;
 Multigrid& Multigrid::operator=(Multigrid&&) noexcept = default;
 
-bool Multigrid::setup(const BlockMatrix& A, const Points& centre) { return impl_->build(A, centre, false); }
+bool Multigrid::setup(const BlockMatrix& A, const Points& centre, bool in_double) {
+    return impl_->build(A, centre, false, in_double);
+}
 
 bool Multigrid::update(const BlockMatrix& A, const Points& centre) {
-    return impl_->build(A, centre,
-                        !impl_->clusters.empty() && static_cast<int>(impl_->clusters.front().of.size()) == A.size());
+    return impl_->build(
+        A, centre, !impl_->clusters.empty() && static_cast<int>(impl_->clusters.front().of.size()) == A.size(), true);
 }
 
 bool Multigrid::is_ready() const { return impl_->single || impl_->twice; }
@@ -69,6 +71,10 @@ std::vector<int> Multigrid::level_sizes() const {
 
 std::size_t Multigrid::bytes() const {
     return (impl_->single ? impl_->single->bytes() : 0) + (impl_->twice ? impl_->twice->bytes() : 0);
+}
+
+double Multigrid::cycle_work() const {
+    return impl_->single ? impl_->single->cycle_work() : impl_->twice ? impl_->twice->cycle_work() : 0;
 }
 
 Eigen::VectorXd Multigrid::apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind) {

@@ -51,8 +51,9 @@ public:
 
     /// Clusters and coarse matrices of A. `centre` (one row per block row) is the point about which the twist of each
     /// block row is meant. False when A is seen to be indefinite (nothing is kept then; a true answer is no proof).
+    /// @param in_double where single precision does not do; without, that is false too
     /// @throws InvalidInput: sizes differ; SolverError: not finite, out of memory.
-    [[nodiscard]] bool setup(const BlockMatrix& A, const Points& centre);
+    [[nodiscard]] bool setup(const BlockMatrix& A, const Points& centre, bool in_double = true);
     /// The same for new numbers in the same pattern, with the clusters of `setup`.
     [[nodiscard]] bool update(const BlockMatrix& A, const Points& centre);
     bool is_ready() const;
@@ -66,6 +67,7 @@ public:
     bool is_single_precision() const;      ///< else double: long thin parts, or a matrix near singular
     std::vector<int> level_sizes() const;  ///< block rows, finest first
     std::size_t bytes() const;             ///< of all levels, without the factor of the last
+    double cycle_work() const;             ///< products of 6x6 blocks in one `apply`, those in double precision twice
 
 private:
     struct Impl;

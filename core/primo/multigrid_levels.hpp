@@ -30,6 +30,7 @@ public:
     std::vector<Clusters> take_clusters();
     const std::vector<MultigridLevel<Real>>& levels() const { return levels_; }
     std::size_t bytes() const;
+    double cycle_work() const;
 
 private:
     using Level = MultigridLevel<Real>;

@@ -76,6 +76,7 @@ bool NewtonSystems::is_done() const {
 
 void NewtonSystems::assemble(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term) {
     probe_.reset();
+    was_clipped_ = false;
     shell_.assemble(at.turn, stress, loads, term);
     is_assembled_ = true;
 }
@@ -97,6 +98,7 @@ void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Load
 bool NewtonSystems::clip(const Iterate& at, const Jumps& stress, const Loads& loads) {
     if (end_.last_step > 0 && end_.last_step < near_step) ++clipped_;
     if (is_buckling()) return false;
+    was_clipped_ = true;
     shell_.assemble(at.turn, stress, loads, StressTerm::clipped);
     ++end_.factorizations;
     if (!shell_.factorize())

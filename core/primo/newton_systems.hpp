@@ -47,6 +47,8 @@ public:
 
     /// Indefinite matrices met near the end.
     int clipped() const { return clipped_; }
+    /// Whether the last step's matrix was indefinite, and made definite.
+    bool was_clipped() const { return was_clipped_; }
 
 private:
     void assemble(const Iterate& at, const Jumps& stress, const Loads& loads, StressTerm term);
@@ -63,6 +65,7 @@ private:
     const SolveOptions& options_;
     Equilibrium& end_;
     int clipped_ = 0;
+    bool was_clipped_ = false;
     double ends_below_ = 0;   ///< steps are the last below it; 0: none is
     double left_ = 1;         ///< of the last system's residual
     double before_last_ = 0;  ///< as much of the present one may be left, unless this step is the last

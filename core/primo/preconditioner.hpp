@@ -15,8 +15,10 @@ public:
     /// What multigrid is told for prisms of that height: thin ones bend in ways that large clusters miss.
     static MultigridOptions options_for(double height_in_edges);
 
-    void use(LinearSolver solver, double height_in_edges);  ///< before `analyze`; direct unless said
-    void analyze(const BlockMatrix& H);                     ///< once per pattern
+    /// Before `analyze`; direct unless said. @param may_change from multigrid to a factor, for good, where that is
+    /// found to cost less: by operations counted and foreseen, never by clocks, so that equal histories give equal bits
+    void use(LinearSolver solver, double height_in_edges, bool may_change = false);
+    void analyze(const BlockMatrix& H);  ///< once per pattern
     /// From H; false where H is found not to be positive definite (nothing is kept then). `centre` (a row per block
     /// row): the point about which its twist is meant. @throws SolverError
     [[nodiscard]] bool build(const BlockMatrix& H, const Points& centre);
@@ -33,7 +35,14 @@ public:
     long num_entries() const;  ///< numbers kept
 
 private:
+    bool set_up(const BlockMatrix& H, const Points& centre, bool can_change);
+    bool change(const BlockMatrix& H);
+    void count_regret(int prisms);
+
     LinearSolver solver_ = LinearSolver::direct;
+    bool may_change_ = false;
+    int cycles_ = 0;     ///< since multigrid was set up
+    double regret_ = 0;  ///< operations per prism that a factor would have saved so far
     SpdSolver factor_;
     Multigrid multigrid_;
     bool has_clusters_ = false;  ///< of the present pattern

@@ -257,6 +257,7 @@ Points PrimoShell::linear_response(const Loads& given, const std::vector<RigidMo
     Impl& shell = *impl_;
     const RestState& rest = shell.rest;
     const Loads loads = complete(given, rest.mesh.num_vertices());
+    check_motions(rest, motions);
     shell.prepare(loads.spring);
     const Poses before = shell.poses;
     shell.reset_poses();

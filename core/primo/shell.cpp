@@ -38,6 +38,18 @@ std::string to_string(SolveStatus status) {
     return "unknown";
 }
 
+std::string to_string(LinearSolver solver) {
+    switch (solver) {
+        case LinearSolver::automatic:
+            return "auto";
+        case LinearSolver::direct:
+            return "direct";
+        case LinearSolver::multigrid:
+            return "multigrid";
+    }
+    return "unknown";
+}
+
 Eigen::Quaterniond rotation_of(const Eigen::Vector3d& r) {
     const double angle = r.norm();
     const double s = angle < 1e-4 ? 0.5 - angle * angle / 48 : std::sin(angle / 2) / angle;
@@ -62,13 +74,37 @@ PrimoShell::Impl::Impl(RestState given, LinearSolver solver, int expected_solves
     loads = complete({}, rest.mesh.num_vertices());
     const double edge = std::sqrt(rest.area.mean() * 4 / std::sqrt(3.0));
     const double height_in_edges = rest.prism_height.mean() / edge;
-    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves), height_in_edges);
+    kept.use(Preconditioner::choose(solver, rest.num_free(), height_in_edges, expected_solves), height_in_edges,
+             solver == LinearSolver::automatic);
 }
 
 void PrimoShell::Impl::reset_poses() {
     poses.rotation.assign(rest.num_prisms(), Eigen::Quaterniond::Identity());
     poses.displacement = Points::Zero(rest.num_prisms(), 3);
     has_moved();
+}
+
+void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions) {
+    int wanted = 0;
+    for (const int pin : rest.pin) wanted = std::max(wanted, pin);
+    if (static_cast<int>(motions.size()) != wanted)
+        throw InvalidInput(text("shell: ", motions.size(), " motions for ", wanted, " pinned regions"));
+    for (const RigidMotion& motion : motions)
+        if (!motion.rotation.allFinite() || !motion.translation.allFinite() || !motion.about.allFinite())
+            throw InvalidInput("shell: a pinned motion is not finite");
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        if (!rest.on_plane[k] || rest.fixed_vertex[k]) continue;
+        for (const int i : rest.vertex_prisms[k]) {
+            if (rest.pin[i] <= 0) continue;
+            const RigidMotion& motion = motions[rest.pin[i] - 1];
+            const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
+            const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
+            if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
+                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
+                                        " off the symmetry plane by ", rest.symmetry->normal.dot(d),
+                                        "; move it within the plane only"));
+        }
+    }
 }
 
 void PrimoShell::Impl::place_pinned(const std::vector<RigidMotion>& given) {

@@ -55,6 +55,7 @@ struct Loads {
 
 enum class SolveStatus { converged, not_converged, unstable, cancelled };
 std::string to_string(SolveStatus status);
+std::string to_string(LinearSolver solver);
 
 struct SolveRecord {
     int iteration;                           ///< told of a coarser shell that goes ahead: 0
@@ -83,6 +84,8 @@ struct Equilibrium {
     int iterations = 0, factorizations = 0, substitutions = 0, load_steps = 1;
     double last_step = 0;  ///< diagonals
     bool stable = false;   ///< the exact Hessian is positive definite at the end
+    /// With what it began and ended: `automatic` may go over from multigrid to a factor, and stays there.
+    LinearSolver first_solver = LinearSolver::direct, solver = LinearSolver::direct;
     SolveTimes seconds;
     std::vector<SolveRecord> records;
 };
@@ -145,6 +148,7 @@ public:
     Eigen::MatrixXd gradient(const Loads& loads = {}) const;
 
     /// The paper's single solve: vertices displaced by the linear response at rest (rotations not composed).
+    /// @throws InvalidInput, as `solve`; SolverError where a part is barely held
     Points linear_response(const Loads& loads, const std::vector<RigidMotion>& motions = {});
 
     /// Vertex velocities dv for changes of the forces dF (n x 3 each), at the equilibrium of the last `solve`
@@ -168,7 +172,7 @@ public:
     int num_free_prisms() const;
     /// Per vertex: copied from the start, bit for bit, by this shell; attached ones go elsewhere after that.
     const std::vector<char>& fixed_vertices() const;
-    LinearSolver solver() const;  ///< what is used: never `automatic`
+    LinearSolver solver() const;  ///< what is used now: never `automatic`
 
     struct Impl;  ///< shell_impl.hpp
     Impl& impl() { return *impl_; }

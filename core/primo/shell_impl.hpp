@@ -59,6 +59,9 @@ inline double wrench_square(const Eigen::Vector3d& torque, const Eigen::Vector3d
     return torque.squaredNorm() / (height * height) + force.squaredNorm();
 }
 
+/// @throws InvalidInput unless there is a finite one for every pinned region, and none leaves the symmetry plane
+void check_motions(const RestState& rest, const std::vector<RigidMotion>& motions);
+
 /// Largest motion of a prism (translation plus rotation times its radius), in diagonals.
 double step_size(const RestState& rest, const Eigen::VectorXd& twist);
 

@@ -1,3 +1,5 @@
+#include "cases/geometry/wing.hpp"
+#include "core/error.hpp"
 #include "core/primo/conjugate_gradients.hpp"
 #include "shells.hpp"
 
@@ -115,6 +117,37 @@ TEST(Schemes, TheProductIsTheDerivativeOfTheGradientAlsoWithSprings) {
         impl.poses = at;
         impl.advance(-h * x);
         EXPECT_LT(((ahead - residual(impl, loads)) / (2 * h) - expected).norm(), 1e-7 * expected.norm());
+    }
+}
+
+/// Without loads the residual's own scale falls with it, and no solve may wait for their ratio.
+TEST(Schemes, ADesignOfNoLoadsIsFoundFromAnyOther) {
+    const TriMesh mesh = example::wing(1000);
+    for (const LinearSolver solver : {LinearSolver::direct, LinearSolver::multigrid}) {
+        ShellOptions options = uniform(mesh, 0.02 * box_diagonal(mesh));
+        options.solver = solver;
+        pin_where(mesh, options, fixed_prism, [](const Eigen::Vector3d& c) { return c.y() < 0.1; });
+        const auto middle = [](const Eigen::Vector3d& c) { return c.y() > 0.4 && c.y() < 0.9; };
+        PrimoShell without_pin(mesh, options);
+        const Loads loads = scaled_to(without_pin, mesh, traction_where(mesh, {0, 0, 1}, middle), 0.003);
+        pin_where(mesh, options, 1, [](const Eigen::Vector3d& c) { return c.y() > 1.1; });
+        PrimoShell shell(mesh, options);
+        EXPECT_THROW(shell.linear_response(loads), InvalidInput);
+        SolveOptions keep;
+        keep.keep_factor = true;
+        keep.fallbacks = false;  // as in a run
+        const RigidMotion still, turned{{0, 0.02, 0}, {0, 0, 0}, {0.4, 1.2, 0}};
+        for (const double share : {1.0, -0.1, 1e-4}) {
+            Loads part = loads;
+            part.force *= share;
+            for (const RigidMotion& motion : {still, turned}) {
+                ASSERT_EQ(shell.solve(part, {motion}, keep).status, SolveStatus::converged);
+                const Equilibrium back = shell.solve({}, {still}, keep);
+                EXPECT_EQ(back.status, SolveStatus::converged) << back.reason;
+                EXPECT_TRUE(back.stable);
+                EXPECT_LE((shell.vertices() - mesh.vertices).rowwise().norm().maxCoeff(), 1e-9 * box_diagonal(mesh));
+            }
+        }
     }
 }
 

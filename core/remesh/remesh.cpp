@@ -113,8 +113,7 @@ private:
         record.flips = flip_edges(mesh_, loose_);
         const bool is_finish = is_finished_ || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
-        // At first, and where half of it has been cut or joined, once will do.
-        if (is_finish || (step > 2 && !(tight < 1))) smooth(mesh_, loose_, goal);
+        if (is_finish || !(tight < 1)) smooth(mesh_, loose_, goal);  // half of it has been cut or joined: once will do
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
             polish(mesh_, loose_, worth_polishing);

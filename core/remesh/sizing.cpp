@@ -123,10 +123,17 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
 
 /// Largest principal curvature at each point of the input; 0 where nothing is known, or it is less than `least`.
 std::vector<double> curvatures(const BaseSurface& base, double least) {
-    const Bending bending = spread(base, spread(base, bending_at_points(base)));
+    const Bending own = bending_at_points(base);
     std::vector<double> result(base.points.size(), 0);
+    const auto is_bent = [&](const Bending& bending, std::size_t v) {
+        return bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v];
+    };
+    bool is_flat = true;  // and no sum of what is below the limit is above it
+    for (std::size_t v = 0; v < base.points.size(); ++v) is_flat = is_flat && !is_bent(own, v);
+    if (is_flat) return result;
+    const Bending bending = spread(base, spread(base, own));
     for (std::size_t v = 0; v < base.points.size(); ++v) {
-        if (!(bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v])) continue;
+        if (!is_bent(bending, v)) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();

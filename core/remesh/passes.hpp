@@ -74,6 +74,15 @@ struct RidgeEdges {
 };
 RidgeEdges ridge_edges(const WorkingMesh& mesh, int v);
 
+/// What tells most edges that cannot be far off the input from those that may be. Normals that vary smoothly would hide
+/// a fold between long triangles.
+inline bool may_be_far(const WorkingMesh& mesh, int h) {
+    const int a = mesh.from(h), b = mesh.to(h);
+    const bool a_tells = mesh.role[a] == VertexRole::free, b_tells = mesh.role[b] == VertexRole::free;
+    if (!a_tells || !b_tells) return a_tells || b_tells;
+    return mesh.base->normal[mesh.foot[a]].dot(mesh.base->normal[mesh.foot[b]]) < 0.985;
+}
+
 /// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
 template <class Work>
 void in_parts(int n, int threads, const Work& f) {

@@ -115,7 +115,7 @@ private:
         std::vector<double> deviations(mesh_.corner.size(), 0);
         in_parts(static_cast<int>(mesh_.corner.size()), guard_.threads, [&](int begin, int end) {
             for (int h = begin; h < end; ++h)
-                if (mesh_.corner[h] >= 0 && mesh_.feature[h] < 0 && mesh_.twin[h] > h && may_be_far(h))
+                if (mesh_.corner[h] >= 0 && mesh_.feature[h] < 0 && mesh_.twin[h] > h && may_be_far(mesh_, h))
                     deviations[h] = deviation(mesh_.from(h), mesh_.to(h));
         });
         std::vector<int> far;
@@ -149,13 +149,6 @@ private:
         const double after = sharpest(v);
         mesh_.pos[v] = x;
         return after < std::min(before, cos_fold_);
-    }
-    /// Normals that vary smoothly would hide a fold between long triangles.
-    const Vector3d& plane(int v) const { return mesh_.base->normal[mesh_.foot[v]]; }
-    bool may_be_far(int h) const {
-        const int a = mesh_.from(h), b = mesh_.to(h);
-        const bool a_tells = mesh_.role[a] == VertexRole::free, b_tells = mesh_.role[b] == VertexRole::free;
-        return a_tells && b_tells ? plane(a).dot(plane(b)) < 0.985 : a_tells || b_tells;
     }
     /// How far the edge between vertices a and b is off the input; 1: by the share of its wanted length.
     double deviation(int a, int b) const { return deviation(a, mesh_.pos[a], mesh_.foot[a], b); }

@@ -222,7 +222,7 @@ int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int thre
         for (int h = begin; h < end; ++h) {
             if (mesh.corner[h] < 0 || mesh.feature[h] >= 0 || mesh.twin[h] < h) continue;
             const int a = mesh.from(h), b = mesh.to(h);
-            if (mesh.role[a] != VertexRole::free && mesh.role[b] != VertexRole::free) continue;
+            if (!may_be_far(mesh, h)) continue;
             const Vector3d middle = 0.5 * (mesh.pos[a] + mesh.pos[b]);
             const int hint = mesh.foot[mesh.role[a] == VertexRole::free ? a : b];
             is_far[h] = project(*mesh.base, middle, hint, far).distance2 > far * far;

@@ -166,7 +166,7 @@ private:
     bool is_quiet() const {
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
-        return last.splits + last.collapses < 0.05 * last.triangles;
+        return last.splits + last.collapses < 0.08 * last.triangles;
     }
     /// What is left to do is the finish.
     bool has_converged() const {

@@ -53,13 +53,14 @@ std::vector<int> inverse(const std::vector<int>& order, int n) {
 
 /// After many changes, vertices as the triangles of the input that they are at, which are in order of space, and
 /// triangles as their first vertices: what is near is near in memory.
-void WorkingMesh::compact() {
+void WorkingMesh::compact(double few) {
     int removed = 0;
     for (int t = 0; t < num_triangles(); ++t) removed += !is_alive(t);
-    changes += removed + num_triangles() - compact_triangles;
     constexpr double many = 0.05;
-    const bool sorts = changes > many * num_triangles();
-    if (sorts) changes = 0;
+    const int made = num_triangles() - compact_triangles;
+    const bool sorts = changes + removed + made > many * num_triangles();
+    if (!sorts && removed < few * num_triangles()) return;
+    changes = sorts ? 0 : changes + removed + made;
     const std::vector<int> vertices = sorts ? sorted_by(num_vertices(), static_cast<int>(base->tri.size()),
                                                         [&](int v) { return half[v] >= 0 ? foot[v] : -1; })
                                             : in_order(num_vertices(), [&](int v) { return half[v] >= 0; });

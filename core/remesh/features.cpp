@@ -21,6 +21,7 @@ public:
           adjacent_(adjacent),
           tensor_(tensor),
           angle_(angle),
+          cos_flat_(std::cos(0.99 * angle)),
           frozen_(frozen),
           base_(base),
           kind_(base.twin.size(), -1),
@@ -34,7 +35,7 @@ public:
                 const bool open = adjacent_.edge_triangles[adjacent_.triangle_edges(h / 3, h % 3)].size() == 1;
                 set(h, open ? FeatureKind::boundary : FeatureKind::kept);
             } else if (h < g) {
-                if (turn(h) >= angle_ - angle_slack)
+                if (!is_flat(h) && turn(h) >= angle_ - angle_slack)
                     set(h, FeatureKind::crease);
                 else if (!mesh_.group.empty() && mesh_.group[h / 3] != mesh_.group[g / 3])
                     set(h, FeatureKind::border);
@@ -53,6 +54,8 @@ public:
 
 private:
     double turn(int h) const { return dihedral(base_.normal[h / 3], base_.normal[base_.twin[h] / 3]); }
+    /// Surely no crease, as most edges.
+    bool is_flat(int h) const { return base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > cos_flat_; }
     int to(int h) const { return base_.from(base_.next(h)); }
     void set(int h, FeatureKind kind) {
         kind_[h] = static_cast<int>(kind);
@@ -120,7 +123,7 @@ private:
     const TriMesh& mesh_;
     const Adjacency& adjacent_;
     const std::vector<VertexFeature>& tensor_;
-    double angle_;
+    double angle_, cos_flat_;
     const std::vector<char>& frozen_;
     BaseSurface& base_;
     std::vector<int> kind_, count_;  ///< count_: features at a point
@@ -233,11 +236,11 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
 
 }  // namespace
 
-void find_features(const TriMesh& mesh, const Adjacency& adjacent, double angle, const std::vector<char>& frozen,
-                   BaseSurface& base) {
+void find_features(const TriMesh& mesh, const Adjacency& adjacent, const Points& angles, double angle,
+                   const std::vector<char>& frozen, BaseSurface& base) {
     Points normals(mesh.num_triangles(), 3);  // those of slivers would make corners
     for (int t = 0; t < mesh.num_triangles(); ++t) normals.row(t) = base.normal[t];
-    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals);
+    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles);
     const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, frozen, base).run(), base);
     assign_roles(tensor, angle, base);
     CurveWalk(base, half_of).run();

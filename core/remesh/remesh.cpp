@@ -16,6 +16,7 @@ constexpr double radians = std::numbers::pi / 180;
 constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
 constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
 constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
+constexpr double few_gaps = 0.02;           ///< share of removed triangles that are just passed over
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
@@ -109,7 +110,7 @@ private:
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
-        mesh_.compact();
+        mesh_.compact(few_gaps);
         record.flips = flip_edges(mesh_, loose_);
         const bool is_finish = is_finished_ || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
@@ -123,7 +124,7 @@ private:
                 approach(mesh_, loose_, worth_approaching, 0.9 * options_.angle_deg * radians);
             }
         }
-        record.triangles = mesh_.num_triangles();
+        record.triangles = mesh_.num_alive();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);
         if (progress_ && !progress_(record)) result_.cancelled = true;
@@ -233,13 +234,17 @@ private:
             mesh_.compact();
             const std::vector<std::array<int, 2>> pairs = crossings_.fresh(mesh_);
             const int count = static_cast<int>(pairs.size());
+            if (count == 0) {
+                result_.new_intersections = 0;
+                return;
+            }
             in_vain = count > 0.75 * result_.new_intersections ? in_vain + 1 : 0;
             if (count < result_.new_intersections) {
                 result_.new_intersections = count;
                 best = mesh_;
             }
             const bool is_hopeless = count > 0.05 * mesh_.num_triangles();  // wires, and sheets that lie on each other
-            if (count == 0 || round == 4 || in_vain == 2 || is_hopeless) break;
+            if (round == 4 || in_vain == 2 || is_hopeless) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();

@@ -108,6 +108,7 @@ private:
         const int step = record.iteration + skipped_;
         const double tight = tightness(step);
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
+        mean_quality_ = -1;
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact(few_gaps);
@@ -132,7 +133,7 @@ private:
 
     /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
     /// are; what is finished may exceed it.
-    double tightness(int iteration) const {
+    double tightness(int iteration) {
         if (is_finished_) return 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
         const double mean = mean_quality_inside();
@@ -170,12 +171,16 @@ private:
         return last.splits + last.collapses < 0.08 * last.triangles;
     }
     /// What is left to do is the finish.
-    bool has_converged() const {
+    bool has_converged() {
         const RemeshRecord& last = result_.records.back();
         return last.splits + last.collapses < 0.02 * last.triangles && mean_quality_inside() >= evenly_shaped;
     }
-    /// Of the triangles away from features.
-    double mean_quality_inside() const {
+    /// Of the triangles away from features, as the last iteration left them.
+    double mean_quality_inside() {
+        if (mean_quality_ < 0) mean_quality_ = find_mean_quality_inside();
+        return mean_quality_;
+    }
+    double find_mean_quality_inside() const {
         double sum = 0;
         int count = 0;
         for (int t = 0; t < mesh_.num_triangles(); ++t) {
@@ -281,6 +286,7 @@ private:
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
+    double mean_quality_ = -1;  ///< once it is known
     int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     Crossings crossings_{base_};

@@ -124,7 +124,8 @@ private:
 
     /// Half of the turning lies on either side of h, or at least `off` less than half.
     bool is_middle(int h, double off) const {
-        if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > 0.9988) return false;  // cos(least_turn) = 0.99875
+        if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > 0.9988)
+            return false;  // cos(least_turn) = 0.99875
         const double own = turn_at(h);
         if (std::abs(own) < least_turn) return false;
         const Vector3d side = order_direction();

@@ -1,6 +1,7 @@
 #include "core/remesh/features.hpp"
 
 #include "core/mesh/geometry.hpp"
+#include "core/remesh/working_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -43,6 +44,7 @@ public:
         }
         for (int h = 0; h < halves; ++h)
             if (kind_[h] == static_cast<int>(FeatureKind::crease) && h < base_.twin[h]) go_on(h), go_on(base_.twin[h]);
+        hold_ends();
         keep_coincident();
         for (int h = 0; h < halves; ++h)
             if (!frozen_.empty() && frozen_[h / 3]) keep(h);
@@ -58,14 +60,39 @@ private:
     bool is_flat(int h) const { return base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > cos_flat_; }
     int to(int h) const { return base_.from(base_.next(h)); }
     void set(int h, FeatureKind kind) {
-        kind_[h] = static_cast<int>(kind);
-        if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
+        mark(h, kind);
         ++count_[base_.from(h)];
         ++count_[to(h)];
     }
-    void keep(int h) {
-        kind_[h] = static_cast<int>(FeatureKind::kept);
+    void keep(int h) { mark(h, FeatureKind::kept); }
+    void hold(int h) {
+        if (kind_[h] < 0) mark(h, FeatureKind::held);
+        if (kind_[h] == static_cast<int>(FeatureKind::crease)) mark(h, FeatureKind::held_crease);
+    }
+    void mark(int h, FeatureKind kind) {
+        kind_[h] = static_cast<int>(kind);
         if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
+    }
+    /// Where a crease ends in the open, its last edge is as sharp as the two triangles beside it are turned, and no
+    /// more is known of it: they stay as they are, if they are such as the result may have.
+    void hold_ends() {
+        std::vector<int> ends;
+        for (int h = 0; h < static_cast<int>(kind_.size()); ++h)
+            if (kind_[h] == static_cast<int>(FeatureKind::crease) && h < base_.twin[h] &&
+                std::min(count_[base_.from(h)], count_[to(h)]) == 1 && turn(h) >= angle_ - angle_slack &&
+                may_stay(h / 3) && may_stay(base_.twin[h] / 3))
+                ends.push_back(h);
+        for (const int h : ends)
+            for (const int t : {h / 3, base_.twin[h] / 3})
+                for (int k = 3 * t; k < 3 * t + 3; ++k) hold(k);
+    }
+    bool may_stay(int t) const {
+        const auto& [a, b, c] = base_.tri[t];
+        const Vector3d &x = base_.points[a], &y = base_.points[b], &z = base_.points[c];
+        const auto [shortest, longest] = std::minmax({(y - x).norm(), (z - y).norm(), (x - z).norm()});
+        constexpr double least_quality = 0.7, least_length = 0.6, most_length = 1.5;
+        return shape_quality(x, y, z) > least_quality && shortest > least_length * base_.edge_length &&
+               longest < most_length * base_.edge_length;
     }
     /// Parts that touch along edges of the same two places, without sharing them, would part or overlap otherwise.
     void keep_coincident() {
@@ -214,7 +241,7 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
     for (const FeatureEdge& edge : base.features)
         for (int end = 0; end < 2; ++end) {
             const int v = edge.v[end];
-            if (edge.kind == FeatureKind::kept) stays[v] = 1;
+            if (is_rigid(edge.kind)) stays[v] = 1;
             if (count[v] < 2) {
                 beside[v][count[v]] = edge.v[1 - end];
                 kinds[v][count[v]] = static_cast<int>(edge.kind);

@@ -18,7 +18,7 @@ bool is_longest(const WorkingMesh& mesh, int h, double length2) {
 bool may_split(const WorkingMesh& mesh, int h) {
     if (mesh.feature[h] < 0) return true;
     const FeatureEdge& edge = mesh.features[mesh.feature[h]];
-    if (edge.kind == FeatureKind::kept) return false;
+    if (is_rigid(edge.kind)) return false;
     const Vector3d m = mesh.base->curves.at(edge.curve, mesh.split_place(mesh.feature[h]));
     for (const int side : {h, mesh.twin[h]}) {
         if (side < 0) continue;
@@ -50,7 +50,7 @@ public:
     bool attempt(int h, int a) {
         const int b = mesh_.from(h) + mesh_.to(h) - a, f = mesh_.feature[h];
         if (mesh_.role[a] == VertexRole::fixed || (mesh_.role[a] == VertexRole::ridge && f < 0)) return false;
-        if (f >= 0 && mesh_.features[f].kind == FeatureKind::kept) return false;
+        if (f >= 0 && is_rigid(mesh_.features[f].kind)) return false;
         if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
         const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
         Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0, 0, 0};

@@ -268,7 +268,7 @@ private:
     void count() {
         for (const FeatureEdge& edge : mesh_.features) {
             if (edge.curve < 0) continue;
-            if (edge.kind == FeatureKind::crease) ++result_.crease_edges;
+            if (edge.kind == FeatureKind::crease || edge.kind == FeatureKind::held_crease) ++result_.crease_edges;
             if (edge.kind == FeatureKind::boundary) ++result_.boundary_edges;
             if (edge.kind == FeatureKind::border) ++result_.border_edges;
             if (edge.kind == FeatureKind::kept) ++result_.kept_edges;

@@ -45,8 +45,8 @@ std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adja
     return quadric_metric_tensor(mesh, adjacent, triangle_normals(mesh), corner_angles(mesh));
 }
 
-std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent,
-                                                 const Points& normals, const Points& angles) {
+std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
+                                                 const Points& angles) {
     const std::vector<char> open = on_open_boundary(mesh, adjacent);
     std::vector<VertexFeature> features(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -31,7 +31,8 @@ struct Swelling {
         size << 1e-3, 2.4e-2, 0.13, 0.14, 1.1, 4.6;
         MatrixXd basis(n, n);
         for (int i = 0; i < n; ++i)
-            for (int j = 0; j < n; ++j) basis(i, j) = std::cos(M_PI * (i + 0.5) * j / n) * std::sqrt((j ? 2.0 : 1.0) / n);
+            for (int j = 0; j < n; ++j)
+                basis(i, j) = std::cos(M_PI * (i + 0.5) * j / n) * std::sqrt((j ? 2.0 : 1.0) / n);
         metric = basis * size.asDiagonal() * basis.transpose();
         gain = 0.02 * basis * vec({0.3, 0.1, 1, 0.5, 1, 1});
     }
@@ -43,8 +44,8 @@ struct Swelling {
         NonlinearProgram p = program_of(
             VectorXd::Zero(n), VectorXd::Constant(n, -0.3), VectorXd::Constant(n, 0.3), 2, 0,
             [=](const VectorXd& x) {
-                return vec({u * (-1 - g.dot(x) + 0.2 * std::pow(g.dot(x), 2)), 1e-4 * x.sum() - 0.0099,
-                            x.dot(M * x) / l - 1});
+                return vec(
+                    {u * (-1 - g.dot(x) + 0.2 * std::pow(g.dot(x), 2)), 1e-4 * x.sum() - 0.0099, x.dot(M * x) / l - 1});
             },
             [=](const VectorXd& x) {
                 MatrixXd slopes(3, x.size());

@@ -39,7 +39,7 @@ public:
 private:
     void initialize() {
         terms_.multipliers = VectorXd::Zero(at_.constraints.size());
-        if (at_.gradient.size() > 0) terms_.multipliers = multipliers(p_, at_) / guard_.scale;
+        if (at_.gradient.size() > 0) terms_.multipliers = multipliers(p_, x_, at_) / guard_.scale;
         double squares = 0;
         for (Eigen::Index i = 0; i < at_.constraints.size(); ++i)
             squares += std::pow(i < p_.num_inequalities ? std::max(0.0, at_.constraints[i]) : at_.constraints[i], 2);

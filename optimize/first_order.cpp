@@ -10,8 +10,9 @@ using Eigen::VectorXd;
 
 namespace {
 
-constexpr double nearly_active = 1e-2;
-constexpr double at_bound = 1e-9;  ///< of the range: rounding must not decide
+constexpr double nearly_active = 0.02;  ///< in the metric: steps of 1 are the largest reasonable ones
+constexpr int bound_passes = 5;         ///< in search of the bounds that hold their variables
+constexpr double at_bound = 1e-9;       ///< of the range: rounding must not decide
 
 /// L^-1 b with metric = L L^T.
 MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
@@ -24,26 +25,44 @@ MatrixXd metric_of(const NonlinearProgram& p) {
     return p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(p.start.size(), p.start.size()));
 }
 
-VectorXd multipliers(const NonlinearProgram& p, const Sample& sample) {
-    const Eigen::Index rows = sample.constraints.size();
-    VectorXd result = VectorXd::Zero(rows);
-    std::vector<Eigen::Index> active;
-    for (Eigen::Index i = 0; i < rows; ++i)
-        if (i >= p.num_inequalities || sample.constraints[i] > -nearly_active) active.push_back(i);
-    if (active.empty()) return result;
-    const VectorXd g = whitened(p, sample.gradient);
-    const MatrixXd normals = whitened(p, sample.jacobian.transpose());
+VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradient, const MatrixXd& jacobian,
+                                   int num_inequalities, const ActiveSet& set) {
+    VectorXd result = VectorXd::Zero(jacobian.rows());
+    std::vector<Eigen::Index> active = set.rows;
+    if (active.empty() || set.variables.empty()) return result;
+    const Eigen::LLT<MatrixXd> llt(MatrixXd(metric(set.variables, set.variables)));
+    const VectorXd g = llt.matrixL().solve(gradient(set.variables));
+    const MatrixXd normals = llt.matrixL().solve(jacobian(Eigen::all, set.variables).transpose());
     for (int pass = 0; pass < 2 && !active.empty(); ++pass) {
         const VectorXd found = MatrixXd(normals(Eigen::all, active)).colPivHouseholderQr().solve(-g);
         std::vector<Eigen::Index> kept;
         result.setZero();
         for (std::size_t i = 0; i < active.size(); ++i)
-            if (active[i] >= p.num_inequalities || found[static_cast<Eigen::Index>(i)] > 0) {
+            if (active[i] >= num_inequalities || found[static_cast<Eigen::Index>(i)] > 0) {
                 kept.push_back(active[i]);
                 result[active[i]] = found[static_cast<Eigen::Index>(i)];
             }
         if (kept.size() == active.size()) break;
         active = kept;
+    }
+    return result;
+}
+
+VectorXd multipliers(const NonlinearProgram& p, const VectorXd& x, const Sample& sample) {
+    ActiveSet set;
+    for (Eigen::Index i = 0; i < sample.constraints.size(); ++i)
+        if (i >= p.num_inequalities ||
+            sample.constraints[i] >= -nearly_active * dual_norm(p, sample.jacobian.row(i).transpose()))
+            set.rows.push_back(i);
+    VectorXd result, slope = VectorXd::Zero(x.size());
+    for (int pass = 0; pass < bound_passes; ++pass) {
+        std::vector<Eigen::Index> moving;
+        for (Eigen::Index j = 0; j < x.size(); ++j)
+            if (p.lower[j] < p.upper[j] && !leaves_bounds(p, x, j, -slope[j])) moving.push_back(j);
+        if (pass > 0 && moving == set.variables) break;
+        set.variables = moving;
+        result = least_squares_multipliers(metric_of(p), sample.gradient, sample.jacobian, p.num_inequalities, set);
+        slope = sample.gradient + sample.jacobian.transpose() * result;
     }
     return result;
 }
@@ -54,7 +73,7 @@ bool leaves_bounds(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j,
 }
 
 VectorXd descent_direction(const NonlinearProgram& p, const VectorXd& x, const Sample& sample) {
-    const VectorXd lagrangian = sample.gradient + sample.jacobian.transpose() * multipliers(p, sample);
+    const VectorXd lagrangian = sample.gradient + sample.jacobian.transpose() * multipliers(p, x, sample);
     VectorXd direction = p.metric.size() == 0 ? -lagrangian : VectorXd(-p.metric.llt().solve(lagrangian));
     for (Eigen::Index j = 0; j < direction.size(); ++j)
         if (leaves_bounds(p, x, j, direction[j])) direction[j] = 0;

@@ -122,4 +122,20 @@ VectorXd solve_model(const QuadraticModel& model) {
     return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
 }
 
+ActiveSet active_set(const QuadraticModel& model, const VectorXd& d) {
+    constexpr double hair = 1e-7;  // of what is compared: SLSQP's tolerances are far below
+    ActiveSet set;
+    for (Eigen::Index i = 0; i < model.constraints.size(); ++i) {
+        const double change = model.jacobian.row(i).dot(d);
+        if (i >= model.num_inequalities ||
+            model.constraints[i] + change >= -hair * (std::abs(model.constraints[i]) + std::abs(change)))
+            set.rows.push_back(i);
+    }
+    for (Eigen::Index j = 0; j < d.size(); ++j) {
+        const double range = model.upper[j] - model.lower[j], slack = std::isfinite(range) ? hair * range : 0;
+        if (d[j] > model.lower[j] + slack && d[j] < model.upper[j] - slack) set.variables.push_back(j);
+    }
+    return set;
+}
+
 }  // namespace strake

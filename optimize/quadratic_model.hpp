@@ -1,5 +1,5 @@
 #pragma once
-#include <Eigen/Core>
+#include "optimize/first_order.hpp"
 
 /// The model problem of one step of sequential quadratic programming. Internal.
 namespace strake {
@@ -22,5 +22,8 @@ struct QuadraticModel {
 /// as a large penalty finds worth while. Solved by NLopt's SLSQP in coordinates in which the Hessian is the identity,
 /// so that its own first step is exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
 Eigen::VectorXd solve_model(const QuadraticModel& model);
+
+/// What holds the model's solution d: constraints without slack, and variables that are at no bound.
+ActiveSet active_set(const QuadraticModel& model, const Eigen::VectorXd& d);
 
 }  // namespace strake

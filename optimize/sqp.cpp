@@ -20,9 +20,10 @@ constexpr int most_softenings = 4;                             ///< looks at the
 constexpr double softened = 1.5;                               ///< a step so many times as long as thought is made anew
 constexpr double worth_stretching = 1.5, most_stretching = 8;  ///< of a step's length
 constexpr int most_stretches = 3;
-constexpr int most_corrections = 2;  ///< of a step that misses the constraints, before the next gradient is paid
-constexpr int stuck_steps = 4;       ///< the same, outside of the constraints
-constexpr int calm_steps = 2;        ///< small decreases in a row that mean convergence
+constexpr double largest_correction = 0.5;  ///< share of the step: what bends more is no matter of second order
+constexpr int most_corrections = 2;         ///< of a step that misses the constraints, before the next gradient is paid
+constexpr int stuck_steps = 4;              ///< the same, outside of the constraints
+constexpr int calm_steps = 2;               ///< small decreases in a row that mean convergence
 
 }  // namespace
 
@@ -55,7 +56,7 @@ VectorXd SqpSearch::tightened(VectorXd constraints) const {
 void SqpSearch::start_hessian() {
     const double slope = std::max(dual_norm(p_, lagrangian_gradient()), 1e-3 * dual_norm(p_, at_.gradient));
     B_ = std::max(slope > 0 ? slope / guard_.options.first_step : 1.0, least_curvature_) * p_.metric;
-    raise_penalty(2 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
+    raise_penalty(2 * multipliers(p_, x_, at_).lpNorm<Eigen::Infinity>());
 }
 
 bool SqpSearch::is_outpaced() {
@@ -105,6 +106,19 @@ VectorXd SqpSearch::model_step(const VectorXd& constraints) {
     return d;
 }
 
+ActiveSet SqpSearch::held(const QuadraticModel& of, const VectorXd& d) const {
+    ActiveSet set = active_set(of, d);
+    const Eigen::Index cut = of.constraints.size() > at_.constraints.size() ? p_.num_inequalities : -1;
+    std::erase(set.rows, cut);
+    for (Eigen::Index& row : set.rows)
+        if (cut >= 0 && row > cut) --row;
+    return set;
+}
+
+VectorXd SqpSearch::multipliers_at(const Sample& sample, const ActiveSet& set) const {
+    return least_squares_multipliers(p_.metric, sample.gradient, sample.jacobian, p_.num_inequalities, set);
+}
+
 VectorXd SqpSearch::careful_step() {
     VectorXd d = model_step(at_.constraints);
     // Once per point: to come back to it after a failure costs an equilibrium.
@@ -138,6 +152,7 @@ bool SqpSearch::step() {
                    text("the limit of evaluations is reached (", guard_.options.max_evaluations, ")"));
     const VectorXd d = careful_step();
     if (d.size() == 0) return model_failed();
+    const ActiveSet set = held(model(at_.constraints, damping_), d);
     const double gain = -(at_.gradient.dot(d) + 0.5 * d.dot(B_ * d));
     const double relief = total_violation(p_, tightened(at_.constraints)) -
                           total_violation(p_, tightened(at_.constraints + at_.jacobian * d));
@@ -153,6 +168,7 @@ bool SqpSearch::step() {
         if (!correct(trial, taken)) return failed_at(d);
         decrease = merit(at_) - merit(trial);
     }
+    measure_curvature(trial, taken);
     const double ratio = decrease / predicted;
     const double length = metric_norm(p_, taken);
     if (ratio < poor)  // where the parabola through the values has its least, within a tenth and a half
@@ -164,12 +180,12 @@ bool SqpSearch::step() {
                                radius_,
                            largest_radius);
     if (ratio < acceptable || !(decrease > 0)) {
-        stiffen(trial, taken);
+        stiffen(trial, taken, multipliers_at(at_, set));
         return rejected(length);
     }
     if (!meet_constraints(trial, taken)) return failed_at(taken);
     stretch(trial, taken, at_.gradient.dot(d) - guard_.penalty * std::max(relief, 0.0));
-    return accept(x_ + taken, trial, merit(at_) - merit(trial));
+    return accept(x_ + taken, trial, merit(at_) - merit(trial), set);
 }
 
 void SqpSearch::stretch(Sample& trial, VectorXd& d, double slope) {
@@ -212,19 +228,20 @@ bool SqpSearch::meet_constraints(Sample& trial, VectorXd& d) {
 
 bool SqpSearch::correct(Sample& trial, VectorXd& d) {
     const VectorXd corrected = model_step(trial.constraints - at_.jacobian * d);
-    if (corrected.size() == 0 || metric_norm(p_, corrected) > 2 * radius_) return true;
+    if (corrected.size() == 0 || metric_norm(p_, corrected - d) > largest_correction * metric_norm(p_, d)) return true;
     Sample second;
     if (!evaluate(x_ + corrected, false, second)) return false;
     if (merit(second) < merit(trial)) trial = second, d = corrected;
     return true;
 }
 
-bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease) {
+bool SqpSearch::accept(const VectorXd& x, Sample& trial, double decrease, const ActiveSet& set) {
     if (!differentiate(x, trial)) return failed_at(x - x_);
-    const VectorXd lambda = multipliers(p_, trial);
+    const VectorXd lambda = multipliers_at(trial, set);
+    bend(lambda);
     update(x - x_, trial.gradient - at_.gradient + (trial.jacobian - at_.jacobian).transpose() * lambda);
     of_steps_ = B_;
-    raise_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>());
+    adapt_penalty(1.5 * lambda.lpNorm<Eigen::Infinity>(), largest_violation(p_, trial.constraints) <= tolerance());
     const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
     const bool small = decrease <= guard_.options.objective_tolerance * objective && !is_limited_ &&
                        largest_violation(p_, trial.constraints) <= tolerance();
@@ -254,8 +271,26 @@ void SqpSearch::update(const VectorXd& s, const VectorXd& y) {
     B_ = 0.5 * (B_ + B_.transpose()).eval();
 }
 
-void SqpSearch::stiffen(const Sample& trial, const VectorXd& d) {
-    const VectorXd lambda = multipliers(p_, at_), Md = p_.metric * d;
+void SqpSearch::measure_curvature(const Sample& trial, const VectorXd& d) {
+    const double length2 = d.dot(p_.metric * d);
+    const VectorXd bends = trial.constraints - at_.constraints - at_.jacobian * d;
+    for (Eigen::Index i = 0; i < bends.size(); ++i) {
+        if (std::abs(bends[i]) > 0.01 * tolerance() && length2 > 0)  // less may be rounding
+            curvature_[i] = std::min(curvature_[i], std::max(2 * bends[i] / length2, 0.0));
+    }
+}
+
+void SqpSearch::bend(const VectorXd& lambda) {
+    for (Eigen::Index i = 0; i < lambda.size(); ++i) {
+        const double needed = std::isfinite(curvature_[i]) ? lambda[i] * curvature_[i] : 0;
+        if (!(needed > included_[i])) continue;
+        B_ += (needed - included_[i]) * p_.metric;
+        included_[i] = needed;
+    }
+}
+
+void SqpSearch::stiffen(const Sample& trial, const VectorXd& d, const VectorXd& lambda) {
+    const VectorXd Md = p_.metric * d;
     const VectorXd slope = at_.gradient + at_.jacobian.transpose() * lambda;
     const double rise =
         trial.objective - at_.objective + lambda.dot(trial.constraints - at_.constraints) - slope.dot(d);

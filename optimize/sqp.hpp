@@ -6,9 +6,10 @@
 /// NLopt's own driver of SLSQP has no way to reject a point, starts from a unit Hessian and loses what it learned when
 /// it is restarted. Here NLopt's SLSQP solves the quadratic model of each step, and the globalization is ours: the
 /// Hessian starts as what the program knows of it, else as a multiple of the metric, and learns by damped BFGS updates
-/// (Powell); a step is no longer than the trust region in the metric; directions that have become soft are found
-/// before they are tried; an evaluation that fails halves the region, and from the second on steps go along the border
-/// of what fails (failure_border.hpp); and a merit function (objective + penalty * violations) decides about the rest.
+/// (Powell), and by the curvature that active constraints have shown, in all directions; a step is no longer than the
+/// trust region in the metric; directions that have become soft are found before they are tried; an evaluation that
+/// fails halves the region, and from the second on steps go along the border of what fails (failure_border.hpp); and a
+/// merit function (objective + penalty * violations) decides about the rest.
 namespace strake {
 
 struct SqpEnd {

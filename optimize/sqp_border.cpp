@@ -53,13 +53,14 @@ void SqpSearch::look_at_border() {
 
 bool SqpSearch::end_at_border() {
     // What failed there may have been bad luck.
-    if (const VectorXd free = solve_model(model(at_.constraints, 0, std::nullopt)); free.size() > 0)
+    const QuadraticModel without_cut = model(at_.constraints, 0, std::nullopt);
+    if (const VectorXd free = solve_model(without_cut); free.size() > 0)
         for (const double share : shares) {
             const VectorXd d = share * std::min(1.0, radius_ / metric_norm(p_, free)) * free;
             Sample trial;
             if (evaluate(x_ + d, false, trial)) {
                 const double decrease = merit(at_) - merit(trial);
-                if (decrease > 0) return accept(x_ + d, trial, decrease);
+                if (decrease > 0) return accept(x_ + d, trial, decrease, held(without_cut, free));
                 continue;
             }
             if (guard_.cause != Cause::failure) return ended_by_guard();

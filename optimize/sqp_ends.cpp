@@ -17,11 +17,21 @@ constexpr double border_share = 1e-5;  ///< of the decrease: what less a step al
 
 }  // namespace
 
-bool SqpSearch::is_at_rest(const VectorXd& d, double predicted) {
-    const bool feasible = largest_violation(p_, at_.constraints) <= tolerance();
+bool SqpSearch::is_little(double promise) const {
     const double size =
         std::max({std::abs(at_.objective), guard_.options.objective_scale, std::numeric_limits<double>::min()});
-    if (is_limited_ && radius_ > guard_.options.step_tolerance) return false;
+    return promise <= 0.1 * guard_.options.objective_tolerance * size;
+}
+
+bool SqpSearch::is_at_rest(const VectorXd& d, double predicted) {
+    const bool feasible = largest_violation(p_, at_.constraints) <= tolerance();
+    if (is_limited_ && radius_ > guard_.options.step_tolerance) {
+        if (!feasible || rejections_ == 0) return false;
+        // A step that is short since longer ones were rejected promises little in any case.
+        const VectorXd free = solve_model(model(at_.constraints, 0));
+        if (free.size() == 0 || !is_little(promised(free))) return false;
+        return end(MinimizeStop::converged, "the gradient promises less than the tolerance");
+    }
     if (d.lpNorm<Eigen::Infinity>() <= guard_.options.step_tolerance)
         return end(is_limited_ ? MinimizeStop::roundoff
                    : feasible  ? MinimizeStop::converged
@@ -29,7 +39,7 @@ bool SqpSearch::is_at_rest(const VectorXd& d, double predicted) {
                    is_limited_ ? "no step, however short, gains what the gradient promises"
                    : feasible  ? "the variables change by less than the tolerance"
                                : "the constraints cannot be met within the bounds");
-    if (predicted <= 0.1 * guard_.options.objective_tolerance * size && feasible)
+    if (is_little(predicted) && feasible)
         return end(MinimizeStop::converged, "the gradient promises less than the tolerance");
     return false;
 }

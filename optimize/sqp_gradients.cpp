@@ -19,7 +19,7 @@ constexpr double most_of_all = 0.3;  ///< directions that may hold it; spread ov
 bool SqpSearch::is_dear() const { return p_.differences && p_.differences->objective && x_.size() >= dear_gradient; }
 
 GradientGuess SqpSearch::guess(const Sample& trial, const VectorXd& d) const {
-    const VectorXd lambda = multipliers(p_, at_), Bd = B_ * d, Md = doubt_.metric() * d;
+    const VectorXd lambda = multipliers(p_, x_, at_), Bd = B_ * d, Md = doubt_.metric() * d;
     const VectorXd slope = at_.gradient + at_.jacobian.transpose() * lambda;
     const VectorXd rise = trial.constraints - at_.constraints;
     // The values at both ends tell how much the slope along d has changed, if it changed evenly.
@@ -61,7 +61,7 @@ bool SqpSearch::pay_doubt() {
     }
     at_ = sample;
     doubt_.paid_all();
-    raise_penalty(1.5 * multipliers(p_, at_).lpNorm<Eigen::Infinity>());
+    raise_penalty(1.5 * multipliers(p_, x_, at_).lpNorm<Eigen::Infinity>());
     look_at_border();
     return true;
 }

@@ -12,6 +12,9 @@ public:
     SqpSearch(Guard& guard, double least_curvature)
         : guard_(guard), p_(guard.program), x_(guard.best_x), at_(guard.best), least_curvature_(least_curvature) {
         p_.metric = metric_of(p_);
+        const Eigen::Index rows = at_.constraints.size();
+        curvature_ = Eigen::VectorXd::Constant(rows, std::numeric_limits<double>::infinity());
+        included_ = Eigen::VectorXd::Zero(rows);
     }
 
     SqpEnd run();
@@ -27,7 +30,7 @@ private:
     }
 
     Eigen::VectorXd lagrangian_gradient() const {
-        return at_.gradient + at_.jacobian.transpose() * multipliers(p_, at_);
+        return at_.gradient + at_.jacobian.transpose() * multipliers(p_, x_, at_);
     }
 
     /// B = beta metric, so that the first step has the length of the first radius, or less where more is known.
@@ -37,6 +40,12 @@ private:
     bool is_outpaced();
 
     void raise_penalty(double least) { guard_.penalty = std::max(guard_.penalty, least); }
+    /// After an accepted step: half way to what its multipliers need, where that is less (Powell 1978). A penalty that
+    /// is much too large takes the curvature of the constraints for a reason to make short steps.
+    void adapt_penalty(double needed, bool feasible) {
+        raise_penalty(needed);
+        if (needed > 0 && feasible) guard_.penalty = 0.5 * (guard_.penalty + needed);
+    }
 
     QuadraticModel model(const Eigen::VectorXd& constraints, double damping) const {
         return model(constraints, damping, cut_);
@@ -46,6 +55,10 @@ private:
 
     /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.
     Eigen::VectorXd model_step(const Eigen::VectorXd& constraints);
+
+    /// What holds the step d of a model, of the program's own constraints.
+    ActiveSet held(const QuadraticModel& of, const Eigen::VectorXd& d) const;
+    Eigen::VectorXd multipliers_at(const Sample& sample, const ActiveSet& set) const;
 
     /// The model's step. Where the present metric finds it too long (a direction has become soft), the metric learns of
     /// it by an update that keeps it positive definite (BFGS with the exact product), and the step is made anew.
@@ -81,17 +94,26 @@ private:
     /// that turns out too short, before the next gradient is paid. Longer steps replace `trial` and `d`.
     void stretch(Sample& trial, Eigen::VectorXd& d, double slope);
 
-    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease);
+    bool accept(const Eigen::VectorXd& x, Sample& trial, double decrease, const ActiveSet& set);
 
     /// Powell's damped BFGS update.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
 
+    bool is_little(double promise) const;
+
     /// The model promises nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_at_rest(const Eigen::VectorXd& d, double predicted);
 
+    /// Least curvatures that the constraints have shown along a step, in the metric.
+    void measure_curvature(const Sample& trial, const Eigen::VectorXd& d);
+
+    /// The Hessian of the Lagrangian gets the share of constraints that have become active: as much as they have shown,
+    /// in every direction. Else their curvature is met one direction after the other, by steps far out of them.
+    void bend(const Eigen::VectorXd& lambda);
+
     /// What a rejected step tells for nothing: the Lagrangian's curvature along d, where it is more than the model's.
     /// No more than makes the model's own step along d as long as the radius: a wall further out is not curvature here.
-    void stiffen(const Sample& trial, const Eigen::VectorXd& d);
+    void stiffen(const Sample& trial, const Eigen::VectorXd& d, const Eigen::VectorXd& lambda);
 
     bool failed_at(const Eigen::VectorXd& d);
 
@@ -132,7 +154,9 @@ private:
     Eigen::VectorXd x_;
     Sample at_;  ///< at x_, with gradients
     Eigen::MatrixXd B_;
-    Eigen::MatrixXd of_steps_;  ///< B as the last accepted step left it
+    Eigen::VectorXd curvature_;  ///< of the constraints
+    Eigen::VectorXd included_;   ///< multiplier times curvature that B has got
+    Eigen::MatrixXd of_steps_;   ///< B as the last accepted step left it
     double radius_ = guard_.options.first_step;
     double damping_ = 0;  ///< that kept the last of the model's steps within the radius
     double least_curvature_;

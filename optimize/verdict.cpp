@@ -3,18 +3,14 @@
 #include "core/error.hpp"
 #include "optimize/first_order.hpp"
 
-#include <Eigen/QR>
-
 namespace strake {
 
-using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
 
 constexpr double probe = 1e-3;     ///< in the metric
 constexpr double differing = 0.2;  ///< of the slope
-constexpr double nearly_active = 1e-4;
 
 bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool upper) {
     const double range = p.upper[j] - p.lower[j];
@@ -22,22 +18,10 @@ bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool
     return upper ? x[j] >= p.upper[j] - slack : x[j] <= p.lower[j] + slack;
 }
 
-/// Gradient of the Lagrangian at the best point, its multipliers from the variables that are free to move: at the
-/// others the bounds take a share. @pre the best point has gradients.
+/// @pre the best point has gradients.
 VectorXd lagrangian_gradient(const Guard& guard) {
-    const NonlinearProgram& p = guard.program;
     const Sample& s = guard.best;
-    std::vector<Eigen::Index> inside, rows;
-    for (const int j : guard.free)
-        if (!at_bound(p, guard.best_x, j, false) && !at_bound(p, guard.best_x, j, true)) inside.push_back(j);
-    for (Eigen::Index i = 0; i < s.constraints.size(); ++i)
-        if (i >= p.num_inequalities || s.constraints[i] > -nearly_active) rows.push_back(i);
-    if (rows.empty() || inside.empty()) return s.gradient;
-    const MatrixXd normals = s.jacobian(rows, inside).transpose();
-    VectorXd m = normals.colPivHouseholderQr().solve(VectorXd(-s.gradient(inside)));
-    for (Eigen::Index k = 0; k < m.size(); ++k)
-        if (rows[static_cast<std::size_t>(k)] < p.num_inequalities) m[k] = std::max(0.0, m[k]);
-    return s.gradient + s.jacobian(rows, Eigen::all).transpose() * m;
+    return s.gradient + s.jacobian.transpose() * multipliers(guard.program, guard.best_x, s);
 }
 
 /// Values of the objective (first) and the constraints.

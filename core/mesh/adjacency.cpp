@@ -12,17 +12,25 @@ struct Side {
     bool forward;  ///< runs from a to b
 };
 
+/// By their first vertices, counted; each of these short lists is sorted then.
 std::vector<Side> sorted_sides(const TriMesh& mesh) {
-    std::vector<Side> sides;
-    sides.reserve(3 * static_cast<std::size_t>(mesh.num_triangles()));
-    for (int t = 0; t < mesh.num_triangles(); ++t)
+    const int m = mesh.num_triangles();
+    const auto lower = [&](int t, int k) { return std::min(mesh.triangles(t, k), mesh.triangles(t, (k + 1) % 3)); };
+    std::vector<int> begin(mesh.num_vertices() + 1, 0);
+    for (int t = 0; t < m; ++t)
+        for (int k = 0; k < 3; ++k) ++begin[lower(t, k) + 1];
+    std::partial_sum(begin.begin(), begin.end(), begin.begin());
+    std::vector<int> next(begin.begin(), begin.end() - 1);
+    std::vector<Side> sides(3 * static_cast<std::size_t>(m));
+    for (int t = 0; t < m; ++t)
         for (int k = 0; k < 3; ++k) {
             const int u = mesh.triangles(t, k), v = mesh.triangles(t, (k + 1) % 3);
-            sides.push_back({std::min(u, v), std::max(u, v), t, k, u < v});
+            sides[next[std::min(u, v)]++] = {std::min(u, v), std::max(u, v), t, k, u < v};
         }
-    std::sort(sides.begin(), sides.end(), [](const Side& x, const Side& y) {
-        return std::tie(x.a, x.b, x.triangle, x.corner) < std::tie(y.a, y.b, y.triangle, y.corner);
-    });
+    for (int v = 0; v < mesh.num_vertices(); ++v)
+        std::sort(sides.begin() + begin[v], sides.begin() + begin[v + 1], [](const Side& x, const Side& y) {
+            return std::tie(x.b, x.triangle, x.corner) < std::tie(y.b, y.triangle, y.corner);
+        });
     return sides;
 }
 

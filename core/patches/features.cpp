@@ -42,12 +42,11 @@ VertexFeature feature_of(const Eigen::Matrix3d& A, const Eigen::Vector3d& normal
 }  // namespace
 
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent) {
-    return quadric_metric_tensor(mesh, adjacent, triangle_normals(mesh));
+    return quadric_metric_tensor(mesh, adjacent, triangle_normals(mesh), corner_angles(mesh));
 }
 
-std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent,
-                                                 const Points& normals) {
-    const Points angles = corner_angles(mesh);
+std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
+                                                 const Points& angles) {
     const std::vector<char> open = on_open_boundary(mesh, adjacent);
     std::vector<VertexFeature> features(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {

@@ -24,7 +24,9 @@ struct VertexFeature {
 /// One feature per vertex. Triangles of zero area carry no weight; a vertex without any weight is smooth.
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent);
 /// The same with normals that are known better than from the triangles. @param normals unit or zero, one a triangle
-std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals);
+/// @param angles corner_angles(mesh)
+std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
+                                                 const Points& angles);
 
 /// Ridge or corner at threshold tau: 2 atan sqrt(l2 / l1) >= tau (the paper's test), or |mu|^2 < 1/2 (acute creases,
 /// where the two large eigenvalues have swapped). @param tau radians, in (0, pi/2], not checked.

@@ -71,7 +71,7 @@ void separate_fans(int num_vertices, BaseSurface& base) {
 }
 
 /// Means of the normals around each point, weighted by angle, not across features.
-void find_corner_normals(BaseSurface& base) {
+void find_corner_normals(const Points& angles, BaseSurface& base) {
     const int halves = static_cast<int>(base.twin.size());
     base.corner_normal.assign(halves, Vector3d::Zero());
     std::vector<char> done(halves, 0);
@@ -84,7 +84,6 @@ void find_corner_normals(BaseSurface& base) {
         }
         Vector3d sum = Vector3d::Zero();
         double whole = 0;
-        const Vector3d x = base.points[base.from(start)];
         const auto walk = [&](auto&& visit) {
             for (int h = first;;) {
                 visit(h);
@@ -94,8 +93,7 @@ void find_corner_normals(BaseSurface& base) {
             }
         };
         walk([&](int h) {
-            const Vector3d u = base.points[base.from(base.next(h))] - x, w = base.points[base.from(base.prev(h))] - x;
-            const double angle = std::atan2(u.cross(w).norm(), u.dot(w));
+            const double angle = angles(h / 3, h % 3);
             sum += angle * base.normal[h / 3];
             whole += angle;
             done[h] = 1;
@@ -133,7 +131,10 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length,
     check(given);
     const TriMesh mesh = in_order_of_space(given);
     const Adjacency adjacent = adjacency(mesh);
+    const Points angles = corner_angles(mesh);
     BaseSurface base;
+    base.points.reserve(mesh.num_vertices()), base.origin.reserve(mesh.num_vertices());
+    base.tri.reserve(mesh.num_triangles());
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         base.points.emplace_back(mesh.vertices.row(v));
         base.origin.push_back(v);
@@ -149,9 +150,9 @@ BaseSurface base_surface(const TriMesh& given, double angle, double edge_length,
         throw InvalidInput(text("remesh: ", given.num_triangles(), " triangles of total area ", base.area));
     base.edge_length = edge_length > 0 ? edge_length : base.mean_edge;
     level_slivers(angle, base);
-    find_features(mesh, adjacent, angle, frozen, base);
+    find_features(mesh, adjacent, angles, angle, frozen, base);
     number_patches(base);
-    find_corner_normals(base);
+    find_corner_normals(angles, base);
     base.tree = TriangleTree(base.points, base.tri, std::min(4 * base.mean_edge, 16 * base.edge_length));
     return base;
 }

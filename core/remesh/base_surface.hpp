@@ -48,11 +48,13 @@ struct Foot {
     Eigen::Vector3d point;
     int triangle;
     double distance2;
+    double wb, wc;  ///< weights of the triangle's second and third corner
 };
 /// Weights of the corners of triangle t at its point x; they sum to 1.
 std::array<double, 3> weights_at(const BaseSurface& base, int t, const Eigen::Vector3d& x);
 /// Unit normal at point x of triangle t, varying smoothly between features.
 Eigen::Vector3d normal_at(const BaseSurface& base, int t, const Eigen::Vector3d& x);
+Eigen::Vector3d normal_at(const BaseSurface& base, const Foot& foot);
 
 /// Closest point of the patch of triangle `hint`: downhill from triangle to triangle, by the tree where that leads
 /// further away than `reach` or takes long.

@@ -1,46 +1,108 @@
 #include "core/remesh/working_mesh.hpp"
 
+#include <algorithm>
+
 /// The working mesh without gaps, and as a value.
 namespace strake {
+namespace {
 
-void WorkingMesh::compact() {
-    std::vector<int> number(num_vertices(), -1), feature_number(features.size(), -1);
-    int n = 0, m = 0, k = 0;
-    for (int v = 0; v < num_vertices(); ++v) {
-        if (half[v] < 0) continue;
-        pos[n] = pos[v], normal[n] = normal[v], foot[n] = foot[v], half[n] = half[v], valence[n] = valence[v];
-        origin[n] = origin[v], size[n] = size[v], limit[n] = limit[v], role[n] = role[v], calm[n] = calm[v],
-        bent[n] = bent[v];
-        number[v] = n++;
+/// The numbers i of 0..n with key(i) >= 0 by their keys, all below `keys`; equal ones as they come.
+template <class Key>
+std::vector<int> sorted_by(int n, int keys, const Key& key) {
+    std::vector<int> begin(keys + 1, 0);
+    int count = 0;
+    for (int i = 0; i < n; ++i)
+        if (key(i) >= 0) ++begin[key(i) + 1], ++count;
+    for (int k = 0; k < keys; ++k) begin[k + 1] += begin[k];
+    std::vector<int> order(count);
+    for (int i = 0; i < n; ++i)
+        if (key(i) >= 0) order[begin[key(i)]++] = i;
+    return order;
+}
+
+template <class Keep>
+std::vector<int> in_order(int n, const Keep& keep) {
+    std::vector<int> order;
+    order.reserve(n);
+    for (int i = 0; i < n; ++i)
+        if (keep(i)) order.push_back(i);
+    return order;
+}
+
+/// values[order[0]], values[order[1]], …
+template <class T>
+void take(std::vector<T>& values, const std::vector<int>& order, bool is_ascending) {
+    if (is_ascending) {
+        for (std::size_t i = 0; i < order.size(); ++i) values[i] = values[order[i]];
+        values.resize(order.size());
+        return;
     }
+    std::vector<T> taken;
+    taken.reserve(order.size());
+    for (const int i : order) taken.push_back(values[i]);
+    values.swap(taken);
+}
+
+std::vector<int> inverse(const std::vector<int>& order, int n) {
+    std::vector<int> number(n, -1);
+    for (std::size_t i = 0; i < order.size(); ++i) number[order[i]] = static_cast<int>(i);
+    return number;
+}
+
+}  // namespace
+
+/// After many changes, vertices as the triangles of the input that they are at, which are in order of space, and
+/// triangles as their first vertices: what is near is near in memory.
+void WorkingMesh::compact(double few) {
+    int removed = 0;
+    for (int t = 0; t < num_triangles(); ++t) removed += !is_alive(t);
+    constexpr double many = 0.05;
+    const int made = num_triangles() - compact_triangles;
+    const bool sorts = changes + removed + made > many * num_triangles();
+    if (!sorts && removed < few * num_triangles()) return;
+    changes = sorts ? 0 : changes + removed + made;
+    const std::vector<int> vertices = sorts ? sorted_by(num_vertices(), static_cast<int>(base->tri.size()),
+                                                        [&](int v) { return half[v] >= 0 ? foot[v] : -1; })
+                                            : in_order(num_vertices(), [&](int v) { return half[v] >= 0; });
+    const std::vector<int> number = inverse(vertices, num_vertices());
+    for (int& v : corner)
+        if (v >= 0) v = number[v];
+    const int n = static_cast<int>(vertices.size());
+    const std::vector<int> triangles =
+        sorts ? sorted_by(num_triangles(), n,
+                          [&](int t) {
+                              return std::min({corner[3 * t], corner[3 * t + 1], corner[3 * t + 2]});
+                          })
+              : in_order(num_triangles(), [&](int t) { return is_alive(t); });
+    compact_triangles = static_cast<int>(triangles.size());
+    const std::vector<int> triangle_number = inverse(triangles, num_triangles());
+
+    std::vector<int> feature_number(features.size(), -1);
+    int k = 0;
     for (std::size_t f = 0; f < features.size(); ++f) {
         if (features[f].curve < 0) continue;
         features[k] = features[f];
         for (int& v : features[k].v) v = number[v];
         feature_number[f] = k++;
     }
-    std::vector<int> triangle_number(num_triangles(), -1);
-    for (int t = 0; t < num_triangles(); ++t)
-        if (is_alive(t)) triangle_number[t] = m++;
-    for (int t = 0; t < num_triangles(); ++t) {
-        const int to = triangle_number[t];
-        if (to < 0) continue;
-        for (int i = 0; i < 3; ++i) {
-            const int h = 3 * t + i, j = twin[h];
-            corner[3 * to + i] = number[corner[h]];
-            twin[3 * to + i] = j < 0 ? -1 : 3 * triangle_number[j / 3] + j % 3;
-            feature[3 * to + i] = feature[h] < 0 ? -1 : feature_number[feature[h]];
-        }
-        if (!group.empty()) group[to] = group[t];
-        patch[to] = patch[t];
-    }
-    for (int v = 0; v < n; ++v) half[v] = 3 * triangle_number[half[v] / 3] + half[v] % 3;
-    pos.resize(n), normal.resize(n), foot.resize(n), half.resize(n), valence.resize(n);
-    origin.resize(n), size.resize(n), limit.resize(n), role.resize(n), calm.resize(n), bent.resize(n),
-        mark.assign(n, 0);
-    corner.resize(3 * m), twin.resize(3 * m), feature.resize(3 * m), features.resize(k);
-    if (!group.empty()) group.resize(m);
-    patch.resize(m);
+    features.resize(k);
+
+    std::vector<int> halves;
+    halves.reserve(3 * triangles.size());
+    for (const int t : triangles) halves.insert(halves.end(), {3 * t, 3 * t + 1, 3 * t + 2});
+    take(corner, halves, !sorts), take(twin, halves, !sorts), take(feature, halves, !sorts);
+    const auto renumber = [&](int h) { return h < 0 ? -1 : 3 * triangle_number[h / 3] + h % 3; };
+    for (int& h : twin) h = renumber(h);
+    for (int& f : feature) f = f < 0 ? -1 : feature_number[f];
+    if (!group.empty()) take(group, triangles, !sorts);
+    take(patch, triangles, !sorts);
+
+    take(pos, vertices, !sorts), take(normal, vertices, !sorts), take(foot, vertices, !sorts),
+        take(half, vertices, !sorts), take(valence, vertices, !sorts);
+    take(origin, vertices, !sorts), take(size, vertices, !sorts), take(limit, vertices, !sorts),
+        take(role, vertices, !sorts), take(calm, vertices, !sorts), take(bent, vertices, !sorts);
+    for (int& h : half) h = renumber(h);
+    mark.assign(n, 0);
     stamp = 0;
 }
 

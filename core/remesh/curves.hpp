@@ -7,7 +7,11 @@
 /// output that slides on one is a number s, its place a point of a segment of the input. Internal to core/remesh.
 namespace strake {
 
-enum class FeatureKind : char { crease, boundary, border, kept, rounded };
+/// What stays as it is: kept, where there is no manifold, or parts touch; held, at the end of a crease.
+enum class FeatureKind : char { crease, boundary, border, kept, held, held_crease, rounded };
+inline bool is_rigid(FeatureKind kind) {
+    return kind == FeatureKind::kept || kind == FeatureKind::held || kind == FeatureKind::held_crease;
+}
 
 /// An edge whose ends lie on curve `curve` at s[0] < s[1]. On a closed curve s runs on beyond its length.
 struct FeatureEdge {

@@ -1,6 +1,7 @@
 #include "core/remesh/features.hpp"
 
 #include "core/mesh/geometry.hpp"
+#include "core/remesh/working_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -21,6 +22,7 @@ public:
           adjacent_(adjacent),
           tensor_(tensor),
           angle_(angle),
+          cos_flat_(std::cos(0.99 * angle)),
           frozen_(frozen),
           base_(base),
           kind_(base.twin.size(), -1),
@@ -34,7 +36,7 @@ public:
                 const bool open = adjacent_.edge_triangles[adjacent_.triangle_edges(h / 3, h % 3)].size() == 1;
                 set(h, open ? FeatureKind::boundary : FeatureKind::kept);
             } else if (h < g) {
-                if (turn(h) >= angle_ - angle_slack)
+                if (!is_flat(h) && turn(h) >= angle_ - angle_slack)
                     set(h, FeatureKind::crease);
                 else if (!mesh_.group.empty() && mesh_.group[h / 3] != mesh_.group[g / 3])
                     set(h, FeatureKind::border);
@@ -42,6 +44,7 @@ public:
         }
         for (int h = 0; h < halves; ++h)
             if (kind_[h] == static_cast<int>(FeatureKind::crease) && h < base_.twin[h]) go_on(h), go_on(base_.twin[h]);
+        hold_ends();
         keep_coincident();
         for (int h = 0; h < halves; ++h)
             if (!frozen_.empty() && frozen_[h / 3]) keep(h);
@@ -53,16 +56,43 @@ public:
 
 private:
     double turn(int h) const { return dihedral(base_.normal[h / 3], base_.normal[base_.twin[h] / 3]); }
+    /// Surely no crease, as most edges.
+    bool is_flat(int h) const { return base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > cos_flat_; }
     int to(int h) const { return base_.from(base_.next(h)); }
     void set(int h, FeatureKind kind) {
-        kind_[h] = static_cast<int>(kind);
-        if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
+        mark(h, kind);
         ++count_[base_.from(h)];
         ++count_[to(h)];
     }
-    void keep(int h) {
-        kind_[h] = static_cast<int>(FeatureKind::kept);
+    void keep(int h) { mark(h, FeatureKind::kept); }
+    void hold(int h) {
+        if (kind_[h] < 0) mark(h, FeatureKind::held);
+        if (kind_[h] == static_cast<int>(FeatureKind::crease)) mark(h, FeatureKind::held_crease);
+    }
+    void mark(int h, FeatureKind kind) {
+        kind_[h] = static_cast<int>(kind);
         if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
+    }
+    /// Where a crease ends in the open, its last edge is as sharp as the two triangles beside it are turned, and no
+    /// more is known of it: they stay as they are, if they are such as the result may have.
+    void hold_ends() {
+        std::vector<int> ends;
+        for (int h = 0; h < static_cast<int>(kind_.size()); ++h)
+            if (kind_[h] == static_cast<int>(FeatureKind::crease) && h < base_.twin[h] &&
+                std::min(count_[base_.from(h)], count_[to(h)]) == 1 && turn(h) >= angle_ - angle_slack &&
+                may_stay(h / 3) && may_stay(base_.twin[h] / 3))
+                ends.push_back(h);
+        for (const int h : ends)
+            for (const int t : {h / 3, base_.twin[h] / 3})
+                for (int k = 3 * t; k < 3 * t + 3; ++k) hold(k);
+    }
+    bool may_stay(int t) const {
+        const auto& [a, b, c] = base_.tri[t];
+        const Vector3d &x = base_.points[a], &y = base_.points[b], &z = base_.points[c];
+        const auto [shortest, longest] = std::minmax({(y - x).norm(), (z - y).norm(), (x - z).norm()});
+        constexpr double least_quality = 0.7, least_length = 0.6, most_length = 1.5;
+        return shape_quality(x, y, z) > least_quality && shortest > least_length * base_.edge_length &&
+               longest < most_length * base_.edge_length;
     }
     /// Parts that touch along edges of the same two places, without sharing them, would part or overlap otherwise.
     void keep_coincident() {
@@ -120,7 +150,7 @@ private:
     const TriMesh& mesh_;
     const Adjacency& adjacent_;
     const std::vector<VertexFeature>& tensor_;
-    double angle_;
+    double angle_, cos_flat_;
     const std::vector<char>& frozen_;
     BaseSurface& base_;
     std::vector<int> kind_, count_;  ///< count_: features at a point
@@ -211,7 +241,7 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
     for (const FeatureEdge& edge : base.features)
         for (int end = 0; end < 2; ++end) {
             const int v = edge.v[end];
-            if (edge.kind == FeatureKind::kept) stays[v] = 1;
+            if (is_rigid(edge.kind)) stays[v] = 1;
             if (count[v] < 2) {
                 beside[v][count[v]] = edge.v[1 - end];
                 kinds[v][count[v]] = static_cast<int>(edge.kind);
@@ -233,11 +263,11 @@ void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSu
 
 }  // namespace
 
-void find_features(const TriMesh& mesh, const Adjacency& adjacent, double angle, const std::vector<char>& frozen,
-                   BaseSurface& base) {
+void find_features(const TriMesh& mesh, const Adjacency& adjacent, const Points& angles, double angle,
+                   const std::vector<char>& frozen, BaseSurface& base) {
     Points normals(mesh.num_triangles(), 3);  // those of slivers would make corners
     for (int t = 0; t < mesh.num_triangles(); ++t) normals.row(t) = base.normal[t];
-    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals);
+    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles);
     const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, frozen, base).run(), base);
     assign_roles(tensor, angle, base);
     CurveWalk(base, half_of).run();

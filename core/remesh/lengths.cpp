@@ -18,7 +18,7 @@ bool is_longest(const WorkingMesh& mesh, int h, double length2) {
 bool may_split(const WorkingMesh& mesh, int h) {
     if (mesh.feature[h] < 0) return true;
     const FeatureEdge& edge = mesh.features[mesh.feature[h]];
-    if (edge.kind == FeatureKind::kept) return false;
+    if (is_rigid(edge.kind)) return false;
     const Vector3d m = mesh.base->curves.at(edge.curve, mesh.split_place(mesh.feature[h]));
     for (const int side : {h, mesh.twin[h]}) {
         if (side < 0) continue;
@@ -50,10 +50,10 @@ public:
     bool attempt(int h, int a) {
         const int b = mesh_.from(h) + mesh_.to(h) - a, f = mesh_.feature[h];
         if (mesh_.role[a] == VertexRole::fixed || (mesh_.role[a] == VertexRole::ridge && f < 0)) return false;
-        if (f >= 0 && mesh_.features[f].kind == FeatureKind::kept) return false;
+        if (f >= 0 && is_rigid(mesh_.features[f].kind)) return false;
         if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
         const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
-        Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0};
+        Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0, 0, 0};
         if (!keeps_short(a, b, foot.point, moves)) return false;  // most fail here, and it is cheap
         if (!mesh_.can_collapse(h, a)) return false;
         if (f >= 0 && !mesh_.collapse_fits_curve(h, a, guard_.chord_slack)) return false;
@@ -101,19 +101,25 @@ private:
     /// The triangles left face the way that the input does, and are no worse than those before.
     bool faces(int a, int b, int h, const Foot& foot, bool moves) {
         Worst before, after;
+        old_.clear();
         const auto look_at = [&](int v) {
             mesh_.around(v, [&](int out) {
-                if (v == a || !vanishes(out / 3, h)) before.add(facing(mesh_, v, mesh_.to(out), mesh_.apex(out)));
+                const bool stays = !vanishes(out / 3, h);
+                if (v != a && !stays) return true;
+                const Facing old = facing(mesh_, v, mesh_.to(out), mesh_.apex(out));
+                before.add(old);
+                if (stays) old_.push_back(old);
                 return true;
             });
         };
         bool fits = true;
+        std::size_t next = 0;
         const auto try_at = [&](int v) {
             mesh_.around(v, [&](int out) {
                 if (vanishes(out / 3, h)) return true;
                 const int p = mesh_.to(out), q = mesh_.apex(out);
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
-                const Facing old = facing(mesh_, v, p, q);
+                const Facing& old = old_[next++];
                 after.quality = std::min(after.quality, made.quality);
                 if (has_turned(guard_, old, made) &&
                     !(made.dot >= cos_at_tips && (is_tip(p) || is_tip(q) || is_tip(b))))
@@ -126,7 +132,7 @@ private:
         look_at(a);
         if (moves) look_at(b);
         const Vector3d normal_before = mesh_.normal[b];
-        if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot.triangle, foot.point);
+        if (moves) mesh_.normal[b] = normal_at(*mesh_.base, foot);
         if (moves && std::min(mesh_.normal[b].dot(normal_before), mesh_.normal[b].dot(mesh_.normal[a])) < 0.5)
             fits = false;
         try_at(a);
@@ -140,6 +146,7 @@ private:
     WorkingMesh& mesh_;
     const StepGuard& guard_;
     double longest_;
+    std::vector<Facing> old_;  ///< triangles as they are, of the collapse that is looked at
 };
 
 }  // namespace
@@ -226,7 +233,8 @@ int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, dou
         if (!(mesh.length2(h) < limit * limit)) return 0;
         const int a = mesh.from(h), b = mesh.to(h);
         const bool a_goes = collapse.attempt(h, a);
-        if (!a_goes && !collapse.attempt(h, b)) return 0;
+        const bool is_alike = mesh.role[a] == VertexRole::free && mesh.role[b] == VertexRole::free;  // b as a, then
+        if (!a_goes && (is_alike || !collapse.attempt(h, b))) return 0;
         mesh.neighbours(a_goes ? b : a, [&](int u) {
             mesh.around(u, [&](int out) {
                 next.note(mesh, out);

@@ -63,11 +63,25 @@ double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal);
 /// @return how many moved.
 int polish(WorkingMesh& mesh, const StepGuard& guard, double below);
 
+/// No edge becomes folded by more than `most_fold`, radians. Brings the edges that are farthest off the input, by more
+/// than `share` of their wanted length, nearer to it.
+/// @return how many flips and moves did that.
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold);
+
 /// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
 struct RidgeEdges {
     int before = -1, after = -1;
 };
 RidgeEdges ridge_edges(const WorkingMesh& mesh, int v);
+
+/// What tells most edges that cannot be far off the input from those that may be. Normals that vary smoothly would hide
+/// a fold between long triangles.
+inline bool may_be_far(const WorkingMesh& mesh, int h) {
+    const int a = mesh.from(h), b = mesh.to(h);
+    const bool a_tells = mesh.role[a] == VertexRole::free, b_tells = mesh.role[b] == VertexRole::free;
+    if (!a_tells || !b_tells) return a_tells || b_tells;
+    return mesh.base->normal[mesh.foot[a]].dot(mesh.base->normal[mesh.foot[b]]) < 0.985;
+}
 
 /// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
 template <class Work>

@@ -1,153 +1,56 @@
-#include "core/remesh/passes.hpp"
+#include "core/remesh/vertex_place.hpp"
 
-#include <limits>
-#include <numbers>
+#include <algorithm>
 
 /// The finish: what smoothing leaves badly shaped is moved, one vertex after the other, to where the worst triangle
 /// around it is best.
 namespace strake {
 namespace {
 
-using Eigen::Vector3d;
-
 constexpr int most_tries = 12;  ///< of a vertex in a sweep: where hundreds of thin triangles meet, all would ask for it
 
-class Polish {
-public:
-    Polish(WorkingMesh& mesh, const StepGuard& guard) : mesh_(mesh), guard_(guard) {}
-
-    /// @return how many vertices were moved.
-    int run(double below) {
-        int count = 0;
-        std::vector<int> look;
-        for (int t = 0; t < mesh_.num_triangles(); ++t)
-            if (mesh_.is_alive(t) && mesh_.quality(t) < below) look.push_back(t);
-        const auto is_hopeless = [&](int t) { return mesh_.quality(t) < 0.02; };
-        if (4 * std::count_if(look.begin(), look.end(), is_hopeless) > mesh_.num_triangles()) return 0;  // wires
-        const std::size_t most = mesh_.num_triangles() / 2;  // it is a finish, and takes its time
-        if (look.size() > most) {
-            std::stable_sort(look.begin(), look.end(),
-                             [&](int t, int u) { return mesh_.quality(t) > mesh_.quality(u); });
-            look.resize(most);
-        }
-        for (int sweep = 0; sweep < 4 && !look.empty(); ++sweep) {
-            std::vector<int> tries(mesh_.num_vertices(), 0);
-            for (const int t : look)
-                for (int k = 0; k < 3; ++k) {
-                    const int v = mesh_.corner[3 * t + k];
-                    if (++tries[v] <= most_tries) count += improve(v, below);
-                }
-            std::erase_if(look, [&](int t) { return mesh_.quality(t) >= below; });
-        }
-        return count;
-    }
-
-private:
-    struct Place {
-        Vector3d point, normal;
-        int foot;
-        double s;  ///< shift along the curve
-    };
-
-    bool improve(int v, double below) {
-        if (mesh_.role[v] == VertexRole::fixed || !(worst_now(v) < below)) return false;
-        const double start = cost(v, here(v));
-        double best = start;
-        Place at = here(v);
-        const bool is_free = mesh_.role[v] == VertexRole::free;
-        const Vector3d n = mesh_.normal[v], u = n.unitOrthogonal(), w = n.cross(u);
-        for (double step = 0.2; step > 0.02; step *= 0.5)
-            for (bool better = true; better;) {
-                better = false;
-                for (int i = 0; i < (is_free ? 6 : 2); ++i) {
-                    const double angle = i * std::numbers::pi / 3, length = step * mesh_.size[v];
-                    Place next;
-                    const bool is_there =
-                        is_free ? on_surface(v, at, length * (std::cos(angle) * u + std::sin(angle) * w), next)
-                                : on_curve(v, at.s + (i == 0 ? length : -length), next);
-                    if (!is_there) continue;
-                    const double c = cost(v, next);
-                    if (c > 0.999 * best) continue;
-                    best = c;
-                    at = next;
-                    better = true;
-                }
-            }
-        if (best > 0.98 * start) return false;
-        put(v, at);
+double worst_around(const WorkingMesh& mesh, int v) {
+    double quality = 1;
+    mesh.around(v, [&](int h) {
+        quality = std::min(quality, mesh.quality(h / 3));
         return true;
-    }
-    double worst_now(int v) const {
-        double quality = 1;
-        mesh_.around(v, [&](int h) {
-            quality = std::min(quality, mesh_.quality(h / 3));
-            return true;
-        });
-        return quality;
-    }
+    });
+    return quality;
+}
 
-    Place here(int v) const { return {mesh_.pos[v], mesh_.normal[v], mesh_.foot[v], 0}; }
-
-    bool on_surface(int v, const Place& from, const Vector3d& shift, Place& place) const {
-        const Foot foot = project(*mesh_.base, from.point + shift, from.foot, 0.5 * mesh_.size[v]);
-        place = {foot.point, normal_at(*mesh_.base, foot.triangle, foot.point), foot.triangle, 0};
-        return place.normal.dot(mesh_.normal[v]) > 0.5;
-    }
-    bool on_curve(int v, double shift, Place& place) const {
-        const auto [before, after] = ridge_edges(mesh_, v);
-        if (before < 0 || after < 0) return false;
-        const FeatureEdge &e = mesh_.features[before], &f = mesh_.features[after];
-        const Curves& curves = mesh_.base->curves;
-        if (!(shift > -0.7 * (e.s[1] - e.s[0]) && shift < 0.7 * (f.s[1] - f.s[0]))) return false;
-        const double s = e.s[1] + shift;
-        if (!curves.chord_fits(e.curve, e.s[0], s, guard_.chord_slack) ||
-            !curves.chord_fits(e.curve, f.s[0] + shift, f.s[1], guard_.chord_slack))
-            return false;
-        place = {curves.at(e.curve, s), mesh_.normal[v], curves.triangle_at(e.curve, s), shift};
-        return true;
-    }
-
-    /// Sum of 1 / quality^4 around v were it at `place`; infinite where a triangle would face away.
-    double cost(int v, const Place& place) {
-        const Vector3d normal = mesh_.normal[v];
-        mesh_.normal[v] = place.normal;
-        double sum = 0;
-        const bool is_old = place.point == mesh_.pos[v];
-        mesh_.around(v, [&](int h) {
-            const int p = mesh_.to(h), q = mesh_.apex(h);
-            const Facing made = facing(mesh_, v, p, q, place.point, mesh_.pos[p], mesh_.pos[q]);
-            if (!is_old && (made.dot <= 1 ? made.dot < guard_.cos_natural : turns(v, p, q, made)))
-                sum = std::numeric_limits<double>::infinity();
-            const double worse = 1 / std::max(made.quality, 1e-4);
-            sum += (worse * worse) * (worse * worse);
-            return std::isfinite(sum);
-        });
-        mesh_.normal[v] = normal;
-        return sum;
-    }
-    bool turns(int v, int p, int q, const Facing& made) const {
-        const Facing old = facing(mesh_, v, p, q);
-        return old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural;
-    }
-
-    void put(int v, const Place& place) {
-        if (mesh_.role[v] == VertexRole::ridge) {
-            const auto [before, after] = ridge_edges(mesh_, v);
-            mesh_.features[before].s[1] += place.s;
-            mesh_.features[after].s[0] += place.s;
-        }
-        mesh_.pos[v] = place.point;
-        mesh_.normal[v] = place.normal;
-        mesh_.foot[v] = place.foot;
-        mesh_.wake_around(v);
-    }
-
-    WorkingMesh& mesh_;
-    const StepGuard& guard_;
-};
+bool improve(WorkingMesh& mesh, const StepGuard& guard, int v, double below) {
+    if (mesh.role[v] == VertexRole::fixed || !(worst_around(mesh, v) < below)) return false;
+    const auto cost = [&](const Place& place, double) { return shape_cost(mesh, guard, v, place); };
+    Place best;
+    if (!find_best_place(mesh, guard, v, shape_cost(mesh, guard, v, place_of(mesh, v)), cost, best)) return false;
+    put(mesh, v, best);
+    return true;
+}
 
 }  // namespace
 
-int polish(WorkingMesh& mesh, const StepGuard& guard, double below) { return Polish(mesh, guard).run(below); }
+int polish(WorkingMesh& mesh, const StepGuard& guard, double below) {
+    int count = 0;
+    std::vector<int> look;
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (mesh.is_alive(t) && mesh.quality(t) < below) look.push_back(t);
+    const auto is_hopeless = [&](int t) { return mesh.quality(t) < 0.02; };
+    if (4 * std::count_if(look.begin(), look.end(), is_hopeless) > mesh.num_triangles()) return 0;  // wires
+    const std::size_t most = mesh.num_triangles() / 2;  // it is a finish, and takes its time
+    if (look.size() > most) {
+        std::stable_sort(look.begin(), look.end(), [&](int t, int u) { return mesh.quality(t) > mesh.quality(u); });
+        look.resize(most);
+    }
+    for (int sweep = 0; sweep < 4 && !look.empty(); ++sweep) {
+        std::vector<int> tries(mesh.num_vertices(), 0);
+        for (const int t : look)
+            for (int k = 0; k < 3; ++k) {
+                const int v = mesh.corner[3 * t + k];
+                if (++tries[v] <= most_tries) count += improve(mesh, guard, v, below);
+            }
+        std::erase_if(look, [&](int t) { return mesh.quality(t) >= below; });
+    }
+    return count;
+}
 
 }  // namespace strake

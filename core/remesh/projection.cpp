@@ -18,12 +18,24 @@ std::array<double, 3> weights_at(const BaseSurface& base, int t, const Vector3d&
     return {1 - wb - wc, wb, wc};
 }
 
-Vector3d normal_at(const BaseSurface& base, int t, const Vector3d& x) {
-    const auto [wa, wb, wc] = weights_at(base, t, x);
+namespace {
+
+Vector3d weighted_normal(const BaseSurface& base, int t, double wa, double wb, double wc) {
     const Vector3d n =
         wa * base.corner_normal[3 * t] + wb * base.corner_normal[3 * t + 1] + wc * base.corner_normal[3 * t + 2];
     const double length = n.norm();
     return length > 1e-3 ? Vector3d(n / length) : base.normal[t];
+}
+
+}  // namespace
+
+Vector3d normal_at(const BaseSurface& base, int t, const Vector3d& x) {
+    const auto [wa, wb, wc] = weights_at(base, t, x);
+    return weighted_normal(base, t, wa, wb, wc);
+}
+
+Vector3d normal_at(const BaseSurface& base, const Foot& foot) {
+    return weighted_normal(base, foot.triangle, 1 - foot.wb - foot.wc, foot.wb, foot.wc);
 }
 
 namespace {
@@ -85,14 +97,14 @@ Foot project(const BaseSurface& base, const Vector3d& x, int hint, double reach)
             arrived = !(at.distance2 < before);
         }
     }
-    if (arrived && at.distance2 <= reach * reach) return {at.at.point, at.triangle, at.distance2};
+    if (arrived && at.distance2 <= reach * reach) return {at.at.point, at.triangle, at.distance2, at.at.wb, at.at.wc};
     const int t = base.tree.closest(base.points, base.tri, base.patch, base.patch[hint], x, at.distance2);
     if (t >= 0) {
-        const Vector3d p = closest_of(base, t, x).point;
-        const double d2 = (p - x).squaredNorm();
-        if (d2 < at.distance2) return {p, t, d2};
+        const TrianglePoint p = closest_of(base, t, x);
+        const double d2 = (p.point - x).squaredNorm();
+        if (d2 < at.distance2) return {p.point, t, d2, p.wb, p.wc};
     }
-    return {at.at.point, at.triangle, at.distance2};
+    return {at.at.point, at.triangle, at.distance2, at.at.wb, at.at.wc};
 }
 
 }  // namespace strake

@@ -13,7 +13,11 @@ namespace strake {
 namespace {
 
 constexpr double radians = std::numbers::pi / 180;
-constexpr double worth_polishing = 0.8;  ///< quality below which a triangle's corners are moved one by one
+constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
+constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
+constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
+constexpr double few_gaps = 0.02;           ///< share of removed triangles that are just passed over
+constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
 void check(bool good, const char* field, double value, const char* limit) {
@@ -57,10 +61,15 @@ public:
         shorten_needles();
         is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
         if (is_finished_) accept_lengths();
-        for (int i = is_finished_ ? std::max(1, options_.iterations - 2) : 1;
+        for (int i = is_finished_ ? std::max(1, options_.iterations - finishing + 1) : 1;
              i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
+            const int finish = options_.iterations - finishing;
+            if (is_finished_ || i < 2 || i >= finish || !has_converged()) continue;
+            if (i + 1 < finish) note_limits(finish);
+            skipped_ = finish - i;
+            i = finish;
         }
         if (!result_.cancelled) disentangle();
         count();
@@ -96,24 +105,27 @@ private:
     void iterate() {
         RemeshRecord record{};
         record.iteration = static_cast<int>(result_.records.size()) + 1;
-        const double tight = tightness(record.iteration);
+        const int step = record.iteration + skipped_;
+        const double tight = tightness(step);
         const double longest = 1 + tight * (too_long - 1), shortest = 1 - tight * (1 - too_short);
+        mean_quality_ = -1;
         record.splits = split_long(mesh_, longest);
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
-        mesh_.compact();
+        mesh_.compact(few_gaps);
         record.flips = flip_edges(mesh_, loose_);
-        const bool is_finish = is_finished_ || record.iteration + 3 > options_.iterations;
+        const bool is_finish = is_finished_ || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
         if (is_finish || !(tight < 1)) smooth(mesh_, loose_, goal);  // half of it has been cut or joined: once will do
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
             polish(mesh_, loose_, worth_polishing);
-            if (record.iteration == options_.iterations) {
+            if (step == options_.iterations) {
                 flip_edges(mesh_, firm_);
                 polish(mesh_, loose_, worth_polishing);
+                approach(mesh_, loose_, worth_approaching, 0.9 * options_.angle_deg * radians);
             }
         }
-        record.triangles = mesh_.num_triangles();
+        record.triangles = mesh_.num_alive();
         record.seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
         result_.records.push_back(record);
         if (progress_ && !progress_(record)) result_.cancelled = true;
@@ -121,11 +133,11 @@ private:
 
     /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
     /// are; what is finished may exceed it.
-    double tightness(int iteration) const {
+    double tightness(int iteration) {
         if (is_finished_) return 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
         const double mean = mean_quality_inside();
-        return mean >= 0.977 ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
+        return mean >= evenly_shaped ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
     }
 
     /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
@@ -156,10 +168,19 @@ private:
     bool is_quiet() const {
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
-        return last.splits + last.collapses < 0.05 * last.triangles;
+        return last.splits + last.collapses < 0.08 * last.triangles;
     }
-    /// Of the triangles away from features.
-    double mean_quality_inside() const {
+    /// What is left to do is the finish.
+    bool has_converged() {
+        const RemeshRecord& last = result_.records.back();
+        return last.splits + last.collapses < 0.02 * last.triangles && mean_quality_inside() >= evenly_shaped;
+    }
+    /// Of the triangles away from features, as the last iteration left them.
+    double mean_quality_inside() {
+        if (mean_quality_ < 0) mean_quality_ = find_mean_quality_inside();
+        return mean_quality_;
+    }
+    double find_mean_quality_inside() const {
         double sum = 0;
         int count = 0;
         for (int t = 0; t < mesh_.num_triangles(); ++t) {
@@ -218,13 +239,17 @@ private:
             mesh_.compact();
             const std::vector<std::array<int, 2>> pairs = crossings_.fresh(mesh_);
             const int count = static_cast<int>(pairs.size());
+            if (count == 0) {
+                result_.new_intersections = 0;
+                return;
+            }
             in_vain = count > 0.75 * result_.new_intersections ? in_vain + 1 : 0;
             if (count < result_.new_intersections) {
                 result_.new_intersections = count;
                 best = mesh_;
             }
             const bool is_hopeless = count > 0.05 * mesh_.num_triangles();  // wires, and sheets that lie on each other
-            if (count == 0 || round == 4 || in_vain == 2 || is_hopeless) break;
+            if (round == 4 || in_vain == 2 || is_hopeless) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
             for (int k = 0; k < 2 && !result_.cancelled; ++k) iterate();
@@ -243,7 +268,7 @@ private:
     void count() {
         for (const FeatureEdge& edge : mesh_.features) {
             if (edge.curve < 0) continue;
-            if (edge.kind == FeatureKind::crease) ++result_.crease_edges;
+            if (edge.kind == FeatureKind::crease || edge.kind == FeatureKind::held_crease) ++result_.crease_edges;
             if (edge.kind == FeatureKind::boundary) ++result_.boundary_edges;
             if (edge.kind == FeatureKind::border) ++result_.border_edges;
             if (edge.kind == FeatureKind::kept) ++result_.kept_edges;
@@ -261,6 +286,8 @@ private:
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
+    double mean_quality_ = -1;  ///< once it is known
+    int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
     double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
     Crossings crossings_{base_};
     RemeshResult result_;

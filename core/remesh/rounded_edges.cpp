@@ -21,6 +21,9 @@ constexpr double most_turn = 1.2 * std::numbers::pi;  ///< within twice the widt
 constexpr double least_length = 1.0;                  ///< of a chain, in wanted edge lengths
 constexpr int most_steps = 400;                       ///< of a walk; what is finer than that has no middle
 
+/// What comes first must not depend on the numbering: it is what lies lowest in this direction, square to no symmetry.
+Vector3d order_direction() { return {0.2859, 0.5437, 0.7891}; }
+
 /// A straight walk over the surface away from the middle of an edge, square to it.
 struct Walk {
     double turn = 0, inner = 0;  ///< of the normal about the edge, radians: on twice half_width, and on half_width
@@ -121,10 +124,11 @@ private:
 
     /// Half of the turning lies on either side of h, or at least `off` less than half.
     bool is_middle(int h, double off) const {
+        if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > 0.9988)
+            return false;  // cos(least_turn) = 0.99875
         const double own = turn_at(h);
         if (std::abs(own) < least_turn) return false;
-        // Which side comes first must not depend on the numbering.
-        const Vector3d side(0.2859, 0.5437, 0.7891);
+        const Vector3d side = order_direction();
         const bool swapped = base_.normal[h / 3].dot(side) < base_.normal[base_.twin[h] / 3].dot(side);
         const Walk first = walk(swapped ? base_.twin[h] : h), second = walk(swapped ? h : base_.twin[h]);
         const double sign = own > 0 ? 1 : -1, bend = sign * own;
@@ -138,7 +142,7 @@ private:
     /// Chains that stay straight while they are near the middle: where it wanders from one row of edges to the next,
     /// both would be chains, with slivers between them.
     void trace(std::vector<int>& middles) {
-        const Vector3d side(0.2859, 0.5437, 0.7891);  // the order must not depend on the numbering
+        const Vector3d side = order_direction();
         std::stable_sort(middles.begin(), middles.end(), [&](int g, int h) {
             return side.dot(base_.points[base_.from(g)] + base_.points[to(g)]) <
                    side.dot(base_.points[base_.from(h)] + base_.points[to(h)]);

@@ -123,10 +123,17 @@ bool spans_a_strip(const WorkingMesh& mesh, int t) {
 
 /// Largest principal curvature at each point of the input; 0 where nothing is known, or it is less than `least`.
 std::vector<double> curvatures(const BaseSurface& base, double least) {
-    const Bending bending = spread(base, spread(base, bending_at_points(base)));
+    const Bending own = bending_at_points(base);
     std::vector<double> result(base.points.size(), 0);
+    const auto is_bent = [&](const Bending& bending, std::size_t v) {
+        return bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v];
+    };
+    bool is_flat = true;  // and no sum of what is below the limit is above it
+    for (std::size_t v = 0; v < base.points.size(); ++v) is_flat = is_flat && !is_bent(own, v);
+    if (is_flat) return result;
+    const Bending bending = spread(base, spread(base, own));
     for (std::size_t v = 0; v < base.points.size(); ++v) {
-        if (!(bending.tensor[v].squaredNorm() > least * least * bending.area[v] * bending.area[v])) continue;
+        if (!is_bent(bending, v)) continue;
         const Vector3d l =
             Eigen::SelfAdjointEigenSolver<Matrix3d>(bending.tensor[v] / bending.area[v], Eigen::EigenvaluesOnly)
                 .eigenvalues();
@@ -215,7 +222,7 @@ int note_far_edges(WorkingMesh& mesh, const Sizing& sizing, double far, int thre
         for (int h = begin; h < end; ++h) {
             if (mesh.corner[h] < 0 || mesh.feature[h] >= 0 || mesh.twin[h] < h) continue;
             const int a = mesh.from(h), b = mesh.to(h);
-            if (mesh.role[a] != VertexRole::free && mesh.role[b] != VertexRole::free) continue;
+            if (!may_be_far(mesh, h)) continue;
             const Vector3d middle = 0.5 * (mesh.pos[a] + mesh.pos[b]);
             const int hint = mesh.foot[mesh.role[a] == VertexRole::free ? a : b];
             is_far[h] = project(*mesh.base, middle, hint, far).distance2 > far * far;

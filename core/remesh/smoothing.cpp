@@ -67,7 +67,7 @@ void move_free(const WorkingMesh& mesh, Towards goal, int v, Moves& moves) {
     Vector3d shift = goal == Towards::centres ? towards_centre(mesh, v) : towards_equilateral(mesh, v);
     shift -= shift.dot(mesh.normal[v]) * mesh.normal[v];
     const Foot foot = project(*mesh.base, mesh.pos[v] + shift, mesh.foot[v], 0.5 * mesh.size[v]);
-    const Vector3d normal = normal_at(*mesh.base, foot.triangle, foot.point);
+    const Vector3d normal = normal_at(*mesh.base, foot);
     if (normal.dot(mesh.normal[v]) < 0.5) return;  // round an edge, or on the other side of a thin part
     moves.pos[v] = foot.point;
     moves.foot[v] = foot.triangle;

@@ -14,35 +14,14 @@ double box_distance2(const Vector3d& low, const Vector3d& high, const Vector3d& 
 
 }  // namespace
 
-TrianglePoint closest_on_triangle(const Vector3d& a, const Vector3d& b, const Vector3d& c, const Vector3d& x) {
-    // The seven regions of a triangle (Ericson, Real-Time Collision Detection, 5.1.5).
-    const Vector3d ab = b - a, ac = c - a, ax = x - a;
-    const double d1 = ab.dot(ax), d2 = ac.dot(ax);
-    if (d1 <= 0 && d2 <= 0) return {a, 3};
-    const Vector3d bx = x - b;
-    const double d3 = ab.dot(bx), d4 = ac.dot(bx);
-    if (d3 >= 0 && d4 <= d3) return {b, 4};
-    const Vector3d cx = x - c;
-    const double d5 = ab.dot(cx), d6 = ac.dot(cx);
-    if (d6 >= 0 && d5 <= d6) return {c, 5};
-    const double wc = d1 * d4 - d3 * d2;
-    if (wc <= 0 && d1 >= 0 && d3 <= 0) return {a + d1 / (d1 - d3) * ab, 0};
-    const double wb = d5 * d2 - d1 * d6;
-    if (wb <= 0 && d2 >= 0 && d6 <= 0) return {a + d2 / (d2 - d6) * ac, 2};
-    const double wa = d3 * d6 - d5 * d4;
-    if (wa <= 0 && d4 >= d3 && d5 >= d6) return {b + (d4 - d3) / ((d4 - d3) + (d5 - d6)) * (c - b), 1};
-    const double whole = wa + wb + wc;
-    if (!(whole > 0)) return {a, 3};
-    return {a + wb / whole * ab + wc / whole * ac, -1};
-}
-
 TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,
                            double piece) {
     pieces_.reserve(tri.size() + tri.size() / 2);
     for (int t = 0; t < static_cast<int>(tri.size()); ++t)
         cut(points[tri[t][0]], points[tri[t][1]], points[tri[t][2]], t, piece, 0);
     nodes_.reserve(pieces_.size());
-    build(0, static_cast<int>(pieces_.size()));
+    const bool is_in_order = pieces_.size() == tri.size();  // none is long, so halves of the list are near together
+    if (!pieces_.empty()) build(0, static_cast<int>(pieces_.size()), is_in_order);
 }
 
 /// Halves the longest side until it is short.
@@ -61,29 +40,40 @@ void TriangleTree::cut(const Vector3d& a, const Vector3d& b, const Vector3d& c, 
     }
 }
 
-void TriangleTree::build(int begin, int end) {
+void TriangleTree::build(int begin, int end, bool is_in_order) {
     const std::size_t self = nodes_.size();
     nodes_.push_back({pieces_[begin].low, pieces_[begin].high, begin, end, -1});
+    if (end - begin <= leaf_size) {
+        for (int i = begin; i < end; ++i) {
+            nodes_[self].low = nodes_[self].low.cwiseMin(pieces_[i].low);
+            nodes_[self].high = nodes_[self].high.cwiseMax(pieces_[i].high);
+        }
+        return;
+    }
+    const int middle = begin + (end - begin) / 2;
+    if (!is_in_order) part(begin, middle, end);
+    build(begin, middle, is_in_order);
+    const int right = nodes_[self].right = static_cast<int>(nodes_.size());
+    build(middle, end, is_in_order);
+    nodes_[self].low = nodes_[self + 1].low.cwiseMin(nodes_[right].low);
+    nodes_[self].high = nodes_[self + 1].high.cwiseMax(nodes_[right].high);
+}
+
+/// Puts the lower half along the longest side of the centres' box first.
+void TriangleTree::part(int begin, int middle, int end) {
     Vector3d low = pieces_[begin].low + pieces_[begin].high, high = low;
     for (int i = begin; i < end; ++i) {
-        nodes_[self].low = nodes_[self].low.cwiseMin(pieces_[i].low);
-        nodes_[self].high = nodes_[self].high.cwiseMax(pieces_[i].high);
         const Vector3d twice_centre = pieces_[i].low + pieces_[i].high;
         low = low.cwiseMin(twice_centre);
         high = high.cwiseMax(twice_centre);
     }
-    if (end - begin <= leaf_size) return;
     int axis = 0;
     (high - low).maxCoeff(&axis);
-    const int middle = begin + (end - begin) / 2;
     std::nth_element(pieces_.begin() + begin, pieces_.begin() + middle, pieces_.begin() + end,
                      [axis](const Piece& p, const Piece& q) {
                          const double x = p.low[axis] + p.high[axis], y = q.low[axis] + q.high[axis];
                          return x != y ? x < y : p.triangle < q.triangle;
                      });
-    build(begin, middle);
-    nodes_[self].right = static_cast<int>(nodes_.size());
-    build(middle, end);
 }
 
 int TriangleTree::closest(const std::vector<Vector3d>& points, const std::vector<std::array<int, 3>>& tri,

@@ -21,6 +21,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.patch = base.patch;
     mesh.features = base.features;
     mesh.corner.resize(3 * m);
+    mesh.compact_triangles = static_cast<int>(m);
     for (std::size_t h = 0; h < 3 * m; ++h) mesh.corner[h] = base.tri[h / 3][h % 3];
     mesh.foot.assign(n, 0);
     mesh.normal.assign(n, Vector3d::Zero());
@@ -86,7 +87,7 @@ void WorkingMesh::find_foot(int m, int h) {
         const bool both_tell = a_tells && b_tells;
         if (both_tell ? normal[a].dot(normal[b]) > 0.97 : (pos[m] - pos[a]).squaredNorm() < size[m] * size[m]) return;
         const Foot below = project(*base, pos[m], foot[m], size[m]);
-        const Vector3d there = normal_at(*base, below.triangle, below.point);
+        const Vector3d there = normal_at(*base, below);
         if (there.dot(normal[m]) < 0) return;  // the other side of a thin part
         foot[m] = below.triangle;
         normal[m] = there;

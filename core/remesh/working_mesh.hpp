@@ -35,12 +35,19 @@ struct WorkingMesh {
     std::vector<FeatureEdge> features;
     std::vector<int> mark;  ///< scratch per vertex
     int stamp = 0;
+    int compact_triangles = 0,
+        changes = 0;  ///< at the last compact(); triangles made and removed since they were sorted
 
     static int next(int h) { return h % 3 == 2 ? h - 2 : h + 1; }
     static int prev(int h) { return h % 3 == 0 ? h + 2 : h - 1; }
     int num_vertices() const { return static_cast<int>(pos.size()); }
     int num_triangles() const { return static_cast<int>(corner.size() / 3); }
     bool is_alive(int t) const { return corner[3 * t] >= 0; }
+    int num_alive() const {
+        int count = 0;
+        for (int t = 0; t < num_triangles(); ++t) count += is_alive(t);
+        return count;
+    }
     int from(int h) const { return corner[h]; }
     int to(int h) const { return corner[next(h)]; }
     int apex(int h) const { return corner[prev(h)]; }
@@ -108,8 +115,9 @@ struct WorkingMesh {
     /// Foot and normal of vertex m, new in the middle of edge h.
     void find_foot(int m, int h);
 
-    /// Renumbers vertices, triangles and features without gaps, in order.
-    void compact();
+    /// Renumbers vertices, triangles and features without gaps, unless a share of less than `few` has been removed; in
+    /// order of space, where much has changed.
+    void compact(double few = 0);
 
 private:
     int new_triangle(int a, int b, int c, int like);

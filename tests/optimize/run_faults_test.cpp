@@ -124,8 +124,9 @@ TEST_P(EveryMethodInARun, RightOptimumOrAClearVerdictWithinTheBudget) {
         ASSERT_EQ(std::sscanf(r.reason.c_str() + at, "bounds active on %d of %d", &active, &variables), 2);
         EXPECT_LE(active, variables) << r.reason;
     }
-    // With every variable at its bound a local optimum is one of several, and the verdict says what would give room.
-    const bool cornered = variables > 0 && active == variables;
+    // Where bounds, and the constraint with the last variable, hold all there is, a local optimum is one of several,
+    // and the verdict says what would give room.
+    const bool cornered = variables > 0 && active >= variables - 1;
     EXPECT_TRUE(gain > 0.98 || r.status == "budget" || r.status == "blocked" || cornered)
         << gain << " " << r.status << ": " << r.reason;
 }

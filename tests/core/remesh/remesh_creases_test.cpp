@@ -165,3 +165,44 @@ TEST(RemeshCreases, NoiseAcrossThemToo) {
     expect_exact_creases(mesh, 0.06, 0.2);
     expect_exact_creases(mesh, 0.03, 0.2);
 }
+
+/// A plate of nearly equilateral triangles whose points are moved at random, so that edges here and there are creases.
+TriMesh rough_plate(int columns, int rows, unsigned seed) {
+    TriMesh mesh;
+    mesh.vertices.resize(columns * rows, 3);
+    mesh.triangles.resize(2 * (columns - 1) * (rows - 1), 3);
+    const Eigen::VectorXd noise = random_vector(3 * columns * rows, seed);
+    int t = 0;
+    for (int j = 0; j < rows; ++j)
+        for (int i = 0; i < columns; ++i) {
+            const int a = j * columns + i, b = a + 1, c = a + columns, d = c + 1;
+            mesh.vertices.row(a) << i + 0.5 * (j % 2) + 0.2 * noise[3 * a],
+                std::sqrt(0.75) * j + 0.2 * noise[3 * a + 1], 0.2 * noise[3 * a + 2];
+            if (i + 1 == columns || j + 1 == rows) continue;
+            mesh.triangles.row(t++) << a, b, (j % 2 == 0 ? c : d);
+            mesh.triangles.row(t++) << (j % 2 == 0 ? b : a), d, c;
+        }
+    return mesh;
+}
+
+TEST(RemeshCreases, SingleEdgesThatEndInTheOpenKeepTheirFold) {
+    const TriMesh mesh = rough_plate(80, 70, 17);
+    std::vector<std::array<Vector3d, 2>> alone;
+    const auto before = creases_of(mesh, angle_deg);
+    for (const auto& [a, b] : before) {
+        int touching = 0;
+        for (const auto& [p, q] : before) touching += p == a || q == a || p == b || q == b;
+        if (touching == 1) alone.push_back({a, b});
+    }
+    ASSERT_GT(alone.size(), 10u);
+    for (const double length : {0.95, 1.0}) {
+        const RemeshResult result = remesh(mesh, {.edge_length = length, .angle_deg = angle_deg});
+        const auto after = creases_of(result.mesh, angle_deg - 1e-6);
+        int lost = 0;
+        for (const auto& [a, b] : alone)
+            lost += std::max({distance(a, after), distance(0.5 * (a + b), after), distance(b, after)}) > 1e-9;
+        EXPECT_EQ(lost, 0) << "of " << alone.size() << " at " << length;
+        EXPECT_EQ(result.kept_edges, 0);
+        EXPECT_GT(shape_of(result.mesh).smallest, 0.2);
+    }
+}

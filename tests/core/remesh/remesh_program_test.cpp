@@ -70,11 +70,11 @@ TEST_F(RemeshProgram, ASignalEndsItWithoutAFile) {
     const pid_t child = fork();
     if (child == 0) {
         dup2(open("/dev/null", O_WRONLY), 2);
-        execl(STRAKE_PROGRAM, STRAKE_PROGRAM, "remesh", surface.c_str(), "-o", out.c_str(), "--edge-length", "0.03",
+        execl(STRAKE_PROGRAM, STRAKE_PROGRAM, "remesh", surface.c_str(), "-o", out.c_str(), "--edge-length", "0.01",
               "--iterations", "1000", nullptr);
         _exit(126);
     }
-    usleep(400'000);  // it reads 192 triangles in no time, and then needs minutes
+    usleep(400'000);  // it reads 192 triangles in no time, and then needs seconds
     ASSERT_EQ(kill(child, SIGINT), 0);
     int status = 0;
     waitpid(child, &status, 0);

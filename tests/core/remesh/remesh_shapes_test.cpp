@@ -164,3 +164,19 @@ TEST(RemeshShapes, ThinWiresOfLongNeedlesEnd) {
     EXPECT_LT(result.mesh.num_triangles(), 200'000);
     EXPECT_NEAR(surface_area(result.mesh), 80, 1e-9);
 }
+
+/// A cylinder with one edge folded by 34 degrees, below the angle of creases.
+TEST(RemeshShapes, FoldBelowTheAngleIsFollowed) {
+    const double half = 17 * std::numbers::pi / 180;
+    std::vector<Eigen::Vector2d> outline{{1 / std::cos(half), 0}};
+    for (int i = 0; i <= 120; ++i) {
+        const double angle = half + i * (2 * std::numbers::pi - 2 * half) / 120;
+        outline.emplace_back(std::cos(angle), std::sin(angle));
+    }
+    const TriMesh body = extruded(outline, 1.0, 12);
+    const TriMesh made = remesh(body, {.edge_length = 0.15}).mesh;
+    const ClosestPointTree tree(made);
+    double farthest = 0;
+    for (int i = 0; i <= 100; ++i) farthest = std::max(farthest, tree.find({outline[0].x(), i / 100.0, 0}).distance);
+    EXPECT_LT(farthest, 0.05 * 0.15);
+}

@@ -90,15 +90,15 @@ private:
 
     bool move(int v) {
         const double no_bound = std::numeric_limits<double>::infinity();
-        const auto cost_below = [&](const Place& place, double bound) { return cost(v, place, bound); };
-        Place best;
+        const auto cost_below = [&](const VertexPlace& place, double bound) { return cost(v, place, bound); };
+        VertexPlace best;
         if (!find_best_place(mesh_, guard_, v, cost(v, place_of(mesh_, v), no_bound), cost_below, best)) return false;
         if (sharpens(v, best)) return false;
         put(mesh_, v, best);
         return true;
     }
     /// Of the shapes of v's triangles and the deviations of its edges.
-    double cost(int v, const Place& place, double bound) const {
+    double cost(int v, const VertexPlace& place, double bound) const {
         double sum = shape_cost(mesh_, guard_, v, place, true);
         if (sum > bound) return sum;
         mesh_.around(v, [&](int h) {
@@ -122,7 +122,7 @@ private:
         return least;
     }
     /// No creases may come of it.
-    bool sharpens(int v, const Place& at) {
+    bool sharpens(int v, const VertexPlace& at) {
         const double before = sharpest(v);
         const Vector3d x = mesh_.pos[v];
         mesh_.pos[v] = at.point;

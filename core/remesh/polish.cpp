@@ -20,8 +20,8 @@ double worst_around(const WorkingMesh& mesh, int v) {
 
 bool improve(WorkingMesh& mesh, const StepGuard& guard, int v, double below) {
     if (mesh.role[v] == VertexRole::fixed || !(worst_around(mesh, v) < below)) return false;
-    const auto cost = [&](const Place& place, double) { return shape_cost(mesh, guard, v, place); };
-    Place best;
+    const auto cost = [&](const VertexPlace& place, double) { return shape_cost(mesh, guard, v, place); };
+    VertexPlace best;
     if (!find_best_place(mesh, guard, v, shape_cost(mesh, guard, v, place_of(mesh, v)), cost, best)) return false;
     put(mesh, v, best);
     return true;

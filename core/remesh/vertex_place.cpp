@@ -2,13 +2,14 @@
 
 namespace strake {
 
-bool find_on_surface(const WorkingMesh& mesh, int v, const Place& from, const Eigen::Vector3d& shift, Place& place) {
+bool find_on_surface(const WorkingMesh& mesh, int v, const VertexPlace& from, const Eigen::Vector3d& shift,
+                     VertexPlace& place) {
     const Foot foot = project(*mesh.base, from.point + shift, from.foot, 0.5 * mesh.size[v]);
     place = {foot.point, normal_at(*mesh.base, foot), foot.triangle, 0};
     return place.normal.dot(mesh.normal[v]) > 0.5;
 }
 
-bool find_on_curve(const WorkingMesh& mesh, const StepGuard& guard, int v, double shift, Place& place) {
+bool find_on_curve(const WorkingMesh& mesh, const StepGuard& guard, int v, double shift, VertexPlace& place) {
     const auto [before, after] = ridge_edges(mesh, v);
     if (before < 0 || after < 0) return false;
     const FeatureEdge &e = mesh.features[before], &f = mesh.features[after];
@@ -22,7 +23,7 @@ bool find_on_curve(const WorkingMesh& mesh, const StepGuard& guard, int v, doubl
     return true;
 }
 
-void put(WorkingMesh& mesh, int v, const Place& place) {
+void put(WorkingMesh& mesh, int v, const VertexPlace& place) {
     if (mesh.role[v] == VertexRole::ridge) {
         const auto [before, after] = ridge_edges(mesh, v);
         mesh.features[before].s[1] += place.s;
@@ -34,7 +35,7 @@ void put(WorkingMesh& mesh, int v, const Place& place) {
     mesh.wake_around(v);
 }
 
-double shape_cost(WorkingMesh& mesh, const StepGuard& guard, int v, const Place& place, bool keeps_shape) {
+double shape_cost(WorkingMesh& mesh, const StepGuard& guard, int v, const VertexPlace& place, bool keeps_shape) {
     const Eigen::Vector3d normal = mesh.normal[v];
     mesh.normal[v] = place.normal;
     double sum = 0;

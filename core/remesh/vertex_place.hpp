@@ -9,29 +9,30 @@ namespace strake {
 
 constexpr double well_shaped = 0.76;  ///< no angle below 30 degrees, or above 108
 
-struct Place {
+struct VertexPlace {
     Eigen::Vector3d point, normal;
     int foot;
     double s;  ///< shift along the curve
 };
-inline Place place_of(const WorkingMesh& mesh, int v) { return {mesh.pos[v], mesh.normal[v], mesh.foot[v], 0}; }
+inline VertexPlace place_of(const WorkingMesh& mesh, int v) { return {mesh.pos[v], mesh.normal[v], mesh.foot[v], 0}; }
 
 /// From `from` by `shift`, on the surface. @return whether it is there.
-bool find_on_surface(const WorkingMesh& mesh, int v, const Place& from, const Eigen::Vector3d& shift, Place& place);
+bool find_on_surface(const WorkingMesh& mesh, int v, const VertexPlace& from, const Eigen::Vector3d& shift,
+                     VertexPlace& place);
 /// On ridge v's curve, `shift` from where v is; the chords to its neighbours fit.
-bool find_on_curve(const WorkingMesh& mesh, const StepGuard& guard, int v, double shift, Place& place);
-void put(WorkingMesh& mesh, int v, const Place& place);
+bool find_on_curve(const WorkingMesh& mesh, const StepGuard& guard, int v, double shift, VertexPlace& place);
+void put(WorkingMesh& mesh, int v, const VertexPlace& place);
 
 /// Sum of 1 / quality^4 around v were it at `place`; infinite where a triangle would face away, or, with `keeps_shape`,
 /// fall below well_shaped and get worse.
-double shape_cost(WorkingMesh& mesh, const StepGuard& guard, int v, const Place& place, bool keeps_shape = false);
+double shape_cost(WorkingMesh& mesh, const StepGuard& guard, int v, const VertexPlace& place, bool keeps_shape = false);
 
 /// Where cost(place, bound) is least, by steps that get shorter; a cost that surely exceeds the bound need not be
 /// known.
 /// @param start the cost where v is. @return whether that is noticeably better.
 template <class Cost>
 bool find_best_place(const WorkingMesh& mesh, const StepGuard& guard, int v, double start, const Cost& cost,
-                     Place& best) {
+                     VertexPlace& best) {
     best = place_of(mesh, v);
     double least = start;
     const bool is_free = mesh.role[v] == VertexRole::free;
@@ -41,7 +42,7 @@ bool find_best_place(const WorkingMesh& mesh, const StepGuard& guard, int v, dou
             better = false;
             for (int i = 0; i < (is_free ? 6 : 2); ++i) {
                 const double angle = i * std::numbers::pi / 3, length = step * mesh.size[v];
-                Place next;
+                VertexPlace next;
                 const bool is_there =
                     is_free ? find_on_surface(mesh, v, best, length * (std::cos(angle) * u + std::sin(angle) * w), next)
                             : find_on_curve(mesh, guard, v, best.s + (i == 0 ? length : -length), next);

@@ -1,19 +1,13 @@
 #include "optimize/finite_differences.hpp"
 
 #include "core/error.hpp"
+#include "optimize/first_order.hpp"
 #include "optimize/minimizer.hpp"
 
 namespace strake {
 namespace {
 
 using Eigen::VectorXd;
-
-/// Objective and constraints in one vector.
-VectorXd values_of(const Sample& s) {
-    VectorXd all(1 + s.constraints.size());
-    all << s.objective, s.constraints;
-    return all;
-}
 
 /// A point on one side of x along a variable; no values: not evaluated, or it failed.
 struct Side {

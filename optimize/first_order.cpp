@@ -25,6 +25,12 @@ MatrixXd metric_of(const NonlinearProgram& p) {
     return p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(p.start.size(), p.start.size()));
 }
 
+VectorXd values_of(const Sample& s) {
+    VectorXd all(1 + s.constraints.size());
+    all << s.objective, s.constraints;
+    return all;
+}
+
 VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradient, const MatrixXd& jacobian,
                                    int num_inequalities, const ActiveSet& set) {
     VectorXd result = VectorXd::Zero(jacobian.rows());
@@ -49,10 +55,11 @@ VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradi
 }
 
 VectorXd multipliers(const NonlinearProgram& p, const VectorXd& x, const Sample& sample) {
+    if (sample.constraints.size() == 0) return {};
+    const MatrixXd metric = metric_of(p), normals = whitened(p, sample.jacobian.transpose());
     ActiveSet set;
     for (Eigen::Index i = 0; i < sample.constraints.size(); ++i)
-        if (i >= p.num_inequalities ||
-            sample.constraints[i] >= -nearly_active * dual_norm(p, sample.jacobian.row(i).transpose()))
+        if (i >= p.num_inequalities || sample.constraints[i] >= -nearly_active * normals.col(i).norm())
             set.rows.push_back(i);
     VectorXd result, slope = VectorXd::Zero(x.size());
     for (int pass = 0; pass < bound_passes; ++pass) {
@@ -61,7 +68,7 @@ VectorXd multipliers(const NonlinearProgram& p, const VectorXd& x, const Sample&
             if (p.lower[j] < p.upper[j] && !leaves_bounds(p, x, j, -slope[j])) moving.push_back(j);
         if (pass > 0 && moving == set.variables) break;
         set.variables = moving;
-        result = least_squares_multipliers(metric_of(p), sample.gradient, sample.jacobian, p.num_inequalities, set);
+        result = least_squares_multipliers(metric, sample.gradient, sample.jacobian, p.num_inequalities, set);
         slope = sample.gradient + sample.jacobian.transpose() * result;
     }
     return result;

@@ -4,6 +4,8 @@
 /// First-order conditions at a point. Internal.
 namespace strake {
 
+Eigen::VectorXd values_of(const Sample& sample);  ///< the objective (first) and the constraints
+
 struct ActiveSet {
     std::vector<Eigen::Index> rows;       ///< constraints that may have a multiplier
     std::vector<Eigen::Index> variables;  ///< whose conditions count: no bound holds them

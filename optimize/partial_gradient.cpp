@@ -1,5 +1,7 @@
 #include "optimize/partial_gradient.hpp"
 
+#include "optimize/first_order.hpp"
+
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/QR>
@@ -60,13 +62,6 @@ private:
     std::vector<VectorXd> deltas_;
 };
 
-/// Objective and constraints in one row.
-Eigen::RowVectorXd values_of(const Sample& s) {
-    Eigen::RowVectorXd all(1 + s.constraints.size());
-    all << s.objective, s.constraints.transpose();
-    return all;
-}
-
 }  // namespace
 
 bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sample& sample, const GradientGuess& guess,
@@ -76,6 +71,7 @@ bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sam
     for (Eigen::Index k = 0; k < guess.directions.cols(); ++k) probes.add(guess.directions.col(k));
     probes.add_blocked();
     const std::size_t count = probes.deltas().size();
+    const VectorXd here = values_of(sample);
     const Eigen::Index rows = sample.constraints.size();
     MatrixXd values(static_cast<Eigen::Index>(count), 1 + rows);
     std::vector<std::size_t> wanted(count);
@@ -91,7 +87,7 @@ bool differentiate_along(const NonlinearProgram& program, const VectorXd& x, Sam
         for (std::size_t i = 0; i < wanted.size(); ++i) {
             const Sample s = evaluate(points[i]);
             if (s.failure.empty())
-                values.row(static_cast<Eigen::Index>(wanted[i])) = values_of(s) - values_of(sample);
+                values.row(static_cast<Eigen::Index>(wanted[i])) = (values_of(s) - here).transpose();
             else
                 failed.push_back(wanted[i]);
         }

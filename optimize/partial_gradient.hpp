@@ -41,9 +41,10 @@ public:
     const Eigen::MatrixXd& metric() const { return metric_; }
 
 private:
-    Eigen::MatrixXd metric_, modes_,
-        duals_;  ///< modes of size 1 in the metric, orthogonal in it; duals: metric * modes
-    Eigen::VectorXd squared_;
+    Eigen::MatrixXd metric_;
+    Eigen::MatrixXd modes_;    ///< of size 1 in the metric, orthogonal in it
+    Eigen::MatrixXd duals_;    ///< metric * modes
+    Eigen::VectorXd squared_;  ///< doubt along each mode; empty: none
 };
 
 /// What a level knows of its first gradient from the one above it: the slopes along the columns of `prolongation` are

@@ -24,13 +24,6 @@ VectorXd lagrangian_gradient(const Guard& guard) {
     return s.gradient + s.jacobian.transpose() * multipliers(guard.program, guard.best_x, s);
 }
 
-/// Values of the objective (first) and the constraints.
-VectorXd values_of(const Sample& s) {
-    VectorXd v(1 + s.constraints.size());
-    v << s.objective, s.constraints;
-    return v;
-}
-
 /// A slope with d(x) by extrapolation from a step and half of it. False: they do not agree, or rounding drowns it.
 bool slope_of(double here, double half, double full, double said, double& slope) {
     const double by_full = full - here, by_half = 2 * (half - here);

@@ -13,10 +13,11 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double half_width = 0.1;    ///< of a strip, in wanted edge lengths
-constexpr double least_share = 0.75;  ///< of the turning within twice the width; the rest of a bend is a curved flank
-constexpr double off_middle = 0.42;   ///< of the turning: so far from half a chain may go to stay straight
-constexpr double least_turn = 0.05;   ///< radians; flatter edges are not the middle of anything
+constexpr double half_width = 0.1;      ///< of a strip, in wanted edge lengths
+constexpr double least_share = 0.75;    ///< of the turning within twice the width; the rest of a bend is a curved flank
+constexpr double off_middle = 0.42;     ///< of the turning: so far from half a chain may go to stay straight
+constexpr double least_turn = 0.05;     ///< radians; flatter edges are not the middle of anything
+constexpr double surely_flat = 0.9988;  ///< above cos(least_turn), and told without an inverse cosine
 constexpr double most_turn = 1.2 * std::numbers::pi;  ///< within twice the width; what bends more is a tip, not an edge
 constexpr double least_length = 1.0;                  ///< of a chain, in wanted edge lengths
 constexpr int most_steps = 400;                       ///< of a walk; what is finer than that has no middle
@@ -124,8 +125,7 @@ private:
 
     /// Half of the turning lies on either side of h, or at least `off` less than half.
     bool is_middle(int h, double off) const {
-        if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > 0.9988)
-            return false;  // cos(least_turn) = 0.99875
+        if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > surely_flat) return false;
         const double own = turn_at(h);
         if (std::abs(own) < least_turn) return false;
         const Vector3d side = order_direction();

@@ -107,10 +107,10 @@ std::vector<Key> run_keys() {
          .limits = {0, 1, false, true}},
         {.path = "optimize.refine_when.promise_below",
          .type = Type::fraction,
-         .doc = "With `split: sensitivity`: the run ends instead of refining when the expected decrease of all finer "
-                "variables is below this share of what the run has gained (where more than ten new ones "
-                "are wanted: for every ten of them).",
-         .fallback = "0.1%",
+         .doc = "With `split: sensitivity`: patches are split only where they are expected to give this share of what the "
+                "run has gained for every ten new variables, and the run ends instead of refining when all that would "
+                "be split gives less (fewer than ten variables count as ten). Smaller: finer trees.",
+         .fallback = "0.2%",
          .limits = {0, 1, false, true}},
         {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},
         {.path = "optimize.tolerances.objective",

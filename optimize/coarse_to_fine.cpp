@@ -115,29 +115,37 @@ private:
             return true;
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
-        const RefinementPlan plan = plan_refinement({state_.space, x, lagrangian, curvature_, program_.known().dJ_dv});
-        refining_is_idle_ = plan.promises.empty();  // finer patches that are all held, or do the same
+        const DesignFacts facts{state_.space, x, lagrangian, curvature_, program_.known().dJ_dv};
+        const std::optional<Outlook> outlook = look_ahead(facts);
+        refining_is_idle_ = !outlook;  // finer patches that are all held, or do the same
         if (refining_is_idle_) {
-            state_.note(text("refinement: ", plan.words()));
+            state_.note("refinement: no patch has finer parts");
             return false;
         }
-        const std::optional<double> probed = probe(x, plan);
+        const std::optional<double> probed = probe(x, *outlook);
         const double times = probed.value_or(credit());
         probed_ = probed.value_or(1);
+        // Measured by what has been gained, so that an objective may go to zero.
+        const double now = state_.level_best_objective;
+        const double gained = std::abs(state_.result.objective_start - now);
+        const double least = state_.problem.optimize.promise_below * gained;
+        const bool has_price = rule == SplitRule::sensitivity && hessian_.size() > 0 && !is_in_noise_;
+        const RefinementPlan plan =
+            plan_refinement(facts, *outlook, has_price ? least / variables_at_price / times : 0);
         state_.note(text("refinement: ", plan.words(),
                          times == 1 ? ""
                          : probed   ? text("; the values promise ", times, " times that")
                                     : text("; the last one gave ", times, " times what was expected")));
-        expected_of_level_ = plan.chosen + still_expected_;
-        // Measured by what has been gained, so that an objective may go to zero.
-        const double now = state_.level_best_objective;
-        const double gained = std::abs(state_.result.objective_start - now);
+        // Where the values bend down all along the step, how much it gives cannot be said: that is tried.
+        const bool is_open = probed && *probed >= most_credit;
         const double floor =
             std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
-                     state_.problem.optimize.promise_below * gained * price(plan));
-        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.promised <= floor;
-        if (!refining_is_idle_) front = plan.front;
-        return !refining_is_idle_;
+                     is_open ? 0 : least * price(plan));
+        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.chosen <= floor;
+        if (refining_is_idle_) return false;
+        expected_of_level_ = plan.chosen + still_expected_;
+        front = plan.front;
+        return true;
     }
 
     /// Many variables have to promise more than few: each takes its share of the search. Not where this level can do
@@ -149,11 +157,11 @@ private:
 
     /// The metric is stiffer on details than objectives are, so promises are too small. How much, the curvature along
     /// the promised step tells: the best on that line against what the metric expects.
-    std::optional<double> probe(const Eigen::VectorXd& x, const RefinementPlan& plan) {
-        const auto curvature =
-            state_.evaluator.curvature_along(x, plan.children, plan.step, program_.lagrangian_weights());
+    std::optional<double> probe(const Eigen::VectorXd& x, const Outlook& outlook) {
+        const auto curvature = state_.evaluator.curvature_along(x, outlook.below.children.space, outlook.step,
+                                                                program_.lagrangian_weights());
         if (!curvature) return {};
-        return *curvature > 0 ? std::clamp(2 * plan.of_step / *curvature, 1.0, most_credit) : most_credit;
+        return *curvature > 0 ? std::clamp(2 * outlook.decrease / *curvature, 1.0, most_credit) : most_credit;
     }
 
     /// Where that cannot be known, the level tells that the last refinement made.

@@ -203,7 +203,7 @@ private:
 
     void run_sqp() {
         double curvature = 0;
-        int rounds = 0;
+        int rounds = 0, most_steps = -1;
         for (bool go_on = true; go_on; ++rounds) {
             const double before = guard_.best.objective;
             const bool feasible_before = guard_.best_feasible;
@@ -213,7 +213,8 @@ private:
             const SqpEnd sqp = minimize_by_sqp(guard_, curvature);
             result_.shrinks += sqp.shrinks;
             result_.radius = sqp.radius;
-            result_.hessian = sqp.hessian;
+            if (sqp.accepted > most_steps) result_.hessian = sqp.hessian;  // a fresh start may learn less
+            most_steps = std::max(most_steps, sqp.accepted);
             result_.doubt = sqp.doubt;
             end(sqp.stop, sqp.reason);
             const bool doubtful = confirmations_ == 0 && promises_more(guard_);

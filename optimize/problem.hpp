@@ -103,8 +103,8 @@ struct OptimizeOptions {
     Method method = Method::slsqp;
     int max_evaluations = 60;     ///< whole run, >= 1
     double max_seconds = 0;       ///< whole run; 0: no limit
-    double promise_below = 1e-3;  ///< refine only where the expected decrease is more than this share of what was
-                                  ///< gained, for every ten new variables
+    double promise_below = 2e-3;  ///< split only what is expected to give this share of what was gained for every ten
+                                  ///< new variables; fewer than ten in all count as ten
     /// Refine when the gain per evaluation falls below this fraction of the level's best rate, or finer details promise
     /// more than the level still does; 0: only when its own search ends.
     double progress_below = 0.01;

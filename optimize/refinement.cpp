@@ -80,14 +80,17 @@ MatrixXd orthonormal(const MatrixXd& columns, double least) {
 
 MatrixXd span_of(const MatrixXd& whitened) { return orthonormal(whitened, 1e-9 * std::max(1e-300, whitened.norm())); }
 
-/// What the space itself can do: variables at a bound beyond which it would get better can do nothing.
+/// What the space itself can do: variables at a bound beyond which it would get better can do nothing. Those of patches
+/// without parts count as if they could: no split does it for them.
 MatrixXd reachable(const DesignFacts& facts, const Prospect& below) {
     const DesignSpace& space = facts.space;
     const VectorXd g = design_gradient(space, facts.x, facts.lagrangian);
     std::vector<int> free;
     for (int j = 0; j < space.size(); ++j) {
         const double room = g[j] > 0 ? facts.x[j] - space.lower[j] : space.upper[j] - facts.x[j];
-        if (g[j] == 0 || room > at_bound * (space.upper[j] - space.lower[j])) free.push_back(j);
+        const int patch = space.variables[j].patch;
+        const bool may_split = patch >= 0 && below.parts[patch] > 1;
+        if (!may_split || g[j] == 0 || room > at_bound * (space.upper[j] - space.lower[j])) free.push_back(j);
     }
     if (static_cast<int>(free.size()) == space.size()) return below.known;
     return span_of(below.inherited(Eigen::all, free));
@@ -118,10 +121,10 @@ std::string percent(double share) { return text(std::isfinite(share) ? std::roun
 /// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
 class Choice {
 public:
-    Choice(const DesignFacts& facts, const Prospect& below, double most)
+    Choice(const DesignFacts& facts, const Prospect& below, double most, double least)
         : facts_(facts),
-          below_(below),
           most_(most),
+          least_(least),
           splits_(below.splits),
           known_(reachable(facts, below)),
           open_(open_gradient(facts, below, known_)) {
@@ -145,7 +148,8 @@ public:
         double held = 0;
         while (held < facts_.space.rest->parameters.split_share * all_ || held == 0) {
             const bool is_first = plan.chosen == 0 && held == 0;
-            const std::optional<std::size_t> best = next(is_first ? 1e300 : most_ - plan.variables_after);
+            const std::optional<std::size_t> best =
+                is_first ? next(1e300, 0) : next(most_ - plan.variables_after, least_);
             if (!best) break;
             SplitPromise& split = splits_[*best];
             split.chosen = true;
@@ -167,9 +171,6 @@ public:
     }
 
     double all() const { return all_; }
-    VectorXd step() const {
-        return -below_.metric.matrixU().solve(open_gradient(facts_, below_, known_)) / facts_.curvature;
-    }
     std::vector<SplitPromise> splits() const { return splits_; }
 
 private:
@@ -184,8 +185,9 @@ private:
             all_ += split.promise;
         }
     }
-    /// The split that gives most with no more than so many new variables; renews the promises of those not chosen.
-    std::optional<std::size_t> next(double variables) {
+    /// The split that gives most with no more than so many new variables, of those that give at least so much for each;
+    /// renews the promises of those not chosen.
+    std::optional<std::size_t> next(double variables, double least) {
         std::optional<std::size_t> best;
         for (std::size_t s = 0; s < splits_.size(); ++s) {
             SplitPromise& split = splits_[s];
@@ -194,6 +196,7 @@ private:
                 split.promise = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
                                 (2 * facts_.curvature);
             // Where promises agree (mirror images) the first counts, not the rounding.
+            if (split.promise < least * split.new_variables) continue;
             if (split.new_variables <= variables && (!best || split.promise > (1 + tie) * splits_[*best].promise))
                 best = s;
         }
@@ -205,8 +208,7 @@ private:
     }
 
     const DesignFacts& facts_;
-    const Prospect& below_;
-    double most_, all_ = 0;
+    double most_, least_, all_ = 0;
     std::vector<SplitPromise> splits_;
     MatrixXd known_;                 ///< orthonormal: what is reached without splits
     VectorXd open_;                  ///< what no chosen split can do yet
@@ -241,28 +243,33 @@ double promised_decrease(const DesignFacts& facts, const Prospect& below) {
     return open_gradient(facts, below, reachable(facts, below)).squaredNorm() / (2 * facts.curvature);
 }
 
-RefinementPlan plan_refinement(const DesignFacts& facts) {
+std::optional<Outlook> look_ahead(const DesignFacts& facts) {
+    std::optional<Prospect> below = prospect(facts.space, facts.x);
+    if (!below || below->splits.empty()) return {};
+    const VectorXd open = open_gradient(facts, *below, reachable(facts, *below));
+    Outlook outlook;
+    outlook.step = -below->metric.matrixU().solve(open) / facts.curvature;
+    outlook.decrease = open.squaredNorm() / (2 * facts.curvature);
+    outlook.below = std::move(*below);
+    return outlook;
+}
+
+RefinementPlan plan_refinement(const DesignFacts& facts, const Outlook& outlook, double least) {
     const Parameters& parameters = facts.space.rest->parameters;
     const PatchHierarchy& tree = *facts.space.rest->tree;
     RefinementPlan plan;
-    plan.front = *facts.space.front;
     plan.variables_before = plan.variables_after = facts.space.size();
     const double most = parameters.growth * std::max(1, plan.variables_before);
-    std::optional<Prospect> below = prospect(facts.space, facts.x);
-    if (!below || below->splits.empty()) return plan;
-    Choice choice(facts, *below, most);
-    plan.step = choice.step();
-    plan.of_step = promised_decrease(facts, *below);
-    plan.children = below->children.space;
-    plan.front = split_front(tree, plan.front, choice(plan));
+    Choice choice(facts, outlook.below, most, least);
+    plan.front = split_front(tree, *facts.space.front, choice(plan));
     plan.promises = choice.splits();
     InheritedSpace present{facts.space, facts.x, {}};
     while (parameters.split == SplitRule::sensitivity && plan.variables_after < most) {
         present = refine(present.space, present.x, plan.front);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
-        below = prospect(present.space, present.x);
+        const std::optional<Prospect> below = prospect(present.space, present.x);
         if (!below || below->splits.empty()) break;
-        Choice deeper(next, *below, most);
+        Choice deeper(next, *below, most, least);
         if (deeper.all() <= 0.5 * expected_decrease(next)) break;
         const int variables = plan.variables_after;
         const std::vector<char> chosen = deeper(plan);
@@ -282,7 +289,6 @@ std::string RefinementPlan::words() const {
     for (const SplitPromise& split : promises)
         if (split.chosen && ++splits <= 4)
             names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.promise / promised));
-    if (promises.empty()) return "no patch has finer parts";
     return text("splits ", splits, " of ", promises.size(), " (", names, splits > 4 ? ", ..." : "", "), which hold ",
                 promised > 0 ? std::round(1000 * chosen / promised) / 10 : 100.0, " % of the expected decrease of ",
                 promised, "; ", variables_before, " -> ", variables_after, " variables");
@@ -311,7 +317,10 @@ MatrixXd carried_hessian(const MatrixXd& parent_hessian, const MatrixXd& prolong
 }
 
 double mean_curvature(const MatrixXd& hessian, const MatrixXd& metric) {
-    return metric.llt().solve(hessian).trace() / static_cast<double>(metric.rows());
+    const auto log_of_determinant = [](const MatrixXd& m) {
+        return 2 * Eigen::LLT<MatrixXd>(m).matrixLLT().diagonal().array().log().sum();
+    };
+    return std::exp((log_of_determinant(hessian) - log_of_determinant(metric)) / static_cast<double>(metric.rows()));
 }
 
 }  // namespace strake

@@ -24,9 +24,6 @@ struct RefinementPlan {
     int variables_before = 0, variables_after = 0;
     double promised = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
     int rounds = 1;                   ///< levels of the tree that were passed at once
-    DesignSpace children;             ///< all patches of the space split, whatever was chosen
-    Eigen::VectorXd step;             ///< of the children: what is expected of them
-    double of_step = 0;               ///< the decrease that is expected of it
     std::string words() const;        ///< the decision with its numbers, one line
 };
 
@@ -56,14 +53,23 @@ std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd
 /// still do. Variables that a bound keeps from going on are left out of P: their parts have bounds of their own.
 double promised_decrease(const DesignFacts& facts, const Prospect& below);
 
+/// What the details of all patches together are expected to do at a design.
+struct Outlook {
+    Prospect below;
+    Eigen::VectorXd step;  ///< of the variables of all children
+    double decrease = 0;   ///< that the metric expects of it
+};
+/// None where no patch has parts.
+std::optional<Outlook> look_ahead(const DesignFacts& facts);
+
 /// Chooses the patches that promise most, one after the other: the split that adds most to what the space and the
 /// splits before it can do (different patches often can do the same), until they hold `parameters.split_share` of what
-/// all would give, as long as the variables grow by no more than `parameters.growth`; always at least one.
+/// all would give, as long as the variables grow by no more than `parameters.growth` and each split promises at least
+/// `least` for each of its new variables; always at least one.
 /// `SplitRule::gradient` takes the largest integral of |dJ/dv| over the patch instead (paper, IV). Where the parts of
 /// parts promise more than half of all that the new variables could do, these are split at once: a level without a step
 /// of its own would be wasted.
-/// @return an empty list of promises where no patch of the front has parts.
-RefinementPlan plan_refinement(const DesignFacts& facts);
+RefinementPlan plan_refinement(const DesignFacts& facts, const Outlook& outlook, double least = 0);
 
 /// Sum of weight * sensitivities, over those that count for design variables.
 ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, const Eigen::VectorXd& weight);
@@ -74,7 +80,8 @@ ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, cons
 Eigen::MatrixXd carried_hessian(const Eigen::MatrixXd& parent_hessian, const Eigen::MatrixXd& prolongation,
                                 const Eigen::MatrixXd& child_metric, double curvature);
 
-/// tr((P^T M P)^-1 H) / n.
+/// Geometric mean of the eigenvalues of M^-1 H: few directions that are much stiffer than all others, as searches find
+/// them, say little of the rest. Both positive definite.
 double mean_curvature(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& metric);
 
 }  // namespace strake

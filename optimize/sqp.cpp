@@ -39,6 +39,7 @@ SqpEnd SqpSearch::run() {
         }
     restore();
     end_.radius = radius_;
+    end_.accepted = accepted_;
     if (guard_.best_x == x_ && !doubt_.is_certain())
         end_.doubt = doubt_.remaining();
     else

@@ -16,6 +16,7 @@ struct SqpEnd {
     MinimizeStop stop;
     std::string reason;
     int shrinks;
+    int accepted;             ///< steps
     double radius;            ///< of the trust region at the end
     Eigen::MatrixXd hessian;  ///< the model at the end
     int softenings;           ///< directions that were found longer than the metric knew

@@ -46,6 +46,25 @@ Problem bump_problem(double load) {
     return problem;
 }
 
+/// As if the objective fell along these forces, one per vertex.
+ShellSensitivities falls_along(const Points& force) {
+    ShellSensitivities s;
+    s.force = -force;
+    s.spring = s.prism_height = Eigen::VectorXd::Zero(force.rows());
+    return s;
+}
+
+int count_chosen(const RefinementPlan& plan) {
+    return static_cast<int>(std::ranges::count_if(plan.promises, [](const auto& split) { return split.chosen; }));
+}
+
+double promise_of_chosen(const RefinementPlan& plan) {
+    double sum = 0;
+    for (const SplitPromise& split : plan.promises)
+        if (split.chosen) sum += split.promise;
+    return sum;
+}
+
 }  // namespace
 
 TEST(CarriedHessian, KeepsWhatTheParentKnewAndTheMetricOfTheRest) {
@@ -62,6 +81,84 @@ TEST(CarriedHessian, KeepsWhatTheParentKnewAndTheMetricOfTheRest) {
     EXPECT_LT((P.transpose() * carried * d).cwiseAbs().maxCoeff(), 1e-12 * carried.norm() * d.norm());
     EXPECT_GT(Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(carried).eigenvalues().minCoeff(), 0);
     EXPECT_NEAR(mean_curvature(2.5 * M, M), 2.5, 1e-12);
+    // One direction that is a thousand times stiffer says little of the others.
+    const Eigen::VectorXd Md = M * d;
+    EXPECT_LT(mean_curvature(2.5 * (M + 999 / d.dot(Md) * Md * Md.transpose()), M), 2.5 * std::pow(1001, 1.0 / n));
+}
+
+TEST(Refinement, EverySplitButTheFirstEarnsItsPrice) {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.parameters.split_share = 1;
+    problem.parameters.growth = 100;
+    const DesignSpace space = design_space(rest_facts(problem), 2);
+    const Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
+    Points force = problem.surface.vertices;
+    for (int v = 0; v < force.rows(); ++v) force.row(v) *= 1 + force(v, 0) + 2 * force(v, 2);
+    const DesignFacts facts{space, x, falls_along(force), 1, force};
+    const auto outlook = look_ahead(facts);
+    ASSERT_TRUE(outlook);
+    const RefinementPlan all = plan_refinement(facts, *outlook);
+    ASSERT_EQ(count_chosen(all), 4);
+    EXPECT_NEAR(promise_of_chosen(all), outlook->decrease, 1e-6 * outlook->decrease);
+    const double least = 1.01 * all.promises[2].promise / all.promises[2].new_variables;
+    const RefinementPlan some = plan_refinement(facts, *outlook, least);
+    EXPECT_EQ(count_chosen(some), 2);
+    EXPECT_GE(some.promises[1].promise, least * some.promises[1].new_variables);
+    EXPECT_EQ(count_chosen(plan_refinement(facts, *outlook, 1e300)), 1);
+}
+
+TEST(Refinement, WhatLeavesAtTheirBoundsCannotDoIsNotPromised) {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.parameters.split_share = 1;
+    problem.parameters.growth = 100;
+    const auto rest = rest_facts(problem);
+    // One quadrant in its two octants, which have no parts, the other three whole.
+    const DesignSpace quadrants = design_space(rest, 2);
+    const Front front = split_front(*rest->tree, *quadrants.front, {0, 0, 0, 1});
+    const DesignSpace space = refine(quadrants, Eigen::VectorXd::Zero(quadrants.size()), front).space;
+    const Points force = problem.surface.vertices;
+    const ShellSensitivities lagrangian = falls_along(force);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
+    const Eigen::VectorXd g = design_gradient(space, x, lagrangian);
+    int leaves = 0;
+    const std::vector<int> parts = parts_of(*rest->tree, front);
+    for (int j = 0; j < space.size(); ++j)
+        if (parts[space.variables[j].patch] == 1) {
+            x[j] = g[j] > 0 ? space.lower[j] : space.upper[j];
+            ++leaves;
+        }
+    ASSERT_EQ(leaves, 2);
+    const DesignFacts facts{space, x, lagrangian, 1, force};
+    const auto outlook = look_ahead(facts);
+    ASSERT_TRUE(outlook);
+    const RefinementPlan plan = plan_refinement(facts, *outlook);
+    EXPECT_NEAR(promise_of_chosen(plan), outlook->decrease, 1e-6 * outlook->decrease);
+}
+
+TEST(Refinement, WhatIsNotMadeGivesNoCredit) {
+    Problem problem = ellipsoid_problem(3, 2);
+    problem.parameters.kinds = {VariableKind::strain};
+    problem.parameters.split = SplitRule::sensitivity;
+    const Points aim = problem.surface.vertices * Eigen::Vector3d(1.02, 1, 1).asDiagonal();
+    problem.quantities.push_back(
+        target_shape_same("match", problem.surface, with_vertices(problem.surface, aim)));
+    problem.objective = "match";
+    problem.optimize.promise_below = 0.9;  // nothing promises that much: the first level is left, then finished
+    std::vector<std::string> notes;
+    RunEvents events;
+    events.note = [&](const std::string& words) { notes.push_back(words); };
+    const RunResult result = optimize(problem, events);
+    EXPECT_EQ(result.levels.size(), 1u) << result.reason;
+    int decisions = 0;
+    for (const std::string& note : notes) {
+        decisions += note.starts_with("refinement: splits");
+        EXPECT_EQ(note.find("the last one gave"), std::string::npos) << note;
+    }
+    EXPECT_EQ(decisions, 2);
 }
 
 TEST(DesignSpace, ProlongationIsTheDerivativeOfWhatIsInherited) {

@@ -60,13 +60,27 @@ void ProblemBuilder::set_attached() {
     for (const int t : out_.problem.fixed) rival[t] = "fixed";
     for (const GivenStrain& strain : out_.problem.strains)
         for (const int t : strain.triangles) rival[t] = "strains";
-    for (const AttachEntry& entry : case_.attach) {
+    std::vector<int> entry_of(start_.mesh.num_triangles(), -1);
+    for (int e = 0; e < static_cast<int>(case_.attach.size()); ++e) {
+        const AttachEntry& entry = case_.attach[e];
         AttachedPart part{printable(entry.part.name), part_triangles(entry.part), part_triangles(entry.to), entry.how};
         if (part.triangles.empty() || part.host.empty()) continue;
         const auto held = std::find_if(part.triangles.begin(), part.triangles.end(), [&](int t) { return rival[t]; });
         if (held != part.triangles.end())
             errors_.add(entry.part.place, text("attach: triangle ", *held, " of '", part.name, "' is also under ",
                                                rival[*held], "; what is attached goes with its host only"));
+        const auto taken =
+            std::find_if(part.triangles.begin(), part.triangles.end(), [&](int t) { return entry_of[t] >= 0; });
+        if (taken != part.triangles.end())
+            errors_.add(entry.part.place, text("attach: '", part.name, "' is attached already, at line ",
+                                               case_.attach[entry_of[*taken]].part.place.line, " (triangle ", *taken,
+                                               " of '", printable(case_.attach[entry_of[*taken]].part.name),
+                                               "'); a part goes with one host only"));
+        for (const int t : part.triangles) entry_of[t] = e;
+        const auto own = std::count_if(part.host.begin(), part.host.end(), [&](int t) { return entry_of[t] == e; });
+        if (own > 0)
+            errors_.add(entry.to.place, text("attach: part '", part.name, "' is attached to itself (", own,
+                                             " of its triangles are its host's, too)"));
         out_.problem.attached.push_back(std::move(part));
     }
     if (!errors_.empty()) return;

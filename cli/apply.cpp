@@ -33,9 +33,10 @@ enum class Kind { surface, list, volume };
 /// What is to move.
 struct Other {
     Kind kind = Kind::surface;
-    TriMesh surface;      ///< of a surface
-    NumberedPoints list;  ///< of a list
-    VolumeFile volume;    ///< of the mesh of a volume
+    TriMesh surface;                                   ///< of a surface
+    SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of its file
+    NumberedPoints list;                               ///< of a list
+    VolumeFile volume;                                 ///< of the mesh of a volume
     const Points& points() const {
         return kind == Kind::surface ? surface.vertices : kind == Kind::list ? list.at : volume.mesh.points;
     }
@@ -112,7 +113,11 @@ Other read_other(const ApplyArguments& args, Kind kind) {
     Other other;
     other.kind = kind;
     if (kind == Kind::list) other.list = read_points(args.other);
-    if (kind == Kind::surface) other.surface = read_told(args.other).mesh;
+    if (kind == Kind::surface) {
+        SurfaceFile file = read_told(args.other);
+        other.surface = std::move(file.mesh);
+        other.format = file.format;
+    }
     if (kind == Kind::volume) other.volume = read_volume(args.other);
     return other;
 }
@@ -125,7 +130,7 @@ Deformation deformation_of(const ApplyArguments& args) {
 void write_moved(const ApplyArguments& args, const Other& other, const Points& moved) {
     if (other.kind == Kind::volume) return write_volume(args.out, other.volume, moved);
     if (is_point_list(args.out)) return write_points(args.out, {moved, other.list.ids, other.list.text});
-    write_surface(args.out, with_vertices(other.surface, moved), format_of(args.out));
+    write_output(args.out, with_vertices(other.surface, moved), other.format);
 }
 
 /// Gradients at the moved points become gradients at the run's vertices.

@@ -125,8 +125,7 @@ void deform_case(const DeformArguments& args) {
     Equilibrium end;
     const Points vertices =
         args.linear ? linear(built.problem, setup, shell, end) : solved(args, built.problem, setup, shell, end);
-    const bool same_kind = format_of(args.out) == SurfaceFormat::ply_binary && built.format == SurfaceFormat::ply_ascii;
-    write_surface(args.out, with_vertices(mesh, vertices), same_kind ? built.format : format_of(args.out));
+    write_output(args.out, with_vertices(mesh, vertices), built.format);
     if (!args.prisms.empty()) write_prisms(args, shell);
     report(args, end, args.linear ? "linear" : "converged", largest_displacement(mesh.vertices, vertices),
            box_diagonal(mesh));
@@ -150,7 +149,7 @@ void add_deform(CLI::App& app) {
     auto args = std::make_shared<DeformArguments>();
     CLI::App* command = app.add_subcommand("deform", "one deformation: fixed regions, loads and strains of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    command->add_option("-o,--output", args->out, "deformed surface (.stl, .obj, .ply, .off, .tri, .vtp)")->required();
+    command->add_option("-o,--output", args->out, "deformed surface; the ending says which format")->required();
     command->add_flag("--linear", args->linear, "the single linear solve at rest instead of the equilibrium");
     command->add_option("--prisms", args->prisms, "the deformed prisms for ParaView (.vtp)");
     command->add_flag("--json", args->json, "results as JSON on standard output");

@@ -1,7 +1,9 @@
 #include "cli/detail.hpp"
 
 #include "cases/diagnostics.hpp"
+#include "core/error.hpp"
 #include "core/mesh/file.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/mesh/io.hpp"
 #include "core/parallel.hpp"
 #include "core/version.hpp"
@@ -13,6 +15,7 @@
 #include <unistd.h>
 #include <Eigen/Core>
 #include <chrono>
+#include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <utility>
@@ -150,8 +153,16 @@ SurfaceFile read_told(const std::filesystem::path& file) {
     const std::string name = printable(file.string(), 400);
     tell_step("reading " + name);
     SurfaceFile read = read_surface(file);
+    check_coordinates(file, read.mesh);
     tell_step(fmt::format("{}: {} vertices, {} triangles", name, read.mesh.num_vertices(), read.mesh.num_triangles()));
     return read;
+}
+
+void check_area(const std::filesystem::path& file, const TriMesh& surface) {
+    const double area = surface_area(surface);
+    if (!(area > 0 && std::isfinite(area)))
+        throw InputError(fmt::format("{}: {} triangles of total area {}", printable(file.string(), 400),
+                                     surface.num_triangles(), area));
 }
 
 }  // namespace strake::cli

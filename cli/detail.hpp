@@ -25,7 +25,9 @@ void tell_end(int status);
 /// without.
 std::string debug_words(const std::exception_ptr& thrown);
 
-/// `read_surface`, told as a step.
+/// `read_surface` and `check_coordinates`, told as a step.
 SurfaceFile read_told(const std::filesystem::path& file);
+/// What asks for areas needs some. @throws InputError.
+void check_area(const std::filesystem::path& file, const TriMesh& surface);
 
 }  // namespace strake::cli

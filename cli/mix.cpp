@@ -86,7 +86,7 @@ Mixed mix(const MixArguments& args) {
     }
     out.from_a = (out.surface.vertices - a.vertices).rowwise().norm().maxCoeff();
     out.from_b = (out.surface.vertices - b.vertices).rowwise().norm().maxCoeff();
-    write_surface(args.out, out.surface, format);
+    write_output(args.out, out.surface, format);
     return out;
 }
 

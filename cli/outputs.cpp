@@ -1,7 +1,9 @@
 #include "cli/outputs.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/file.hpp"
 
+#include <fmt/format.h>
 #include <unistd.h>
 #include <cerrno>
 #include <cstdio>
@@ -32,6 +34,16 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
             if (!outputs[j].empty() && is_same(outputs[i], outputs[j]))
                 throw InvalidInput(text(outputs[i].string(), ": two outputs of the same name"));
     }
+}
+
+void write_output(const fs::path& out, const TriMesh& surface, SurfaceFormat like) {
+    SurfaceFormat format = format_of(out);
+    const bool is_text = like == SurfaceFormat::stl_ascii || like == SurfaceFormat::ply_ascii;
+    if (is_text && extension_of(like) == extension_of(format)) format = like;
+    write_surface(out, surface, format);
+    if (!surface.group.empty() && !keeps_parts(format))
+        fmt::print(stderr, "strake: note: {}: this format has no names of parts; those of {} part(s) are not in it\n",
+                   printable(out.native()), surface.group_names.size());
 }
 
 bool is_lost_output(const std::exception_ptr& thrown) {

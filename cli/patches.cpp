@@ -207,8 +207,7 @@ void patches(const Options& options) {
     const TriMesh mesh = read_told(options.surface).mesh;
     check_triangles(split, mesh);
     const Adjacency adjacent = adjacency(mesh);
-    if (mesh.num_triangles() == 0 || (angles.empty() && !(surface_area(mesh) > 0)))
-        throw InputError(text(options.surface, ": ", mesh.num_triangles(), " triangles of total area 0"));
+    if (angles.empty()) check_area(options.surface, mesh);
     PatchHierarchy tree;
     if (angles.empty()) {
         AutomaticLevels automatic;
@@ -229,7 +228,7 @@ void patches(const Options& options) {
 void add_patches(CLI::App& app) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("patches", "the nested patches that a surface falls into");
-    command->add_option("SURFACE", options->surface, "STL, OBJ, PLY, OFF, Cart3D .tri or VTP file")->required();
+    command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
     command
         ->add_option("--angle", options->angles,
                      "threshold of a level in degrees, falling, once a level; or auto: levels that fit the surface")

@@ -160,13 +160,15 @@ RemeshProgress progress_of(const Options& options) {
 }
 
 void remesh_file(Options& options) {
-    const SurfaceFormat format = format_of(options.out);
+    format_of(options.out);  // a wrong extension is told before the work
     check_outputs({options.out}, {options.surface});
     validate(options.remesh);
     length_of(options.edge_length, "--edge-length", "auto", 1);  // before anything is read
     length_of(options.curvature, "--curvature", "none", 1);
     length_of(options.shortest_edge, "--shortest-edge", "auto", 1);
-    const TriMesh mesh = read_told(options.surface).mesh;
+    const SurfaceFile file = read_told(options.surface);
+    const TriMesh& mesh = file.mesh;
+    check_area(options.surface, mesh);
     const double diagonal = box_diagonal(mesh);
     options.remesh.edge_length = length_of(options.edge_length, "--edge-length", "auto", diagonal);
     options.remesh.chord_error = length_of(options.curvature, "--curvature", "none", diagonal);
@@ -179,7 +181,7 @@ void remesh_file(Options& options) {
                    ::sigabbrev_np(stop_signal()), result.records.size());
         throw ExitStatus{interrupted};
     }
-    write_surface(options.out, result.mesh, format);
+    write_output(options.out, result.mesh, file.format);
     warn(result);
     if (!options.quiet || options.json)
         print(options.json ? as_json(mesh, result, options.out) : as_words(mesh, result, options.out));

@@ -178,18 +178,18 @@ void print(const std::string& words) {
 }
 
 void repair_file(const Options& options) {
-    const SurfaceFormat format = format_of(options.out);
+    format_of(options.out);  // a wrong extension is told before the work
     check_outputs({options.out, options.list}, {options.surface});
     if (!asks_for_something(resolved(options, 1)))
         throw InvalidInput(
             "repair: nothing is asked for; --all, or some of --weld, --duplicates, --degenerate, --cracks, "
             "--orient, --split, --holes, --components, --isolated");
     end_on_signals("strake: repair: interrupted; nothing is written\n");
-    const TriMesh mesh = read_told(options.surface).mesh;
-    check_coordinates(options.surface, mesh);
+    const SurfaceFile file = read_told(options.surface);
+    const TriMesh& mesh = file.mesh;
     const RepairResult result = repair(mesh, resolved(options, box_diagonal(mesh)));
     watch_signals();  // from here on what is begun is written
-    write_surface(options.out, result.mesh, format);
+    write_output(options.out, result.mesh, file.format);
     if (!options.list.empty()) write_atomically(options.list, repair_csv(result));
     if (options.json)
         print(as_json(result, options.out));

@@ -18,15 +18,23 @@ struct SurfaceBuilder {
     int num_vertices() const { return static_cast<int>(coordinates.size() / 3); }
     /// Number of the group of that name, a new one at first sight.
     int group_number(const std::string& name);
-    /// Cuts a polygon (at least 3 corners) into triangles of the given group; -1: none.
+    /// Cuts a polygon (at least 3 corners) into a fan of triangles of the given group; -1: none.
     void add_polygon(std::span<const int> polygon, int group_of_polygon = -1);
     /// The same surface without the vertices that no triangle names; the others keep their order.
     SurfaceBuilder with_used_vertices_only() const;
-    /// Gives the data away. @throws InputError without triangles.
+    /// Gives the data away. Fans that are folded, of polygons that are not convex, are cut anew: the corners are known
+    /// only now. @throws InputError without triangles.
     SurfaceFile finish(const std::string& name, SurfaceFormat format);
 
 private:
+    /// Of a polygon of more than three corners.
+    struct Fan {
+        std::size_t first_triangle;
+        int corners;
+    };
+    void cut_again(const Fan& fan);
     std::map<std::string, int> known_;
+    std::vector<Fan> fans_;
 };
 
 /// Readers: `bytes` of the file, `name` for messages.
@@ -54,7 +62,7 @@ std::string su2(const TriMesh& mesh);
 std::string gmsh(const TriMesh& mesh);     ///< version 4.1
 std::string nastran(const TriMesh& mesh);  ///< GRID* (16 columns) and CTRIA3
 std::string vtk(const TriMesh& mesh);      ///< legacy polygons, binary
-std::string vtp(const TriMesh& mesh);      ///< parts as numbers in the cell field "part"
+std::string vtp(const TriMesh& mesh);      ///< parts: cell field "part", their names "part_names"
 /// Groups as positive numbers: their names where all are such numbers, else counted from 1.
 std::vector<std::string> component_numbers(const TriMesh& mesh);
 /// Triangles of each group in their order; one part where there are no groups.

@@ -20,11 +20,11 @@ namespace {
 struct ElementType {
     int number, dimension, nodes;
     std::array<signed char, 12> triangles;  ///< corners, three each; -1: no more
-    bool is_quadrilateral = false;
 };
+constexpr int quadrilateral = 3;  ///< cut as the polygons of other formats
 constexpr std::array<signed char, 12> nothing{-1};
 constexpr ElementType element_types[] = {
-    {1, 1, 2, nothing},   {2, 2, 3, {0, 1, 2, -1}}, {3, 2, 4, {0, 1, 2, 0, 2, 3, -1}},
+    {1, 1, 2, nothing},   {2, 2, 3, {0, 1, 2, -1}}, {quadrilateral, 2, 4, nothing},
     {4, 3, 4, nothing},   {5, 3, 8, nothing},       {6, 3, 6, nothing},
     {7, 3, 5, nothing},   {8, 1, 3, nothing},       {9, 2, 6, {0, 3, 5, 3, 1, 4, 5, 4, 2, 3, 4, 5}},
     {11, 3, 10, nothing}, {12, 3, 27, nothing},     {13, 3, 18, nothing},
@@ -253,6 +253,7 @@ private:
                 in.fail(text("an element names the node ", nodes[k], ", which the file does not have"));
             corner[k] = at->second;
         }
+        if (type.number == quadrilateral) return builder_.add_polygon({corner.data(), 4}, group);
         for (std::size_t k = 0; k + 2 < type.triangles.size() && type.triangles[k] >= 0; k += 3) {
             const auto c = [&](std::size_t i) { return corner[static_cast<std::size_t>(type.triangles[k + i])]; };
             const std::array<int, 3> triangle{c(0), c(1), c(2)};

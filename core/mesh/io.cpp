@@ -1,9 +1,11 @@
 #include "core/mesh/io.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/ear_clipping.hpp"
 #include "core/mesh/file.hpp"
 #include "core/mesh/formats.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -21,6 +23,7 @@ int SurfaceBuilder::group_number(const std::string& name) {
 }
 
 void SurfaceBuilder::add_polygon(std::span<const int> polygon, int group_of_polygon) {
+    if (polygon.size() > 3) fans_.push_back({corners.size() / 3, static_cast<int>(polygon.size())});
     for (std::size_t k = 2; k < polygon.size(); ++k) {
         corners.insert(corners.end(), {polygon[0], polygon[k - 1], polygon[k]});
         if (group_of_polygon >= 0) group.push_back(group_of_polygon);
@@ -41,13 +44,39 @@ SurfaceBuilder SurfaceBuilder::with_used_vertices_only() const {
     for (const int v : corners) used.corners.push_back(number[static_cast<std::size_t>(v)]);
     used.group = group;
     used.group_names = group_names;
+    used.fans_ = fans_;
     return used;
+}
+
+/// Where a triangle of the fan would lie on its back, or have no area.
+void SurfaceBuilder::cut_again(const Fan& fan) {
+    constexpr int most_corners = 1000;  // the time grows with their square
+    if (fan.corners > most_corners) return;
+    int* triangle = corners.data() + 3 * fan.first_triangle;
+    std::vector<int> number{triangle[0]};
+    for (int k = 1; k < fan.corners; ++k) number.push_back(k == 1 ? triangle[1] : triangle[3 * (k - 2) + 2]);
+    Points polygon(fan.corners, 3);
+    for (int k = 0; k < fan.corners; ++k)
+        for (int c = 0; c < 3; ++c) polygon(k, c) = coordinates[3 * static_cast<std::size_t>(number[k]) + c];
+    const Eigen::Vector3d area = polygon_area_vector(polygon);
+    const double size = area.stableNorm();
+    if (!(size > 0) || !std::isfinite(size)) return;
+    const Eigen::Vector3d normal = area / size;
+    bool is_folded = false;
+    for (int k = 2; k < fan.corners; ++k) {
+        const Eigen::Vector3d a = polygon.row(k - 1) - polygon.row(0), b = polygon.row(k) - polygon.row(0);
+        is_folded = is_folded || !(a.cross(b).dot(normal) > 1e-12 * size);
+    }
+    if (!is_folded) return;
+    for (const std::array<int, 3>& ear : clip_ears(polygon, normal))
+        for (const int k : ear) *triangle++ = number[k];
 }
 
 SurfaceFile SurfaceBuilder::finish(const std::string& name, SurfaceFormat format) {
     if (corners.empty()) throw InputError(text(name, ": holds no triangles (", num_vertices(), " vertices)"));
     if (corners.size() / 3 > static_cast<std::size_t>(std::numeric_limits<int>::max() / 3))
         throw InputError(text(name, ": ", corners.size() / 3, " triangles, at most 715827882 are possible"));
+    for (const Fan& fan : fans_) cut_again(fan);
     SurfaceFile surface;
     surface.format = format;
     surface.file_vertices = num_vertices();
@@ -134,6 +163,7 @@ struct Format {
     SurfaceFormat format;
     Read read;
     Write write;
+    bool keeps_parts;
     const char* begins = nullptr;  ///< files of no known extension that begin so
 };
 template <std::string (*write)(const TriMesh&)>
@@ -146,20 +176,20 @@ std::string as_ply(const TriMesh& mesh, const std::string&) {
 }
 /// The first entry of an extension is what the extension alone asks for.
 constexpr Format known_formats[] = {
-    {"stl", ".stl", SurfaceFormat::stl_binary, formats::read_stl, formats::stl_binary, "solid"},
-    {"stl-ascii", ".stl", SurfaceFormat::stl_ascii, formats::read_stl, plainly<formats::stl_ascii>},
-    {"obj", ".obj", SurfaceFormat::obj, formats::read_obj, plainly<formats::obj>},
-    {"ply", ".ply", SurfaceFormat::ply_binary, formats::read_ply, as_ply<true>, "ply"},
-    {"ply-ascii", ".ply", SurfaceFormat::ply_ascii, formats::read_ply, as_ply<false>},
-    {"off", ".off", SurfaceFormat::off, formats::read_off, plainly<formats::off>, "OFF"},
-    {"tri", ".tri", SurfaceFormat::tri, formats::read_tri, plainly<formats::tri>},
-    {"vtk", ".vtk", SurfaceFormat::vtk, formats::read_vtk, plainly<formats::vtk>, "# vtk DataFile"},
-    {"vtp", ".vtp", SurfaceFormat::vtp, formats::read_vtp, plainly<formats::vtp>},
-    {"su2", ".su2", SurfaceFormat::su2, formats::read_su2, plainly<formats::su2>},
-    {"msh", ".msh", SurfaceFormat::gmsh, formats::read_gmsh, plainly<formats::gmsh>, "$MeshFormat"},
-    {"nastran", ".nas", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
-    {"nastran", ".bdf", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
-    {"nastran", ".dat", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>},
+    {"stl", ".stl", SurfaceFormat::stl_binary, formats::read_stl, formats::stl_binary, false, "solid"},
+    {"stl-ascii", ".stl", SurfaceFormat::stl_ascii, formats::read_stl, plainly<formats::stl_ascii>, true},
+    {"obj", ".obj", SurfaceFormat::obj, formats::read_obj, plainly<formats::obj>, true},
+    {"ply", ".ply", SurfaceFormat::ply_binary, formats::read_ply, as_ply<true>, false, "ply"},
+    {"ply-ascii", ".ply", SurfaceFormat::ply_ascii, formats::read_ply, as_ply<false>, false},
+    {"off", ".off", SurfaceFormat::off, formats::read_off, plainly<formats::off>, false, "OFF"},
+    {"tri", ".tri", SurfaceFormat::tri, formats::read_tri, plainly<formats::tri>, true},
+    {"vtk", ".vtk", SurfaceFormat::vtk, formats::read_vtk, plainly<formats::vtk>, false, "# vtk DataFile"},
+    {"vtp", ".vtp", SurfaceFormat::vtp, formats::read_vtp, plainly<formats::vtp>, true},
+    {"su2", ".su2", SurfaceFormat::su2, formats::read_su2, plainly<formats::su2>, true},
+    {"msh", ".msh", SurfaceFormat::gmsh, formats::read_gmsh, plainly<formats::gmsh>, true, "$MeshFormat"},
+    {"nastran", ".nas", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>, true},
+    {"nastran", ".bdf", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>, true},
+    {"nastran", ".dat", SurfaceFormat::nastran, formats::read_nastran, plainly<formats::nastran>, true},
 };
 
 std::string known_extensions() {
@@ -187,6 +217,15 @@ std::string lower_extension(const std::filesystem::path& file) {
 
 constexpr std::string_view gzip_magic = "\x1f\x8b";
 
+/// Editors on Windows put a mark before UTF-8 text. The header of a binary STL may hold any bytes.
+std::string_view without_mark(std::string_view bytes, const std::string& extension) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    if (!bytes.starts_with(mark)) return bytes;
+    const std::string_view rest = bytes.substr(mark.size());
+    const bool is_text = extension != ".stl" || rest.starts_with("solid") || rest.starts_with("SOLID");
+    return is_text ? rest : bytes;
+}
+
 SurfaceFile read_by_name(const std::filesystem::path& file, std::string_view bytes, const std::string& name) {
     const std::string extension = lower_extension(file);
     if (extension == ".gz") {
@@ -195,6 +234,7 @@ SurfaceFile read_by_name(const std::filesystem::path& file, std::string_view byt
         if (lower_extension(file.stem()) == ".gz") throw InputError(text(name, ": packed twice"));
         return read_by_name(file.stem(), unpacked, name);
     }
+    bytes = without_mark(bytes, extension);
     for (const Format& f : known_formats)
         if (extension == f.extension) return f.read(bytes, name);
     for (const Format& f : known_formats)
@@ -259,6 +299,8 @@ SurfaceFormat format_of(const std::filesystem::path& file) {
     const std::string extension = lower_extension(file);
     for (const Format& f : known_formats)
         if (extension == f.extension) return f.format;
+    if (extension == ".gz")
+        throw InvalidInput(text(printable(file.native()), ": packed files are read, not written; leave out .gz"));
     throw InvalidInput(text(printable(file.native()), ": no surface format has the extension '", printable(extension),
                             "'; known are ", known_extensions()));
 }
@@ -273,6 +315,11 @@ std::string name_of(SurfaceFormat format) {
     for (const Format& f : known_formats)
         if (format == f.format) return f.name;
     throw InvalidInput(text("name_of: format number ", static_cast<int>(format), " does not exist"));
+}
+
+bool keeps_parts(SurfaceFormat format) {
+    return std::any_of(std::begin(known_formats), std::end(known_formats),
+                       [&](const Format& f) { return f.format == format && f.keeps_parts; });
 }
 
 std::string extension_of(SurfaceFormat format) {

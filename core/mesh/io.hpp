@@ -23,7 +23,7 @@ struct SurfaceFile {
 /// (.vtk, text and binary), XML ones (.vtp), the markers of an SU2 mesh (.su2), Gmsh (.msh, 2.x and 4.1, text and
 /// binary) or NASTRAN bulk data (.nas, .bdf, .dat), each also packed by gzip (.stl.gz), by extension and content. Of
 /// meshes that hold volumes, too, the vertices that no triangle names are left out. Polygons are cut into fans from
-/// their first corner.
+/// their first corner, and where such a fan would be folded (polygons that are not convex) into ears.
 /// @throws InputError `FILE:LINE: …` or `FILE: byte N …`, for whatever is not a finite, indexed surface.
 SurfaceFile read_surface(const std::filesystem::path& file);
 
@@ -46,6 +46,7 @@ SurfaceFormat format_of(const std::filesystem::path& file);
 SurfaceFormat format_named(const std::string& name);
 std::string name_of(SurfaceFormat format);       ///< as `format_named` knows it
 std::string extension_of(SurfaceFormat format);  ///< with the dot
+bool keeps_parts(SurfaceFormat format);          ///< whether a file of it holds which triangles belong to which part
 
 /// Writes bytes so that readers see the old file or the whole new one. @throws OutputError.
 void write_atomically(const std::filesystem::path& file, const std::string& bytes);

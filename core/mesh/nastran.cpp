@@ -3,6 +3,7 @@
 #include "core/mesh/formats.hpp"
 #include "core/mesh/text_scanner.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cctype>
 #include <charconv>
@@ -33,7 +34,8 @@ class NastranReader {
 public:
     NastranReader(std::string_view bytes, const std::string& name)
         : in_(bytes, name, {.comment = '$', .continuation = false, .fortran = true}), name_(name) {
-        has_head_ = bytes.find("BEGIN BULK") != bytes.npos || bytes.find("BEGIN,BULK") != bytes.npos;
+        TextScanner ahead = in_;
+        while (!has_head_ && ahead.next_line()) has_head_ = begins_bulk(ahead.whole_line());
     }
 
     SurfaceFile read() {
@@ -41,7 +43,7 @@ public:
         std::optional<std::string_view> line = next_line();
         while (line) {
             if (!in_bulk) {  // the executive and case control sections
-                in_bulk = line->starts_with("BEGIN");
+                in_bulk = begins_bulk(*line);
                 line = next_line();
                 continue;
             }
@@ -67,13 +69,26 @@ private:
         const std::string_view line = in_.whole_line();  // its leading blanks are columns
         return line.substr(0, line.find('$'));
     }
+    /// "BEGIN BULK", with whatever blanks and in small letters, too.
+    static bool begins_bulk(std::string_view line) {
+        constexpr std::string_view begin = "BEGIN";
+        line = trimmed(line).substr(0, begin.size());
+        return std::equal(line.begin(), line.end(), begin.begin(), begin.end(),
+                          [](char c, char upper) { return std::toupper(static_cast<unsigned char>(c)) == upper; });
+    }
     static bool is_continuation(std::string_view line) {
         return line.front() == '+' || line.front() == '*' || line.front() == ',' ||
                trimmed(line.substr(0, columns)).empty();
     }
+    /// Free fields have their first comma behind the name; one further on stands in a fixed field by mistake.
+    static bool is_free(std::string_view line) {
+        const std::size_t comma = line.find(','), first = line.find_first_not_of(" \t");
+        if (comma == line.npos) return false;
+        return first < columns ? comma - first <= columns : comma == first;
+    }
     /// The fields of one line behind those that are known; the first names the card or continues it.
     static void add_fields(std::string_view line, Card& card) {
-        const bool free = line.find(',') != line.npos;
+        const bool free = is_free(line);
         std::string_view head = trimmed(free ? line.substr(0, line.find(',')) : line.substr(0, columns));
         const bool wide = head.ends_with('*') || head.starts_with('*');
         if (card.name.empty()) {

@@ -4,6 +4,7 @@
 
 #include <array>
 #include <cctype>
+#include <limits>
 #include <optional>
 
 /// SU2's native mesh: the triangles and quadrilaterals of all markers; points that only volume cells use are left out.
@@ -39,6 +40,9 @@ public:
             read_setting(*setting);
         }
         if (!points_read_) throw InputError(text(name_, ": no NPOIN=, so there are no points"));
+        if (largest_ >= builder_.num_vertices())
+            in_.fail_at(largest_line_,
+                        text("point ", largest_, " of an element, limits 0 and ", builder_.num_vertices() - 1));
         SurfaceBuilder surface = builder_.with_used_vertices_only();
         return surface.finish(name_, SurfaceFormat::su2);
     }
@@ -72,7 +76,6 @@ private:
     }
     void read_marker(std::int64_t n) {
         if (marker_ < 0) in_.fail("MARKER_ELEMS= without a MARKER_TAG= before it");
-        if (!points_read_) in_.fail("a marker before the points (NPOIN=)");
         for (std::int64_t i = 0; i < n; ++i) {
             line("element of a marker");
             const std::int64_t type = in_.integer(in_.word(), "type of an element");
@@ -83,8 +86,12 @@ private:
             std::array<int, 4> polygon{};
             for (int k = 0; k < corners; ++k) {
                 const std::int64_t v = in_.integer(in_.word(), "point of an element");
-                if (v < 0 || v >= builder_.num_vertices())
-                    in_.fail(text("point ", v, " of an element, limits 0 and ", builder_.num_vertices() - 1));
+                if (v < 0 || v > std::numeric_limits<int>::max())
+                    in_.fail(text("point ", v, " of an element, limits 0 and 2147483647"));
+                if (v > largest_) {  // the points may come behind the markers
+                    largest_ = v;
+                    largest_line_ = in_.line();
+                }
                 polygon[static_cast<std::size_t>(k)] = static_cast<int>(v);
             }
             builder_.add_polygon({polygon.data(), static_cast<std::size_t>(corners)}, marker_);
@@ -95,6 +102,8 @@ private:
     const std::string& name_;
     SurfaceBuilder builder_;
     int marker_ = -1;
+    std::int64_t largest_ = -1;  ///< point that an element names, and where
+    long largest_line_ = 0;
     bool points_read_ = false;
 };
 

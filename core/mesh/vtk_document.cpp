@@ -40,7 +40,7 @@ void add_array(const XmlScanner::Tag& tag, const std::string& section, XmlScanne
     array.is_appended = format == "appended";
     array.element_begin = in.tag_begin();
     array.is_base64 = true;
-    if (!tag.is_empty) array.inside = in.last_text(tag.name);
+    if (!tag.is_empty) array.inside = in.own_text(tag.name);
     array.element_end = in.position();
     array.offset = tag.value("offset", "0");
     if (format == "appended") out.offsets.emplace_back(out.arrays.size(), array.offset);

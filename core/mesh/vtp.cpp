@@ -77,15 +77,26 @@ void add_fields(Document& out, const char* tag, const std::vector<Field>& fields
     out.xml += text("</", tag, ">\n");
 }
 
-}  // namespace
+/// Texts as VTK has them: the numbers of their bytes, each text with a zero behind it.
+std::string strings(const char* name, const std::vector<std::string>& texts) {
+    std::string out = text("<FieldData>\n<DataArray type=\"String\" Name=\"", name, "\" NumberOfTuples=\"",
+                           std::to_string(texts.size()), "\" format=\"ascii\">\n");
+    for (const std::string& one : texts) {
+        for (const unsigned char c : formats::one_line(one)) out += std::to_string(int{c}) + " ";
+        out += "0\n";
+    }
+    return out + "</DataArray>\n</FieldData>\n";
+}
 
-std::string vtp_bytes(const TriMesh& mesh, const std::vector<Field>& point_fields,
-                      const std::vector<Field>& cell_fields) {
+/// @param names of the numbers in the cell field "part"; they stand once for the whole file.
+std::string document(const TriMesh& mesh, const std::vector<Field>& point_fields, const std::vector<Field>& cell_fields,
+                     const std::vector<std::string>& names) {
     if (!mesh.vertices.allFinite()) throw InvalidInput("write_vtp: a vertex is not finite");
     Document out;
     out.xml = text(
         "<?xml version=\"1.0\"?>\n<VTKFile type=\"PolyData\" version=\"1.0\" byte_order=\"LittleEndian\" "
-        "header_type=\"UInt64\">\n<PolyData>\n<Piece NumberOfPoints=\"",
+        "header_type=\"UInt64\">\n<PolyData>\n",
+        names.empty() ? "" : strings("part_names", names), "<Piece NumberOfPoints=\"",
         std::to_string(mesh.num_vertices()), "\" NumberOfPolys=\"", std::to_string(mesh.num_triangles()), "\">\n");
     add_fields(out, "PointData", point_fields, mesh.num_vertices(), "vertices");
     add_fields(out, "CellData", cell_fields, mesh.num_triangles(), "triangles");
@@ -100,9 +111,16 @@ std::string vtp_bytes(const TriMesh& mesh, const std::vector<Field>& point_field
     return out.xml + out.data + "\n</AppendedData>\n</VTKFile>\n";
 }
 
+}  // namespace
+
+std::string vtp_bytes(const TriMesh& mesh, const std::vector<Field>& point_fields,
+                      const std::vector<Field>& cell_fields) {
+    return document(mesh, point_fields, cell_fields, {});
+}
+
 std::string formats::vtp(const TriMesh& mesh) {
     if (mesh.group.empty()) return vtp_bytes(mesh);
-    return vtp_bytes(mesh, {}, {{"part", mesh.group}});
+    return document(mesh, {}, {{"part", mesh.group}}, mesh.group_names);
 }
 
 void write_vtp(const std::filesystem::path& file, const TriMesh& mesh, const std::vector<Field>& point_fields,

@@ -6,6 +6,7 @@
 #include "core/mesh/vtk_document.hpp"
 
 #include <cmath>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -48,9 +49,40 @@ void add_points(const Document& document, const XmlScanner& in, formats::Surface
             in.fail(text("point ", i / 3, " is not finite (", builder.coordinates[i], ")"));
 }
 
+/// What the field "part_names" of the whole file holds; none: the parts are called by their numbers.
+std::vector<std::string> part_names(const Document& document, const XmlScanner& in) {
+    std::vector<std::string> names;
+    const Array* bytes = find(document, "FieldData", "part_names");
+    if (!bytes || bytes->type != "String" || !bytes->is_text) return names;
+    std::string name;
+    for (const double byte : decoded(*bytes, document, in)) {
+        if (byte == 0) names.push_back(std::exchange(name, {}));
+        if (!(byte > 0 && byte < 256)) continue;
+        name += static_cast<char>(static_cast<unsigned char>(byte));
+    }
+    return names;
+}
+
+/// Parts of the polygons by name: whole numbers in the cell field "part", where the file has nothing but polygons.
+std::vector<std::string> parts_of(const Document& document, const XmlScanner& in, std::size_t num_polygons) {
+    const Array* field = find(document, "CellData", "part");
+    if (!field || field->components != 1 || field->type.find("Int") == std::string::npos) return {};
+    const std::vector<double> number = decoded(*field, document, in);
+    if (number.size() != num_polygons) return {};
+    const std::vector<std::string> names = part_names(document, in);
+    std::vector<std::string> parts;
+    for (const double part : number)
+        parts.push_back(part >= 0 && part < static_cast<double>(names.size()) ? names[static_cast<std::size_t>(part)]
+                                                                              : text(part));
+    return parts;
+}
+
 void add_cells(const Document& document, const XmlScanner& in, formats::SurfaceBuilder& builder) {
-    for (const std::vector<int>& polygon : cells(document, "Polys", builder.num_vertices(), in))
-        if (polygon.size() >= 3) builder.add_polygon(polygon);
+    const std::vector<std::vector<int>> polygons = cells(document, "Polys", builder.num_vertices(), in);
+    const std::vector<std::string> parts = parts_of(document, in, polygons.size());
+    for (std::size_t p = 0; p < polygons.size(); ++p)
+        if (polygons[p].size() >= 3)
+            builder.add_polygon(polygons[p], parts.empty() ? -1 : builder.group_number(parts[p]));
     for (const std::vector<int>& strip : cells(document, "Strips", builder.num_vertices(), in))
         for (std::size_t k = 2; k < strip.size(); ++k)  // every other triangle of a strip is turned
             builder.corners.insert(builder.corners.end(),

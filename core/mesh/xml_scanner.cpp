@@ -33,13 +33,15 @@ void XmlScanner::fail(const std::string& what) const {
     throw InputError(text(name_, ": byte ", position_, ": ", what));
 }
 
-std::string_view XmlScanner::last_text(const std::string& name) {
+std::string_view XmlScanner::own_text(const std::string& name) {
     const std::size_t end = text_.find("</" + name, position_), close = text_.find('>', std::min(end, text_.size()));
     if (close == std::string_view::npos) fail(text("no </", name, ">"));
-    const std::size_t child = text_.rfind('>', end);
-    const std::size_t begin = std::max(position_, child == std::string_view::npos ? 0 : child + 1);
+    const std::string_view inside = text_.substr(position_, end - position_);
     position_ = close + 1;
-    return text_.substr(begin, end - begin);
+    // VTK writes what it knows about the values (InformationKey) before or behind them.
+    const std::string_view ahead = inside.substr(0, inside.find('<'));
+    if (ahead.find_first_not_of(blanks) != std::string_view::npos) return ahead;
+    return inside.substr(inside.rfind('>') + 1);
 }
 
 XmlScanner::Tag XmlScanner::next() {
@@ -49,7 +51,7 @@ XmlScanner::Tag XmlScanner::next() {
         position_ = begin;
         const bool is_comment = text_.substr(begin).starts_with("<!--");
         const std::string_view close = is_comment ? "-->" : ">";
-        const std::size_t end = text_.find(close, begin + (is_comment ? 4 : 1));
+        const std::size_t end = is_comment ? text_.find(close, begin + 4) : end_of_tag(begin + 1);
         if (end == std::string_view::npos) fail("a tag without its end");
         std::string_view inside = text_.substr(begin + 1, end - begin - 1);
         if (is_comment || inside.starts_with('?') || inside.starts_with('!')) {
@@ -67,6 +69,16 @@ XmlScanner::Tag XmlScanner::next() {
         position_ = end + 1;
         return tag;
     }
+}
+
+/// The '>' behind `position` that stands in no quotes.
+std::size_t XmlScanner::end_of_tag(std::size_t position) const {
+    while ((position = text_.find_first_of("\"'>", position)) != std::string_view::npos && text_[position] != '>') {
+        const std::size_t close = text_.find(text_[position], position + 1);
+        if (close == std::string_view::npos) fail("a value in quotes without its end");
+        position = close + 1;
+    }
+    return position;
 }
 
 void XmlScanner::read_attributes(std::string_view inside, Tag& tag) const {

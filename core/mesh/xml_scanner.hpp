@@ -21,8 +21,9 @@ public:
     XmlScanner(std::string_view text, std::string name) : text_(text), name_(std::move(name)) {}
 
     Tag next();  ///< skips text, comments and declarations. @throws InputError
-    /// The text in the element whose tag was the last, behind the elements in it; then behind its end.
-    std::string_view last_text(const std::string& name);
+    /// The text in the element whose tag was the last, before the elements in it or else behind them; then behind its
+    /// end.
+    std::string_view own_text(const std::string& name);
     std::string_view rest() const { return text_.substr(position_); }  ///< behind the last tag
     std::size_t position() const { return position_; }                 ///< behind the last tag
     std::size_t tag_begin() const { return tag_begin_; }               ///< of the last tag
@@ -30,6 +31,7 @@ public:
     [[noreturn]] void fail(const std::string& what) const;
 
 private:
+    std::size_t end_of_tag(std::size_t position) const;
     void read_attributes(std::string_view inside, Tag& tag) const;
     std::string_view text_;
     std::string name_;

@@ -93,6 +93,7 @@ void check_held(const RestState& rest, const Eigen::VectorXd& spring) {
                           " connected parts of the surface can move freely; the first has ", part.triangles,
                           " triangles (", first, " to ", part.last, ", centre ", centre.x(), ", ", centre.y(), ", ",
                           centre.z(), ") and ", motions, " free rigid motions; fix a region of it, or give it springs",
+                          loose < count ? ", or attach it to another part" : "",
                           rest.symmetry ? " (the symmetry plane stops three of six)" : ""));
 }
 

@@ -1,3 +1,4 @@
+#include "core/mesh/ear_clipping.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <Eigen/Geometry>
@@ -11,75 +12,6 @@ namespace strake::mending {
 namespace {
 
 using Triple = std::array<int, 3>;
-
-/// Twice the polygon's vector area (Newell).
-Eigen::Vector3d area_of(const Points& p) {
-    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-    const Eigen::RowVector3d origin = p.row(0);
-    for (Eigen::Index i = 0; i < p.rows(); ++i)
-        sum += (p.row(i) - origin).transpose().cross((p.row((i + 1) % p.rows()) - origin).transpose());
-    return sum;
-}
-
-/// Ears of a flat polygon: always the one of the best shape that holds no other vertex, not even on its border.
-class EarClipping {
-public:
-    EarClipping(const Points& polygon, const Eigen::Vector3d& normal, const IsTaken& is_taken)
-        : is_taken_(is_taken), n_(static_cast<int>(polygon.rows())) {
-        const Eigen::Vector3d u = normal.unitOrthogonal(), w = normal.cross(u);
-        for (int i = 0; i < n_; ++i) at_.push_back({polygon.row(i).dot(u), polygon.row(i).dot(w)});
-        for (int i = 0; i < n_; ++i) {
-            before_.push_back((i + n_ - 1) % n_);
-            after_.push_back((i + 1) % n_);
-        }
-        quality_.assign(static_cast<std::size_t>(n_), 0);
-    }
-
-    /// Empty when it gets stuck: the polygon crosses itself.
-    std::vector<Triple> run() {
-        std::vector<Triple> triangles;
-        for (int i = 0; i < n_; ++i) quality_[i] = quality(i);
-        for (int left = n_; left > 3; --left) {
-            const int ear = static_cast<int>(std::max_element(quality_.begin(), quality_.end()) - quality_.begin());
-            if (!(quality_[ear] > 0)) return {};
-            const int a = before_[ear], b = after_[ear];
-            triangles.push_back({b, ear, a});
-            after_[a] = b;
-            before_[b] = a;
-            quality_[ear] = -1;
-            if (left == 4) {
-                if (!(cross(before_[a], a, b) > 0)) return {};
-                triangles.push_back({b, a, before_[a]});
-                return triangles;
-            }
-            for (const int v : {a, b}) quality_[v] = quality(v);
-        }
-        return {{2, 1, 0}};
-    }
-
-private:
-    double cross(int i, int j, int k) const {
-        const Eigen::Vector2d a = at_[j] - at_[i], b = at_[k] - at_[i];
-        return a.x() * b.y() - a.y() * b.x();
-    }
-    double quality(int v) const {
-        const int a = before_[v], b = after_[v];
-        const double area = cross(a, v, b);
-        const double sides =
-            (at_[v] - at_[a]).squaredNorm() + (at_[b] - at_[v]).squaredNorm() + (at_[a] - at_[b]).squaredNorm();
-        if (!(area > 1e-12 * sides) || is_taken_(a, b)) return 0;
-        const double margin = -1e-12 * sides;
-        for (int i = after_[b]; i != a; i = after_[i])
-            if (cross(a, v, i) >= margin && cross(v, b, i) >= margin && cross(b, a, i) >= margin) return 0;
-        return area / sides;
-    }
-
-    const IsTaken& is_taken_;
-    int n_;
-    std::vector<Eigen::Vector2d> at_;
-    std::vector<int> before_, after_;
-    std::vector<double> quality_;
-};
 
 /// Least bending, then least area, over all triangulations: P. Liepa, "Filling holes in meshes", SGP 2003; O(n^3).
 class LeastBending {
@@ -183,11 +115,12 @@ std::vector<Triple> shortest_diagonals(const Points& p, const IsTaken& is_taken)
 std::vector<Triple> fill_polygon(const Points& polygon, const Points& normals, double flat, const IsTaken& is_taken) {
     const int n = static_cast<int>(polygon.rows());
     if (n == 3) return {{2, 1, 0}};
-    const Eigen::Vector3d normal = area_of(polygon).normalized();
+    const Eigen::Vector3d normal = polygon_area_vector(polygon).normalized();
     const Eigen::RowVector3d center = polygon.colwise().mean();
     const bool is_flat = normal.norm() > 0.5 && ((polygon.rowwise() - center) * normal).cwiseAbs().maxCoeff() <= flat;
     std::vector<Triple> triangles;
-    if (is_flat && n <= 5000) triangles = EarClipping(polygon, normal, is_taken).run();
+    if (is_flat && n <= 5000) triangles = clip_ears(polygon, normal, is_taken);
+    for (Triple& t : triangles) std::swap(t[0], t[2]);  // what fills a loop runs against it
     if (triangles.empty() && n <= 250) triangles = LeastBending(polygon, normals, is_taken).run();
     if (triangles.empty()) triangles = shortest_diagonals(polygon, is_taken);
     flip_to_delaunay([&](int v) -> Eigen::Vector3d { return polygon.row(v); }, triangles, is_taken);

@@ -75,7 +75,9 @@ void fill(const Surface& surface, const Adjacency& adjacent, const OpenLoop& loo
 }
 
 /// Which loops are to be filled.
-std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacent, const RepairOptions& options) {
+/// @param refused is counted up by those around one lone triangle, whose back is no fill.
+std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacent, const RepairOptions& options,
+                                   int& refused) {
     int blocked = 0;
     std::vector<OpenLoop> loops = open_loops(mesh, adjacent, blocked);
     std::vector<BoundaryLoop> planes;
@@ -83,14 +85,16 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
     if (options.keep_symmetry_loops || options.symmetry)
         planes = measured_loops(mesh, adjacent, topology(mesh, adjacent).boundary_loops);
     std::erase_if(loops, [&](const OpenLoop& loop) {
-        const bool is_lone = loop.vertices.size() == 3 && loop.triangles[0] == loop.triangles[1] &&
-                             loop.triangles[1] == loop.triangles[2];
-        if (loop.vertices.size() < 3 || is_lone) return true;  // a triangle's back is no fill
+        if (loop.vertices.size() < 3) return true;
         Points polygon(static_cast<Eigen::Index>(loop.vertices.size()), 3);
         for (std::size_t i = 0; i < loop.vertices.size(); ++i)
             polygon.row(static_cast<Eigen::Index>(i)) = mesh.vertices.row(loop.vertices[i]);
         return size_of(polygon) > *options.holes || stays_open(options, diagonal, planes, loop.vertices[0]);
     });
+    refused += static_cast<int>(std::erase_if(loops, [](const OpenLoop& loop) {
+        return loop.vertices.size() == 3 && loop.triangles[0] == loop.triangles[1] &&
+               loop.triangles[1] == loop.triangles[2];
+    }));
     return loops;
 }
 
@@ -129,9 +133,9 @@ bool is_costly(const Adjacency& adjacent) {
 int fill_holes(Surface& surface, const RepairOptions& options) {
     const Surface rest = surface;  // fills do not look at each other
     const Adjacency adjacent = adjacency(rest.mesh);
-    std::vector<OpenLoop> loops = wanted_loops(rest.mesh, adjacent, options);
-    if (loops.empty()) return 0;
     int refused = 0;
+    std::vector<OpenLoop> loops = wanted_loops(rest.mesh, adjacent, options, refused);
+    if (loops.empty()) return refused;
     while (true) {
         std::vector<int> begin;
         Fills fills;

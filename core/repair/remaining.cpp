@@ -59,7 +59,8 @@ std::vector<std::string> what_remains(const Checkup& after, const RepairOptions&
     };
     loops_that_remain(after, o, refused_fills, list);
     add(after.crack_vertices.size(), "vertices at cracks", o.cracks.has_value(), "--cracks",
-        "the tolerance is too small, the two sides belong to one triangle, or joined they would leave no orientation");
+        text("the tolerance is too small, the two sides belong to one triangle, ",
+             o.split ? "--split parted them, " : "", "or joined they would leave no orientation"));
     if (!f.orientable)
         list.push_back(
             text("not orientable, like a Moebius strip: no way to turn the triangles makes all neighbours "

@@ -117,7 +117,10 @@ void split_nonmanifold(Surface& surface) {
         surface.items.push_back({RepairKind::split, surface.input_vertex(v), -1, mesh.vertices.row(v), 0, 0,
                                  text("vertex ", v, " into ", classes.size())});
     }
-    for (const auto& [corner, v] : renamed) mesh.triangles.data()[corner] = v;
+    const Triangles before = mesh.triangles;
+    for (const auto& [corner, v] : renamed)
+        for (int k = 0, t = corner / 3; k < 3; ++k)  // a corner that stands there twice goes as one
+            if (before(t, k) == before.data()[corner]) mesh.triangles(t, k) = v;
     surface.append_vertices(copies);
 }
 

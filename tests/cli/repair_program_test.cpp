@@ -98,6 +98,28 @@ TEST(RepairProgram, APointIsNoSurface) {
     const ProgramRun run = run_strake({"repair", in.string(), "-o", (folder / "o.off").string(), "--all"});
     EXPECT_EQ(run.status, 2) << run.out << run.err;
     EXPECT_EQ(run_strake({"info", in.string()}).status, 0);
+    for (const std::string command : {"patches", "remesh"}) {
+        std::vector<std::string> words{command, in.string(), "-o", (folder / "o.vtp").string()};
+        if (command == "patches") words.insert(words.end(), {"--angle", "auto"});
+        const ProgramRun refused = run_strake(words);
+        EXPECT_EQ(refused.status, 3) << command;
+        EXPECT_EQ(refused.err, "strake: " + in.string() + ": 1 triangles of total area 0\n");
+    }
+}
+
+/// Whatever reads a surface says which vertex is too far away.
+TEST(RepairProgram, CoordinatesBeyondReckoningAreRefusedByAll) {
+    const TempFolder folder;
+    const auto in = folder.write("far.off", "OFF\n3 1 0\n0 0 0\n0 1e200 0\n1 1 1\n3 0 1 2\n");
+    for (const std::string command : {"patches", "remesh", "repair", "info"}) {
+        std::vector<std::string> words{command, in.string()};
+        if (command != "info") words.insert(words.end(), {"-o", (folder / "o.vtp").string()});
+        if (command == "repair") words.push_back("--all");
+        if (command == "patches") words.insert(words.end(), {"--angle", "auto"});
+        const ProgramRun refused = run_strake(words);
+        EXPECT_EQ(refused.status, 3) << command;
+        EXPECT_NE(refused.err.find("far.off: vertex 1: y = 1e+200 is beyond"), std::string::npos) << refused.err;
+    }
 }
 
 TEST(RepairProgram, HugeAndTinySurfacesAreMendedAlike) {
@@ -128,6 +150,47 @@ TEST(RepairProgram, GroupsAreCarriedOver) {
     ASSERT_EQ(back.num_triangles(), 48);
     for (int t = 0; t < 48; ++t)
         EXPECT_EQ(back.group_names.at(back.group.at(t)), centroid(back, t).z() > 0.5 ? "high" : "low");
+}
+
+/// An STL of text stays one, with its names and all digits; where a format has no names, that is said.
+TEST(RepairProgram, NamesOfPartsAreKeptOrTheirLossIsTold) {
+    const TempFolder folder;
+    TriMesh mesh = box_surface({1.0 / 3, 1, 1}, 2);
+    mesh.group_names = {"low", "high side"};
+    for (int t = 0; t < mesh.num_triangles(); ++t) mesh.group.push_back(centroid(mesh, t).z() > 0.5);
+    write_surface(folder / "g.stl", mesh, SurfaceFormat::stl_ascii);
+    const auto repaired = [&](const std::string& name) {
+        return run_strake({"repair", (folder / "g.stl").string(), "-o", (folder / name).string(), "--orient"});
+    };
+    for (const std::string name : {"o.stl", "o.vtp", "o.msh"}) {
+        const ProgramRun run = repaired(name);
+        ASSERT_EQ(run.status, 0) << run.err;
+        EXPECT_EQ(run.err, "");
+        const TriMesh back = read_surface(folder / name).mesh;
+        EXPECT_EQ(back.vertices.col(0).maxCoeff(), 1.0 / 3) << name;
+        ASSERT_EQ(back.num_triangles(), 48);
+        for (int t = 0; t < 48; ++t)
+            EXPECT_EQ(back.group_names.at(back.group.at(t)), centroid(back, t).z() > 0.5 ? "high side" : "low") << name;
+    }
+    for (const std::string name : {"o.ply", "o.off", "o.vtk"}) {
+        const ProgramRun run = repaired(name);
+        EXPECT_EQ(run.status, 0);
+        EXPECT_EQ(run.err, "strake: note: " + (folder / name).string() +
+                               ": this format has no names of parts; those of 2 part(s) are not in it\n");
+    }
+}
+
+/// The reason is that of this loop, not one of others.
+TEST(RepairProgram, ALoneTriangleIsNotClosedByItsBack) {
+    const TempFolder folder;
+    folder.write("one.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n");
+    const ProgramRun run = run_strake(
+        {"repair", (folder / "one.off").string(), "-o", (folder / "o.off").string(), "--holes", "all", "--orient"});
+    EXPECT_EQ(run.status, 0) << run.err;
+    EXPECT_NE(run.out.find("1 open loop(s): what would close them passes through the surface or lies back to back"),
+              std::string::npos)
+        << run.out;
+    EXPECT_EQ(run.out.find("orientation faults"), std::string::npos) << run.out;
 }
 
 TEST(RepairProgram, InfoMarksDefectsForParaView) {

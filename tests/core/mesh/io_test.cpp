@@ -80,8 +80,10 @@ TEST(SurfaceIo, RoundTripKeepsGroupsWhereTheFormatHasThem) {
     TriMesh mesh = box_surface();
     mesh.group = {2, 2, 0, 0, 1, 1, 0, 0, 2, 2, 1, 1};
     mesh.group_names = {"upper side", "2", "tail"};
-    for (const SurfaceFormat format : {SurfaceFormat::stl_ascii, SurfaceFormat::obj, SurfaceFormat::tri,
-                                       SurfaceFormat::su2, SurfaceFormat::gmsh, SurfaceFormat::nastran}) {
+    for (const SurfaceFormat format :
+         {SurfaceFormat::stl_ascii, SurfaceFormat::obj, SurfaceFormat::tri, SurfaceFormat::su2, SurfaceFormat::gmsh,
+          SurfaceFormat::nastran, SurfaceFormat::vtp}) {
+        EXPECT_TRUE(keeps_parts(format));
         const auto file = folder / text("box", extension_of(format));
         write_surface(file, mesh, format);
         const TriMesh back = read_surface(file).mesh;
@@ -183,6 +185,93 @@ TEST(SurfaceIo, Su2Variants) {
         EXPECT_EQ(mesh.group, (std::vector<int>{0, 0, 1}));
         EXPECT_EQ(mesh.group_names, (std::vector<std::string>{"wall", "far"}));
     }
+}
+
+TEST(SurfaceIo, Su2MarkersMayStandBeforeThePoints) {
+    const std::string head = "NDIME= 3\nNMARK= 1\nMARKER_TAG= wall\nMARKER_ELEMS= 2\n5 0 1 2\n",
+                      points = "NPOIN= 3\n0 0 0 0\n1 0 0 1\n0 1 0 2\n";
+    const TriMesh mesh = formats::read_su2(head + "5 2 1 0\n" + points, "f.su2").mesh;
+    EXPECT_EQ(mesh.num_vertices(), 3);
+    EXPECT_EQ(mesh.triangles.row(1), Eigen::RowVector3i(2, 1, 0));
+    try {
+        formats::read_su2(head + "5 2 1 3\n" + points, "f.su2");
+        ADD_FAILURE() << "point 3 of 3 was accepted";
+    } catch (const InputError& error) {
+        EXPECT_STREQ(error.what(), "f.su2:6: point 3 of an element, limits 0 and 2");
+    }
+}
+
+TEST(SurfaceIo, NastranFindsItsBulkDataHoweverTheyAreWritten) {
+    const std::string cards = "GRID,1,,0.,0.,0.\nGRID,2,,1.,0.,0.\nGRID,3,,0.,1.,0.\nCTRIA3,1,1,1,2,3\n";
+    for (const std::string head : {"", "$ no BEGIN BULK in here\n", "SOL 101\nCEND\nTITLE = GRID,1\n  begin  bulk\n",
+                                   "cend\ngrid,1\nBegin,Bulk\n"})
+        EXPECT_EQ(formats::read_nastran(head + cards, "f.nas").mesh.num_vertices(), 3) << head;
+}
+
+TEST(SurfaceIo, NastranRefusesCommasInFixedFields) {
+    const std::string cards = "CTRIA3,1,1,1,2,3\nGRID,1,,0.,0.,0.\n   GRID,2,,1.,0.,0.\n";
+    for (const std::string last :
+         {"GRID           3              0.      1.     2,5\n",
+          "GRID*                  3                              0.              1.\n*G3     2,5\n",
+          "GRID*                  3                              0.              1.\n        2,5\n"}) {
+        try {
+            formats::read_nastran(cards + last, "f.nas");
+            ADD_FAILURE() << last;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("'2,5'; decimals are written with a point"), std::string::npos)
+                << error.what();
+        }
+    }
+    EXPECT_EQ(formats::read_nastran(cards + "GRID*,3,,0.,1.\n        ,2.5\n", "f.nas").mesh.vertices(2, 2), 2.5);
+}
+
+/// Whatever the format, the triangles of a polygon cover it once and look the same way.
+TEST(SurfaceIo, PolygonsThatAreNotConvexAreNotFolded) {
+    const std::string arrow = "v 0 0 5\nv 2 -1 5\nv 0 3 5\nv -2 -1 5\n", offset =
+                                                                             "v 100000000 0 0\nv 100000002 -1 0\n"
+                                                                             "v 100000000 3 0\nv 99999998 -1 0\n";
+    for (const std::string& points : {arrow, offset})
+        for (const char* face : {"f 1 2 3 4", "f 2 3 4 1", "f 3 4 1 2", "f 4 1 2 3"}) {
+            const TriMesh mesh = obj_of(points + face + "\n").mesh;
+            ASSERT_EQ(mesh.num_triangles(), 2);
+            EXPECT_DOUBLE_EQ(surface_area(mesh), 6) << face;
+            for (int t = 0; t < 2; ++t) EXPECT_GT(area_vector(mesh, t).z(), 0) << face;
+        }
+    // Convex ones keep the fan from their first corner; a corner on a straight side makes no triangle without an area.
+    EXPECT_EQ(obj_of("v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nf 2 3 4 1\n").mesh.triangles.row(1),
+              Eigen::RowVector3i(1, 3, 0));
+    const TriMesh hanging = obj_of("v 0 0 0\nv 1 0 0\nv 2 0 0\nv 0 2 0\nf 1 2 3 4\n").mesh;
+    EXPECT_DOUBLE_EQ(triangle_areas(hanging).minCoeff(), 1);
+    // A comb of 400 corners, as text and in PLY with the faces first.
+    std::string vertices, face;
+    for (int i = 0; i < 100; ++i)
+        vertices += text(4 * i, " 0 1\n", 4 * i + 1, " 0 1\n", 4 * i + 2, " 9 1\n", 4 * i + 3, " 9 1\n");
+    vertices += "400 -1 1\n-1 -1 1\n";
+    for (int i = 401; i >= 0; --i) face += text(" ", i);
+    const TriMesh comb = ply_of(text("ply\nformat ascii 1.0\nelement face 1\nproperty list int int vertex_indices\n"
+                                     "element vertex 402\nproperty double x\nproperty double y\nproperty double z\n"
+                                     "end_header\n402",
+                                     face, "\n", vertices))
+                             .mesh;
+    ASSERT_EQ(comb.num_triangles(), 400);
+    double sum = 0;
+    for (int t = 0; t < 400; ++t) sum += area_vector(comb, t).z();
+    EXPECT_NEAR(surface_area(comb), std::abs(sum), 1e-9);
+}
+
+TEST(SurfaceIo, AnEditorsMarkBeforeTextIsReadOver) {
+    const TempFolder folder;
+    const std::string mark = "\xEF\xBB\xBF";
+    for (const SurfaceFormat format : all_formats) {
+        const std::string bytes = surface_bytes(box_surface(), format, "box");
+        if (format == SurfaceFormat::stl_binary) continue;
+        folder.write("box" + extension_of(format), mark + bytes);
+        EXPECT_EQ(read_surface(folder / ("box" + extension_of(format))).mesh.num_triangles(), 12);
+    }
+    std::string header = surface_bytes(box_surface(), SurfaceFormat::stl_binary, "box");
+    std::copy(mark.begin(), mark.end(), header.begin());  // whatever the header of a binary STL holds
+    folder.write("binary.stl", header);
+    EXPECT_EQ(read_surface(folder / "binary.stl").mesh.num_triangles(), 12);
 }
 
 TEST(SurfaceIo, NastranVariants) {

@@ -1,6 +1,7 @@
 #include "core/mesh/vtp_reader.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/formats.hpp"
 #include "core/mesh/temp_folder.hpp"
 #include "core/mesh/vtp.hpp"
 #include "surfaces.hpp"
@@ -204,6 +205,49 @@ TEST(VtpReader, NothingThatIsCutOffOrDamagedCrashes) {
                 refusal(bytes);
             }
     }
+}
+
+/// VTK writes the names of fields as they are.
+TEST(VtpReader, AValueMayHoldTheEndOfATag) {
+    std::string file = vtp_bytes(box_surface(), {{"Mach", Eigen::VectorXd::Ones(8).eval()}});
+    file.replace(file.find("\"Mach\""), 6, "\"Mach > 1\"");
+    const VtpFile read = parse_vtp(file, "f.vtp");
+    ASSERT_EQ(read.point_fields.size(), 1u);
+    EXPECT_EQ(read.point_fields[0].name, "Mach > 1");
+    EXPECT_EQ(read.surface.mesh.num_triangles(), 12);
+    file.replace(file.find("\"Mach > 1\""), 10, "\"Mach > 1 ");
+    EXPECT_THROW(parse_vtp(file, "f.vtp"), InputError);
+}
+
+/// VTK 9 writes what it knows about the values behind them, older ones before.
+TEST(VtpReader, NotesOnTheValuesMayStandOnBothSides) {
+    const std::string key = "<InformationKey name=\"L2_NORM_RANGE\"><Value index=\"0\">0</Value></InformationKey>\n";
+    const auto file = [&](const std::string& before, const std::string& behind) {
+        const auto array = [&](const char* type, const char* name, int components, const char* values) {
+            return text("<DataArray type=\"", type, "\" Name=\"", name, "\" NumberOfComponents=\"", components,
+                        "\" format=\"ascii\">\n", before, values, "\n", behind, "</DataArray>\n");
+        };
+        return "<VTKFile type=\"PolyData\" version=\"1.0\" "
+               "byte_order=\"LittleEndian\">\n<PolyData>\n<Piece>\n<Points>\n" +
+               array("Float64", "Points", 3, "0 0 0 1 0 0 0 1 0") + "</Points>\n<Polys>\n" +
+               array("Int64", "connectivity", 1, "0 1 2") + array("Int64", "offsets", 1, "3") +
+               "</Polys>\n</Piece>\n</PolyData>\n</VTKFile>\n";
+    };
+    for (const std::string& xml : {file("", ""), file(key, ""), file("", key), file("", key + key)})
+        EXPECT_EQ(formats::read_vtp(xml, "f.vtp").mesh.vertices,
+                  (Points(3, 3) << 0, 0, 0, 1, 0, 0, 0, 1, 0).finished());
+}
+
+/// Parts by numbers alone, as other programs write them; of another length they are none.
+TEST(VtpReader, PartsAreGroups) {
+    std::vector<int> part(12, 4);
+    part[3] = 7;
+    const TriMesh mesh = formats::read_vtp(vtp_bytes(box_surface(), {}, {{"part", part}}), "f.vtp").mesh;
+    ASSERT_EQ(mesh.group.size(), 12u);
+    EXPECT_EQ(mesh.group_names[mesh.group[3]], "7");
+    EXPECT_EQ(mesh.group_names[mesh.group[4]], "4");
+    const Eigen::VectorXd reals = Eigen::VectorXd::Ones(12);
+    EXPECT_TRUE(formats::read_vtp(vtp_bytes(box_surface(), {}, {{"part", reals}}), "f.vtp").mesh.group.empty());
 }
 
 }  // namespace

@@ -90,6 +90,18 @@ TEST(Repair, WhatIsNotAskedForStays) {
     EXPECT_EQ(result.before.facts.boundary_loops.size(), result.after.facts.boundary_loops.size());
 }
 
+TEST(Repair, ATriangleWithACornerTwiceIsPartedOnce) {
+    TriMesh mesh = box_surface();
+    mesh.triangles.conservativeResize(14, 3);
+    mesh.triangles.bottomRows(2) << 3, 3, 7, 5, 5, 5;
+    RepairOptions options;
+    options.split = true;
+    const TriMesh once = repair(mesh, options).mesh;
+    EXPECT_EQ(repair(once, options).items.size(), 0u);
+    for (int i = 0; i < mesh.triangles.size(); ++i)
+        EXPECT_EQ(once.vertices.row(once.triangles.data()[i]), mesh.vertices.row(mesh.triangles.data()[i]));
+}
+
 TEST(Repair, CountsDoNotDependOnPlaceScaleAndNumbering) {
     const TriMesh mesh = battered();
     const RepairResult plain = repair(mesh, everything(mesh));

@@ -21,14 +21,16 @@ double distance_to_segment(const Vector3d& a, const Vector3d& b, const Vector3d&
 
 }  // namespace
 
-int Curves::add(const std::vector<Vector3d>& points, const std::vector<int>& triangles, bool closed) {
+int Curves::add(const std::vector<Vector3d>& points, const std::vector<int>& halves, const std::vector<double>& folds,
+                bool closed) {
     const int n = static_cast<int>(points.size());
     double s = 0;
     for (int i = 0; i < n; ++i) {
         if (i > 0) s += (points[i] - points[i - 1]).norm();
         points_.push_back(points[i]);
         arc_.push_back(s);
-        triangles_.push_back(triangles[std::min(i, n - 2)]);
+        halves_.push_back(halves[std::min(i, n - 2)]);
+        folds_.push_back(folds[std::min(i, n - 2)]);
         const bool inner = i > 0 && i + 1 < n;
         const Vector3d before = inner ? points[i] - points[i - 1] : Vector3d(points[n - 1] - points[n - 2]);
         const Vector3d after = inner ? points[i + 1] - points[i] : Vector3d(points[1] - points[0]);
@@ -60,7 +62,23 @@ Vector3d Curves::at(int curve, double s) const {
     return points_[i] + t * (points_[i + 1] - points_[i]);
 }
 
-int Curves::triangle_at(int curve, double s) const { return triangles_[place(curve, s).segment]; }
+int Curves::half_at(int curve, double s) const { return halves_[place(curve, s).segment]; }
+
+Curves::Fold Curves::largest_fold(int curve, double s0, double s1) const {
+    const double tiny = 1e-9 * length(curve);
+    auto [i, offset] = place(curve, s0 + tiny);
+    Fold largest{-1, s0};
+    for (double from = s0; from < s1 - tiny;) {
+        const double to = std::min(s1, arc_[i + 1] + offset);
+        if (folds_[i] > largest.angle) largest = {folds_[i], 0.5 * (from + to)};
+        from = to;
+        if (++i + 1 < begin_[curve + 1]) continue;
+        if (!closed_[curve]) break;
+        i = begin_[curve];
+        offset += length(curve);
+    }
+    return largest;
+}
 
 double Curves::nearest_vertex(int curve, double s) const {
     const auto [i, offset] = place(curve, s);

@@ -26,13 +26,21 @@ struct FeatureEdge {
 class Curves {
 public:
     /// Appends a polyline of at least two points, of which closed ones repeat the first as the last.
-    int add(const std::vector<Eigen::Vector3d>& points, const std::vector<int>& triangles, bool closed);
+    /// @param halves a half-edge of the input along each segment.
+    int add(const std::vector<Eigen::Vector3d>& points, const std::vector<int>& halves,
+            const std::vector<double>& folds, bool closed);
     int size() const { return static_cast<int>(begin_.size()) - 1; }
     double length(int curve) const { return arc_[begin_[curve + 1] - 1]; }
     bool is_closed(int curve) const { return closed_[curve] != 0; }
 
     Eigen::Vector3d at(int curve, double s) const;
-    int triangle_at(int curve, double s) const;  ///< of the input, at the segment
+    int half_at(int curve, double s) const;  ///< of the input, along the segment
+    int triangle_at(int curve, double s) const { return half_at(curve, s) / 3; }
+    /// The largest fold of the segments between s0 and s1 (s0 < s1), and where: the middle of what lies between.
+    struct Fold {
+        double angle, s;
+    };
+    Fold largest_fold(int curve, double s0, double s1) const;
     /// Arc length of the input's vertex nearest to s.
     double nearest_vertex(int curve, double s) const;
     /// Whether the input stays within `slack` of the chord from s0 to s1 (s0 < s1), or within what an arc of its radius
@@ -48,7 +56,8 @@ private:
     double turn(int curve, int point) const;
     std::vector<int> begin_{0};  ///< first point of each curve
     std::vector<Eigen::Vector3d> points_;
-    std::vector<int> triangles_;  ///< per point: a triangle at the segment that begins here
+    std::vector<int> halves_;    ///< per point: half-edge along the segment that begins here
+    std::vector<double> folds_;  ///< per point: of that segment, radians
     std::vector<double> arc_;
     std::vector<double> turn_;  ///< per point, radians; 0 at ends of open curves
     std::vector<char> closed_;

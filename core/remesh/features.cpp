@@ -178,20 +178,23 @@ private:
         int v = base_.features[f].v[end];
         const int start = v;
         std::vector<Vector3d> points{base_.points[v]};
-        std::vector<int> edges, triangles;
+        std::vector<int> edges, halves;
+        std::vector<double> folds;
         while (true) {
             used_[f] = 1;
             FeatureEdge& edge = base_.features[f];
             if (edge.v[0] != v) std::swap(edge.v[0], edge.v[1]);
             edges.push_back(f);
-            triangles.push_back(half_of_[f] / 3);
+            const int half = half_of_[f], other = base_.twin[half];
+            halves.push_back(half);
+            folds.push_back(other >= 0 ? dihedral(area_vector(half / 3), area_vector(other / 3)) : 0);
             v = edge.v[1];
             points.push_back(base_.points[v]);
             if (base_.role[v] == VertexRole::fixed || v == start) break;
             f = at_[v][0] == f ? at_[v][1] : at_[v][0];
         }
         const bool closed = v == start && base_.role[v] != VertexRole::fixed;
-        const int curve = base_.curves.add(points, triangles, closed);
+        const int curve = base_.curves.add(points, halves, folds, closed);
         double s = 0;
         for (std::size_t i = 0; i < edges.size(); ++i) {
             FeatureEdge& edge = base_.features[edges[i]];
@@ -200,6 +203,11 @@ private:
             s += (points[i + 1] - points[i]).norm();
             edge.s[1] = s;
         }
+    }
+
+    Vector3d area_vector(int t) const {
+        const auto& [a, b, c] = base_.tri[t];
+        return (base_.points[b] - base_.points[a]).cross(base_.points[c] - base_.points[a]);
     }
 
     BaseSurface& base_;

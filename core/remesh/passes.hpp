@@ -68,6 +68,10 @@ int polish(WorkingMesh& mesh, const StepGuard& guard, double below);
 /// @return how many flips and moves did that.
 int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold);
 
+/// Gives creases of the input, sharper than `angle`, radians, the fold back that triangles beside them have flattened.
+/// @return how many.
+int restore_folds(WorkingMesh& mesh, const StepGuard& guard, double angle);
+
 /// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
 struct RidgeEdges {
     int before = -1, after = -1;

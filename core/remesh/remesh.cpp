@@ -123,6 +123,7 @@ private:
                 flip_edges(mesh_, firm_);
                 polish(mesh_, loose_, worth_polishing);
                 approach(mesh_, loose_, worth_approaching, 0.9 * options_.angle_deg * radians);
+                restore_folds(mesh_, loose_, options_.angle_deg * radians);
             }
         }
         record.triangles = mesh_.num_alive();

@@ -185,8 +185,8 @@ TriMesh rough_plate(int columns, int rows, unsigned seed) {
     return mesh;
 }
 
-TEST(RemeshCreases, SingleEdgesThatEndInTheOpenKeepTheirFold) {
-    const TriMesh mesh = rough_plate(80, 70, 17);
+/// Creases that touch no other.
+std::vector<std::array<Vector3d, 2>> lone_creases(const TriMesh& mesh) {
     std::vector<std::array<Vector3d, 2>> alone;
     const auto before = creases_of(mesh, angle_deg);
     for (const auto& [a, b] : before) {
@@ -194,15 +194,35 @@ TEST(RemeshCreases, SingleEdgesThatEndInTheOpenKeepTheirFold) {
         for (const auto& [p, q] : before) touching += p == a || q == a || p == b || q == b;
         if (touching == 1) alone.push_back({a, b});
     }
+    return alone;
+}
+
+int count_lost(const std::vector<std::array<Vector3d, 2>>& creases, const TriMesh& result, double degrees) {
+    const auto after = creases_of(result, degrees);
+    int lost = 0;
+    for (const auto& [a, b] : creases)
+        lost += std::max({distance(a, after), distance(0.5 * (a + b), after), distance(b, after)}) > 1e-9;
+    return lost;
+}
+
+TEST(RemeshCreases, SingleEdgesThatEndInTheOpenKeepTheirFold) {
+    const TriMesh mesh = rough_plate(80, 70, 17);
+    const auto alone = lone_creases(mesh);
     ASSERT_GT(alone.size(), 10u);
     for (const double length : {0.95, 1.0}) {
         const RemeshResult result = remesh(mesh, {.edge_length = length, .angle_deg = angle_deg});
-        const auto after = creases_of(result.mesh, angle_deg - 1e-6);
-        int lost = 0;
-        for (const auto& [a, b] : alone)
-            lost += std::max({distance(a, after), distance(0.5 * (a + b), after), distance(b, after)}) > 1e-9;
-        EXPECT_EQ(lost, 0) << "of " << alone.size() << " at " << length;
+        EXPECT_EQ(count_lost(alone, result.mesh, angle_deg - 1e-6), 0) << "of " << alone.size() << " at " << length;
         EXPECT_EQ(result.kept_edges, 0);
+        EXPECT_GT(shape_of(result.mesh).smallest, 0.2);
+    }
+}
+
+TEST(RemeshCreases, SingleEdgesAmongTrianglesOfAnotherLengthAreStillFolded) {
+    const TriMesh mesh = rough_plate(80, 70, 17);
+    const auto alone = lone_creases(mesh);
+    for (const double length : {0.7, 1.3}) {
+        const RemeshResult result = remesh(mesh, {.edge_length = length, .angle_deg = angle_deg});
+        EXPECT_EQ(count_lost(alone, result.mesh, 0.5 * angle_deg), 0) << "of " << alone.size() << " at " << length;
         EXPECT_GT(shape_of(result.mesh).smallest, 0.2);
     }
 }

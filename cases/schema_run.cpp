@@ -107,9 +107,10 @@ std::vector<Key> run_keys() {
          .limits = {0, 1, false, true}},
         {.path = "optimize.refine_when.promise_below",
          .type = Type::fraction,
-         .doc = "With `split: sensitivity`: patches are split only where they are expected to give this share of what the "
-                "run has gained for every ten new variables, and the run ends instead of refining when all that would "
-                "be split gives less (fewer than ten variables count as ten). Smaller: finer trees.",
+         .doc =
+             "With `split: sensitivity`: patches are split only where they are expected to give this share of what the "
+             "run has gained for every ten new variables, and the run ends instead of refining when all that would "
+             "be split gives less (fewer than ten variables count as ten). Smaller: finer trees.",
          .fallback = "0.2%",
          .limits = {0, 1, false, true}},
         {.path = "optimize.tolerances", .doc = "When a level has converged.", .fallback = "{}"},

@@ -144,8 +144,7 @@ TEST(Refinement, WhatIsNotMadeGivesNoCredit) {
     problem.parameters.kinds = {VariableKind::strain};
     problem.parameters.split = SplitRule::sensitivity;
     const Points aim = problem.surface.vertices * Eigen::Vector3d(1.02, 1, 1).asDiagonal();
-    problem.quantities.push_back(
-        target_shape_same("match", problem.surface, with_vertices(problem.surface, aim)));
+    problem.quantities.push_back(target_shape_same("match", problem.surface, with_vertices(problem.surface, aim)));
     problem.objective = "match";
     problem.optimize.promise_below = 0.9;  // nothing promises that much: the first level is left, then finished
     std::vector<std::string> notes;

@@ -195,8 +195,8 @@ private:
             if (!columns_.empty())
                 split.promise = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
                                 (2 * facts_.curvature);
-            // Where promises agree (mirror images) the first counts, not the rounding.
             if (split.promise < least * split.new_variables) continue;
+            // Where promises agree (mirror images) the first counts, not the rounding.
             if (split.new_variables <= variables && (!best || split.promise > (1 + tie) * splits_[*best].promise))
                 best = s;
         }

@@ -46,6 +46,15 @@ Problem bump_problem(double load) {
     return problem;
 }
 
+Problem problem_that_may_split_all() {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.parameters.split_share = 1;
+    problem.parameters.growth = 100;
+    return problem;
+}
+
 /// As if the objective fell along these forces, one per vertex.
 ShellSensitivities falls_along(const Points& force) {
     ShellSensitivities s;
@@ -87,11 +96,7 @@ TEST(CarriedHessian, KeepsWhatTheParentKnewAndTheMetricOfTheRest) {
 }
 
 TEST(Refinement, EverySplitButTheFirstEarnsItsPrice) {
-    Problem problem = ellipsoid_problem(3, 3);
-    problem.parameters.kinds = {VariableKind::load_normal};
-    problem.parameters.split = SplitRule::sensitivity;
-    problem.parameters.split_share = 1;
-    problem.parameters.growth = 100;
+    const Problem problem = problem_that_may_split_all();
     const DesignSpace space = design_space(rest_facts(problem), 2);
     const Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
     Points force = problem.surface.vertices;
@@ -110,11 +115,7 @@ TEST(Refinement, EverySplitButTheFirstEarnsItsPrice) {
 }
 
 TEST(Refinement, WhatLeavesAtTheirBoundsCannotDoIsNotPromised) {
-    Problem problem = ellipsoid_problem(3, 3);
-    problem.parameters.kinds = {VariableKind::load_normal};
-    problem.parameters.split = SplitRule::sensitivity;
-    problem.parameters.split_share = 1;
-    problem.parameters.growth = 100;
+    const Problem problem = problem_that_may_split_all();
     const auto rest = rest_facts(problem);
     // One quadrant in its two octants, which have no parts, the other three whole.
     const DesignSpace quadrants = design_space(rest, 2);

@@ -93,7 +93,9 @@ void add_gradient_check(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "gradient-check", "Taylor test of the gradients of objective, constraints and fitted values of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    command->add_option("--at", args->at, "point of the test: random (default) or start")
+    command
+        ->add_option("--at", args->at,
+                     "point of the test: random (default; beside the start) or start (of the case, or of start_from)")
         ->check(CLI::IsMember({"random", "start"}));
     command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");
     command->add_option("--level", args->options.level, "level of the patches (default: the finest)")

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/evaluation.hpp"
+#include "optimize/stored_design.hpp"
 
 #include <Eigen/Cholesky>
 
@@ -54,14 +55,32 @@ void fit_own(const DesignSpace& space, const Eigen::VectorXd& x, double h, Eigen
     }
 }
 
-DesignSpace space_of(const std::shared_ptr<const RestFacts>& rest, int level) {
+/// Where the check begins.
+struct Beginning {
+    DesignSpace space;
+    Eigen::VectorXd x;
+};
+
+Beginning begin(ShapeEvaluator& evaluator, const Problem& problem, const std::shared_ptr<const RestFacts>& rest,
+                int level) {
     const int finest = static_cast<int>(rest->tree->levels.size()) - 1;
     if (level > finest || level == 0 || level < -1)
         throw InvalidInput(text("gradient check: level ", level, " must be in [1, ", finest, "]"));
-    DesignSpace space = design_space(rest, level < 0 ? finest : level);
-    if (space.size() == 0)
+    if (problem.start && level > 0)
+        throw InvalidInput(text("gradient check: level ", level,
+                                " is not wanted with start_from, whose design has patches of its own"));
+    Beginning b;
+    if (problem.start) {
+        InheritedSpace stored = enter_stored(evaluator, rest, *problem.start);
+        b = {std::move(stored.space), std::move(stored.x)};
+    } else {
+        b.space = design_space(rest, level < 0 ? finest : level);
+        b.x = Eigen::VectorXd::Zero(b.space.size());
+        evaluator.enter(b.space);
+    }
+    if (b.space.size() == 0)
         throw InvalidInput("gradient check: no variable of this level moves anything; is all of it fixed?");
-    return space;
+    return b;
 }
 
 }  // namespace
@@ -84,19 +103,18 @@ GradientCheck check_gradients(const Problem& problem, const GradientCheckOptions
     const std::vector<std::string> names = checked_values(problem);
     const auto rest = rest_facts(problem);
     ShapeEvaluator evaluator(problem, rest, names);
-    const DesignSpace space = space_of(rest, options.level);
-    evaluator.enter(space);
+    const auto [space, start] = begin(evaluator, problem, rest, options.level);
     Random random(options.seed);
-    Eigen::VectorXd x = options.away * unit_vector(space, random);
+    Eigen::VectorXd x = start + options.away * unit_vector(space, random);
     Eigen::VectorXd d = unit_vector(space, random);
     x = x.cwiseMax(space.lower).cwiseMin(space.upper);
-    if (options.at_start) x.setZero();
+    if (options.at_start) x = start;
 
     GradientCheck check;
     check.level = space.level;
     check.variables = space.size();
     ShapeEvaluation base;
-    for (int attempt = 0;; ++attempt, x *= 0.5) {
+    for (int attempt = 0;; ++attempt, x = 0.5 * (start + x)) {
         base = evaluator.evaluate(x, ++check.evaluations);
         if (base.status == EvaluationStatus::ok) break;
         check.notes.push_back(text("point of size ", std::sqrt(x.dot(space.metric * x)), ": ", base.reason));

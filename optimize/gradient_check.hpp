@@ -43,8 +43,8 @@ TaylorTest taylor_test(const std::string& name, double value, double slope, doub
                        const std::vector<double>& values, double accept = 0);
 
 struct GradientCheckOptions {
-    int level = -1;         ///< of the tree, >= 1; -1: the finest
-    bool at_start = false;  ///< at x = 0; otherwise at a random point
+    int level = -1;         ///< of the tree, >= 1; -1: the finest, or with `Problem::start` that design's own patches
+    bool at_start = false;  ///< at the start (x = 0, or that design); otherwise at a random point beside it
     unsigned seed = 1;      ///< of point and direction
     double away = 0.3;      ///< size of the random point in the metric of the space (about 1: `max_displacement`), > 0
     double accept = 0;      ///< `taylor_test`'s

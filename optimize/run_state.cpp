@@ -165,21 +165,10 @@ Eigen::VectorXd RunState::first_level() {
         return Eigen::VectorXd::Zero(space.size());
     }
     const StoredDesign& design = *problem.start;
-    const StartSpace stored = start_space(rest, design);
-    InheritedSpace inherited = refine(stored.space, stored.x, stored.front);
+    InheritedSpace inherited = enter_stored(evaluator, rest, design);
     space = std::move(inherited.space);
     follows_tree_ = design.level < static_cast<int>(rest->tree->levels.size()) &&
                     rest->tree->levels[design.level].label == space.patches().label;
-    evaluator.enter(space);
-    std::string reason;
-    level_best_vertices = evaluator.begin_from(design.poses, inherited.x, reason);
-    const double off = level_best_vertices.rows() == 0
-                           ? std::numeric_limits<double>::infinity()
-                           : std::sqrt((level_best_vertices - design.vertices).rowwise().squaredNorm().maxCoeff());
-    if (!(off <= inheritance_tolerance * rest->diagonal))
-        throw InvalidInput(text("start_from: the loads of that run do not give its shape here (",
-                                reason.empty() ? text("it is ", off / rest->diagonal, " diagonals off") : reason,
-                                "): fixed, symmetry, shell, loads and strains have to be those of that run"));
     level_best_vertices = design.vertices;
     note(text("starts from evaluation ", design.evaluation, " of the run before, objective there ", design.objective));
     return inherited.x;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/evaluation.hpp"
 #include "optimize/own_variables.hpp"
 
 #include <cstdint>
@@ -9,6 +10,8 @@
 
 namespace strake {
 namespace {
+
+constexpr double inheritance_tolerance = 1e-10;  ///< of the diagonal
 
 /// FNV-1a, 64 bits.
 std::string hash_of(const void* data, std::size_t bytes) {
@@ -193,6 +196,24 @@ StartSpace start_space(std::shared_ptr<const RestFacts> rest, const StoredDesign
     start.x = Eigen::VectorXd::Zero(space.size());
     start.x.head(shape) = Eigen::VectorXd::Map(x.data(), shape);
     return start;
+}
+
+InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const RestFacts> rest,
+                            const StoredDesign& design) {
+    const double diagonal = rest->diagonal;
+    const StartSpace stored = start_space(std::move(rest), design);
+    InheritedSpace inherited = refine(stored.space, stored.x, stored.front);
+    evaluator.enter(inherited.space);
+    std::string reason;
+    const Points vertices = evaluator.begin_from(design.poses, inherited.x, reason);
+    const double off = vertices.rows() == 0
+                           ? std::numeric_limits<double>::infinity()
+                           : std::sqrt((vertices - design.vertices).rowwise().squaredNorm().maxCoeff());
+    if (!(off <= inheritance_tolerance * diagonal))
+        throw InvalidInput(text("start_from: the loads of that run do not give its shape here (",
+                                reason.empty() ? text("it is ", off / diagonal, " diagonals off") : reason,
+                                "): fixed, symmetry, shell, loads and strains have to be those of that run"));
+    return inherited;
 }
 
 }  // namespace strake

@@ -8,6 +8,8 @@
 /// on may have other variables.
 namespace strake {
 
+class ShapeEvaluator;
+
 /// Enough of a surface to know it again.
 struct SurfaceMark {
     int vertices = 0, triangles = 0;
@@ -57,5 +59,10 @@ struct StartSpace {
     Front front;  ///< to refine to: the same patches, each its own parent
 };
 StartSpace start_space(std::shared_ptr<const RestFacts> rest, const StoredDesign& design);
+
+/// Enters the space that the problem's variables have on the design's patches, at the design's equilibrium: x and space
+/// to begin with. @throws InvalidInput where the design's loads do not give its shape. @pre `start_from`.
+InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const RestFacts> rest,
+                            const StoredDesign& design);
 
 }  // namespace strake

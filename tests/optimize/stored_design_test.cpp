@@ -5,6 +5,7 @@
 #include "core/mesh/temp_folder.hpp"
 #include "optimize/coarse_to_fine.hpp"
 #include "optimize/fit.hpp"
+#include "optimize/gradient_check.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -84,6 +85,25 @@ TEST(StoredDesign, ARunGoesOnWhereAnotherEnded) {
         EXPECT_LE(r.max_violation, 1e-6) << "relative limits are those of the first run";
         EXPECT_NEAR(r.values[1], 1.02 * before.result.values_start[1], 1e-3 * r.values[1]);
     }
+}
+
+TEST(StoredDesign, GradientsAreCheckedThere) {
+    Problem problem = more_volume({VariableKind::load_normal}, 10);
+    const Ended before = run(problem);
+    GradientCheckOptions options;
+    options.at_start = true;
+    const double undeformed = check_gradients(problem, options).tests[0].value;
+    start_from(problem, before.best);
+    const GradientCheck there = check_gradients(problem, options);
+    EXPECT_NEAR(there.tests[0].value, before.result.objective, 1e-10 * before.result.objective);
+    EXPECT_GT(there.tests[0].value, undeformed * (1 + 1e-4));
+    EXPECT_TRUE(there.passed()) << there.tests[0].verdict;
+    options.at_start = false;
+    const GradientCheck beside = check_gradients(problem, options);
+    EXPECT_NE(beside.tests[0].value, there.tests[0].value);
+    EXPECT_TRUE(beside.passed()) << beside.tests[0].verdict;
+    options.level = 1;
+    EXPECT_NE(refusal([&] { check_gradients(problem, options); }).find("start_from"), std::string::npos);
 }
 
 TEST(StoredDesign, GivenVariablesComeAlongByName) {

@@ -36,6 +36,27 @@ std::string unknown_option(const CommandRow& command, const std::vector<std::str
     return "";
 }
 
+std::string needs_a_value(const CommandRow& command, const OptionRow& option, const std::string& name) {
+    return fmt::format("strake: {}: {} needs a value: {}", command.name, name, option.doc);
+}
+
+/// The parser takes what follows an option for its value, be it the next option: then it misses that one.
+std::string swallowed_option(const CommandRow& command, const std::vector<std::string>& arguments) {
+    const auto option_of = [&](const std::string& word) {
+        return std::find_if(command.options.begin(), command.options.end(), [&](const OptionRow& option) {
+            return !option.is_positional &&
+                   std::find(option.names.begin(), option.names.end(), word) != option.names.end();
+        });
+    };
+    for (std::size_t i = 1; i + 1 < arguments.size() && arguments[i] != "--"; ++i) {
+        const auto option = option_of(arguments[i]);
+        if (option != command.options.end() && option->takes_value &&
+            option_of(arguments[i + 1]) != command.options.end())
+            return needs_a_value(command, *option, arguments[i]);
+    }
+    return "";
+}
+
 std::string positionals(const CommandRow& command) {
     std::string out;
     for (const OptionRow& option : command.options)
@@ -57,8 +78,7 @@ std::string other_words(const CommandRow& command, const CLI::ParseError& error)
         for (const std::string& name : option.names) {
             if (words.starts_with(name + ": At Most ") || words.starts_with(name + ": 1 required but received"))
                 return fmt::format("strake: {}: {} may be given once only", command.name, name);
-            if (words.starts_with(name + ": 1 required"))
-                return fmt::format("strake: {}: {} needs a value: {}", command.name, name, option.doc);
+            if (words.starts_with(name + ": 1 required")) return needs_a_value(command, option, name);
         }
     const std::string not_expected = words.substr(words.rfind(' ') + 1);
     if (words.starts_with("The following argument"))
@@ -82,6 +102,7 @@ std::string usage_words(const CLI::App& app, const CLI::ParseError& error, const
         std::find_if(table.begin(), table.end(), [&](const CommandRow& row) { return row.name == arguments[0]; });
     if (command == table.end()) return unknown_command(arguments[0], table) + "\nsee `strake --help`";
     std::string words = unknown_option(*command, arguments, 1);
+    if (words.empty()) words = swallowed_option(*command, arguments);
     if (words.empty()) words = other_words(*command, error);
     return fmt::format("{}\nusage: strake {}{} [OPTIONS]; see `strake {} --help`", words, command->name,
                        positionals(*command), command->name);

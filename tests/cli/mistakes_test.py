@@ -119,6 +119,7 @@ MISTAKES = [
     ("a repair that asks for nothing", {}, ["repair", "body.obj", "-o", "new.obj"], 2),
     ("a fill without holes", {}, ["repair", "body.obj", "-o", "new.obj", "--orient", "--fill", "smooth"], 2),
     ("two rules for the parts", {}, ["repair", "body.obj", "-o", "new.obj", "--components", "largest=1", "--components", "largest=2"], 2),
+    ("an option in the place of a value", {}, ["repair", "body.obj", "--weld", "-o", "new.obj"], 2),
     ("a shortest edge longer than the edges", {}, ["remesh", "body.obj", "-o", "new.obj", "--edge-length", "5%", "--shortest-edge", "500%"], 2),
     ("an output of unknown format", {}, ["repair", "body.obj", "-o", "new.step", "--orient"], 2),
     ("a variable that is not there", {}, ["sweep", "case.yaml", "--variable", "p1.load_norm", "--from", "0", "--to", "1", "--steps", "2"], 2),

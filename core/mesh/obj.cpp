@@ -92,6 +92,14 @@ struct ObjReader {
     }
 };
 
+/// A '#' would begin a comment, and a backslash at the end would take the next line along.
+std::string group_title(const std::string& name) {
+    std::string title = one_line(name);
+    std::replace(title.begin(), title.end(), '#', '_');
+    if (title.ends_with('\\')) title.back() = '_';
+    return title;
+}
+
 }  // namespace
 
 SurfaceFile read_obj(std::string_view bytes, const std::string& name) {
@@ -109,7 +117,7 @@ std::string obj(const TriMesh& mesh) {
     for (int v = 0; v < mesh.num_vertices(); ++v) append_row(out, "v ", mesh.vertices.data() + 3 * v);
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         if (!mesh.group.empty() && (t == 0 || mesh.group[t] != mesh.group[t - 1]))
-            out += "g " + one_line(mesh.group_names[mesh.group[t]]) + "\n";
+            out += "g " + group_title(mesh.group_names[mesh.group[t]]) + "\n";
         append_row(out, "f ", mesh.triangles.data() + 3 * t, 1);
     }
     return out;

@@ -366,6 +366,17 @@ TEST(SurfaceIo, PackedFilesAreUnpackedAndBombsRefused) {
     EXPECT_NE(refusal("v 0 0 0").find("gzip"), std::string::npos);
 }
 
+TEST(SurfaceIo, GroupNamesOfObjKeepTheirLine) {
+    TriMesh mesh = rough_sphere();
+    mesh.group_names = {"left\\", "tail #2"};
+    mesh.group.assign(static_cast<std::size_t>(mesh.num_triangles()), 0);
+    mesh.group.back() = 1;
+    const TriMesh back = formats::read_obj(surface_bytes(mesh, SurfaceFormat::obj, "f"), "f").mesh;
+    EXPECT_EQ(back.triangles, mesh.triangles);
+    EXPECT_EQ(back.group, mesh.group);
+    EXPECT_EQ(back.group_names, (std::vector<std::string>{"left_", "tail _2"}));
+}
+
 TEST(SurfaceIo, ObjVariants) {
     const std::string file =
         "# comment\nmtllib never_opened.mtl\no part\nv 0 0 0\nv 1 0 0 1.0\nv 1 1 0 0.5 0.5 0.5\nv 0 1 0\nvt 0 0\n"

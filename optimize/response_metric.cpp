@@ -8,7 +8,7 @@ namespace strake {
 namespace {
 
 constexpr int most_samples = 3000;           ///< vertices for the metric: a mean square needs no more
-constexpr double response_tolerance = 1e-6;  ///< a metric needs no more either
+constexpr double response_tolerance = 1e-9;  ///< so that designs do not depend on the unit of length
 
 std::string key_of(const Variable& variable) {
     std::string key = variable.name;

@@ -26,6 +26,14 @@ void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
 
+/// Of the edges of a surface, in wanted lengths.
+struct Lengths {
+    double longer = 0, shorter = 0;  ///< shares of the edges that are so by too much
+    double unlimited = 0;            ///< share where the shape asks for nothing shorter
+    double mean = 0;                 ///< of these
+    double shortest = std::numeric_limits<double>::infinity();
+};
+
 /// One call of remesh().
 class Remesher {
 public:
@@ -59,9 +67,11 @@ public:
     }
 
     RemeshResult run() {
-        is_finished_ = is_graded_ = is_graded_as_wanted();
+        const Lengths given = lengths();
+        is_finished_ = is_graded_ = is_graded_as_wanted(given);
         if (!is_finished_) {
-            for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
+            for (const double factor : {0.01, 0.1, 0.4})
+                if (given.shortest < factor) collapse_short(mesh_, firm_, factor, too_long);
             shorten_needles();
             is_finished_ = has_wanted_lengths() && mean_quality_inside() > least_finished;
         }
@@ -83,9 +93,8 @@ public:
 
     /// Whether the input is what this length has left before, with edges much shorter where the shape asks for it. On
     /// the way there the iterations would take these away, and not find all of them again.
-    bool is_graded_as_wanted() {
+    bool is_graded_as_wanted(const Lengths& given) {
         if (options_.chord_error > 0) return false;
-        const Lengths given = lengths();
         if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < 0.95) return false;
         const std::vector<char> is_tight = tight_places(base_, sizing_.longest);
         for (int v = 0; v < mesh_.num_vertices(); ++v)
@@ -99,7 +108,7 @@ public:
     }
 
     bool is_input_as_wanted() {
-        return is_graded_as_wanted() || (has_wanted_lengths() && mean_quality_inside() > least_finished);
+        return is_graded_as_wanted(lengths()) || (has_wanted_lengths() && mean_quality_inside() > least_finished);
     }
 
     /// The input where run() left intersections, and around that. @return how many triangles it has become.
@@ -171,11 +180,6 @@ private:
         return mean >= evenly_shaped ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
     }
 
-    struct Lengths {
-        double longer = 0, shorter = 0;  ///< shares of the edges that are so by too much
-        double unlimited = 0;            ///< share where the shape asks for nothing shorter
-        double mean = 0;                 ///< of these, in wanted lengths
-    };
     Lengths lengths() const {
         Lengths result;
         int all = 0;
@@ -185,6 +189,7 @@ private:
                          share = std::sqrt(mesh_.length2(h)) / wanted;
             result.longer += share > too_long;
             result.shorter += share < too_short;
+            result.shortest = std::min(result.shortest, share);
             ++all;
             if (wanted < 0.98 * sizing_.longest) continue;
             ++result.unlimited;

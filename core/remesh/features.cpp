@@ -279,7 +279,7 @@ void find_features(const TriMesh& mesh, const Adjacency& adjacent, const Points&
                    const std::vector<char>& frozen, BaseSurface& base) {
     Points normals(mesh.num_triangles(), 3);  // those of slivers would make corners
     for (int t = 0; t < mesh.num_triangles(); ++t) normals.row(t) = base.normal[t];
-    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles);
+    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles, angle);
     const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, frozen, base).run(), base);
     assign_roles(tensor, angle, base);
     CurveWalk(base, half_of).run();

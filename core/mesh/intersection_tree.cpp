@@ -132,25 +132,32 @@ IntersectionTree::IntersectionTree(const TriMesh& rest)
     const auto id = [&](int t, int k) { return twin_.empty() ? triangles_(t, k) : twin_[triangles_(t, k)]; };
     for (int t = 0; t < rest.num_triangles(); ++t)
         if (id(t, 0) != id(t, 1) && id(t, 1) != id(t, 2) && id(t, 2) != id(t, 0)) order_.push_back(t);
-    if (!order_.empty()) build(0, static_cast<int>(order_.size()), triangle_centroids(rest));
+    const Points centroids = triangle_centroids(rest);
+    std::vector<Centre> centres;
+    centres.reserve(order_.size());
+    for (const int t : order_) centres.push_back({centroids.row(t), t});
+    if (!order_.empty()) build(0, static_cast<int>(order_.size()), centres);
+    for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = centres[i].triangle;
     at_rest_ = search(rest_, {});
 }
 
 /// Halves at the median along the longest side of the centroids' box. Equal coordinates are ordered by number.
-void IntersectionTree::build(int begin, int end, const Points& centroid) {
+void IntersectionTree::build(int begin, int end, std::vector<Centre>& centres) {
     const std::size_t self = nodes_.size();
     nodes_.push_back({begin, end, -1});
     if (end - begin <= leaf_size) return;
-    Bounds around{centroid.row(order_[begin]), centroid.row(order_[begin])};
-    for (int i = begin; i < end; ++i) around.add({centroid.row(order_[i]), centroid.row(order_[i])});
+    Bounds around{centres[begin].at, centres[begin].at};
+    for (int i = begin; i < end; ++i) around.add({centres[i].at, centres[i].at});
     int axis = 0;
     (around.high - around.low).maxCoeff(&axis);
     const int middle = begin + (end - begin) / 2;
-    std::nth_element(order_.begin() + begin, order_.begin() + middle, order_.begin() + end,
-                     [&](int s, int t) { return std::pair(centroid(s, axis), s) < std::pair(centroid(t, axis), t); });
-    build(begin, middle, centroid);
+    std::nth_element(centres.begin() + begin, centres.begin() + middle, centres.begin() + end,
+                     [axis](const Centre& s, const Centre& t) {
+                         return s.at[axis] != t.at[axis] ? s.at[axis] < t.at[axis] : s.triangle < t.triangle;
+                     });
+    build(begin, middle, centres);
     nodes_[self].right = static_cast<int>(nodes_.size());
-    build(middle, end, centroid);
+    build(middle, end, centres);
 }
 
 /// Twins that are still together get the coordinates and the number of the first of them: pins move the two sides of a

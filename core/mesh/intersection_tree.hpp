@@ -26,7 +26,11 @@ private:
         int begin, end, right;  ///< range in `order_`; right child, or -1 for a leaf; the left child is the next node
     };
     struct Search;
-    void build(int begin, int end, const Points& centroid);
+    struct Centre {
+        Eigen::Vector3d at;
+        int triangle;
+    };
+    void build(int begin, int end, std::vector<Centre>& centres);
     Points with_closed_seams(const Points& vertices, std::vector<int>& id) const;
     Intersections search(const Points& vertices, const std::vector<char>& moved) const;
 

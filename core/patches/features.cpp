@@ -26,13 +26,24 @@ std::vector<char> on_open_boundary(const TriMesh& mesh, const Adjacency& adjacen
     return open;
 }
 
-VertexFeature feature_of(const Eigen::Matrix3d& A, const Eigen::Vector3d& normal_sum, double weight, bool open) {
+/// Upper bound of the second eigenvalue's share of the largest: that is at least A's value along n.
+double largest_ratio(const Eigen::Matrix3d& A, const Eigen::Vector3d& n) {
+    const double along = n.dot(A * n) / n.squaredNorm();
+    return std::max(A.trace() - along, 0.0) / along;
+}
+
+VertexFeature feature_of(const Eigen::Matrix3d& A, const Eigen::Vector3d& normal_sum, double weight, bool open,
+                         double smooth_ratio) {
     VertexFeature feature;
     feature.angle_defect = std::abs((open ? pi : 2 * pi) - weight);
     if (!(weight > 0)) return feature;
+    feature.mean_normal_squared = (normal_sum / weight).squaredNorm();
+    if (smooth_ratio > 0 && feature.mean_normal_squared >= 0.5) {
+        feature.eigenvalue_ratio = largest_ratio(A, normal_sum);
+        if (feature.eigenvalue_ratio < smooth_ratio) return feature;
+    }
     const Eigen::Vector3d l = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(A, Eigen::EigenvaluesOnly).eigenvalues();
     feature.eigenvalue_ratio = l[2] > 0 ? std::clamp(l[1] / l[2], 0.0, 1.0) : 0.0;
-    feature.mean_normal_squared = (normal_sum / weight).squaredNorm();
     const double t = crease_angle(l[1], l[2]);
     feature.theta = feature.mean_normal_squared >= 0.5 ? t : pi - t;
     feature.psi = crease_angle(l[0], l[2]);
@@ -46,7 +57,8 @@ std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adja
 }
 
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
-                                                 const Points& angles) {
+                                                 const Points& angles, double smooth_below) {
+    const double smooth_ratio = smooth_below > 0 ? 0.9 * std::pow(std::tan(0.5 * smooth_below), 2) : 0;
     const std::vector<char> open = on_open_boundary(mesh, adjacent);
     std::vector<VertexFeature> features(mesh.num_vertices());
     for (int v = 0; v < mesh.num_vertices(); ++v) {
@@ -63,7 +75,7 @@ std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adja
                 weight += angles(t, k);
             }
         }
-        features[v] = feature_of(A, normal_sum, weight, open[v]);
+        features[v] = feature_of(A, normal_sum, weight, open[v], smooth_ratio);
     }
     return features;
 }

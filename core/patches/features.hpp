@@ -25,8 +25,10 @@ struct VertexFeature {
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent);
 /// The same with normals that are known better than from the triangles. @param normals unit or zero, one a triangle
 /// @param angles corner_angles(mesh)
+/// @param smooth_below > 0: vertices that are surely smooth at thresholds of at least this, radians, have an upper
+/// bound as eigenvalue_ratio, and no angles: that is faster.
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
-                                                 const Points& angles);
+                                                 const Points& angles, double smooth_below = 0);
 
 /// Ridge or corner at threshold tau: 2 atan sqrt(l2 / l1) >= tau (the paper's test), or |mu|^2 < 1/2 (acute creases,
 /// where the two large eigenvalues have swapped). @param tau radians, in (0, pi/2], not checked.

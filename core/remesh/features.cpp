@@ -6,7 +6,6 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <map>
-#include <numeric>
 
 namespace strake {
 namespace {
@@ -106,22 +105,27 @@ private:
             if (!is_new) keep(known->second), keep(h);
         }
     }
-    /// Number of the place of each point; empty: no two points are at one place.
+    /// Number of the place of each point on a feature; empty: no two of them are at one place.
     std::vector<int> places() const {
-        const int n = static_cast<int>(base_.points.size());
-        std::vector<int> order(n), place(n, 0);
-        std::iota(order.begin(), order.end(), 0);
+        std::vector<int> order, place(base_.points.size(), -1);
+        for (int h = 0; h < static_cast<int>(kind_.size()); ++h)
+            if (kind_[h] >= 0)
+                for (const int v : {base_.from(h), to(h)})
+                    if (place[v] < 0) {
+                        place[v] = 0;
+                        order.push_back(v);
+                    }
         const auto before = [&](int u, int v) {
             const Eigen::Vector3d &p = base_.points[u], &q = base_.points[v];
             return std::lexicographical_compare(p.data(), p.data() + 3, q.data(), q.data() + 3);
         };
         std::sort(order.begin(), order.end(), before);
         int count = 0;
-        for (int i = 0; i < n; ++i) {
+        for (std::size_t i = 0; i < order.size(); ++i) {
             if (i > 0 && before(order[i - 1], order[i])) ++count;
             place[order[i]] = count;
         }
-        if (count + 1 == n) place.clear();
+        if (order.empty() || count + 1 == static_cast<int>(order.size())) place.clear();
         return place;
     }
     bool is_weak(int h) const {
@@ -275,7 +279,7 @@ void find_features(const TriMesh& mesh, const Adjacency& adjacent, const Points&
                    const std::vector<char>& frozen, BaseSurface& base) {
     Points normals(mesh.num_triangles(), 3);  // those of slivers would make corners
     for (int t = 0; t < mesh.num_triangles(); ++t) normals.row(t) = base.normal[t];
-    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles);
+    const std::vector<VertexFeature> tensor = quadric_metric_tensor(mesh, adjacent, normals, angles, angle);
     const std::vector<int> half_of = collect_features(Kinds(mesh, adjacent, tensor, angle, frozen, base).run(), base);
     assign_roles(tensor, angle, base);
     CurveWalk(base, half_of).run();

@@ -8,6 +8,7 @@
 #include <chrono>
 #include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -16,6 +17,7 @@ constexpr double radians = std::numbers::pi / 180;
 constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
 constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
 constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
+constexpr double least_finished = 0.97;     ///< mean quality of what need only be finished
 constexpr double few_gaps = 0.02;           ///< share of removed triangles that are just passed over
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
@@ -23,6 +25,14 @@ constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
+
+/// Of the edges of a surface, in wanted lengths.
+struct Lengths {
+    double longer = 0, shorter = 0;  ///< shares of the edges that are so by too much
+    double unlimited = 0;            ///< share where the shape asks for nothing shorter
+    double mean = 0;                 ///< of these
+    double shortest = std::numeric_limits<double>::infinity();
+};
 
 /// One call of remesh().
 class Remesher {
@@ -57,12 +67,16 @@ public:
     }
 
     RemeshResult run() {
-        for (const double factor : {0.01, 0.1, 0.4}) collapse_short(mesh_, firm_, factor, too_long);
-        shorten_needles();
-        is_finished_ = has_wanted_lengths() && mean_quality_inside() > 0.97;
+        const Lengths given = lengths();
+        is_finished_ = is_graded_ = is_graded_as_wanted(given);
+        if (!is_finished_) {
+            for (const double factor : {0.01, 0.1, 0.4})
+                if (given.shortest < factor) collapse_short(mesh_, firm_, factor, too_long);
+            shorten_needles();
+            is_finished_ = has_wanted_lengths() && mean_quality_inside() > least_finished;
+        }
         if (is_finished_) accept_lengths();
-        for (int i = is_finished_ ? std::max(1, options_.iterations - finishing + 1) : 1;
-             i <= options_.iterations && !result_.cancelled; ++i) {
+        for (int i = first_iteration(); i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
             const int finish = options_.iterations - finishing;
@@ -77,6 +91,26 @@ public:
         return std::move(result_);
     }
 
+    /// Whether the input is what this length has left before, with edges much shorter where the shape asks for it. On
+    /// the way there the iterations would take these away, and not find all of them again.
+    bool is_graded_as_wanted(const Lengths& given) {
+        if (options_.chord_error > 0) return false;
+        if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < 0.95) return false;
+        const std::vector<char> is_tight = tight_places(base_, sizing_.longest);
+        for (int v = 0; v < mesh_.num_vertices(); ++v)
+            if (is_tight[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean_edge_at(v));
+        update_sizes(mesh_, sizing_);
+        const Lengths found = lengths();
+        if (found.shorter < 0.2 && found.unlimited > 0.1 && std::abs(found.mean - 1) < 0.07) return true;
+        mesh_.limit.assign(mesh_.limit.size(), std::numeric_limits<double>::infinity());
+        update_sizes(mesh_, sizing_);
+        return false;
+    }
+
+    bool is_input_as_wanted() {
+        return is_graded_as_wanted(lengths()) || (has_wanted_lengths() && mean_quality_inside() > least_finished);
+    }
+
     /// The input where run() left intersections, and around that. @return how many triangles it has become.
     int freeze(std::vector<char>& frozen) {
         frozen.resize(base_.tri.size(), 0);
@@ -86,6 +120,11 @@ public:
     }
 
 private:
+    int first_iteration() const {
+        if (is_graded_) return options_.iterations;
+        return is_finished_ ? std::max(1, options_.iterations - finishing + 1) : 1;
+    }
+
     /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface
     /// takes.
     void shorten_needles() {
@@ -135,31 +174,46 @@ private:
     /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
     /// are; what is finished may exceed it.
     double tightness(int iteration) {
-        if (is_finished_) return 1.3;
+        if (is_finished_) return is_graded_ ? 2 : 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
         const double mean = mean_quality_inside();
         return mean >= evenly_shaped ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
     }
 
-    /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
-    bool has_wanted_lengths() const {
-        int longer = 0, shorter = 0, all = 0;
+    Lengths lengths() const {
+        Lengths result;
+        int all = 0;
         for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h) {
             if (mesh_.corner[h] < 0 || mesh_.twin[h] > h) continue;
-            const double share = std::sqrt(mesh_.length2(h)) / mesh_.wanted(mesh_.from(h), mesh_.to(h));
-            longer += share > too_long;
-            shorter += share < too_short;
+            const double wanted = mesh_.wanted(mesh_.from(h), mesh_.to(h)),
+                         share = std::sqrt(mesh_.length2(h)) / wanted;
+            result.longer += share > too_long;
+            result.shorter += share < too_short;
+            result.shortest = std::min(result.shortest, share);
             ++all;
+            if (wanted < 0.98 * sizing_.longest) continue;
+            ++result.unlimited;
+            result.mean += share;
         }
-        return longer < 0.01 * all && shorter < 0.15 * all;
+        result.mean /= std::max(result.unlimited, 1.0);
+        result.longer /= all, result.shorter /= all, result.unlimited /= all;
+        return result;
+    }
+    /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
+    bool has_wanted_lengths() const {
+        const Lengths found = lengths();
+        return found.longer < 0.01 && found.shorter < 0.15;
+    }
+    double mean_edge_at(int v) const {
+        double sum = 0;
+        mesh_.neighbours(v, [&](int u) { sum += (mesh_.pos[u] - mesh_.pos[v]).norm(); });
+        return sum / mesh_.valence[v];
     }
     /// A finished surface keeps its lengths, and its vertices move only where something is done to it.
     void accept_lengths() {
         for (int v = 0; v < mesh_.num_vertices(); ++v) {
             if (mesh_.half[v] < 0) continue;
-            double sum = 0;
-            mesh_.neighbours(v, [&](int u) { sum += (mesh_.pos[u] - mesh_.pos[v]).norm(); });
-            const double mean = sum / mesh_.valence[v];
+            const double mean = mean_edge_at(v);
             if (mean < 0.9 * mesh_.size[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean);
         }
         update_sizes(mesh_, sizing_);
@@ -284,6 +338,7 @@ private:
     const BaseSurface base_;
     Sizing sizing_;
     bool takes_limits_ = true;  ///< thin places may still ask for shorter edges
+    bool is_graded_ = false;    ///< the input is as wanted, shorter where the shape asks for it
     bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
     StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
@@ -309,11 +364,59 @@ void validate(const RemeshOptions& o) {
     check(o.threads >= 0, "threads", o.threads, ">= 0");
 }
 
+namespace {
+
+/// Of edges, where most of the area is; 0: hardly longer than their mean, or the triangles are not well shaped.
+double most_common_length(const TriMesh& mesh) {
+    const int m = mesh.num_triangles();
+    if (m == 0 || mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.num_vertices()) return 0;
+    const auto length = [&](int t, int k) {
+        return (mesh.vertices.row(mesh.triangles(t, (k + 1) % 3)) - mesh.vertices.row(mesh.triangles(t, k))).norm();
+    };
+    double quality = 0, mean = 0;
+    for (int t = 0; t < m; ++t) {
+        quality += shape_quality(mesh.vertices.row(mesh.triangles(t, 0)), mesh.vertices.row(mesh.triangles(t, 1)),
+                                 mesh.vertices.row(mesh.triangles(t, 2)));
+        for (int k = 0; k < 3; ++k) mean += length(t, k) / (3.0 * m);
+    }
+    if (!(quality > 0.93 * m && mean > 0 && std::isfinite(mean))) return 0;
+    constexpr int bins = 80, width = 7;  // of 5 %; of edges around the wanted length
+    std::array<double, bins> area{}, sum{};
+    for (int t = 0; t < m; ++t)
+        for (int k = 0; k < 3; ++k) {
+            const double l = length(t, k);
+            const int i = static_cast<int>(std::clamp(20 * std::log(l / mean) + bins / 2, 0.0, bins - 1.0));
+            area[i] += l * l;
+            sum[i] += l * l * l;
+        }
+    double most = 0, common = 0;
+    for (int i = 0; i + width <= bins; ++i) {
+        const double all = std::accumulate(&area[i], &area[i] + width, 0.0);
+        if (!(all > most)) continue;
+        most = all;
+        common = std::accumulate(&sum[i], &sum[i] + width, 0.0) / all;
+    }
+    return common > 1.035 * mean ? common : 0;
+}
+
+/// The mean of its edges; what has been remeshed at a length already, with shorter edges where the shape asks for
+/// them, has that one.
+double automatic_length(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
+    RemeshOptions tried = options;
+    tried.edge_length = most_common_length(given);
+    if (!(tried.edge_length > 0) || options.shortest_edge > 0.98 * tried.edge_length) return 0;
+    tried.max_triangles = std::numeric_limits<int>::max();
+    return Remesher(given, tried, progress, {}).is_input_as_wanted() ? tried.edge_length : 0;
+}
+
+}  // namespace
+
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
     // What tangles at one length seldom does at another; what does so everywhere stays as it is in the input.
     constexpr std::array<double, 2> other_lengths{0.98, 1.02};
     RemeshOptions tried = options;
+    if (options.edge_length == 0) tried.edge_length = automatic_length(given, options, progress);
     RemeshResult best;
     std::vector<char> tangled, frozen;
     for (std::size_t attempt = 0, count = 0; attempt < 4 + other_lengths.size(); ++attempt) {

@@ -15,9 +15,11 @@
 namespace strake {
 
 struct RemeshOptions {
-    double edge_length = 0;  ///< wanted; 0: the mean edge length of the input
-    double angle_deg = 40;   ///< tau: an edge of at least this dihedral is a crease; in (0, 90]
-    int iterations = 10;     ///< >= 1; fewer are done when nothing is left to do
+    /// Wanted; 0: the mean edge length of the input. If it is remeshed already, and has shorter edges where its shape
+    /// asks for them: that of the others.
+    double edge_length = 0;
+    double angle_deg = 40;  ///< tau: an edge of at least this dihedral is a crease; in (0, 90]
+    int iterations = 10;    ///< >= 1; fewer are done when nothing is left to do
     /// > 0: edges shrink where the surface bends so that an edge is at most this far from it (l^2 / 8R); 0: uniform.
     double chord_error = 0;
     double shortest_edge = 0;  ///< of sizes that shrink (bends, narrow strips); 0: a tenth of edge_length

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <queue>
 
 #include "core/remesh/passes.hpp"
@@ -192,6 +193,23 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
         if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= most_more * uniform)
             return sizing;
     }
+}
+
+std::vector<char> tight_places(const BaseSurface& base, double longest) {
+    constexpr double own_turn = 0.5 * most_turn, longest_turn = 0.8 * most_turn;
+    std::vector<char> marks(base.points.size(), 0);
+    for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
+        if (base.barrier[h] || base.twin[h] < h) continue;
+        const int u = base.from(h), v = base.from(base.next(h));
+        const Vector3d &n = base.normal[h / 3], &m = base.normal[base.twin[h] / 3];
+        const double length = (base.points[v] - base.points[u]).norm();
+        // Centres of equilateral triangles are 1 / sqrt 3 of an edge apart.
+        const double turn = std::numbers::sqrt3 * std::acos(std::clamp(n.dot(m), -1.0, 1.0));
+        const bool is_bent = turn > own_turn && turn * longest > longest_turn * length;
+        const bool spans = base.role[u] != VertexRole::free && base.role[v] != VertexRole::free;
+        if (is_bent || spans) marks[u] = marks[v] = 1;
+    }
+    return marks;
 }
 
 int note_thin_places(WorkingMesh& mesh, const Sizing& sizing, bool everywhere) {

@@ -1,6 +1,7 @@
 #include "core/patches/features.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/patches/segmentation.hpp"
 #include "shapes.hpp"
 #include "surfaces.hpp"
@@ -62,6 +63,25 @@ TEST(Features, TrianglesOfZeroAreaCarryNoWeight) {
         EXPECT_TRUE(std::isfinite(f.theta + f.psi + f.angle_defect + f.mean_normal_squared));
         EXPECT_FALSE(is_nonsmooth(f, 1 * deg));
     }
+}
+
+TEST(Features, VerdictsAreTheSameWhereSmoothVerticesArePassedOver) {
+    int smooth = 0, sharp = 0;
+    for (const TriMesh& mesh : {icosphere(2), box_surface({1, 2, 3}, 3), capped_cylinder(9, 4)}) {
+        const Adjacency adjacent = adjacency(mesh);
+        const Points normals = triangle_normals(mesh), angles = corner_angles(mesh);
+        const auto exact = quadric_metric_tensor(mesh, adjacent, normals, angles);
+        for (const double tau : {0.05, 0.2, 0.5, 0.7, 1.2}) {
+            const auto quick = quadric_metric_tensor(mesh, adjacent, normals, angles, tau);
+            for (int v = 0; v < mesh.num_vertices(); ++v) {
+                EXPECT_EQ(classify(quick[v], tau), classify(exact[v], tau));
+                EXPECT_GE(quick[v].eigenvalue_ratio, exact[v].eigenvalue_ratio * (1 - 1e-9) - 1e-12);
+                ++(is_nonsmooth(exact[v], tau) ? sharp : smooth);
+            }
+        }
+    }
+    EXPECT_GT(smooth, 100);
+    EXPECT_GT(sharp, 100);
 }
 
 TEST(Features, TrailingEdgeOfAWingIsABarrier) {

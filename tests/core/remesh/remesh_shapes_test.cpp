@@ -104,6 +104,30 @@ TEST(RemeshShapes, TorusMeetsTheGoalsAndStaysWhenRemeshedAgain) {
         0.5);  // the measure can tell
 }
 
+TEST(RemeshShapes, ShorterEdgesOfSharpBendsStayWhenRemeshedAgain) {
+    std::vector<Eigen::Vector2d> outline;  // a plate with round ends
+    for (const double end : {1.0, -1.0})
+        for (int i = 0; i <= 24; ++i) {
+            const double angle = std::numbers::pi * i / 24;
+            outline.emplace_back(end * (1 + 0.06 * std::sin(angle)), -end * 0.06 * std::cos(angle));
+            if (i == 24)
+                for (int k = 1; k < 40; ++k) outline.emplace_back(end * (1 - 0.05 * k), end * 0.06);
+        }
+    const TriMesh mesh = extruded(outline, 2, 40);
+    const RemeshResult once = remesh(mesh, {.edge_length = 0.12});
+    ASSERT_LT(shape_of(once.mesh).mean_edge, 0.85 * once.edge_length);
+    const double far = 0.1 * once.edge_length;
+    const RemeshResult twice = remesh(once.mesh, {.edge_length = once.edge_length}), automatic = remesh(once.mesh);
+    EXPECT_LT(share_moved(once.mesh, twice.mesh, far), 0.05);
+    EXPECT_LT(share_moved(twice.mesh, once.mesh, far), 0.05);
+    EXPECT_NEAR(automatic.edge_length, once.edge_length, 0.07 * once.edge_length);
+    EXPECT_LT(share_moved(once.mesh, automatic.mesh, far), 0.05);
+    for (const double factor : {0.85, 1.15}) {  // other lengths are followed
+        const RemeshResult other = remesh(once.mesh, {.edge_length = factor * once.edge_length});
+        EXPECT_GT(share_moved(once.mesh, other.mesh, far), 0.5);
+    }
+}
+
 TEST(RemeshShapes, ApexOfAConeStaysAndItsFanGoes) {
     const TriMesh mesh = cone(64);
     const RemeshResult result = remesh(mesh, {.edge_length = 0.05});

@@ -213,7 +213,8 @@ void add_apply(CLI::App& app) {
                      "where it was at the start: surface; points (.csv, .npy); volume mesh (folder polyMesh or its "
                      "points, .su2, .vtu)")
         ->required();
-    command->add_option("-o,--out", args->out, "where it goes: a surface, .csv or .npy; a volume mesh as OTHER")
+    command
+        ->add_option("-o,--out,--output", args->out, "where it goes: a surface, .csv or .npy; a volume mesh as OTHER")
         ->required();
     CLI::Option* design = command->add_option("--design", args->design, "another design than levels/best.design");
     CLI::Option* evaluation =

@@ -149,7 +149,7 @@ void add_deform(CLI::App& app) {
     auto args = std::make_shared<DeformArguments>();
     CLI::App* command = app.add_subcommand("deform", "one deformation: fixed regions, loads and strains of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    command->add_option("-o,--output", args->out, "deformed surface; the ending says which format")->required();
+    command->add_option("-o,--out,--output", args->out, "deformed surface; the ending says which format")->required();
     command->add_flag("--linear", args->linear, "the single linear solve at rest instead of the equilibrium");
     command->add_option("--prisms", args->prisms, "the deformed prisms for ParaView (.vtp)");
     command->add_flag("--json", args->json, "results as JSON on standard output");

@@ -118,7 +118,7 @@ void add_mix(CLI::App& app) {
     CLI::App* command = app.add_subcommand("mix", "a shape between two designs or surfaces of the same triangles");
     command->add_option("A", args->a, "folder of a run (its best design), or a surface file")->required();
     command->add_option("B", args->b, "the same")->required();
-    command->add_option("-o,--out", args->out, "surface file; the ending says which format")->required();
+    command->add_option("-o,--out,--output", args->out, "surface file; the ending says which format")->required();
     command->add_option("--weight", args->weight, "of B: 0 is A, 1 is B, beyond is extrapolated; default 0.5");
     command->add_flag("--linear", args->linear, "of two runs, too: vertices along straight lines, no equilibrium");
     command->add_flag("--json", args->json, "one JSON object instead of words");

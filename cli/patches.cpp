@@ -240,7 +240,7 @@ void add_patches(CLI::App& app) {
                         "merge patches below this percentage of the triangles (auto: of the area); default 0%");
     command->add_option("--split", options->split,
                         "patches split at each level: all, largest:N, containing:T[,T...]; default all");
-    command->add_option("-o,--output", options->vtp, "labels, crease angles and classes for ParaView (.vtp)");
+    command->add_option("-o,--out,--output", options->vtp, "labels, crease angles and classes for ParaView (.vtp)");
     command->add_option("--labels", options->labels, "labels as CSV, one row a triangle in file order");
     command->add_flag("--json", options->json, "one JSON object instead of a table");
     command->callback([options] { patches(*options); });

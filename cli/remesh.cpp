@@ -193,7 +193,7 @@ void add_remesh(CLI::App& app) {
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("remesh", "the same shape in nearly equilateral triangles, features kept");
     command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
-    command->add_option("-o,--output", options->out, "surface file; the ending says which format")->required();
+    command->add_option("-o,--out,--output", options->out, "surface file; the ending says which format")->required();
     command->add_option("--edge-length", options->edge_length,
                         "wanted: a length, 1% of the diagonal, or auto, the input's mean; default auto");
     command->add_option("--angle,--crease-angle", options->remesh.angle_deg,

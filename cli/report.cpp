@@ -53,7 +53,7 @@ void add_report(CLI::App& app) {
     auto args = std::make_shared<ReportArguments>();
     CLI::App* command = app.add_subcommand("report", "a run as one page for the browser, also while it goes on");
     command->add_option("folder", args->folder, "folder of the run")->required();
-    command->add_option("-o,--out", args->out, "the page (default: report.html in the folder)");
+    command->add_option("-o,--out,--output", args->out, "the page (default: report.html in the folder)");
     command->callback([args] { report(*args); });
 }
 

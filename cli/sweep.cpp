@@ -178,7 +178,7 @@ void add_sweep(CLI::App& app) {
         ->expected(1)
         ->take_all();
     command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::Range(1, 1000));
-    command->add_option("-o,--output", args->out, "also write the table to this file (CSV)");
+    command->add_option("-o,--out,--output", args->out, "also write the table to this file (CSV)");
     command->add_option(
         "--keep", args->keep,
         "folder, new or empty, that keeps what the programs of the case write, a folder for each point");

@@ -18,6 +18,7 @@ constexpr double worth_polishing = 0.8;     ///< quality below which a triangle'
 constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
 constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
 constexpr double least_finished = 0.97;     ///< mean quality of what need only be finished
+constexpr double least_graded = 0.93;       ///< the same, with edges much shorter where the shape asks for it
 constexpr double few_gaps = 0.02;           ///< share of removed triangles that are just passed over
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
@@ -95,13 +96,17 @@ public:
     /// the way there the iterations would take these away, and not find all of them again.
     bool is_graded_as_wanted(const Lengths& given) {
         if (options_.chord_error > 0) return false;
-        if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < 0.95) return false;
-        const std::vector<char> is_tight = tight_places(base_, sizing_.longest);
+        if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < least_graded) return false;
+        const std::vector<char> is_tight = tight_places(base_, sizing_.longest, firm_.chord_slack);
         for (int v = 0; v < mesh_.num_vertices(); ++v)
             if (is_tight[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean_edge_at(v));
         update_sizes(mesh_, sizing_);
         const Lengths found = lengths();
-        if (found.shorter < 0.2 && found.unlimited > 0.1 && std::abs(found.mean - 1) < 0.07) return true;
+        if (found.unlimited > 0.1) {
+            if (found.shorter < 0.2 && std::abs(found.mean - 1) < 0.07) return true;
+        } else if (found.shorter < 0.25 && given.longer < 0.005) {
+            return true;  // tight nearly all over: few edges, or none, tell what length was wanted
+        }
         mesh_.limit.assign(mesh_.limit.size(), std::numeric_limits<double>::infinity());
         update_sizes(mesh_, sizing_);
         return false;
@@ -217,6 +222,9 @@ private:
             if (mean < 0.9 * mesh_.size[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean);
         }
         update_sizes(mesh_, sizing_);
+        if (is_graded_)  // its short edges shorten no others
+            for (int v = 0; v < mesh_.num_vertices(); ++v)
+                if (mesh_.half[v] >= 0) mesh_.size[v] = std::max(mesh_.size[v], mean_edge_at(v));
         mesh_.calm.assign(mesh_.calm.size(), 1);
     }
     /// Hardly an edge had to be split or collapsed.

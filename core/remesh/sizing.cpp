@@ -195,9 +195,35 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
     }
 }
 
-std::vector<char> tight_places(const BaseSurface& base, double longest) {
-    constexpr double own_turn = 0.5 * most_turn, longest_turn = 0.8 * most_turn;
+/// Ridges of curves that bend: without them the chord would be off the curve by more than `slack`. Corners bend more.
+std::vector<char> bent_ridges(const BaseSurface& base, double slack) {
+    std::vector<std::array<int, 2>> beside(base.points.size(), {-1, -1});
+    const auto note = [&](int v, int u) {
+        if (beside[v][0] < 0)
+            beside[v][0] = u;
+        else if (beside[v][0] != u)
+            beside[v][1] = u;
+    };
+    for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
+        if (!base.barrier[h]) continue;
+        const int u = base.from(h), v = base.from(base.next(h));
+        note(u, v);
+        note(v, u);
+    }
     std::vector<char> marks(base.points.size(), 0);
+    for (std::size_t v = 0; v < marks.size(); ++v) {
+        if (base.role[v] != VertexRole::ridge || beside[v][1] < 0) continue;
+        const Vector3d &a = base.points[beside[v][0]], &b = base.points[beside[v][1]];
+        const Vector3d chord = b - a, x = base.points[v] - a;
+        const double off2 = chord.cross(x).squaredNorm(), limit2 = slack * slack * chord.squaredNorm();
+        if (off2 > limit2) marks[v] = 1;
+    }
+    return marks;
+}
+
+std::vector<char> tight_places(const BaseSurface& base, double longest, double slack) {
+    constexpr double own_turn = 0.5 * most_turn, longest_turn = 0.8 * most_turn;
+    std::vector<char> marks = bent_ridges(base, slack);
     for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
         if (base.barrier[h] || base.twin[h] < h) continue;
         const int u = base.from(h), v = base.from(base.next(h));

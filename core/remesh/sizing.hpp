@@ -15,8 +15,9 @@ struct Sizing {
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error);
 
 /// Points where the input, if it is remeshed already, may well have edges shorter than `longest`: its own ones turn the
-/// normal as far as short ones may, and longest ones would turn it further; or they span a strip between two features.
-std::vector<char> tight_places(const BaseSurface& base, double longest);
+/// normal as far as short ones may, and longest ones would turn it further; or they span a strip between two features;
+/// or they lie on a curve that longer ones would leave by more than `slack`.
+std::vector<char> tight_places(const BaseSurface& base, double longest, double slack);
 
 /// Narrow strips between features, and whatever else leaves thin triangles, ask for shorter edges: notes them in
 /// mesh.limit. @param everywhere also where no two features meet. @return how many vertices did.

@@ -97,18 +97,17 @@ public:
     bool is_graded_as_wanted(const Lengths& given) {
         if (options_.chord_error > 0) return false;
         if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < least_graded) return false;
-        const std::vector<char> is_tight = tight_places(base_, sizing_.longest, firm_.chord_slack);
-        for (int v = 0; v < mesh_.num_vertices(); ++v)
-            if (is_tight[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean_edge_at(v));
-        update_sizes(mesh_, sizing_);
-        const Lengths found = lengths();
-        if (found.unlimited > 0.1) {
-            if (found.shorter < 0.2 && std::abs(found.mean - 1) < 0.07) return true;
-        } else if (found.shorter < 0.25 && given.longer < 0.005) {
-            return true;  // tight nearly all over: few edges, or none, tell what length was wanted
+        // Bent rims count too, unless so few edges are left then that none tell what length was wanted.
+        for (const double slack : {std::numeric_limits<double>::infinity(), firm_.chord_slack}) {
+            const std::vector<char> is_tight = tight_places(base_, sizing_.longest, slack);
+            for (int v = 0; v < mesh_.num_vertices(); ++v)
+                if (is_tight[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean_edge_at(v));
+            update_sizes(mesh_, sizing_);
+            const Lengths found = lengths();
+            if (found.shorter < 0.2 && found.unlimited > 0.1 && std::abs(found.mean - 1) < 0.07) return true;
+            mesh_.limit.assign(mesh_.limit.size(), std::numeric_limits<double>::infinity());
+            update_sizes(mesh_, sizing_);
         }
-        mesh_.limit.assign(mesh_.limit.size(), std::numeric_limits<double>::infinity());
-        update_sizes(mesh_, sizing_);
         return false;
     }
 

@@ -7,8 +7,6 @@
 namespace strake {
 namespace {
 
-constexpr double inheritance_tolerance = 1e-10;
-
 /// So that inheritance and level numbers need no special case: a tree that ends at level 0 is optimized on it.
 int first_level_of(const PatchHierarchy& tree) {
     if (tree.levels.empty()) throw InvalidInput("the patch tree is empty");

@@ -13,15 +13,15 @@
 namespace strake {
 
 struct SqpEnd {
-    MinimizeStop stop;
+    MinimizeStop stop = MinimizeStop::failed;
     std::string reason;
-    int shrinks;
-    int accepted;             ///< steps
-    double radius;            ///< of the trust region at the end
-    Eigen::MatrixXd hessian;  ///< the model at the end
-    int softenings;           ///< directions that were found longer than the metric knew
-    bool is_at_border;        ///< of what fails; what more there is to gain lies along it
-    Eigen::MatrixXd doubt;    ///< columns, by which the gradient at the best point may be off; empty: none
+    int shrinks = 0;
+    int accepted = 0;           ///< steps
+    double radius = 0;          ///< of the trust region at the end
+    Eigen::MatrixXd hessian;    ///< the model at the end
+    int softenings = 0;         ///< directions that were found longer than the metric knew
+    bool is_at_border = false;  ///< of what fails; what more there is to gain lies along it
+    Eigen::MatrixXd doubt;      ///< columns, by which the gradient at the best point may be off; empty: none
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

@@ -166,7 +166,7 @@ private:
     int accepted_ = 0;
     GradientDoubt doubt_;  ///< of the gradient in at_
     int calm_ = 0, stuck_ = 0, failures_ = 0, rejections_ = 0, model_failures_ = 0;
-    SqpEnd end_{MinimizeStop::failed, "", 0, 0, 0, {}, 0, false, {}};
+    SqpEnd end_;
 };
 
 }  // namespace strake

@@ -11,8 +11,6 @@
 namespace strake {
 namespace {
 
-constexpr double inheritance_tolerance = 1e-10;  ///< of the diagonal
-
 /// FNV-1a, 64 bits.
 std::string hash_of(const void* data, std::size_t bytes) {
     std::uint64_t hash = 0xcbf29ce484222325ull;

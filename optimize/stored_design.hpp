@@ -60,6 +60,9 @@ struct StartSpace {
 };
 StartSpace start_space(std::shared_ptr<const RestFacts> rest, const StoredDesign& design);
 
+/// What a level or a run begins with is the shape that it inherits, to this share of the diagonal.
+constexpr double inheritance_tolerance = 1e-10;
+
 /// Enters the space that the problem's variables have on the design's patches, at the design's equilibrium: x and space
 /// to begin with. @throws InvalidInput where the design's loads do not give its shape. @pre `start_from`.
 InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const RestFacts> rest,

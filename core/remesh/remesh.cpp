@@ -69,19 +69,20 @@ public:
 
     RemeshResult run() {
         const Lengths given = lengths();
-        is_finished_ = is_graded_ = is_graded_as_wanted(given);
-        if (!is_finished_) {
+        if (is_graded_as_wanted(given)) {
+            input_ = Input::graded;
+        } else {
             for (const double factor : {0.01, 0.1, 0.4})
                 if (given.shortest < factor) collapse_short(mesh_, firm_, factor, too_long);
             shorten_needles();
-            is_finished_ = has_wanted_lengths() && mean_quality_inside() > least_finished;
+            if (has_wanted_lengths() && mean_quality_inside() > least_finished) input_ = Input::even;
         }
-        if (is_finished_) accept_lengths();
+        if (is_finished()) accept_lengths();
         for (int i = first_iteration(); i <= options_.iterations && !result_.cancelled; ++i) {
             iterate();
             note_limits(i);
             const int finish = options_.iterations - finishing;
-            if (is_finished_ || i < 2 || i >= finish || !has_converged()) continue;
+            if (is_finished() || i < 2 || i >= finish || !has_converged()) continue;
             if (i + 1 < finish) note_limits(finish);
             skipped_ = finish - i;
             i = finish;
@@ -124,9 +125,14 @@ public:
     }
 
 private:
+    /// What is given: to be remeshed; as wanted, so that only the finish is done; or that with edges much shorter where
+    /// the shape asks for it.
+    enum class Input { raw, even, graded };
+    bool is_finished() const { return input_ != Input::raw; }
+
     int first_iteration() const {
-        if (is_graded_) return options_.iterations;
-        return is_finished_ ? std::max(1, options_.iterations - finishing + 1) : 1;
+        if (input_ == Input::graded) return options_.iterations;
+        return is_finished() ? std::max(1, options_.iterations - finishing + 1) : 1;
     }
 
     /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface
@@ -156,7 +162,7 @@ private:
         record.collapses = collapse_short(mesh_, firm_, shortest, too_long);
         mesh_.compact(few_gaps);
         record.flips = flip_edges(mesh_, loose_);
-        const bool is_finish = is_finished_ || step + finishing > options_.iterations;
+        const bool is_finish = is_finished() || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
         if (is_finish || !(tight < 1)) smooth(mesh_, loose_, goal);  // half of it has been cut or joined: once will do
         record.largest_move = smooth(mesh_, loose_, goal);
@@ -178,7 +184,7 @@ private:
     /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
     /// are; what is finished may exceed it.
     double tightness(int iteration) {
-        if (is_finished_) return is_graded_ ? 2 : 1.3;
+        if (is_finished()) return input_ == Input::graded ? 2 : 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
         const double mean = mean_quality_inside();
         return mean >= evenly_shaped ? 1 : iteration == 7 && mean < 0.968 ? 0.3 : 0.5;
@@ -221,7 +227,7 @@ private:
             if (mean < 0.9 * mesh_.size[v]) mesh_.limit[v] = std::max(sizing_.shortest, 1.05 * mean);
         }
         update_sizes(mesh_, sizing_);
-        if (is_graded_)  // its short edges shorten no others
+        if (input_ == Input::graded)  // its short edges shorten no others
             for (int v = 0; v < mesh_.num_vertices(); ++v)
                 if (mesh_.half[v] >= 0) mesh_.size[v] = std::max(mesh_.size[v], mean_edge_at(v));
         mesh_.calm.assign(mesh_.calm.size(), 1);
@@ -345,9 +351,8 @@ private:
     const BaseSurface base_;
     Sizing sizing_;
     bool takes_limits_ = true;  ///< thin places may still ask for shorter edges
-    bool is_graded_ = false;    ///< the input is as wanted, shorter where the shape asks for it
-    bool is_finished_ = false;  ///< the input is as wanted: only the finish is done
-    StepGuard firm_, loose_;    ///< of collapses; of flips and smoothing
+    Input input_ = Input::raw;
+    StepGuard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
     double mean_quality_ = -1;  ///< once it is known
     int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
@@ -355,23 +360,6 @@ private:
     Crossings crossings_{base_};
     RemeshResult result_;
 };
-
-}  // namespace
-
-void validate(const RemeshOptions& o) {
-    check(o.edge_length >= 0 && std::isfinite(o.edge_length), "edge_length", o.edge_length, "> 0, or 0 for automatic");
-    check(o.angle_deg > 0 && o.angle_deg <= 90, "angle_deg", o.angle_deg, "in (0, 90]");
-    check(o.iterations >= 1 && o.iterations <= 1000, "iterations", o.iterations, "in [1, 1000]");
-    check(o.chord_error >= 0 && std::isfinite(o.chord_error), "chord_error", o.chord_error, "> 0, or 0 for uniform");
-    check(o.shortest_edge >= 0 && std::isfinite(o.shortest_edge), "shortest_edge", o.shortest_edge,
-          "> 0, or 0 for automatic");
-    check(o.gradation > 0 && o.gradation <= 1, "gradation", o.gradation, "in (0, 1]");
-    check(o.turn_deg > 0 && o.turn_deg <= 90, "turn_deg", o.turn_deg, "in (0, 90]");
-    check(o.max_triangles >= 4, "max_triangles", o.max_triangles, ">= 4");
-    check(o.threads >= 0, "threads", o.threads, ">= 0");
-}
-
-namespace {
 
 /// Of edges, where most of the area is; 0: hardly longer than their mean, or the triangles are not well shaped.
 double most_common_length(const TriMesh& mesh) {
@@ -417,6 +405,19 @@ double automatic_length(const TriMesh& given, const RemeshOptions& options, cons
 }
 
 }  // namespace
+
+void validate(const RemeshOptions& o) {
+    check(o.edge_length >= 0 && std::isfinite(o.edge_length), "edge_length", o.edge_length, "> 0, or 0 for automatic");
+    check(o.angle_deg > 0 && o.angle_deg <= 90, "angle_deg", o.angle_deg, "in (0, 90]");
+    check(o.iterations >= 1 && o.iterations <= 1000, "iterations", o.iterations, "in [1, 1000]");
+    check(o.chord_error >= 0 && std::isfinite(o.chord_error), "chord_error", o.chord_error, "> 0, or 0 for uniform");
+    check(o.shortest_edge >= 0 && std::isfinite(o.shortest_edge), "shortest_edge", o.shortest_edge,
+          "> 0, or 0 for automatic");
+    check(o.gradation > 0 && o.gradation <= 1, "gradation", o.gradation, "in (0, 1]");
+    check(o.turn_deg > 0 && o.turn_deg <= 90, "turn_deg", o.turn_deg, "in (0, 90]");
+    check(o.max_triangles >= 4, "max_triangles", o.max_triangles, ">= 4");
+    check(o.threads >= 0, "threads", o.threads, ">= 0");
+}
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);

@@ -4,6 +4,8 @@
 # Results go to a new folder each time: runs/<folder>-<file>-001, -002, ...
 set -euo pipefail
 here=$(cd "$(dirname "$0")" && pwd)
+# shellcheck source=scripts/progress.sh
+. "$here/scripts/progress.sh"
 cases=("$@")
 for file in "${cases[@]}"; do
     [ -f "$file" ] || { echo "run.sh: $file: no such file" >&2; exit 2; }
@@ -11,10 +13,16 @@ done
 [ ${#cases[@]} -gt 0 ] || cases=("$here/cases/wing/fit.yaml" "$here/cases/wing/case.yaml")
 
 "$here/scripts/setup.sh" run
-[ -e "$here/build/run/build.ninja" ] || (cd "$here" && cmake --preset run >/dev/null)
-(cd "$here" && ninja -C build/run --quiet strake make_surface)
+if [ ! -e "$here/build/run/build.ninja" ]; then
+    (cd "$here" && progress "1/3 Configuring" 15 cmake --preset run)
+fi
+# Nothing to do: no word of it. A whole build takes six minutes of one core.
+cores=$(nproc)
+if [ "$(cd "$here" && ninja -C build/run -n strake make_surface | tail -n 1)" != "ninja: no work to do." ]; then
+    (cd "$here" && progress "2/3 Building on $cores cores" $((360 / cores)) ninja -C build/run strake make_surface)
+fi
 bin=$here/build/run/bin
-"$here/scripts/examples.sh" "$here/cases" "$bin"
+progress "3/3 Example surfaces" 10 "$here/scripts/examples.sh" "$here/cases" "$bin"
 
 # Prints runs/NAME-001 with the first number that is free.
 new_folder() {
@@ -22,7 +30,11 @@ new_folder() {
     while [ -e "$(printf 'runs/%s-%03d' "$1" $number)" ]; do number=$((number + 1)); done
     printf 'runs/%s-%03d' "$1" $number
 }
+opener=xdg-open
+command -v xdg-open >/dev/null || opener="your browser"
+[ "$(uname)" != Darwin ] || opener=open
 status=0
+reports=()
 for file in "${cases[@]}"; do
     full=$(realpath "$file")
     command=run
@@ -30,5 +42,9 @@ for file in "${cases[@]}"; do
     out=$(new_folder "$(basename "$(dirname "$full")")-$(basename "${full%.*}")")
     echo "strake $command $file --out $out" >&2
     "$bin/strake" "$command" "$file" --out "$out" || { status=$?; echo "run.sh: $file ended with status $status" >&2; }
+    [ ! -e "$out/report.html" ] || reports+=("$out/report.html")
+done
+for report in "${reports[@]}"; do
+    echo "Report: $report (open it with: $opener $report)" >&2
 done
 exit $status

@@ -1,20 +1,22 @@
 #!/bin/bash
-# All checks: set-up, format, warnings as errors, tests, sanitizers on the readers, the shipped cases, the main job at
-# reduced size, the commands in the documentation, and fuzzers of everything that reads, five seconds each. Ends with a
-# summary; exit status 0 only if everything passed.
-# test.sh [--slurm] [--long] [--fuzz]: also on a real Slurm of one node (needs scripts/setup.sh slurm); with fifty kills of
-# each kind; with a minute for each fuzzer.
+# The checks that every change must pass: set-up, format, warnings as errors, tests, shipped cases, the main job at reduced
+# size, the commands of the documentation, sanitizers on what reads from outside, and fuzzers of it, five seconds each. Ends
+# with a summary; exit status 0 only if everything passed. Under 15 minutes on two cores from a clean clone.
+# test.sh [--all] [--slurm] [--long] [--fuzz]: --all also everything else: each source compiled by itself, sanitizers on
+# everything, clang-tidy, and the three that follow; --slurm: on a real Slurm of one node (needs scripts/setup.sh slurm);
+# --long: with fifty kills of each kind; --fuzz: with a minute for each fuzzer.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"
 export CLICOLOR=0
-fuzz_seconds=5
+fuzz_seconds=5 all=
 for option in "$@"; do
     case $option in
+    --all) all=yes fuzz_seconds=60; export STRAKE_LONG=1; ! command -v sbatch >/dev/null || export STRAKE_SLURM=1 ;;
     --slurm) export STRAKE_SLURM=1 ;;
     --long) export STRAKE_LONG=1 ;;
     --fuzz) fuzz_seconds=60 ;;
-    *) echo "usage: test.sh [--slurm] [--long] [--fuzz]" >&2; exit 2 ;;
+    *) echo "usage: test.sh [--all] [--slurm] [--long] [--fuzz]" >&2; exit 2 ;;
     esac
 done
 logs=build/test-logs
@@ -39,60 +41,59 @@ step() {
 finish() {
     printf '\n'
     printf '%s\n' "${summary[@]}"
-    printf '%d passed, %d failed\n' $passed $failed
+    local log=build/release/Testing/Temporary/LastTest.log
+    [ ! -e $log ] || scripts/skipped.py $log
+    printf '%d passed, %d failed, %d s\n' $passed $failed $SECONDS
     [ $failed = 0 ]
     exit
 }
 
-sources() { find cases cli core objectives optimize python report tests bench \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
+sources() { find bench casefile cases cli core objectives optimize python report tests \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
 format() { sources | xargs -0 clang-format --dry-run -Werror; }
-# What ccache keeps serves every checkout; without it headers are precompiled.
+# What ccache keeps serves every checkout.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=true
-configure() {  # PRESET
-    local -a quick=(-DSTRAKE_PRECOMPILE=ON) python=()
+configure() {  # PRESET OPTIONS...
+    local -a quick=()
     ! command -v ccache >/dev/null || quick=(-DCMAKE_CXX_COMPILER_LAUNCHER=ccache)
-    [ "$1" != release ] || [ ! -e /usr/include/pybind11/pybind11.h ] || python=(-DSTRAKE_PYTHON=ON)
-    cmake --preset "$1" "${quick[@]}" "${python[@]}"
+    cmake --preset "$1" "${quick[@]}" "${@:2}"
 }
-release_build() { configure release && cmake --build --preset release; }
+release_build() {
+    local python=OFF
+    [ ! -e /usr/include/pybind11/pybind11.h ] || python=ON
+    configure release -DSTRAKE_UNITY=ON -DSTRAKE_PYTHON=$python && cmake --build --preset release
+}
+tests() { ctest --preset release -j2; }
 # The programs that read what others wrote, under ASan and UBSan: all tests of the readers and of the case loader.
 sanitized() {
-    local -a tests
-    mapfile -t tests < <(find tests/core/mesh/{io*,npy,vtp_reader}_test.cpp tests/cases/*_test.cpp -printf '%f\n' | sed 's/\.cpp$//')
-    configure sanitize && cmake --build --preset sanitize --target "${tests[@]}" || return 1
-    local pattern
-    pattern=$(IFS='|'; echo "${tests[*]}")
-    ctest --test-dir build/sanitize --output-on-failure --no-tests=error -j2 -R "^($pattern)\$"
+    local from=$PWD/build/release
+    [ -z "$all" ] || from=
+    configure sanitize -DSTRAKE_SOLVERS_FROM="$from" || return 1
+    if [ -n "$all" ]; then
+        cmake --build --preset sanitize && ctest --test-dir build/sanitize --output-on-failure -j2
+    else
+        cmake --build --preset sanitize --target formats_tests casefile_tests fuzz_bytes fuzz_case fuzz_seeds &&
+            printf '%s\n' build/sanitize/tests/core/formats/formats_tests build/sanitize/tests/casefile/casefile_tests |
+            xargs -P 2 -I{} sh -c {}
+    fi
 }
-unit_tests() { ctest --preset release -j2; }
-check_cases() {
-    scripts/examples.sh cases "$bin" || return 1
-    local file count=0 bad=0
-    while IFS= read -r -d '' file; do
-        grep -q '^case *:' "$file" || continue
-        [ "$file" != cases/paper/bunny.yaml ] || [ -e cases/paper/generated/bunny.ply ] || continue  # a download
-        count=$((count + 1))
-        "$bin/strake" check "$file" || { echo "$file: status $?"; bad=$((bad + 1)); }
-    done < <(find cases -name '*.yaml' -not -path '*/generated/*' -print0 | sort -z)
-    echo "$count cases checked"
-    [ $count -gt 0 ] && [ $bad = 0 ]
-}
-main_job() { scripts/main_job.sh "$bin" 6000; }
 fuzzers() { scripts/fuzz.sh $fuzz_seconds; }
-snippets() { scripts/check_snippets.py "$bin"; }
+# Each source by itself, without precompiled headers: a missing include is found. Then clang-tidy by the same build.
+each_by_itself() {
+    cmake --preset release -B build/alone -DSTRAKE_PRECOMPILE=OFF -DSTRAKE_UNITY=OFF -DCMAKE_EXPORT_COMPILE_COMMANDS=ON &&
+        ninja -C build/alone
+}
+functions() { scripts/check_functions.py --clang-tidy build/alone; }
 
 step "set-up" scripts/setup.sh run test ${STRAKE_SLURM:+slurm}
 [ $failed = 0 ] || finish
 step "format" format
 step "release build" release_build
 [ $failed = 0 ] || finish
-bin=$PWD/build/test-bin
-mkdir -p "$bin"
-ln -sfn ../release/cli/strake ../release/cases/geometry/make_surface ../release/python "$bin"
-step "tests" unit_tests
-step "cases" check_cases
-step "main job" main_job
-step "snippets" snippets
+step "tests" tests
 step "sanitizers" sanitized
 step "fuzzers" fuzzers
+if [ -n "$all" ]; then
+    step "each source by itself" each_by_itself
+    step "clang-tidy" functions
+fi
 finish

@@ -1,7 +1,7 @@
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "objectives/external/external.hpp"
-#include "optimize/journal.hpp"
+#include "optimize/journal/journal.hpp"
 
 #include <benchmark/benchmark.h>
 #include <sys/resource.h>

@@ -1,8 +1,8 @@
 #include "cases/geometry/wing.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/patches/automatic.hpp"
-#include "objectives/measures.hpp"
-#include "optimize/evaluation.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "optimize/evaluate/evaluation.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,6 +1,6 @@
 #include "bench/shell_cases.hpp"
 #include "core/mesh/intersection_tree.hpp"
-#include "optimize/validity.hpp"
+#include "optimize/evaluate/validity.hpp"
 
 #include <benchmark/benchmark.h>
 

@@ -1,9 +1,9 @@
 #pragma once
 #include "bench/shell_cases.hpp"
-#include "objectives/measures.hpp"
-#include "objectives/target_shape.hpp"
-#include "optimize/journal.hpp"
-#include "optimize/validity.hpp"
+#include "objectives/fit/target_shape.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/journal/journal.hpp"
 
 #include <unistd.h>
 

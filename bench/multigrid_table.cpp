@@ -4,7 +4,7 @@
 
 #include "bench/shell_cases.hpp"
 #include "core/primo/energy.hpp"
-#include "core/primo/preconditioner.hpp"
+#include "core/primo/linear/preconditioner.hpp"
 
 /// Multigrid on shells held at one end: `multigrid_table [--edges H]... [--cold] [wing:131000 | body:420000 |
 /// FILE]...`. One line per surface and prism height (in mean edge lengths; without, 2 % of the diagonal): levels,

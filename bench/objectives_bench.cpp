@@ -1,20 +1,20 @@
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "core/mesh/geometry.hpp"
-#include "objectives/area_distribution.hpp"
-#include "objectives/bending.hpp"
-#include "objectives/clearance.hpp"
-#include "objectives/edge_radius.hpp"
-#include "objectives/extent.hpp"
-#include "objectives/friction.hpp"
-#include "objectives/mass_properties.hpp"
-#include "objectives/measures.hpp"
-#include "objectives/newtonian.hpp"
-#include "objectives/projected_area.hpp"
-#include "objectives/shape_change.hpp"
-#include "objectives/thickness.hpp"
-#include "objectives/wall_thickness.hpp"
-#include "objectives/wave_drag.hpp"
+#include "objectives/aero/area_distribution.hpp"
+#include "objectives/aero/friction.hpp"
+#include "objectives/aero/newtonian.hpp"
+#include "objectives/aero/projected_area.hpp"
+#include "objectives/aero/wave_drag.hpp"
+#include "objectives/geometry/bending.hpp"
+#include "objectives/geometry/clearance.hpp"
+#include "objectives/geometry/edge_radius.hpp"
+#include "objectives/geometry/extent.hpp"
+#include "objectives/geometry/mass_properties.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "objectives/geometry/shape_change.hpp"
+#include "objectives/geometry/thickness.hpp"
+#include "objectives/geometry/wall_thickness.hpp"
 
 #include <benchmark/benchmark.h>
 #include <map>
@@ -43,8 +43,8 @@ std::map<std::string, strake::Quantity> quantities() {
     plain.shadows = false;
     NewtonianFlow shadows = plain;
     shadows.shadows = true;
-    NewtonianFlow lee = plain;
-    lee.lee = LeeSide::prandtl_meyer;
+    NewtonianFlow leeward = plain;
+    leeward.leeward = LeewardPressure::prandtl_meyer;
     WaveDrag oblique;
     oblique.mach = 1.4;
     FrictionFlow plates;
@@ -56,7 +56,7 @@ std::map<std::string, strake::Quantity> quantities() {
             {"area", area()},
             {"newtonian", newtonian("q", body(), shadows)},
             {"newtonian_without_shadows", newtonian("q", body(), plain)},
-            {"newtonian_prandtl_meyer", newtonian("q", body(), lee)},
+            {"newtonian_prandtl_meyer", newtonian("q", body(), leeward)},
             {"wave_drag_mach_1", wave_drag("q", body(), {})},
             {"wave_drag_8_angles", wave_drag("q", body(), oblique)},
             {"friction", friction("q", body(), plates)},
@@ -80,20 +80,20 @@ std::vector<std::pair<strake::Quantity, std::vector<int>>> glide() {
     using namespace strake;
     NewtonianFlow flow;
     flow.stream.alpha.value = 8 * std::numbers::pi / 180;
-    flow.about = {4.05, 0, 0.1};
+    flow.moment_center = {4.05, 0, 0.1};
     flow.reference_area = 30;
     flow.reference_length = 8;
-    FrictionFlow skin;
-    skin.mach = 10;
-    skin.reynolds_per_length = 8e5;
-    skin.wall_temperature = 5;
-    skin.reference_area = 30;
+    FrictionFlow plate;
+    plate.mach = 10;
+    plate.reynolds_per_length = 8e5;
+    plate.wall_temperature = 5;
+    plate.reference_area = 30;
     std::vector<ThicknessLine> spars;
     for (const Eigen::Vector3d& at :
          {Eigen::Vector3d{2, 0, 0.1}, {4, 0, 0.1}, {6, 0, 0.1}, {4, 0.8, 0.05}, {6, 1, 0.05}, {7, 1.6, 0.05}})
         spars.push_back({at, Eigen::Vector3d::UnitZ(), {}});
     return {{newtonian("aero", body(), flow), {0, 1, 4}},
-            {friction("skin", body(), skin), {0}},
+            {friction("plate", body(), plate), {0}},
             {thickness("spars", body(), spars, ThicknessValues::each), {0, 1, 2, 3, 4, 5}},
             {edge_radius("nose_radius", body(), nose(), SectionPlane{Eigen::Vector3d::UnitY(), 0.01}), {}},
             {projected_area("frontal", body(), {}), {}},

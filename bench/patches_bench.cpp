@@ -1,5 +1,6 @@
 #include "cases/geometry/lifting_body.hpp"
-#include "core/patches/hierarchy.hpp"
+#include "core/patches/automatic.hpp"
+#include "core/patches/segmentation.hpp"
 
 #include <benchmark/benchmark.h>
 

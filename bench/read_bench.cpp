@@ -1,4 +1,4 @@
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 
 #include <benchmark/benchmark.h>
 #include <unistd.h>

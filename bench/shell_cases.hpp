@@ -2,8 +2,8 @@
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "core/primo/shell.hpp"
 
 #ifdef __GLIBC__

@@ -1,5 +1,5 @@
 #include "bench/inner_iteration.hpp"
-#include "core/patches/hierarchy.hpp"
+#include "core/patches/segmentation.hpp"
 #include "core/primo/shell_impl.hpp"
 
 #include <cstdio>

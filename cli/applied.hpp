@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-/// What `strake apply` was asked, what it did, and how that is told.
+/// What `strake apply` was asked for, what it did, and how it reports that.
 namespace strake::cli {
 
 struct ApplyArguments {
@@ -19,18 +19,19 @@ struct ApplyArguments {
 };
 
 struct Applied {
-    int points = 0, evaluation = 0, on_surface = 0, still = 0;
+    int points = 0, evaluation = 0, on_surface = 0;
+    int beyond_reach = 0;  ///< points that cannot move
     double diagonal = 0, max_displacement = 0, max_surface_displacement = 0;
-    double min_distance = 0, max_distance = 0;  ///< of the points from the surface
+    double min_distance = 0, max_distance = 0;  ///< from the points to the surface
     std::optional<Unmapped> undone;
     std::optional<CellCheck> cells;
     int unchecked_cells = 0;
-    std::vector<std::string> left_out;  ///< columns of a list that the file written cannot hold
+    std::vector<std::string> lost_columns;  ///< of a list, which the output format cannot hold
     bool written = true;
 };
 
-void warn(const ApplyArguments& args, const Applied& told);  ///< on standard error
-void print_json(const ApplyArguments& args, const Applied& told);
-void print_words(const Applied& told);
+void warn(const ApplyArguments& args, const Applied& applied);  ///< on standard error
+void print_json(const ApplyArguments& args, const Applied& applied);
+void print_words(const Applied& applied);
 
 }  // namespace strake::cli

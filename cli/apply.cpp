@@ -1,28 +1,28 @@
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "cli/applied.hpp"
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/npy.hpp"
+#include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/npy.hpp"
 #include "core/mesh/surface_unmap.hpp"
-#include "core/mesh/vtp.hpp"
+#include "core/text/file.hpp"
 #include "core/volume/cell_check.hpp"
 #include "core/volume/held_boundary.hpp"
 #include "core/volume/volume_file.hpp"
 #include "objectives/external/gradient.hpp"
+#include "objectives/external/point_list.hpp"
 #include "objectives/external/refused.hpp"
-#include "objectives/point_list.hpp"
 
 #include <fmt/core.h>
 #include <algorithm>
 #include <memory>
 
-/// `strake apply`: other points move as the surface of a run did.
+/// `strake apply`: moves other points the way the surface of a run moved.
 namespace strake::cli {
 namespace {
 
@@ -30,19 +30,19 @@ namespace fs = std::filesystem;
 
 enum class Kind { surface, list, volume };
 
-/// What is to move.
+/// What to move.
 struct Other {
     Kind kind = Kind::surface;
-    TriMesh surface;                                   ///< of a surface
-    SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of its file
-    NumberedPoints list;                               ///< of a list
+    TriMesh surface;                                   ///< for a surface
+    SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of the surface's file
+    NumberedPoints list;                               ///< for a list
     VolumeFile volume;                                 ///< of the mesh of a volume
     const Points& points() const {
         return kind == Kind::surface ? surface.vertices : kind == Kind::list ? list.at : volume.mesh.points;
     }
 };
 
-/// The mesh of a volume stays one; of an .su2 the surface is taken where a surface is asked for.
+/// A volume mesh stays one, except an .su2 when a surface is requested: then its surface is used.
 Kind kind_of(const ApplyArguments& args) {
     if (is_point_list(args.other)) return Kind::list;
     const bool is_su2 = fs::path(args.other).extension() == ".su2";
@@ -54,22 +54,21 @@ void check_hold(const ApplyArguments& args, Kind kind) {
     if (args.hold.empty()) return;
     const std::string other = printable(args.other, 400), name = printable(args.hold.front());
     if (kind == Kind::surface && fs::path(args.other).extension() == ".su2")
-        throw InvalidInput(fmt::format(
-            "--hold {}: only the surface of {} is moved where -o is no .su2; write an .su2, or leave out --hold", name,
-            other));
+        throw InvalidInput(
+            fmt::format("--hold {}: only the surface of {} moves when -o is not an .su2; write an .su2, or omit --hold",
+                        name, other));
     if (kind != Kind::volume)
         throw InvalidInput(fmt::format(
-            "--hold {}: it keeps a boundary of a volume mesh, and {} is a {}: leave out --hold, or give the "
-            "mesh (a folder polyMesh, .su2)",
+            "--hold {}: it holds a boundary of a volume mesh, but {} is a {}; omit --hold, or give the mesh (a "
+            "polyMesh folder, .su2)",
             name, other, kind == Kind::list ? "list of points" : "surface"));
     if (args.undo)
-        throw InvalidInput(
-            fmt::format("--hold {}: --undo cannot bring back a mesh that was moved with --hold; take the mesh of the "
-                        "start, from which it came, and leave out both",
-                        name));
+        throw InvalidInput(fmt::format(
+            "--hold {}: --undo cannot restore a mesh that was moved with --hold; use the original mesh and omit both",
+            name));
 }
 
-/// @throws InvalidInput for a name that no boundary has, with those that there are.
+/// @throws InvalidInput for a name that no boundary has, listing the existing ones.
 void check_held(const ApplyArguments& args, const VolumeFile& file) {
     std::vector<std::string> known;
     for (const BoundaryPart& part : file.mesh.boundary) known.push_back(part.name);
@@ -80,14 +79,14 @@ void check_held(const ApplyArguments& args, const VolumeFile& file) {
         const std::string like = nearest(name, known), what = "--hold " + printable(name) + ": ",
                           mesh = printable(args.other, 400);
         if (!known.empty())
-            throw InvalidInput(what + mesh + " has no boundary of that name" +
+            throw InvalidInput(what + mesh + " has no boundary of this name" +
                                (like.empty() ? "" : "; did you mean '" + printable(like) + "'?") +
-                               " There are: " + there);
+                               " Boundaries: " + there);
         throw InvalidInput(
             what + mesh +
             (file.format == VolumeFormat::open_foam && file.folder.empty()
-                 ? " stands without the file of its boundaries; give the folder polyMesh"
-                 : " names no boundaries; leave out --hold, and lower --reach so that what is far stays"));
+                 ? " has no boundary file beside it; give the polyMesh folder"
+                 : " names no boundaries; omit --hold, and lower --reach to keep distant points in place"));
     }
 }
 
@@ -95,16 +94,16 @@ void check_names(const ApplyArguments& args, Kind kind) {
     const std::string out = printable(args.out, 400), ending = fs::path(args.out).extension();
     check_hold(args, kind);
     if (!args.sensitivities.empty()) {
-        if (args.undo) throw InvalidInput("--sensitivities belong to points at the start: leave out --undo");
+        if (args.undo) throw InvalidInput("--sensitivities belong to points at the start; omit --undo");
         if (kind == Kind::volume)
-            throw InvalidInput("--sensitivities: give the points of the mesh as .csv or .npy in place of the mesh");
+            throw InvalidInput("--sensitivities: give the points of the mesh as .csv or .npy instead of the mesh");
         if (ending != ".csv" && ending != ".npy" && ending != ".vtp")
-            throw InvalidInput(out + ": sensitivities are written as .csv, .npy or .vtp");
+            throw InvalidInput(out + ": sensitivities can be written as .csv, .npy or .vtp");
         return;
     }
     if (kind == Kind::volume) return check_volume_output(args.out, args.other);
     if (kind == Kind::list && !is_point_list(args.out))
-        throw InvalidInput(fmt::format("{}: {} is a list of points, not a surface: write .csv or .npy", out,
+        throw InvalidInput(fmt::format("{}: {} is a list of points, not a surface; write .csv or .npy", out,
                                        printable(args.other, 400)));
     if (!is_point_list(args.out)) format_of(args.out);
 }
@@ -114,7 +113,7 @@ Other read_other(const ApplyArguments& args, Kind kind) {
     other.kind = kind;
     if (kind == Kind::list) other.list = read_points(args.other);
     if (kind == Kind::surface) {
-        SurfaceFile file = read_told(args.other);
+        SurfaceFile file = read_logged(args.other);
         other.surface = std::move(file.mesh);
         other.format = file.format;
     }
@@ -160,17 +159,30 @@ void carry_back(const ApplyArguments& args, const Deformation& d, const SurfaceM
 
 Applied facts(const ApplyArguments& args, const Deformation& d, const Points& from, const Points& to,
               const Eigen::VectorXd& distances) {
-    Applied told;
-    told.points = static_cast<int>(from.rows());
-    told.evaluation = d.evaluation;
-    told.diagonal = box_diagonal(d.rest);
+    Applied applied;
+    applied.points = static_cast<int>(from.rows());
+    applied.evaluation = d.evaluation;
+    applied.diagonal = box_diagonal(d.rest);
     const Eigen::VectorXd by = (to - from).rowwise().norm();
-    if (by.size() > 0) told.max_displacement = by.maxCoeff(), told.max_distance = distances.maxCoeff();
-    if (by.size() > 0) told.min_distance = distances.minCoeff();
-    told.on_surface = static_cast<int>((distances.array() <= 1e-9 * told.diagonal).count());
-    told.still = static_cast<int>((distances.array() >= args.reach * told.diagonal).count());
-    told.max_surface_displacement = (d.vertices - d.rest.vertices).rowwise().norm().maxCoeff();
-    return told;
+    if (by.size() > 0) applied.max_displacement = by.maxCoeff(), applied.max_distance = distances.maxCoeff();
+    if (by.size() > 0) applied.min_distance = distances.minCoeff();
+    applied.on_surface = static_cast<int>((distances.array() <= 1e-9 * applied.diagonal).count());
+    applied.beyond_reach = static_cast<int>((distances.array() >= args.reach * applied.diagonal).count());
+    applied.max_surface_displacement = (d.vertices - d.rest.vertices).rowwise().norm().maxCoeff();
+    return applied;
+}
+
+/// A surface none of whose vertices lies anywhere near the start surface is another body: moving it means nothing.
+void check_is_of_run(const ApplyArguments& args, const Other& other, const Applied& applied) {
+    constexpr double far = 1e-3;  // diagonals: another mesh of the same shape comes nearer
+    if (other.kind != Kind::surface || args.undo || args.force || applied.points == 0) return;
+    if (applied.min_distance <= far * applied.diagonal) return;
+    throw InvalidInput(
+        fmt::format("{}: none of its {} vertices lies on the start surface of {} (the nearest is {:.3g} away, {:.3g} "
+                    "diagonals); give "
+                    "the surface that belongs to this run, or --force to move this one all the same",
+                    printable(args.other, 400), applied.points, printable(args.run, 400), applied.min_distance,
+                    applied.min_distance / applied.diagonal));
 }
 
 Applied apply(const ApplyArguments& args) {
@@ -188,17 +200,19 @@ Applied apply(const ApplyArguments& args) {
     if (!args.hold.empty())
         to = from + hold_factors(other.volume.mesh, args.hold, map.distances()).asDiagonal() * (to - from);
     if (!to.allFinite()) throw SolverError("apply: a moved point is not finite");
-    Applied told = facts(args, d, from, to, map.distances());
-    told.undone = undone;
-    if (is_npy(args.out) && args.sensitivities.empty()) told.left_out = other_columns(other.list);
-    if (kind == Kind::volume && other.volume.mesh.num_cells > 0) told.cells = check_cells(other.volume.mesh, from, to);
-    if (kind == Kind::volume) told.unchecked_cells = other.volume.mesh.num_unchecked;
-    told.written = args.force || !told.cells || told.cells->newly_bad == 0;
+    Applied applied = facts(args, d, from, to, map.distances());
+    check_is_of_run(args, other, applied);
+    applied.undone = undone;
+    if (is_npy(args.out) && args.sensitivities.empty()) applied.lost_columns = other_columns(other.list);
+    if (kind == Kind::volume && other.volume.mesh.num_cells > 0)
+        applied.cells = check_cells(other.volume.mesh, from, to);
+    if (kind == Kind::volume) applied.unchecked_cells = other.volume.mesh.num_unchecked;
+    applied.written = args.force || !applied.cells || applied.cells->newly_bad == 0;
     if (!args.sensitivities.empty())
         carry_back(args, d, map, to, other.list.ids);
-    else if (told.written)
+    else if (applied.written)
         write_moved(args, other, to);
-    return told;
+    return applied;
 }
 
 }  // namespace
@@ -206,40 +220,44 @@ Applied apply(const ApplyArguments& args) {
 void add_apply(CLI::App& app) {
     auto args = std::make_shared<ApplyArguments>();
     CLI::App* command =
-        app.add_subcommand("apply", "moves other points, surfaces and volume meshes as a run's surface");
-    command->add_option("RUN", args->run, "folder of the run; with --moved a surface file")->required();
+        app.add_subcommand("apply", "move other points, surfaces and volume meshes the way a run moved its surface");
+    command->add_option("RUN", args->run, "run folder; with --moved a surface file")->required();
     command
-        ->add_option("OTHER", args->other,
-                     "where it was at the start: surface; points (.csv, .npy); volume mesh (folder polyMesh or its "
-                     "points, .su2, .vtu)")
+        ->add_option(
+            "OTHER", args->other,
+            "what to move, at its start: surface; points (.csv, .npy); volume mesh (polyMesh folder or its points, "
+            ".su2, .vtu)")
         ->required();
     command
-        ->add_option("-o,--out,--output", args->out, "where it goes: a surface, .csv or .npy; a volume mesh as OTHER")
+        ->add_option("-o,--out,--output", args->out,
+                     "output: a surface, .csv or .npy; for a volume mesh the format of OTHER")
         ->required();
-    CLI::Option* design = command->add_option("--design", args->design, "another design than levels/best.design");
-    CLI::Option* evaluation =
-        command->add_option("--evaluation", args->evaluation, "another one than the best, from the ParaView series")
-            ->check(CLI::Range(1, 1000000000))
-            ->excludes(design);
-    command
-        ->add_option("--moved", args->moved,
-                     "instead of a run: where the surface RUN has gone, with the same triangles")
+    CLI::Option* design =
+        command->add_option("--design", args->design, "design file to use instead of levels/best.design");
+    CLI::Option* evaluation = command
+                                  ->add_option("--evaluation", args->evaluation,
+                                               "evaluation to use instead of the best, from the ParaView series")
+                                  ->check(CLI::Range(1, 1000000000))
+                                  ->excludes(design);
+    command->add_option("--moved", args->moved, "instead of a run: the moved surface of RUN, with the same triangles")
         ->excludes(design)
         ->excludes(evaluation);
     command->add_option("--sensitivities", args->sensitivities,
-                        "gradients at the points of OTHER (moved): written are those at the run's vertices");
-    command->add_option("--reach", args->reach, "distance beyond which nothing moves, in diagonals of the surface")
+                        "gradients at the moved points of OTHER; writes the gradients at the run's vertices");
+    command->add_option("--reach", args->reach, "distance beyond which nothing moves, in surface diagonals")
         ->capture_default_str();
-    command->add_option("--hold", args->hold, "boundary of the volume mesh that stays: a patch, a marker (repeatable)");
-    command->add_flag("--undo", args->undo, "OTHER is where the design has moved it: back to the start");
-    command->add_flag("--force", args->force, "write a volume mesh with inverted cells, too");
-    command->add_flag("--json", args->json, "one JSON object instead of words");
+    command->add_option("--hold", args->hold, "boundary of the volume mesh to hold: a patch or marker (repeatable)");
+    command->add_flag("--undo", args->undo, "OTHER has been moved by the design: move it back to the start");
+    command->add_flag(
+        "--force", args->force,
+        "write a volume mesh even if it has inverted cells; move a surface even if it is of another body");
+    command->add_flag("--json", args->json, "print one JSON object instead of words");
     command->callback([args] {
         check_outputs({args->out}, {args->other, args->design, args->moved, args->sensitivities});
-        const Applied told = apply(*args);
-        warn(*args, told);
-        args->json ? print_json(*args, told) : print_words(told);
-        if (!told.written) throw ExitStatus{run_failed};
+        const Applied applied = apply(*args);
+        warn(*args, applied);
+        args->json ? print_json(*args, applied) : print_words(applied);
+        if (!applied.written) throw ExitStatus{run_failed};
     });
 }
 

@@ -1,4 +1,4 @@
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "cli/applied.hpp"
 #include "report/json_number.hpp"
 
@@ -8,70 +8,69 @@
 namespace strake::cli {
 namespace {
 
-constexpr double gentle = 0.2;  // displacement by reach up to which the map outside is far from folding
+constexpr double gentle = 0.2;  // ratio of displacement to reach below which the map outside cannot fold
 
 std::string place_of(const CellCheck& c) {
     return fmt::format("cell {} at ({:.6g}, {:.6g}, {:.6g})", c.worst, c.worst_at[0], c.worst_at[1], c.worst_at[2]);
 }
 
-/// Why nothing moves, where nothing does.
-void warn_of_stillness(const ApplyArguments& args, const Applied& told) {
-    constexpr double still = 1e-9;  // by the surface's displacement: what is left of the map far out
-    if (told.points == 0 || told.max_displacement > still * told.max_surface_displacement) return;
+/// Says why nothing moves.
+void warn_if_nothing_moves(const ApplyArguments& args, const Applied& applied) {
+    constexpr double still = 1e-9;  // relative to the surface's displacement: the tail of the map far away
+    if (applied.points == 0 || applied.max_displacement > still * applied.max_surface_displacement) return;
     const std::string other = printable(args.other, 400);
-    if (told.max_surface_displacement == 0)
+    if (applied.max_surface_displacement == 0)
         fmt::print(stderr, "warning: nothing of {} moves: this design is the start shape itself{}\n", other,
-                   told.evaluation > 0 ? "; choose another by --evaluation or --design" : "");
-    else if (told.still == told.points)
-        fmt::print(
-            stderr,
-            "warning: nothing of {} moves: it is {:.3g} away from the surface at least, and nothing moves beyond "
-            "{:.3g} (--reach {:g} times the diagonal); is it in the unit and place of the run's surface?\n",
-            other, told.min_distance, args.reach * told.diagonal, args.reach);
+                   applied.evaluation > 0 ? "; choose another with --evaluation or --design" : "");
+    else if (applied.beyond_reach == applied.points)
+        fmt::print(stderr,
+                   "warning: nothing of {} moves: it is at least {:.3g} away from the surface, and nothing moves "
+                   "beyond {:.3g} "
+                   "(--reach {:g} times the diagonal); check that unit and position are those of the run's surface\n",
+                   other, applied.min_distance, args.reach * applied.diagonal, args.reach);
     else
         fmt::print(
             stderr,
-            "warning: nothing of {} moves: the design moves other parts of the surface, by up to {:.3g}, and these "
-            "are too far away\n",
-            other, told.max_surface_displacement);
+            "warning: nothing of {} moves: the design moves only parts of the surface that are too far away, by up to "
+            "{:.3g}\n",
+            other, applied.max_surface_displacement);
 }
 
 }  // namespace
 
-void warn(const ApplyArguments& args, const Applied& told) {
-    warn_of_stillness(args, told);
-    if (!told.left_out.empty())
+void warn(const ApplyArguments& args, const Applied& applied) {
+    warn_if_nothing_moves(args, applied);
+    if (!applied.lost_columns.empty())
         fmt::print(stderr,
-                   "warning: an .npy holds coordinates only: left out are the columns {}; write a .csv to keep "
-                   "them\n",
-                   printable(joined(told.left_out), 400));
-    if (told.max_surface_displacement > gentle * args.reach * told.diagonal)
+                   "warning: an .npy holds only coordinates: the columns {} are lost; write a .csv to keep them\n",
+                   printable(joined(applied.lost_columns), 400));
+    if (applied.max_surface_displacement > gentle * args.reach * applied.diagonal)
         fmt::print(stderr,
-                   "warning: the surface moves by {:.3g}, more than a fifth of the reach of {:.3g}: cells between may "
-                   "fold; raise --reach\n",
-                   told.max_surface_displacement, args.reach * told.diagonal);
-    if (told.undone && told.undone->num_unsolved > 0)
+                   "warning: the surface moves by {:.3g}, more than a fifth of the reach of {:.3g}: cells may fold; "
+                   "raise --reach\n",
+                   applied.max_surface_displacement, args.reach * applied.diagonal);
+    if (applied.undone && applied.undone->num_unsolved > 0)
         fmt::print(
             stderr,
-            "warning: {} of {} points have no place from which they came (the worst, point {}, misses by {:.3g}): "
-            "were they moved by this design, with this --reach?\n",
-            told.undone->num_unsolved, told.points, told.undone->worst, told.undone->residual);
-    if (told.unchecked_cells > 0)
-        fmt::print(stderr, "warning: {} cells of other kinds were not checked\n", told.unchecked_cells);
-    if (!told.cells) return;
-    const CellCheck& c = *told.cells;
+            "warning: {} of {} points cannot be traced back (the worst, point {}, misses by {:.3g}): check that this "
+            "design moved them, with this --reach\n",
+            applied.undone->num_unsolved, applied.points, applied.undone->worst, applied.undone->residual);
+    if (applied.unchecked_cells > 0)
+        fmt::print(stderr, "warning: {} cells of other types were not checked\n", applied.unchecked_cells);
+    if (!applied.cells) return;
+    const CellCheck& c = *applied.cells;
     if (c.inverted_before + c.folded_before > 0)
         fmt::print(stderr, "warning: {} cells were inverted or folded before anything moved\n",
                    c.inverted_before + c.folded_before);
     if (c.newly_bad > 0)
         fmt::print(stderr,
-                   "{}: {} of {} cells are inverted or folded by the motion; the worst is {}: volume {:.3g} becomes "
-                   "{:.3g}; {}\n",
-                   told.written ? "warning" : "strake: apply", c.newly_bad, c.cells, place_of(c), c.worst_before,
+                   "{}: {} of {} cells are inverted or folded by the motion; the worst is {}: its volume changes from "
+                   "{:.3g} to {:.3g}; {}\n",
+                   applied.written ? "warning" : "strake: apply", c.newly_bad, c.cells, place_of(c), c.worst_before,
                    c.worst_after,
-                   told.written ? "written all the same (--force)"
-                                : "nothing was written; apply an earlier design (--evaluation), raise --reach, or "
-                                  "write it all the same by --force");
+                   applied.written ? "written anyway (--force)"
+                                   : "nothing was written; apply an earlier design (--evaluation), raise --reach, or "
+                                     "write it anyway with --force");
 }
 
 namespace {
@@ -97,35 +96,36 @@ nlohmann::ordered_json json_of(const CellCheck& c, int unchecked) {
 
 }  // namespace
 
-void print_json(const ApplyArguments& args, const Applied& told) {
+void print_json(const ApplyArguments& args, const Applied& applied) {
     nlohmann::ordered_json j;
-    j["status"] = told.written ? "ok" : "inverted";
-    j["evaluation"] = told.evaluation;
-    j["points"] = told.points;
-    j["on_surface"] = told.on_surface;
-    j["beyond_reach"] = told.still;
-    j["max_displacement"] = json_number(told.max_displacement);
-    j["max_distance"] = json_number(told.max_distance);
-    if (told.cells) j["cells"] = json_of(*told.cells, told.unchecked_cells);
-    if (told.undone)
-        j["undo"] = {{"residual", json_number(told.undone->residual)}, {"unsolved", told.undone->num_unsolved}};
-    j["file"] = told.written ? nlohmann::ordered_json(args.out) : nlohmann::ordered_json(nullptr);
+    j["status"] = applied.written ? "ok" : "inverted";
+    j["evaluation"] = applied.evaluation;
+    j["points"] = applied.points;
+    j["on_surface"] = applied.on_surface;
+    j["beyond_reach"] = applied.beyond_reach;
+    j["max_displacement"] = json_number(applied.max_displacement);
+    j["max_distance"] = json_number(applied.max_distance);
+    if (applied.cells) j["cells"] = json_of(*applied.cells, applied.unchecked_cells);
+    if (applied.undone)
+        j["undo"] = {{"residual", json_number(applied.undone->residual)}, {"unsolved", applied.undone->num_unsolved}};
+    j["file"] = applied.written ? nlohmann::ordered_json(args.out) : nlohmann::ordered_json(nullptr);
     fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
 
-void print_words(const Applied& told) {
-    if (told.evaluation > 0) fmt::print("design            evaluation {}\n", told.evaluation);
-    fmt::print("points            {}: {} on the surface, {} beyond the reach\n", told.points, told.on_surface,
-               told.still);
-    fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", told.max_displacement,
-               100 * told.max_displacement / told.diagonal);
-    fmt::print("max distance      {:.6g} from the surface\n", told.max_distance);
-    if (told.undone) fmt::print("undone to         {:.3g}\n", told.undone->residual);
-    if (!told.cells) return;
-    fmt::print("cells             {}: {} inverted, {} folded ({} and {} before)\n", told.cells->cells,
-               told.cells->inverted, told.cells->folded, told.cells->inverted_before, told.cells->folded_before);
+void print_words(const Applied& applied) {
+    if (applied.evaluation > 0) fmt::print("design            evaluation {}\n", applied.evaluation);
+    fmt::print("points            {}: {} on the surface, {} beyond the reach\n", applied.points, applied.on_surface,
+               applied.beyond_reach);
+    fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", applied.max_displacement,
+               100 * applied.max_displacement / applied.diagonal);
+    fmt::print("max distance      {:.6g} from the surface\n", applied.max_distance);
+    if (applied.undone) fmt::print("undo residual     {:.3g}\n", applied.undone->residual);
+    if (!applied.cells) return;
+    fmt::print("cells             {}: {} inverted, {} folded ({} and {} before)\n", applied.cells->cells,
+               applied.cells->inverted, applied.cells->folded, applied.cells->inverted_before,
+               applied.cells->folded_before);
     fmt::print("cell volumes      change by factors of {:.3g} to {:.3g}; the smallest in {}\n",
-               told.cells->smallest_ratio, told.cells->largest_ratio, place_of(*told.cells));
+               applied.cells->smallest_ratio, applied.cells->largest_ratio, place_of(*applied.cells));
 }
 
 }  // namespace strake::cli

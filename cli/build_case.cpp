@@ -2,6 +2,7 @@
 #include "cli/detail.hpp"
 
 #include "cli/commands.hpp"
+#include "cli/say.hpp"
 #include "cli/signals.hpp"
 
 #include <fmt/core.h>
@@ -13,37 +14,37 @@ namespace strake::cli {
 namespace {
 
 [[noreturn]] void end() {
-    fmt::print(stderr, "strake: interrupted by SIG{} while remeshing; nothing is written\n",
-               ::sigabbrev_np(stop_signal()));
+    say("strake: interrupted by SIG{} while remeshing; nothing was written\n", ::sigabbrev_np(stop_signal()));
     throw ExitStatus{interrupted};
 }
 
-BuiltProblem told(BuiltProblem built) {
+BuiltProblem logged(BuiltProblem built) {
     const Problem& problem = built.problem;
     std::string levels;
     for (std::size_t k = 1; k < problem.tree.levels.size(); ++k)
         levels += fmt::format("{}{}", k > 1 ? ", " : "", problem.tree.levels[k].patches.size());
-    tell_step(fmt::format("problem: {} vertices, {} triangles, {} of them fixed, patches by level: {}",
-                          problem.surface.num_vertices(), problem.surface.num_triangles(), problem.fixed.size(),
-                          levels.empty() ? "none" : levels));
+    log_step(fmt::format("problem: {} vertices, {} triangles, {} of them fixed, patches per level: {}",
+                         problem.surface.num_vertices(), problem.surface.num_triangles(), problem.fixed.size(),
+                         levels.empty() ? "none" : levels));
     for (const Quantity& quantity : problem.quantities)
-        tell_step(fmt::format("quantity: {}{}", printable(joined(quantity.names), 400),
-                              quantity.program.empty() ? "" : ", of the program " + printable(quantity.program, 400)));
+        log_step(fmt::format("quantity: {}{}", printable(joined(quantity.names), 400),
+                             quantity.program.empty() ? "" : ", from program " + printable(quantity.program, 400)));
     return built;
 }
 
 }  // namespace
 
 BuiltProblem build_case(Case the_case, Purpose purpose) {
-    tell_step(fmt::format("building the problem of {}", printable(the_case.file.string(), 400)));
-    if (!the_case.remesh) return told(build_problem(the_case, purpose));  // takes no time
+    for (const std::string& note : the_case.notes) say("{}\n", note);
+    log_step(fmt::format("building the problem of {}", printable(the_case.file.string(), 400)));
+    if (!the_case.remesh) return logged(build_problem(the_case, purpose));  // too fast to interrupt
     watch_signals();
     the_case.stop_wanted = stop_wanted;
     try {
         BuiltProblem built = build_problem(the_case, purpose);
         leave_signals();
         if (stop_wanted()) end();
-        return told(std::move(built));
+        return logged(std::move(built));
     } catch (const Interrupted&) {
         end();
     }

@@ -1,4 +1,6 @@
-#include "cases/scalars.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/read/resolved_case.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
 #include "cli/check_facts.hpp"
 #include "cli/check_start.hpp"
@@ -6,14 +8,14 @@
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/mesh/geometry.hpp"
-#include "optimize/methods.hpp"
-#include "optimize/shell_setup.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/problem/shell_setup.hpp"
 
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake check`: everything that can be known about a case without running it.
+/// `strake check`: everything that can be found out about a case without running it.
 namespace strake::cli {
 namespace {
 
@@ -32,24 +34,24 @@ bool has(const Problem& problem, VariableKind kind) {
     return std::find(kinds.begin(), kinds.end(), kind) != kinds.end();
 }
 
-/// Most variables that a level can have: those that turn out to move nothing are left out by the run.
-int most_variables(const Problem& problem, const PatchLevel& level, const std::vector<int>& pin) {
+/// Maximum number of variables of a level: the run drops those that turn out to move nothing.
+int max_variables(const Problem& problem, const PatchLevel& level, const std::vector<int>& pin) {
     const Parameters& p = problem.parameters;
     const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
-    int count = static_cast<int>(p.given.size());
+    int count = static_cast<int>(p.user_variables.size());
     for (const Patch& patch : level.patches) {
-        bool is_free = false, is_on = p.on.empty(), is_frozen = false;
+        bool is_free = false, is_on = p.variables_on.empty(), is_frozen = false;
         for (const int t : patch.triangles) {
             is_free |= pin[t] == free_prism;
-            is_on |= !p.on.empty() && p.on[t];
+            is_on |= !p.variables_on.empty() && p.variables_on[t];
             is_frozen |= !p.frozen.empty() && p.frozen[t];
         }
         if (!is_free || !is_on || is_frozen) continue;
-        count += directions * has(problem, VariableKind::load) + has(problem, VariableKind::load_normal) +
+        count += directions * has(problem, VariableKind::load) + has(problem, VariableKind::normal_load) +
                  3 * (p.strain_rotates + p.strain_translates) * has(problem, VariableKind::strain) +
                  has(problem, VariableKind::stiffness);
     }
-    return count + static_cast<int>(problem.own.size());
+    return count + static_cast<int>(problem.program_parameters.size());
 }
 
 std::string limits_text(const Constraint& c) {
@@ -60,7 +62,7 @@ std::string limits_text(const Constraint& c) {
     return c.max ? out + fmt::format(" <= {:.10g}{}", *c.max, unit) : out;
 }
 
-/// What `parallel` cannot do with this method is said before anybody waits for it.
+/// Says in advance that this method cannot make use of `parallel`.
 void add_serial_warning(const Problem& problem, std::vector<std::string>& warnings) {
     int programs = 0, parallel = 1;
     bool all_give_gradients = true;
@@ -71,14 +73,12 @@ void add_serial_warning(const Problem& problem, std::vector<std::string>& warnin
         all_give_gradients &= quantity.has_sensitivities;
     }
     const MethodFacts& method = method_facts(problem.optimize.method);
-    const bool has_batches =
-        method.needs_gradients && problem.optimize.finite_differences && (!all_give_gradients || !problem.own.empty());
+    const bool has_batches = method.needs_gradients && problem.optimize.finite_differences &&
+                             (!all_give_gradients || !problem.program_parameters.empty());
     if (parallel < 2 || has_batches || problem.objective.empty()) return;
     warnings.push_back(fmt::format(
-        "parallel: {}: {} asks for one evaluation after another{}; only gradients by finite_differences are known in "
-        "advance",
-        parallel, method.name,
-        programs > 1 ? fmt::format(", of which the {} programs run side by side", programs) : ""));
+        "parallel: {}: {} runs one evaluation at a time{}; only finite_differences run several at once", parallel,
+        method.name, programs > 1 ? fmt::format(", in which the {} programs run side by side", programs) : ""));
 }
 
 Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings, const std::vector<int>& pin) {
@@ -91,7 +91,12 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
                     {"diagonal", box_diagonal(problem.surface)}};
     j["regions"] = Json::array();
     for (const RegionTriangles& region : built.regions)
-        j["regions"].push_back({{"name", region.name}, {"triangles", region.triangles.size()}, {"area", region.area}});
+        j["regions"].push_back({{"name", region.name},
+                                {"triangles", region.triangles.size()},
+                                {"area", region.area},
+                                {"box",
+                                 {{region.box.min[0], region.box.min[1], region.box.min[2]},
+                                  {region.box.max[0], region.box.max[1], region.box.max[2]}}}});
     j["fixed_triangles"] = problem.fixed.size();
     j["attached"] = Json::array();
     for (const AttachedPart& part : problem.attached)
@@ -103,14 +108,19 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
         j["levels"].push_back({{"level", k},
                                {"angle_deg", level.angle_deg},
                                {"patches", level.patches.size()},
-                               {"max_variables", most_variables(problem, level, pin)}});
+                               {"max_variables", max_variables(problem, level, pin)}});
     }
     j["given"] = Json::array();
-    for (const GivenVariable& variable : problem.parameters.given) j["given"].push_back(variable.name);
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        if (variable.field < 0) j["given"].push_back(variable.name);
+    j["fields"] = Json::array();
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        if (variable.field >= 0) j["fields"].push_back(variable.name);
     j["variables"] = Json::array();
-    for (const OwnVariable& own : problem.own) {
-        j["variables"].push_back({{"name", own.name}, {"start", own.start}, {"min", own.min}, {"max", own.max}});
-        if (own.is_angle) j["variables"].back()["unit"] = "rad";
+    for (const ProgramParameter& parameter : problem.program_parameters) {
+        j["variables"].push_back(
+            {{"name", parameter.name}, {"start", parameter.start}, {"min", parameter.min}, {"max", parameter.max}});
+        if (parameter.is_angle) j["variables"].back()["unit"] = "rad";
     }
     j["objective"] = problem.objective.empty() ? Json(nullptr) : Json(problem.objective);
     j["fit"] = problem.fit;
@@ -119,6 +129,13 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
     j["notes"] = built.notes;
     j["warnings"] = warnings;
     return j;
+}
+
+void print_region(const RegionTriangles& region) {
+    const Box& box = region.box;
+    fmt::print("region      {}: {} triangles, area {:.6g}, box [{:.6g}, {:.6g}, {:.6g}] to [{:.6g}, {:.6g}, {:.6g}]\n",
+               region.name, region.triangles.size(), region.area, box.min[0], box.min[1], box.min[2], box.max[0],
+               box.max[1], box.max[2]);
 }
 
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
@@ -130,9 +147,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
                problem.surface.num_triangles(), box_diagonal(problem.surface), the_case.units.empty() ? "" : " ",
                the_case.units);
     constexpr std::size_t shown = 12;
-    for (std::size_t k = 0; k < std::min(shown, built.regions.size()); ++k)
-        fmt::print("region      {}: {} triangles, area {:.6g}\n", built.regions[k].name,
-                   built.regions[k].triangles.size(), built.regions[k].area);
+    for (std::size_t k = 0; k < std::min(shown, built.regions.size()); ++k) print_region(built.regions[k]);
     if (built.regions.size() > shown)
         fmt::print("            and {} more regions (all with --json)\n", built.regions.size() - shown);
     fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
@@ -142,13 +157,15 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     for (std::size_t k = 1; is_search && k < problem.tree.levels.size(); ++k)
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
-                   most_variables(problem, problem.tree.levels[k], pin));
-    std::vector<std::string> given;
-    for (const GivenVariable& variable : problem.parameters.given) given.push_back(variable.name);
-    if (is_search && !given.empty()) fmt::print("given       {}\n", joined(given));
-    for (const OwnVariable& own : problem.own)
-        fmt::print("variable    {}: {} in [{}, {}]\n", own.name, shown_value(own.start, own.is_angle),
-                   shown_value(own.min, own.is_angle), shown_value(own.max, own.is_angle));
+                   max_variables(problem, problem.tree.levels[k], pin));
+    std::vector<std::string> user_variables, fields;
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
+    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
+    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
+    for (const ProgramParameter& parameter : problem.program_parameters)
+        fmt::print("variable    {}: {} in [{}, {}]\n", parameter.name, shown_value(parameter.start, parameter.is_angle),
+                   shown_value(parameter.min, parameter.is_angle), shown_value(parameter.max, parameter.is_angle));
     if (!problem.objective.empty())
         fmt::print("objective   {} {}\n", problem.maximize ? "maximize" : "minimize", problem.objective);
     if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));
@@ -197,17 +214,19 @@ void print_errors(const CaseError& error) {
 
 void add_check(CLI::App& app) {
     auto args = std::make_shared<CheckArguments>();
-    CLI::App* command = app.add_subcommand("check", "all that is wrong with a case, without running it");
+    CLI::App* command = app.add_subcommand("check", "report everything wrong with a case, without running it");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    command->add_flag("--json", args->json, "one JSON object instead of words");
+    command->add_flag("--json", args->json, "print one JSON object instead of words");
     CLI::Option* evaluate = command->add_flag("--evaluate", args->evaluate,
-                                              "one evaluation at the start design, and what was understood of it");
+                                              "run one evaluation at the start design and show what was read back");
     command->add_option("--out", args->out, "keep the folders of that evaluation here")->needs(evaluate);
-    command->add_flag("--print-resolved", args->print_resolved, "the case with every default filled in")
+    command->add_flag("--print-resolved", args->print_resolved, "print the case with every default filled in")
         ->excludes(evaluate);
-    command->add_flag("--quick", args->wishes.quick, "without what takes a factorization: variables, start, cost");
-    command->add_option("--level", args->wishes.level, "level whose variables are looked at (default: 1)");
-    command->add_option("--modes", args->wishes.modes, "displacement by each variable at x = 1, for ParaView (.vtp)")
+    command->add_flag("--quick", args->wishes.quick, "skip what needs a factorization: variables, start, cost");
+    command->add_option("--level", args->wishes.level, "level whose variables are examined (default: 1)");
+    command
+        ->add_option("--modes", args->wishes.modes,
+                     "write the displacement by each variable at x = 1, for ParaView (.vtp)")
         ->excludes("--quick");
     command->callback([args] {
         try {

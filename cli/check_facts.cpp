@@ -1,8 +1,8 @@
 #include "cli/check_facts.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/vtp.hpp"
-#include "optimize/shell_setup.hpp"
+#include "core/formats/vtp.hpp"
+#include "optimize/problem/shell_setup.hpp"
 
 #include <sys/resource.h>
 #include <algorithm>
@@ -12,8 +12,8 @@
 namespace strake::cli {
 namespace {
 
-/// An evaluation by its rest solve, with its gradients: Newton steps reuse factors of designs before. Between 1.5 and 4
-/// on the examples; the estimate is told as "about".
+/// Cost of an evaluation with gradients in rest solves: Newton steps reuse factors of previous designs. Between 1.5 and
+/// 4 on the examples; the estimate is printed with "about".
 constexpr double solves_each = 2.5;
 
 std::vector<HeldPart> held_parts(const BuiltProblem& built, const Adjacency& adjacent) {
@@ -44,7 +44,7 @@ double resident_bytes() {
     return 1024.0 * static_cast<double>(used.ru_maxrss);
 }
 
-/// Displacements at x = 1, vector by vector, and what no variable moves.
+/// The displacement by each variable at x = 1, and which vertices no variable moves.
 void write_modes(const std::string& file, const Problem& problem, const SpaceFacts& facts, std::vector<Field> fields) {
     std::vector<int> moves(facts.moves.begin(), facts.moves.end());
     fields.push_back({"moves", moves});
@@ -62,9 +62,9 @@ RunCost cost_of(const Problem& problem, double rest_seconds, double measured_sec
     return cost;
 }
 
-/// The start without programs, and the seconds that its quantities took.
-double look_at_start(const Problem& problem, const std::shared_ptr<const RestFacts>& rest, const DesignSpace& space,
-                     CheckFacts& facts) {
+/// Evaluates the start without programs. @return the seconds its quantities took.
+double evaluate_start(const Problem& problem, const std::shared_ptr<const RestFacts>& rest, const DesignSpace& space,
+                      CheckFacts& facts) {
     const Problem free = without_programs(problem);
     for (const Constraint& c : problem.constraints)
         if (std::none_of(free.constraints.begin(), free.constraints.end(),
@@ -88,9 +88,9 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     const int levels = static_cast<int>(problem.tree.levels.size()) - 1;
     if (is_search && (wishes.level < 1 || wishes.level > levels))
         throw InvalidInput(text("--level ", wishes.level, ": the case has ",
-                                levels > 1 ? text("levels 1 to ", levels) : "level 1 only"));
+                                levels > 1 ? text("levels 1 to ", levels) : "only level 1"));
     if (!is_search && !wishes.modes.empty())
-        throw InvalidInput("--modes: the case has neither objective nor fit, and so no design variables");
+        throw InvalidInput("--modes: the case has no design variables: it states neither objective nor fit");
     if (wishes.quick || !is_search) return facts;
     const auto rest = rest_facts(problem);
     const DesignSpace space = design_space(rest, wishes.level);
@@ -101,7 +101,7 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     });
     if (wants_modes) write_modes(wishes.modes, problem, *facts.space, std::move(modes));
     if (space.size() == 0) return facts;
-    const double seconds = look_at_start(problem, rest, space, facts);
+    const double seconds = evaluate_start(problem, rest, space, facts);
     facts.cost = cost_of(problem, facts.space->rest_seconds, seconds);
     return facts;
 }

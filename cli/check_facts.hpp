@@ -1,43 +1,43 @@
 #pragma once
-#include "cases/build_problem.hpp"
+#include "casefile/build/build_problem.hpp"
 #include "core/repair/checkup.hpp"
-#include "optimize/space_facts.hpp"
-#include "optimize/start_check.hpp"
+#include "optimize/check/start_check.hpp"
+#include "optimize/space/space_facts.hpp"
 
 #include <nlohmann/json.hpp>
 
-/// What `strake check` finds out beyond the case itself: the surface's health, what holds each part, the variables of a
-/// level, the constraints at the start, and what a run would cost.
+/// What `strake check` finds out beyond the case itself: the quality of the surface, what holds each part, the
+/// variables of a level, the constraints at the start, and the cost of a run.
 namespace strake::cli {
 
 struct HeldPart {
-    int triangles = 0, held = 0;  ///< of the part; fixed or moved as prescribed
-    std::vector<std::string> by;  ///< names of regions, and of what else holds it
+    int triangles = 0, held = 0;  ///< in the part; fixed or moved as prescribed
+    std::vector<std::string> by;  ///< names of the regions that hold it
 };
 
 struct RunCost {
-    int evaluations = 0;                ///< at most
+    int evaluations = 0;                ///< maximum
     double seconds_each = 0;            ///< of Strake itself, estimated
-    std::vector<std::string> programs;  ///< whose time comes on top
+    std::vector<std::string> programs;  ///< their time is not included
     double memory_bytes = 0;            ///< of Strake itself, estimated
 };
 
 struct CheckFacts {
     Checkup health;
     std::vector<HeldPart> parts;
-    std::optional<SpaceFacts> space;   ///< none: no shape variables, or not asked for
-    std::optional<StartAnswer> start;  ///< of what needs no program
-    std::vector<std::string> unknown;  ///< constraints on programs, not known yet
+    std::optional<SpaceFacts> space;   ///< none: no shape variables, or not requested
+    std::optional<StartAnswer> start;  ///< without the quantities of programs
+    std::vector<std::string> unknown;  ///< constraints on program values, not known yet
     std::optional<RunCost> cost;
 };
 
 struct CheckWishes {
-    bool quick = false;  ///< nothing that needs a factorization
-    int level = 1;       ///< whose variables are looked at
+    bool quick = false;  ///< skip what needs a factorization
+    int level = 1;       ///< whose variables are examined
     std::string modes;   ///< VTP file with the displacement by each variable; empty: none
 };
 
-/// @throws InvalidInput: no such level; and as the run itself would at its start.
+/// @throws InvalidInput: no such level; and whatever the run itself would throw at its start.
 CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes);
 
 void print_facts(const CheckFacts& facts);

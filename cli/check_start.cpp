@@ -3,7 +3,7 @@
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/work_folder.hpp"
-#include "optimize/start_check.hpp"
+#include "optimize/check/start_check.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
@@ -82,13 +82,13 @@ void print_quantity(const StartAnswer::Quantity& quantity) {
             fmt::print("gradient of norm {:.4g}, largest {:.4g} at vertex {}\n", value.gradient_norm,
                        value.largest_gradient, value.largest_vertex);
         else
-            fmt::print("{}\n", quantity.was_asked_for_gradients && value.is_gradient_needed ? "no gradient came"
-                                                                                            : "no gradient asked for");
+            fmt::print("{}\n", quantity.was_asked_for_gradients && value.is_gradient_needed ? "gradient missing"
+                                                                                            : "gradient not requested");
         for (const auto& [name, derivative] : value.by_variable)
             if (std::isfinite(derivative))
                 fmt::print("            by {}: {:.6g}\n", name, derivative);
             else
-                fmt::print("            by {}: not known\n", name);
+                fmt::print("            by {}: unknown\n", name);
     }
     if (!quantity.is_program) return;
     fmt::print("seconds     {:.3f}", quantity.seconds);

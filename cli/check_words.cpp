@@ -1,12 +1,12 @@
 #include "cli/check_facts.hpp"
 
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <cmath>
 
-/// How `strake check` tells what it has found out.
+/// How `strake check` reports its findings.
 namespace strake::cli {
 namespace {
 
@@ -19,8 +19,8 @@ void print_health(const Checkup& c) {
     fmt::print("health      {}, {} part{}, {} open boundar{}, {}; angles from {:.3g} to {:.4g} degrees\n",
                c.facts.closed ? "closed" : "open", c.facts.components, c.facts.components == 1 ? "" : "s",
                c.loops.size(), c.loops.size() == 1 ? "y" : "ies",
-               !c.pairs       ? "intersections not looked for"
-               : crossing > 0 ? fmt::format("{} pairs of triangles that intersect or lie on one another", crossing)
+               !c.pairs       ? "intersections not checked"
+               : crossing > 0 ? fmt::format("{} pairs of triangles that intersect or coincide", crossing)
                               : "no intersections",
                c.quality.angle_min_deg, c.quality.angle_max_deg);
 }
@@ -35,18 +35,19 @@ void print_parts(const std::vector<HeldPart>& parts) {
 
 void print_space(const SpaceFacts& s) {
     fmt::print("variables   level {}: {} on {} patches", s.level, s.names.size(), s.patches);
-    if (!s.left_out.empty()) fmt::print(", {} left out because others do the same", s.left_out.size());
+    if (!s.dependent.empty()) fmt::print(", {} dependent ones dropped", s.dependent.size());
     if (std::isfinite(s.condition)) fmt::print(", condition {:.3g}", s.condition);
     fmt::print("\n");
     if (s.condition > 1e8)
         fmt::print(
-            "note        that is much: some directions hardly move the surface; fewer kinds of variables, or fewer "
-            "patches (strake explain parameters)\n");
+            "note        the condition number is large: some directions barely move the surface; use fewer kinds of "
+            "variables "
+            "or fewer patches (strake explain parameters)\n");
     for (const std::string& note : s.notes) fmt::print("note        {}\n", note);
     const auto still = std::count(s.moves.begin(), s.moves.end(), 0);
-    fmt::print("still       {} of {} vertices ({:.3g} %) are moved by no variable{}\n", still, s.moves.size(),
+    fmt::print("still       no variable moves {} of {} vertices ({:.3g} %){}\n", still, s.moves.size(),
                s.moves.empty() ? 0.0 : 100.0 * static_cast<double>(still) / static_cast<double>(s.moves.size()),
-               s.changes_height ? " (but by stiffness, perhaps)" : "");
+               s.changes_height ? " (stiffness variables may)" : "");
 }
 
 void print_start(const CheckFacts& facts) {
@@ -63,24 +64,24 @@ void print_start(const CheckFacts& facts) {
                        row.limit, is_met(row) ? "met" : fmt::format("violated, it is {:.6g}", row.value));
     }
     for (const std::string& name : facts.unknown)
-        fmt::print("start       {}: of a program; strake check --evaluate asks it\n", name);
+        fmt::print("start       {}: computed by a program; strake check --evaluate runs it\n", name);
 }
 
 void print_cost(const RunCost& cost) {
-    fmt::print("cost        at most {} evaluations of about {}: {} on an idle machine; about {:.2g} GB of memory\n",
-               cost.evaluations, duration_words(cost.seconds_each),
-               duration_words(cost.evaluations * cost.seconds_each), cost.memory_bytes / 1e9);
+    fmt::print(
+        "cost        at most {} evaluations of about {} each: {} on an idle machine; about {:.2g} GB of memory\n",
+        cost.evaluations, duration_words(cost.seconds_each), duration_words(cost.evaluations * cost.seconds_each),
+        cost.memory_bytes / 1e9);
     if (!cost.programs.empty())
-        fmt::print("            and what {} take{}; strake check --evaluate measures it\n", joined(cost.programs),
-                   cost.programs.size() == 1 ? "s" : "");
+        fmt::print("            plus the time of {}; strake check --evaluate measures it\n", joined(cost.programs));
 }
 
 Json space_json(const SpaceFacts& s) {
     Json still = Json::array();
     for (std::size_t v = 0; v < s.moves.size(); ++v)
         if (!s.moves[v]) still.push_back(v);
-    return {{"level", s.level},       {"patches", s.patches}, {"variables", s.names},
-            {"left_out", s.left_out}, {"notes", s.notes},     {"condition", json_number(s.condition)},
+    return {{"level", s.level},        {"patches", s.patches}, {"variables", s.names},
+            {"left_out", s.dependent}, {"notes", s.notes},     {"condition", json_number(s.condition)},
             {"still_vertices", still}};
 }
 

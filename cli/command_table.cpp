@@ -7,7 +7,7 @@
 namespace strake::cli {
 namespace {
 
-/// "planar|smooth", or "TEXT:{random,start}" as the parser's own check writes it, as its words.
+/// The words of "planar|smooth", or of "TEXT:{random,start}" as the parser's own check writes it.
 std::vector<std::string> words_in(std::string type) {
     char between = '|';
     if (const std::size_t open = type.find(":{"); open != std::string::npos && type.ends_with('}')) {
@@ -57,11 +57,11 @@ std::vector<CommandRow> command_table(const CLI::App& app) {
 
 const std::vector<ExitMeaning>& exit_meanings() {
     static const std::vector<ExitMeaning> table{
-        {done, "done: converged, or stopped by a limit; the status word tells which"},
+        {done, "done: converged, or stopped by a limit; the status word says which"},
         {run_failed, "the run failed, or its best design is infeasible"},
         {usage, "command line or case file"},
         {surface_file, "surface file"},
-        {output_failed, "output: disk, permissions, a folder in use"},
+        {output_failed, "output: disk, permissions, or a folder in use"},
         {external_failed, "an external evaluation failed for good"},
         {interrupted, "interrupted, can be resumed (128 + n after a second signal)"}};
     return table;

@@ -4,14 +4,14 @@
 #include <string>
 #include <vector>
 
-/// The command line as data, read off the parser itself: what completions, the man page and the answers to mistyped
-/// options are made from.
+/// The command line as data, read from the parser: the source of completions, the man page and the answers to mistyped
+/// options.
 namespace strake::cli {
 
 struct OptionRow {
-    std::vector<std::string> names;  ///< with dashes; of a positional its name
+    std::vector<std::string> names;  ///< with dashes; for a positional, its name
     std::string doc;
-    std::vector<std::string> words;  ///< legal values, where the help names them as a|b|c
+    std::vector<std::string> words;  ///< allowed values, where the help lists them in the form a|b|c
     bool takes_value = false, is_positional = false, required = false;
 };
 struct CommandRow {
@@ -27,14 +27,14 @@ struct ExitMeaning {
 };
 /// DESIGN section 7.
 const std::vector<ExitMeaning>& exit_meanings();
-std::string exit_help();  ///< the same as the end of --help
+std::string exit_help();  ///< the same text, for the end of --help
 
-/// Scripts for `shell`, one of bash, zsh, fish.
+/// A completion script for `shell`: bash, zsh or fish.
 std::string completion_script(const CLI::App& app, const std::string& shell);
 /// strake.1 in roff.
 std::string man_page(const CLI::App& app);
 
-/// What to tell of a command line that was not understood: one or two lines, with the nearest command or option.
+/// The message about a command line that was not understood: one or two lines, with the nearest command or option.
 std::string usage_words(const CLI::App& app, const CLI::ParseError& error, const std::vector<std::string>& arguments);
 
 }  // namespace strake::cli

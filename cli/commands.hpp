@@ -1,9 +1,9 @@
 #pragma once
 #include <CLI/CLI.hpp>
 
-/// One file a subcommand; each adds itself to the program. Their callbacks throw the typed errors, which
-/// main turns into a message on stderr and an exit status; a callback that ends in another status than 0
-/// throws `ExitStatus`.
+/// One file for each subcommand; each adds itself to the program. The callbacks throw the typed errors, which main
+/// turns into a message on stderr and an exit status; a callback that ends with a status other than 0 throws
+/// `ExitStatus`.
 namespace strake::cli {
 
 /// Exit statuses (DESIGN section 7).

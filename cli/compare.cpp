@@ -3,20 +3,20 @@
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "core/mesh/surface_distance.hpp"
-#include "core/mesh/vtp.hpp"
-#include "objectives/measures.hpp"
-#include "optimize/stored_design.hpp"
+#include "core/text/file.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "optimize/run/stored_design.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake compare`: how far apart two surfaces are, where, and what that does to volume and area.
+/// `strake compare`: the distance between two surfaces, where it is largest, and the change of volume and area.
 namespace strake::cli {
 namespace {
 
@@ -25,7 +25,7 @@ struct CompareArguments {
     bool json = false;
 };
 
-/// A surface, and what is known of it if it is of a run.
+/// A surface, with what a run folder adds.
 struct Shape {
     TriMesh mesh;
     std::optional<SymmetryPlane> symmetry;
@@ -35,20 +35,20 @@ struct Shape {
 struct PatchDifference {
     std::string name;
     SurfaceDistance distance;       ///< from the run's surface to the other one
-    double area_a = 0, area_b = 0;  ///< the same triangles; NaN for the one that has others
+    double area_a = 0, area_b = 0;  ///< of the same triangles; NaN for a surface with other triangles
 };
 
 struct Compared {
     SurfaceDistance ab, ba;
     double area_a = 0, area_b = 0, volume_a = 0, volume_b = 0, diagonal = 0;  ///< volume NaN: not closed
-    Points displacement;  ///< n x 3 from A to B; empty: other triangles
+    Points displacement;  ///< n x 3 from A to B; empty: different triangles
     std::vector<PatchDifference> patches;
 };
 
 constexpr double nan = std::numeric_limits<double>::quiet_NaN();
 
-Shape shape_of(const std::string& path, bool at_start = false) {
-    if (!is_run_folder(path)) return {read_told(path).mesh, {}, {}};
+Shape read_shape(const std::string& path, bool at_start = false) {
+    if (!is_run_folder(path)) return {read_logged(path).mesh, {}, {}};
     const Deformation d = run_deformation(path);
     const StoredDesign design = read_design(std::filesystem::path(path) / "levels/best.design");
     Shape out{at_start ? d.rest : with_vertices(d.rest, d.vertices), d.symmetry, {}};
@@ -86,9 +86,9 @@ Compared compare(const Shape& a, const Shape& b) {
     const bool alike = same_triangles(a.mesh, b.mesh);
     if (alike) out.displacement = b.mesh.vertices - a.mesh.vertices;
     const bool of_b = !b.patches.empty();
-    const Shape &own = of_b ? b : a, &other = of_b ? a : b;
-    for (const Patch& patch : own.patches) {
-        PatchDifference p{patch.name, surface_distance(own.mesh, other.mesh, patch.triangles), nan, nan};
+    const Shape &with_patches = of_b ? b : a, &other = of_b ? a : b;
+    for (const Patch& patch : with_patches.patches) {
+        PatchDifference p{patch.name, surface_distance(with_patches.mesh, other.mesh, patch.triangles), nan, nan};
         if (alike || !of_b) p.area_a = area_of(a.mesh, patch.triangles);
         if (alike || of_b) p.area_b = area_of(b.mesh, patch.triangles);
         out.patches.push_back(std::move(p));
@@ -140,7 +140,7 @@ void print_distance(const char* title, const SurfaceDistance& d, double diagonal
 }
 
 void print_change(const char* title, double a, double b) {
-    if (std::isnan(a) || std::isnan(b)) return fmt::print("{}  none, not both are closed\n", title);
+    if (std::isnan(a) || std::isnan(b)) return fmt::print("{}  unknown: both surfaces must be closed\n", title);
     fmt::print("{}  {:.10g} and {:.10g} ({:+.4g} %)\n", title, a, b, 100 * (b - a) / a);
 }
 
@@ -149,8 +149,8 @@ void print_words(const Compared& c) {
     print_distance("B to A      ", c.ba, c.diagonal);
     if (c.displacement.rows() > 0) {
         const Eigen::Index v = largest_row(c.displacement);
-        fmt::print("displacement  max {:.6g} of vertex {}, rms {:.6g}: the same triangles\n",
-                   c.displacement.row(v).norm(), v, std::sqrt(c.displacement.rowwise().squaredNorm().mean()));
+        fmt::print("displacement  max {:.6g} at vertex {}, rms {:.6g}: same triangles\n", c.displacement.row(v).norm(),
+                   v, std::sqrt(c.displacement.rowwise().squaredNorm().mean()));
     }
     print_change("volume      ", c.volume_a, c.volume_b);
     print_change("area        ", c.area_a, c.area_b);
@@ -163,7 +163,7 @@ void print_words(const Compared& c) {
     }
 }
 
-/// Vertex normals by the triangles' areas.
+/// Displacement along area-weighted vertex normals.
 Eigen::VectorXd along_normals(const TriMesh& mesh, const Points& displacement) {
     Points normal = Points::Zero(mesh.num_vertices(), 3);
     for (int t = 0; t < mesh.num_triangles(); ++t)
@@ -176,7 +176,7 @@ Eigen::VectorXd along_normals(const TriMesh& mesh, const Points& displacement) {
     return out;
 }
 
-/// A with its distance from B; vertices without a triangle have none.
+/// A with its distance from B; 0 at vertices without a triangle.
 void write(const CompareArguments& args, const Shape& a, const Compared& c) {
     const Eigen::VectorXd distance = c.ab.at_vertices.array().isNaN().select(0, c.ab.at_vertices);
     std::vector<Field> fields{{"Distance", distance}};
@@ -191,9 +191,9 @@ void run(const CompareArguments& args) {
     check_outputs({args.vtp}, {args.a, args.b});
     if (args.b.empty() && !is_run_folder(args.a))
         throw InvalidInput(printable(args.a, 400) +
-                           ": one surface alone is compared with nothing; give another one, or the folder of a run "
-                           "(its start with its best)");
-    const Shape a = shape_of(args.a, args.b.empty()), b = shape_of(args.b.empty() ? args.a : args.b);
+                           ": needs a second surface; give one, or a run folder (compares its start with its best "
+                           "design)");
+    const Shape a = read_shape(args.a, args.b.empty()), b = read_shape(args.b.empty() ? args.a : args.b);
     const Compared compared = compare(a, b);
     if (!args.vtp.empty()) write(args, a, compared);
     args.json ? print_json(compared) : print_words(compared);
@@ -203,12 +203,13 @@ void run(const CompareArguments& args) {
 
 void add_compare(CLI::App& app) {
     auto args = std::make_shared<CompareArguments>();
-    CLI::App* command =
-        app.add_subcommand("compare", "distance of two surfaces, both ways, with volume, area, patches");
-    command->add_option("A", args->a, "surface file, or folder of a run: its best design")->required();
-    command->add_option("B", args->b, "the same; left out: A is a run, and its start is compared with its best");
-    command->add_option("--vtp", args->vtp, "A with its distance from B, for ParaView");
-    command->add_flag("--json", args->json, "one JSON object instead of words");
+    CLI::App* command = app.add_subcommand(
+        "compare", "measure the distance between two surfaces, both ways, with volume, area and patches");
+    command->add_option("A", args->a, "surface file, or run folder: its best design")->required();
+    command->add_option("B", args->b,
+                        "likewise; without it A must be a run, and its start is compared with its best design");
+    command->add_option("--vtp", args->vtp, "write A with its distance from B, for ParaView");
+    command->add_flag("--json", args->json, "print one JSON object instead of words");
     command->callback([args] { run(*args); });
 }
 

@@ -1,4 +1,4 @@
-#include "cases/explain.hpp"
+#include "casefile/schema/explain.hpp"
 #include "cli/command_table.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
@@ -6,7 +6,7 @@
 #include <fmt/format.h>
 #include <memory>
 
-/// `strake completion SHELL`: a script by which the shell completes commands, options, their words and files.
+/// `strake completion SHELL`: a script for shell completion of commands, options, their values and files.
 namespace strake::cli {
 namespace {
 
@@ -14,7 +14,7 @@ std::string joined(const std::vector<std::string>& words, const char* separator)
     return fmt::format("{}", fmt::join(words, separator));
 }
 
-/// Values of the first positional where they are no files.
+/// Values of the first positional argument unless it is a file.
 std::vector<std::string> positional_words(const CommandRow& command) {
     if (command.name == "explain") {
         std::vector<std::string> keys;
@@ -155,8 +155,8 @@ std::string completion_script(const CLI::App& app, const std::string& shell) {
 
 void add_completion(CLI::App& app) {
     auto shell = std::make_shared<std::string>();
-    CLI::App* command = app.add_subcommand("completion", "a script by which a shell completes commands and options");
-    command->add_option("SHELL", *shell, "as: source <(strake completion bash)")
+    CLI::App* command = app.add_subcommand("completion", "print a shell script that completes commands and options");
+    command->add_option("SHELL", *shell, "for example: source <(strake completion bash)")
         ->required()
         ->type_name("bash|zsh|fish");
     command->callback([shell, &app] { fmt::print("{}", completion_script(app, *shell)); });

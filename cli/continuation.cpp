@@ -1,29 +1,30 @@
 #include "cli/continuation.hpp"
 
+#include "casefile/read/resolved_case.hpp"
 #include "core/error.hpp"
 #include "report/recorded_run.hpp"
 
 namespace strake::cli {
 namespace {
 
-/// What is not the case that the run began with is named, and ends the attempt.
+/// Refuses a case that differs from the one the run started with, and names what changed.
 void check_same_case(const Case& the_case, const JournalFacts& facts, const std::string& yaml) {
     std::vector<std::string> changed;
     for (const std::string& key : changed_keys(facts.case_yaml, yaml))
         if (!may_change(key)) changed.push_back(key);
     if (!changed.empty())
         throw InvalidInput(text(
-            the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " are" : " is",
-            " not what the run began with; only budget, output, timeouts, parallel, scheduler and "
-            "cache may change. Undo it, or start another run (optimize.start_from begins at a design of this one)"));
+            the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " have" : " has",
+            " changed since the run started; only budget, output, timeouts, parallel, scheduler and cache may change. "
+            "Undo the change, or start another run (optimize.start_from starts at a design of this one)"));
     for (const auto& [key, hash] : file_hashes(the_case))
         if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)
             throw InvalidInput(text(the_case.file.string(), ": ", key,
-                                    ": the file is not the one that the run began "
-                                    "with. Put that back, or start another run"));
+                                    ": the file has changed since the run started. "
+                                    "Restore it, or start another run"));
 }
 
-/// The last design that was the best so far; 0: none.
+/// Number of the best design so far; 0: none.
 int last_accepted(const Journal& journal) {
     int best = 0;
     for (const JournalEvaluation& e : journal.evaluations())
@@ -53,7 +54,7 @@ void begin_again(RunRequest& request, const Continuation& now, const RunLimits& 
     if (limits.evaluations < before.evaluations || unlimited(limits.seconds) < unlimited(before.seconds))
         throw InvalidInput(text("the budget of a run can only be raised: it is ", before.evaluations, " evaluations",
                                 before.seconds > 0 ? text(" and ", before.seconds, " s") : "",
-                                "; to end it sooner, interrupt it"));
+                                "; to end the run sooner, interrupt it"));
     journal.set_limits(limits.evaluations, limits.seconds);
     if (now.is_changed) journal.set_case(now.yaml);
     request.folder->begin_best_at(last_accepted(journal));

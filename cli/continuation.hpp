@@ -1,7 +1,7 @@
 #pragma once
 #include "cli/session.hpp"
 
-/// What `resume` and `step` share: whether a run may go on with a case, and under which limits.
+/// What `resume` and `step` share: whether a run may continue with a case, and under which limits.
 namespace strake::cli {
 
 struct Continuation {
@@ -9,11 +9,11 @@ struct Continuation {
     bool is_changed = false, has_new_budget = false;
 };
 
-/// @throws InvalidInput naming what is not the case that the run began with.
+/// @throws InvalidInput naming what differs from the case that the run started with.
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir);
 
-/// Notes case and limits in the journal of the request, and makes its folder go on from the best design.
-/// @throws InvalidInput where a limit is lower than before.
+/// Records case and limits in the journal of the request, and sets up its folder to continue from the best design.
+/// @throws InvalidInput if a limit is lower than before.
 void begin_again(RunRequest& request, const Continuation& now, const RunLimits& limits);
 
 }  // namespace strake::cli

@@ -1,12 +1,13 @@
+#include "casefile/load_case.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/vtp.hpp"
-#include "optimize/shell_setup.hpp"
-#include "optimize/validity.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/problem/shell_setup.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
@@ -28,7 +29,7 @@ nlohmann::ordered_json summary(const Equilibrium& end, const std::string& status
     nlohmann::ordered_json j;
     j["status"] = status;
     j["reason"] = end.reason;
-    const bool is_solved = end.iterations > 0;  // a linear answer is no equilibrium
+    const bool is_solved = end.iterations > 0;  // a linear response is not an equilibrium
     j["energy"] = json_number(end.energy);
     j["gradient_norm"] = is_solved ? json_number(end.gradient_norm) : nullptr;
     j["relative_gradient"] = is_solved ? json_number(end.relative_gradient) : nullptr;
@@ -70,7 +71,7 @@ void report(const DeformArguments& args, const Equilibrium& end, const std::stri
         fmt::print("max displacement  {:.6g} ({:.3g} % of the diagonal)\n", moved, 100 * moved / diagonal);
 }
 
-/// Tells why there is no surface; the answer is the program's failure.
+/// Reports why there is no surface and ends the program with status 1.
 [[noreturn]] void refuse(const DeformArguments& args, const Equilibrium& end, const std::string& status,
                          double diagonal) {
     report(args, end, status, std::numeric_limits<double>::quiet_NaN(), diagonal);
@@ -83,7 +84,7 @@ ValidityGuard guard_of(const Problem& problem) {
         problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry, attached_triangles(problem)}};
 }
 
-/// The equilibrium, which has to be a surface that can be handed on (DESIGN section 8).
+/// The equilibrium, which must be a valid surface (DESIGN section 8).
 Points solved(const DeformArguments& args, const Problem& problem, const ShellSetup& setup, PrimoShell& shell,
               Equilibrium& end) {
     const double diagonal = box_diagonal(problem.surface);
@@ -98,16 +99,16 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
     const Points vertices = shell.vertices();
     const std::string defect = guard_of(problem).defect(vertices, shell.poses());
     if (defect.empty()) return vertices;
-    end.reason = defect + "; reduce the loads and strains, or allow a thicker skin";
+    end.reason = defect + "; reduce the loads and strains, or use a thicker shell";
     refuse(args, end, "invalid", diagonal);
 }
 
-/// The paper's single solve, whatever comes out of it.
+/// The paper's single linear solve, valid or not.
 Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell, Equilibrium& end) {
     const Points vertices = shell.linear_response(setup.loads, setup.motions);
     end.reason = "one linear solve at rest";
     const std::string defect = guard_of(problem).defect(vertices, shell.poses());
-    if (!defect.empty()) fmt::print(stderr, "warning: the linear answer is not a valid surface: {}\n", defect);
+    if (!defect.empty()) fmt::print(stderr, "warning: the linear response is not a valid surface: {}\n", defect);
     return vertices;
 }
 
@@ -132,7 +133,7 @@ void deform_case(const DeformArguments& args) {
 }
 
 void deform(const DeformArguments& args) {
-    format_of(args.out);  // a wrong extension is told before the work
+    format_of(args.out);  // a wrong extension is reported before the work
     try {
         deform_case(args);
     } catch (const UnheldPart& loose) {
@@ -147,13 +148,15 @@ void deform(const DeformArguments& args) {
 
 void add_deform(CLI::App& app) {
     auto args = std::make_shared<DeformArguments>();
-    CLI::App* command = app.add_subcommand("deform", "one deformation: fixed regions, loads and strains of a case");
+    CLI::App* command =
+        app.add_subcommand("deform", "compute one deformation from the fixed regions, loads and strains of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    command->add_option("-o,--out,--output", args->out, "deformed surface; the ending says which format")->required();
-    command->add_flag("--linear", args->linear, "the single linear solve at rest instead of the equilibrium");
-    command->add_option("--prisms", args->prisms, "the deformed prisms for ParaView (.vtp)");
-    command->add_flag("--json", args->json, "results as JSON on standard output");
-    command->add_flag("-q,--quiet", args->quiet, "no progress");
+    command->add_option("-o,--out,--output", args->out, "deformed surface; the extension selects the format")
+        ->required();
+    command->add_flag("--linear", args->linear, "a single linear solve at rest instead of the equilibrium");
+    command->add_option("--prisms", args->prisms, "write the deformed prisms for ParaView (.vtp)");
+    command->add_flag("--json", args->json, "print the results as JSON");
+    command->add_flag("-q,--quiet", args->quiet, "do not print progress");
     command->callback([args] { deform(*args); });
 }
 

@@ -1,12 +1,13 @@
 #include "cli/designs.hpp"
 #include "cli/detail.hpp"
 
-#include "cases/case.hpp"
-#include "cases/prepare_surface.hpp"
+#include "casefile/build/prepare_surface.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/model/case.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
-#include "optimize/stored_design.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
+#include "optimize/run/stored_design.hpp"
 
 #include <fmt/core.h>
 
@@ -21,12 +22,13 @@ Points shape_of(const fs::path& run, int evaluation, const TriMesh& rest) {
     std::error_code ignored;
     if (!fs::exists(file, ignored))
         throw InvalidInput(
-            fmt::format("{}: the shape of evaluation {} was not kept (there is no {}); kept are those "
-                        "that output.paraview says",
+            fmt::format("{}: the shape of evaluation {} was not kept (no {}); output.paraview says which "
+                        "shapes are kept",
                         printable(run.native(), 400), evaluation, file.filename().string()));
-    const TriMesh shape = read_told(file).mesh;
+    const TriMesh shape = read_logged(file).mesh;
     if (!same_triangles(shape, rest))
-        throw InputError(fmt::format("{}: is of another surface than the case's", printable(file.native(), 400)));
+        throw InputError(
+            fmt::format("{}: does not have the triangles of the case's surface", printable(file.native(), 400)));
     return shape.vertices;
 }
 
@@ -44,10 +46,10 @@ bool is_run_folder(const fs::path& path) {
 Deformation run_deformation(const fs::path& run, const fs::path& design, int evaluation) {
     std::error_code ignored;
     const std::string name = printable(run.native(), 400);
-    if (!is_run_folder(run)) throw InvalidInput(name + ": holds no run (there is no case.yaml)");
+    if (!is_run_folder(run)) throw InvalidInput(name + ": is not a run folder (it has no case.yaml)");
     const fs::path file = design.empty() ? run / "levels/best.design" : design;
     if (design.empty() && !fs::exists(file, ignored))
-        throw InvalidInput(name + ": the run has no design yet (there is no levels/best.design)");
+        throw InvalidInput(name + ": the run has no design yet (no levels/best.design)");
     const Case the_case = load_case(run / "case.yaml");
     Deformation d{prepare_surface(the_case).mesh, {}, evaluation, the_case.symmetry};
     if (evaluation > 0) {
@@ -62,10 +64,10 @@ Deformation run_deformation(const fs::path& run, const fs::path& design, int eva
 }
 
 Deformation surface_deformation(const fs::path& rest, const fs::path& moved) {
-    Deformation d{read_told(rest).mesh, {}, 0, {}};
-    const TriMesh shape = read_told(moved).mesh;
+    Deformation d{read_logged(rest).mesh, {}, 0, {}};
+    const TriMesh shape = read_logged(moved).mesh;
     if (!same_triangles(shape, d.rest))
-        throw InputError(fmt::format("{}: {} vertices and {} triangles, which are not those of {} ({} and {})",
+        throw InputError(fmt::format("{}: {} vertices and {} triangles differ from those of {} ({} and {})",
                                      printable(moved.native(), 400), shape.num_vertices(), shape.num_triangles(),
                                      printable(rest.native(), 400), d.rest.num_vertices(), d.rest.num_triangles()));
     d.vertices = shape.vertices;

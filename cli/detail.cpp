@@ -1,11 +1,11 @@
 #include "cli/detail.hpp"
 
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "core/parallel.hpp"
+#include "core/text/file.hpp"
 #include "core/version.hpp"
 
 #include <cxxabi.h>
@@ -50,7 +50,7 @@ std::string machine_words() {
                        ::sysconf(_SC_NPROCESSORS_ONLN), memory / 1e9);
 }
 
-/// The command line as it was understood by the shell: each argument in brackets.
+/// The command line after the shell's parsing: each argument in brackets.
 std::string arguments_words() {
     std::ifstream file("/proc/self/cmdline", std::ios::binary);
     std::string all, argument;
@@ -66,14 +66,14 @@ std::string cost_words() {
     const auto seconds = [](const timeval& t) {
         return static_cast<double>(t.tv_sec) + 1e-6 * static_cast<double>(t.tv_usec);
     };
-    return fmt::format("{:.2f} s, {:.2f} s of processors, at most {:.0f} MB", seconds_since_start(),
+    return fmt::format("{:.2f} s, {:.2f} s of CPU time, at most {:.0f} MB", seconds_since_start(),
                        seconds(used.ru_utime) + seconds(used.ru_stime), static_cast<double>(used.ru_maxrss) / 1024);
 }
 
-/// Bytes that are no text, as names may hold, are escaped.
+/// Escapes bytes that are not text; file names may contain them.
 std::string harmless(const std::string& words) { return printable(std::string_view(words), 4000); }
 
-void print(const std::string& words) {
+void print_detail(const std::string& words) {
     fmt::print(stderr, "strake: {:8.2f} s  {}\n", seconds_since_start(), harmless(words));
 }
 
@@ -85,7 +85,7 @@ std::string type_of(const std::exception& e) {
     return words;
 }
 
-/// The error's type and words, then those of the error that it was made of, and so on.
+/// The error's type and message, then those of its cause, and so on.
 void add_types(const std::exception_ptr& thrown, std::string& out) {
     try {
         std::rethrow_exception(thrown);
@@ -99,7 +99,7 @@ void add_types(const std::exception_ptr& thrown, std::string& out) {
     } catch (const ExitStatus& end) {
         out += fmt::format("debug: thrown       end with status {}\n", end.status);
     } catch (...) {
-        out += "debug: thrown       something that is no exception of the library\n";
+        out += "debug: thrown       something that is not an exception of the library\n";
     }
 }
 
@@ -108,34 +108,36 @@ void add_types(const std::exception_ptr& thrown, std::string& out) {
 void add_threads_option(CLI::App& app) {
     for (const char* name : {"deform", "run", "fit", "resume", "step", "sweep", "gradient-check"})
         app.get_subcommand(name)
-            ->add_option_function<int>("--threads", &set_num_threads,
-                                       "of the solver; default STRAKE_NUM_THREADS, else at most 2; same result")
+            ->add_option_function<int>(
+                "--threads", &set_num_threads,
+                "threads of the solver (default: STRAKE_NUM_THREADS, otherwise at most 2); the result is the same")
             ->check(CLI::Range(1, max_threads));
 }
 
 void add_detail_options(CLI::App& app) {
     for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; })) {
-        command->add_flag("-v,--verbose", state().more, "more words on standard error: steps, times, memory");
-        command->add_flag("--debug", state().debug, "more about an error: its type, the last step, versions, machine");
+        command->add_flag("-v,--verbose", state().more, "print steps, times and memory on standard error");
+        command->add_flag("--debug", state().debug,
+                          "print details of an error: its type, the last step, versions, machine");
     }
 }
 
 bool wants_detail() { return state().more; }
 
-void tell_step(const std::string& words) {
+void log_step(const std::string& words) {
     state().step = words;
     if (!state().more) return;
     if (!std::exchange(state().has_begun, true)) {
-        print(program_words());
-        print(machine_words());
-        print(arguments_words());
+        print_detail(program_words());
+        print_detail(machine_words());
+        print_detail(arguments_words());
     }
-    print(words);
+    print_detail(words);
 }
 
-void tell_end(int status) {
+void log_end(int status) {
     if (!state().more) return;
-    tell_step(fmt::format("ends with status {}: {}", status, cost_words()));
+    log_step(fmt::format("ends with status {}: {}", status, cost_words()));
 }
 
 std::string debug_words(const std::exception_ptr& thrown) {
@@ -149,12 +151,12 @@ std::string debug_words(const std::exception_ptr& thrown) {
                      harmless(arguments_words()), cost_words());
 }
 
-SurfaceFile read_told(const std::filesystem::path& file) {
+SurfaceFile read_logged(const std::filesystem::path& file) {
     const std::string name = printable(file.string(), 400);
-    tell_step("reading " + name);
+    log_step("reading " + name);
     SurfaceFile read = read_surface(file);
     check_coordinates(file, read.mesh);
-    tell_step(fmt::format("{}: {} vertices, {} triangles", name, read.mesh.num_vertices(), read.mesh.num_triangles()));
+    log_step(fmt::format("{}: {} vertices, {} triangles", name, read.mesh.num_vertices(), read.mesh.num_triangles()));
     return read;
 }
 

@@ -1,9 +1,9 @@
 #include "cli/errors.hpp"
 
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "cli/commands.hpp"
 #include "core/primo/shell.hpp"
-#include "optimize/journal.hpp"
+#include "optimize/journal/journal.hpp"
 
 #include <filesystem>
 #include <new>

@@ -9,7 +9,7 @@ struct ProgramEnd {
     std::string message;  ///< for stderr, without the end of line; may be empty
 };
 
-/// Exit status and words for what a command has thrown. The words are ours, never those of the C++ library.
+/// Exit status and message for what a command has thrown. The message is ours, never that of the C++ library.
 ProgramEnd end_of(const std::exception_ptr& thrown);
 
 }  // namespace strake::cli

@@ -1,6 +1,6 @@
-#include "cases/explain.hpp"
+#include "casefile/schema/explain.hpp"
 
-#include "cases/schema.hpp"
+#include "casefile/schema/schema.hpp"
 #include "cli/commands.hpp"
 
 #include <fmt/core.h>
@@ -8,23 +8,24 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake explain`: a key of the case file, from the table that the loader uses.
+/// `strake explain`: a key of the case file, from the loader's own table.
 namespace strake::cli {
 namespace {
 
 using Json = nlohmann::ordered_json;
 
-Json as_json(const KeyExplanation& told) {
-    Json j{{"key", told.path}, {"forms", Json::array()}, {"below", Json::array()}};
-    for (const KeyForm& form : told.forms)
+Json as_json(const KeyExplanation& found) {
+    Json j{{"key", found.path}, {"forms", Json::array()}, {"below", Json::array()}};
+    for (const KeyForm& form : found.forms)
         j["forms"].push_back({{"form", form.form},
                               {"limits", form.limits},
                               {"required", form.required},
                               {"default", form.fallback},
                               {"meaning", form.doc},
                               {"condition", form.condition}});
-    for (const KeyBelow& key : told.below) j["below"].push_back({{"key", key.name}, {"meaning", key.doc}});
-    if (!told.used_by.empty()) j["value_of"] = told.used_by;
+    for (const KeyBelow& key : found.below) j["below"].push_back({{"key", key.name}, {"meaning", key.doc}});
+    if (!found.used_by.empty()) j["value_of"] = found.used_by;
+    if (!found.asked_as.empty()) j["was"] = found.asked_as;
     return j;
 }
 
@@ -48,20 +49,21 @@ std::string wrapped(const std::string& doc, const std::string& margin) {
     return line.empty() ? out : out + margin + line + "\n";
 }
 
-void print_words(const KeyExplanation& told) {
-    fmt::print("{}\n", told.path);
-    for (const std::string& key : told.used_by) fmt::print("  is a value of {}\n", key);
-    if (!told.used_by.empty()) fmt::print("`strake explain {}` tells more\n", told.used_by.front());
-    for (const KeyForm& form : told.forms) {
+void print_words(const KeyExplanation& found) {
+    if (!found.asked_as.empty()) fmt::print("'{}' is now called:\n", found.asked_as);
+    fmt::print("{}\n", found.path);
+    for (const std::string& key : found.used_by) fmt::print("  is a value of {}\n", key);
+    if (!found.used_by.empty()) fmt::print("see `strake explain {}`\n", found.used_by.front());
+    for (const KeyForm& form : found.forms) {
         fmt::print("  form     {}{}\n", form.form, form.limits.empty() ? "" : ", " + form.limits);
-        if (form.required) fmt::print("  default  none: it has to be there\n");
+        if (form.required) fmt::print("  default  none: the key is required\n");
         if (!form.fallback.empty()) fmt::print("  default  {}\n", form.fallback);
         fmt::print("{}", wrapped(form.doc + form.condition, "    "));
     }
     std::size_t width = 0;
-    for (const KeyBelow& key : told.below) width = std::max(width, key.name.size());
-    if (!told.below.empty()) fmt::print("  keys below it:\n");
-    for (const KeyBelow& key : told.below)
+    for (const KeyBelow& key : found.below) width = std::max(width, key.name.size());
+    if (!found.below.empty()) fmt::print("  keys below it:\n");
+    for (const KeyBelow& key : found.below)
         fmt::print("    {:<{}}  {}\n", key.name == "*" ? "NAME" : key.name, width, brief(key.doc));
 }
 
@@ -75,21 +77,21 @@ void list_all() {
 
 void explain_key(const std::string& key, bool json) {
     if (key.empty() && !json) return list_all();
-    std::vector<KeyExplanation> told;
+    std::vector<KeyExplanation> found;
     if (!key.empty())
-        told = explain(key);
+        found = explain(key);
     else
         for (const std::string& path : key_paths())
-            if (!path.ends_with("[]")) told.push_back(explain(path).front());
+            if (!path.ends_with("[]")) found.push_back(explain(path).front());
     if (json) {
         Json j = Json::array();
-        for (const KeyExplanation& one : told) j.push_back(as_json(one));
+        for (const KeyExplanation& one : found) j.push_back(as_json(one));
         fmt::print("{}\n", j.dump(2));
         return;
     }
-    for (std::size_t i = 0; i < told.size(); ++i) {
+    for (std::size_t i = 0; i < found.size(); ++i) {
         if (i > 0) fmt::print("\n");
-        print_words(told[i]);
+        print_words(found[i]);
     }
 }
 
@@ -101,10 +103,12 @@ void add_explain(CLI::App& app) {
         bool json = false;
     };
     auto args = std::make_shared<Arguments>();
-    CLI::App* command = app.add_subcommand("explain", "what a key of the case file means; without KEY all of them");
-    command->add_option("KEY", args->key, "as optimize.method, regions.tip.box, or the end of one, as method")
+    CLI::App* command = app.add_subcommand("explain", "explain a key of the case file; without KEY, list all of them");
+    command
+        ->add_option("KEY", args->key,
+                     "for example optimize.method or regions.tip.box, or just its end, for example method")
         ->type_name("");
-    command->add_flag("--json", args->json, "a JSON array instead of words");
+    command->add_flag("--json", args->json, "print a JSON array instead of words");
     command->callback([args] { explain_key(args->key, args->json); });
 }
 

@@ -7,12 +7,12 @@ namespace strake::cli {
 
 void add_fit(CLI::App& app) {
     auto args = std::make_shared<SessionArguments>();
-    CLI::App* command = app.add_subcommand("fit", "fits the design variables to a target shape, coarse to fine");
+    CLI::App* command = app.add_subcommand("fit", "fit the design variables to a target shape, coarse to fine");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command->add_option("--out", args->out,
-                        "run folder, new or empty (default: output.dir of the case, else runs/<case>)");
-    command->add_flag("--json", args->json, "results as JSON on standard output");
-    command->add_flag("-q,--quiet", args->quiet, "no progress");
+                        "run folder, new or empty (default: output.dir of the case, otherwise runs/<case>)");
+    command->add_flag("--json", args->json, "print the results as JSON");
+    command->add_flag("-q,--quiet", args->quiet, "do not print progress");
     command->callback([args] { run_session(*args, true); });
 }
 

@@ -1,5 +1,6 @@
-#include "optimize/gradient_check.hpp"
+#include "optimize/check/gradient_check.hpp"
 
+#include "casefile/load_case.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/work_folder.hpp"
@@ -72,8 +73,7 @@ void check_case(const GradientCheckArguments& args) {
     options.at_start = args.at == "start";
     for (const std::string& warning : built.warnings) fmt::print(stderr, "warning: {}\n", warning);
     if (!args.quiet)
-        fmt::print(stderr, "strake: gradient-check: {} evaluations, the first one with gradients\n",
-                   options.h.size() + 1);
+        fmt::print(stderr, "strake: gradient-check: {} evaluations, the first with gradients\n", options.h.size() + 1);
     const GradientCheck check = check_gradients(built.problem, options);
     for (const std::string& note : check.notes) fmt::print(stderr, "note: {}\n", note);
     if (args.json) {
@@ -91,22 +91,23 @@ void check_case(const GradientCheckArguments& args) {
 void add_gradient_check(CLI::App& app) {
     auto args = std::make_shared<GradientCheckArguments>();
     CLI::App* command = app.add_subcommand(
-        "gradient-check", "Taylor test of the gradients of objective, constraints and fitted values of a case");
+        "gradient-check",
+        "run a Taylor test on the gradients of the objective, constraints and fitted values of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command
         ->add_option("--at", args->at,
-                     "point of the test: random (default; beside the start) or start (of the case, or of start_from)")
+                     "test point: random (default; near the start) or start (of the case, or of start_from)")
         ->check(CLI::IsMember({"random", "start"}));
-    command->add_option("--seed", args->options.seed, "of the random point and direction (default 1)");
+    command->add_option("--seed", args->options.seed, "seed of the random point and direction (default: 1)");
     command->add_option("--level", args->options.level, "level of the patches (default: the finest)")
         ->check(CLI::Range(1, 1000));
     command
         ->add_option("--accept", args->options.accept,
-                     "also pass where slopes differ by no more than this share of the one to be expected (default 0)")
+                     "also pass if the slopes differ by at most this fraction of the expected one (default: 0)")
         ->check(CLI::Range(0.0, 0.5));
     command->add_option("--out", args->out, "keep the folders of external evaluations here");
-    command->add_flag("--json", args->json, "results as JSON on standard output");
-    command->add_flag("-q,--quiet", args->quiet, "no progress");
+    command->add_flag("--json", args->json, "print the results as JSON");
+    command->add_flag("-q,--quiet", args->quiet, "do not print progress");
     command->callback([args] { check_case(*args); });
 }
 

@@ -2,7 +2,7 @@
 #include "core/error.hpp"
 
 #include "core/primo/held.hpp"
-#include "optimize/shell_setup.hpp"
+#include "optimize/problem/shell_setup.hpp"
 
 #include <algorithm>
 
@@ -19,7 +19,7 @@ bool has_strains(const Problem& problem) {
 std::vector<std::string> check_shell(const Case& the_case, const Problem& problem) {
     const ShellSetup setup = shell_setup(problem);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
-    if (is_search && has_strains(problem)) return setup.warnings;  // strain cores hold, too
+    if (is_search && has_strains(problem)) return setup.warnings;  // pinned strain patches hold, too
     const Eigen::VectorXd spring =
         setup.loads.spring.size() > 0 ? setup.loads.spring : Eigen::VectorXd::Zero(problem.surface.num_vertices());
     try {

@@ -1,9 +1,9 @@
 #pragma once
-#include "cases/build_problem.hpp"
+#include "casefile/build/build_problem.hpp"
 
 namespace strake::cli {
 
-/// A part that nothing holds would stop the run: told here, with the case file's name. @return the shell's warnings.
+/// Refuses a part that nothing holds, which would stop the run, and names the case file. @return the shell's warnings.
 /// @throws UnheldPart.
 std::vector<std::string> check_shell(const Case& the_case, const Problem& problem);
 

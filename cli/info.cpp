@@ -2,9 +2,10 @@
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/obj_skipped.hpp"
 #include "core/repair/checkup.hpp"
+#include "core/text/file.hpp"
 
 #include <fmt/format.h>
 
@@ -13,17 +14,20 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake info`: what a surface file holds, and what is wrong with it.
+/// `strake info`: what a surface file contains and what is wrong with it.
 namespace strake::cli {
 namespace {
 
 struct Report {
     SurfaceFile surface;
     Checkup found;
+    std::string skipped;  ///< what the file holds beside its triangles
 };
 
 Report examine(const std::string& file) {
-    Report r{.surface = read_told(file), .found = {}};
+    Report r{.surface = read_logged(file), .found = {}, .skipped = {}};
+    if (r.surface.format == SurfaceFormat::obj && !file.ends_with(".gz"))
+        r.skipped = formats::skipped_in_obj(read_bytes(file));
     r.found = checkup(r.surface.mesh);
     return r;
 }
@@ -131,6 +135,8 @@ nlohmann::ordered_json as_json(const Report& r) {
     j["duplicate_vertices"] = f.duplicate_vertices.size();
     j["format"] = title_of(r.surface.format);
     j["file_vertices"] = r.surface.file_vertices;
+    j["skipped"] = nullptr;
+    if (!r.skipped.empty()) j["skipped"] = r.skipped;
     const SurfaceQuality& q = c.quality;
     j["edge_length"] = {{"min", q.edge_min}, {"mean", q.edge_mean}, {"max", q.edge_max}, {"median", q.edge_median}};
     j["angle_deg"] = {{"min", q.angle_min_deg}, {"max", q.angle_max_deg}};
@@ -149,7 +155,7 @@ nlohmann::ordered_json as_json(const Report& r) {
     return j;
 }
 
-/// The largest groups of a histogram, as "15-30: 4 %".
+/// The groups of a histogram, for example "15-30: 4 %".
 std::string shares(const Histogram& h, const char* unit) {
     double total = 0;
     for (const int count : h.counts) total += count;
@@ -161,8 +167,8 @@ std::string shares(const Histogram& h, const char* unit) {
     return words;
 }
 
-void print(const std::string& words) {
-    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
+void print_info(const std::string& words) {
+    std::fputs(words.c_str(), stdout);  // main reports output that cannot be written
 }
 
 std::string vector_text(const Eigen::Vector3d& v) { return text(v.x(), " ", v.y(), " ", v.z()); }
@@ -178,6 +184,7 @@ void print_words(const std::string& file, const Report& r) {
                                : text(mesh.num_vertices()));
     line("triangles", text(mesh.num_triangles()));
     const Checkup& c = r.found;
+    if (!r.skipped.empty()) line("skipped", r.skipped);
     line("components", text(c.facts.components));
     const auto counts = triangles_per_group(mesh);
     if (!counts.empty()) {
@@ -193,7 +200,7 @@ void print_words(const std::string& file, const Report& r) {
     line("volume", c.facts.closed ? text(c.volume) : "none, the surface is not closed");
     const SurfaceQuality& q = c.quality;
     line("edge length", text(q.edge_min, " to ", q.edge_max, ", mean ", q.edge_mean));
-    line("", "in means " + shares(q.edges, ""));
+    line("", "relative to the mean: " + shares(q.edges, ""));
     line("angles", text(q.angle_min_deg, " to ", q.angle_max_deg, " degrees"));
     line("", shares(q.angles_deg, " deg"));
     line("quality", fmt::format("2 inradius / circumradius: mean {:.3f}, 5th percentile {:.3f}, smallest {:.2g}",
@@ -205,7 +212,7 @@ void print_words(const std::string& file, const Report& r) {
     for (const auto& d : list) out += "  " + d + "\n";
     if (!advised.empty()) out += "advice:\n";
     for (const auto& a : advised) out += "  " + a + "\n";
-    print(out);
+    print_info(out);
 }
 
 }  // namespace
@@ -217,13 +224,13 @@ void add_info(CLI::App& app) {
         bool json = false;
     };
     auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("info", "what a surface file holds, and what is wrong with it");
+    CLI::App* command = app.add_subcommand("info", "report what a surface file contains and what is wrong with it");
     command
         ->add_option("SURFACE", options->surface,
-                     "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, VTP, SU2, Gmsh or NASTRAN file, also packed (.gz)")
+                     "STL, OBJ, PLY, OFF, Cart3D .tri, VTK, VTP, SU2, Gmsh or NASTRAN file, also gzipped (.gz)")
         ->required();
-    command->add_flag("--json", options->json, "one JSON object instead of words");
-    command->add_option("--vtp", options->vtp, "the surface with every defect marked, for ParaView");
+    command->add_flag("--json", options->json, "print one JSON object instead of words");
+    command->add_option("--vtp", options->vtp, "write the surface with every defect marked, for ParaView");
     command->callback([options] {
         check_outputs({options->vtp}, {options->surface});
         const Report r = examine(options->surface);
@@ -232,7 +239,7 @@ void add_info(CLI::App& app) {
             write_vtp(options->vtp, r.surface.mesh, fields.points, fields.cells);
         }
         if (options->json)
-            print(as_json(r).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+            print_info(as_json(r).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
         else
             print_words(options->surface, r);
     });

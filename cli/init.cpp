@@ -1,14 +1,15 @@
-#include "cases/build_problem.hpp"
-#include "cases/propose.hpp"
+#include "casefile/build/build_problem.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/propose/propose.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/vtp.hpp"
-#include "core/shell_word.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 #include "report/drawing.hpp"
 
 #include <fcntl.h>
@@ -21,7 +22,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake init`: from a bare surface to a case that runs, and a picture of its patches.
+/// `strake init`: proposes a case that runs for a bare surface, with a picture of its patches.
 namespace strake::cli {
 namespace {
 
@@ -33,14 +34,14 @@ struct InitArguments {
     bool json = false, quiet = false;
 };
 
-/// The case file while it is being tried; goes away again unless it is kept.
+/// The case file while it is being tried; removed again unless it is kept.
 class NewFile {
 public:
     NewFile(const fs::path& file, const std::string& words) : file_(file) {
         const int handle = ::open(file.c_str(), O_WRONLY | O_CREAT | O_EXCL | O_CLOEXEC, 0666);
         if (handle < 0 && errno == EEXIST)
             throw InvalidInput(text("init: ", printable(file.string(), 400),
-                                    " is there already and is never overwritten; choose another name with -o"));
+                                    " already exists and is never overwritten; choose another name with -o"));
         if (handle < 0) fail();
         is_ours_ = true;
         const bool written = ::write(handle, words.data(), words.size()) == static_cast<ssize_t>(words.size());
@@ -61,14 +62,14 @@ private:
     bool is_ours_ = false;
 };
 
-/// The finest level whose patches can still be told apart.
+/// The finest level whose patches are still distinguishable.
 int shown_level(const PatchHierarchy& tree) {
     int level = 1;
     while (level + 1 < static_cast<int>(tree.levels.size()) && tree.levels[level + 1].patches.size() <= 24) ++level;
     return level;
 }
 
-/// Up is across the plane's body where it is thinner, away from what it stands on, else z.
+/// Up: the thinner direction of a body with a plane of symmetry; away from what the body stands on; otherwise z.
 Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
     const Box box = bounding_box(problem.surface);
     const Eigen::Vector3d size = box.max - box.min;
@@ -93,9 +94,9 @@ std::string picture(const Problem& problem, const ProposedCase& proposal) {
     std::vector<std::string> names;
     std::vector<LegendRow> legend;
     for (const Patch& patch : patches.patches) {
+        const Colour drawn = patch_colour(static_cast<int>(names.size()));  // by the place on the level, as above
         names.push_back(patch.name);
-        legend.push_back(
-            {patch_colour(patch.id), fmt::format("{} ({} triangles)", patch.name, patch.triangles.size())});
+        legend.push_back({drawn, fmt::format("{} ({} triangles)", patch.name, patch.triangles.size())});
     }
     names.push_back("held");
     legend.push_back({grey, fmt::format("held ({} triangles)", problem.fixed.size())});
@@ -125,7 +126,7 @@ void write_patches(const fs::path& file, const Problem& problem) {
 void init(const InitArguments& args) {
     const fs::path case_file = args.out;
     if (case_file.extension() != ".yaml" && case_file.extension() != ".yml")
-        throw InvalidInput(text("init: -o ", printable(args.out, 400), ": a case file ends in .yaml"));
+        throw InvalidInput(text("init: -o ", printable(args.out, 400), ": must end in .yaml"));
     const fs::path stem = case_file.parent_path() / case_file.stem();
     const fs::path svg = stem.string() + "-patches.svg", vtp = stem.string() + "-patches.vtp";
     std::error_code ignored;
@@ -133,11 +134,11 @@ void init(const InitArguments& args) {
         if (fs::symlink_status(file, ignored).type() != fs::file_type::not_found &&
             fs::exists(fs::symlink_status(file, ignored)))
             throw InvalidInput(text("init: ", printable(file.string(), 400),
-                                    " is there already and is never overwritten; choose another name with -o"));
-    tell_step("looking at what " + printable(args.surface, 400) + " needs");
+                                    " already exists and is never overwritten; choose another name with -o"));
+    log_step("examining " + printable(args.surface, 400));
     const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations});
     NewFile written(case_file, proposal.yaml);
-    tell_step("trying " + printable(case_file.string(), 400));
+    log_step("trying " + printable(case_file.string(), 400));
     const Case the_case = load_case(case_file, Purpose::run);
     const BuiltProblem built = build_problem(the_case, Purpose::run);
     const std::vector<std::string> notes = check_shell(the_case, built.problem);
@@ -156,7 +157,7 @@ void init(const InitArguments& args) {
     if (args.quiet) return;
     for (const std::string& line : proposal.found) fmt::print("{}\n", line);
     for (const std::string& line : notes) fmt::print(stderr, "warning: {}\n", line);
-    fmt::print("wrote        {}, {} (open it in a browser), {} (ParaView)\n", printable(case_file.string(), 400),
+    fmt::print("wrote        {}, {} (open in a browser), {} (ParaView)\n", printable(case_file.string(), 400),
                printable(svg.string(), 400), printable(vtp.string(), 400));
     fmt::print("next         strake check {0}; strake run {0}\n", typed_path(case_file.string()));
 }
@@ -166,14 +167,13 @@ void init(const InitArguments& args) {
 void add_init(CLI::App& app) {
     auto args = std::make_shared<InitArguments>();
     CLI::App* command =
-        app.add_subcommand("init", "a case for a bare surface that runs as it is, with a picture of its patches");
-    command->add_option("SURFACE", args->surface, "a surface file, as for info")->required();
-    command->add_option("-o,--out,--output", args->out,
-                        "case file to be written, never over another (default: case.yaml)");
+        app.add_subcommand("init", "propose a case that runs for a bare surface, with a picture of its patches");
+    command->add_option("SURFACE", args->surface, "surface file, any format that info reads")->required();
+    command->add_option("-o,--out,--output", args->out, "case file to write; never overwritten (default: case.yaml)");
     command->add_option("--evaluations", args->evaluations, "budget of the case (default: 60)")
         ->check(CLI::Range(1, 1000000));
-    command->add_flag("--json", args->json, "one JSON object instead of words");
-    command->add_flag("-q,--quiet", args->quiet, "no words");
+    command->add_flag("--json", args->json, "print one JSON object instead of words");
+    command->add_flag("-q,--quiet", args->quiet, "print nothing");
     command->callback([args] { init(*args); });
 }
 

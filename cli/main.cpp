@@ -3,6 +3,7 @@
 #include "cli/detail.hpp"
 #include "cli/errors.hpp"
 #include "cli/outputs.hpp"
+#include "cli/plugin_exit.hpp"
 #include "core/parallel.hpp"
 #include "core/version.hpp"
 
@@ -15,25 +16,25 @@
 
 namespace {
 
-/// Factors come and go by hundreds of megabytes: the system clearing their pages anew was a fifth of a run's time.
+/// Factors of hundreds of megabytes are allocated and freed all the time; letting the system clear their pages each
+/// time took a fifth of a run.
 void keep_large_blocks() {
 #ifdef __GLIBC__
-    mallopt(M_MMAP_MAX, 0);  // a threshold above 32 MB is refused
+    mallopt(M_MMAP_MAX, 0);  // glibc refuses a threshold above 32 MB
     mallopt(M_TRIM_THRESHOLD, -1);
 #endif
 }
 
-/// Where nobody gave us one of the three streams, the next file that is opened would take its number, and what is
-/// printed would go into that.
+/// If one of the three standard streams is closed, the next file opened would take its number and receive our output.
 void keep_standard_streams() {
     for (int descriptor = 0; descriptor <= 2; ++descriptor)
         if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF && ::open("/dev/null", O_RDWR) < 0) return;
 }
 
-/// The message of what ended the program, and its status.
-int told_end(const std::exception_ptr& thrown) {
+/// Prints what ended the program and returns its exit status.
+int report_end(const std::exception_ptr& thrown) {
     using namespace strake;
-    if (cli::is_lost_output(thrown)) return cli::output_failed;  // lost_output() tells it
+    if (cli::is_lost_output(thrown)) return cli::output_failed;  // lost_output() reports it
     const cli::ProgramEnd end = cli::end_of(thrown);
     if (!end.message.empty()) std::fprintf(stderr, "%s\n", end.message.c_str());
     const std::string more = cli::debug_words(thrown);
@@ -48,7 +49,8 @@ int main(int argc, char** argv) {
     using namespace strake;
     keep_standard_streams();
     keep_large_blocks();
-    CLI::App app{"Strake: shape optimization of surface triangulations without CAD", "strake"};
+    cli::watch_for_exit();
+    CLI::App app{"Strake: shape optimization of triangulated surfaces without CAD", "strake"};
     app.set_version_flag("--version", "strake " + version());
     app.require_subcommand(1);
     cli::add_init(app);
@@ -79,7 +81,7 @@ int main(int argc, char** argv) {
     app.footer("\n" + cli::exit_help());
     int status = cli::done;
     try {
-        (void)num_threads();  // what the environment says of them is told before the work, if it is wrong
+        (void)num_threads();  // a wrong STRAKE_NUM_THREADS is reported before the work starts
         app.parse(argc, argv);
     } catch (const CLI::ParseError& e) {
         if (e.get_exit_code() != 0) {
@@ -88,13 +90,13 @@ int main(int argc, char** argv) {
         }
         app.exit(e);  // --help, --version
     } catch (...) {
-        status = told_end(std::current_exception());
+        status = report_end(std::current_exception());
     }
     const std::string lost = cli::lost_output();
     if (!lost.empty()) {
         std::fprintf(stderr, "%s\n", lost.c_str());
         if (status != cli::interrupted) status = cli::output_failed;
     }
-    cli::tell_end(status);
+    cli::log_end(status);
     return status;
 }

@@ -3,11 +3,11 @@
 
 #include <fmt/format.h>
 
-/// `strake man`: the man page, made from the commands themselves.
+/// `strake man`: the man page, generated from the commands.
 namespace strake::cli {
 namespace {
 
-/// Text that roff takes as it is: no requests, no escapes, dashes that can be copied.
+/// Text that roff prints literally: no requests, no escapes, dashes that can be copied.
 std::string roff(const std::string& words) {
     std::string out;
     for (const char c : words) {
@@ -45,11 +45,12 @@ std::string option_text(const OptionRow& option) {
 
 std::string man_page(const CLI::App& app) {
     std::string out = fmt::format(
-        ".TH STRAKE 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\nstrake \\- shape optimization of surface triangulations "
+        ".TH STRAKE 1 \"\" \"{}\" \"User Commands\"\n.SH NAME\nstrake \\- shape optimization of triangulated surfaces "
         "without CAD\n.SH SYNOPSIS\n.B strake\n.I command\n.RI [ options ]\n.SH DESCRIPTION\n"
-        "From a bare surface file, \\fBstrake init\\fR proposes a case; \\fBstrake check\\fR says what it would do and "
-        "cost; \\fBstrake run\\fR optimizes, coarse to fine; \\fBstrake status\\fR and \\fBstrake resume\\fR look at "
-        "it and go on. Data goes to standard output, messages to standard error.\n.SH COMMANDS\n",
+        "\\fBstrake init\\fR proposes a case for a bare surface file; \\fBstrake check\\fR shows what it would do and "
+        "cost; \\fBstrake run\\fR optimizes, coarse to fine; \\fBstrake status\\fR shows the progress and "
+        "\\fBstrake resume\\fR continues the run. Data goes to standard output, messages to standard error.\n"
+        ".SH COMMANDS\n",
         roff(app.version()));
     for (const CommandRow& command : command_table(app)) {
         out += fmt::format(".SS {}\n{}{}.PP\n{}.\n", roff(command.name), synopsis(command), "", roff(command.doc));
@@ -59,14 +60,13 @@ std::string man_page(const CLI::App& app) {
     for (const ExitMeaning& exit : exit_meanings())
         out += fmt::format(".TP\n.B {}\n{}\n", exit.status, roff(exit.words));
     return out +
-           ".SH FILES\n.TP\n.I case.yaml\nA case; \\fBstrake explain\\fR and \\fBstrake schema\\fR tell its keys.\n"
-           ".TP\n.I journal.sqlite\nEvery evaluation of a run, in the run's folder.\n.SH ENVIRONMENT\n.TP\n.B "
-           ""
-           "TERM=dumb\nPlain lines in place of the progress bar.\n";
+           ".SH FILES\n.TP\n.I case.yaml\nA case; \\fBstrake explain\\fR and \\fBstrake schema\\fR describe its keys.\n"
+           ".TP\n.I journal.sqlite\nEvery evaluation of a run, in the run folder.\n.SH ENVIRONMENT\n.TP\n.B "
+           "TERM=dumb\nPlain lines instead of the progress bar.\n";
 }
 
 void add_man(CLI::App& app) {
-    CLI::App* command = app.add_subcommand("man", "the manual page in roff, as for: strake man | man -l -");
+    CLI::App* command = app.add_subcommand("man", "print the manual page in roff, for example: strake man | man -l -");
     command->callback([&app] { fmt::print("{}", man_page(app)); });
 }
 

@@ -1,27 +1,28 @@
-#include "cases/build_problem.hpp"
+#include "casefile/build/build_problem.hpp"
+#include "casefile/load_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/designs.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "core/mesh/topology.hpp"
-#include "optimize/mixed_design.hpp"
+#include "core/text/file.hpp"
+#include "optimize/run/mixed_design.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake mix`: a shape between two.
+/// `strake mix`: blends two shapes.
 namespace strake::cli {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double most_weight = 10;
+constexpr double max_weight = 10;
 
 struct MixArguments {
     std::string a, b, out;
@@ -43,7 +44,7 @@ DesignOfRun design_of(const fs::path& run) {
 
 /// A run's best design, or a surface.
 TriMesh shape_of(const std::string& path) {
-    if (!is_run_folder(path)) return read_told(path).mesh;
+    if (!is_run_folder(path)) return read_logged(path).mesh;
     const Deformation d = run_deformation(path);
     return with_vertices(d.rest, d.vertices);
 }
@@ -52,22 +53,22 @@ Points equilibrium(const MixArguments& args) {
     const MixedDesign mixed = mixed_design(design_of(args.a), design_of(args.b), args.weight);
     const std::string why = mixed.end.status != SolveStatus::converged ? mixed.end.reason : mixed.defect;
     if (why.empty()) return mixed.vertices;
-    fmt::print(stderr, "strake: mix: {}; nothing was written; --linear mixes the places of the vertices instead\n",
-               why);
+    fmt::print(stderr, "strake: mix: {}; nothing was written; --linear blends the vertex positions instead\n", why);
     throw ExitStatus{run_failed};
 }
 
 Mixed mix(const MixArguments& args) {
-    if (!(std::abs(args.weight) <= most_weight))
+    if (!(std::abs(args.weight) <= max_weight))
         throw InvalidInput(fmt::format("--weight {} must be within -10 and 10; 0 is A, 1 is B", args.weight));
     const SurfaceFormat format = format_of(args.out);
     const TriMesh a = shape_of(args.a), b = shape_of(args.b);
     if (!same_triangles(a, b))
-        throw InvalidInput(fmt::format(
-            "{} and {} have other triangles ({} and {}, with {} and {} vertices): carry one onto the other by `strake "
-            "apply` or `strake fit` first",
-            printable(args.a, 400), printable(args.b, 400), a.num_triangles(), b.num_triangles(), a.num_vertices(),
-            b.num_vertices()));
+        throw InvalidInput(
+            fmt::format("{} and {} have different triangles ({} and {}, with {} and {} vertices); first map one onto "
+                        "the other with "
+                        "`strake apply` or `strake fit`",
+                        printable(args.a, 400), printable(args.b, 400), a.num_triangles(), b.num_triangles(),
+                        a.num_vertices(), b.num_vertices()));
     Mixed out{a, "linear", 0, 0, box_diagonal(a), 0};
     const bool between_designs = !args.linear && is_run_folder(args.a) && is_run_folder(args.b);
     if (args.weight == 0)
@@ -90,23 +91,24 @@ Mixed mix(const MixArguments& args) {
     return out;
 }
 
-void tell(const MixArguments& args, const Mixed& told) {
-    if (told.new_intersections > 0)
-        fmt::print(stderr, "warning: {} more pairs of triangles intersect than in A or B\n", told.new_intersections);
+void report(const MixArguments& args, const Mixed& mixed) {
+    if (mixed.new_intersections > 0)
+        fmt::print(stderr, "warning: {} more pairs of triangles intersect than in A or B\n", mixed.new_intersections);
     if (!args.json) {
         fmt::print("mixed             {} of A, {} of B, {}\n", 1 - args.weight, args.weight,
-                   told.kind == "linear" ? "vertices along straight lines" : "an equilibrium of the shell");
+                   mixed.kind == "linear" ? "vertices along straight lines" : "an equilibrium of the shell");
         fmt::print("distance          {:.6g} from A, {:.6g} from B ({:.3g} and {:.3g} % of the diagonal)\n",
-                   told.from_a, told.from_b, 100 * told.from_a / told.diagonal, 100 * told.from_b / told.diagonal);
+                   mixed.from_a, mixed.from_b, 100 * mixed.from_a / mixed.diagonal,
+                   100 * mixed.from_b / mixed.diagonal);
         return;
     }
     nlohmann::ordered_json j;
     j["status"] = "ok";
-    j["kind"] = told.kind;
+    j["kind"] = mixed.kind;
     j["weight"] = args.weight;
-    j["max_from_a"] = json_number(told.from_a);
-    j["max_from_b"] = json_number(told.from_b);
-    j["new_intersections"] = told.new_intersections;
+    j["max_from_a"] = json_number(mixed.from_a);
+    j["max_from_b"] = json_number(mixed.from_b);
+    j["new_intersections"] = mixed.new_intersections;
     j["file"] = args.out;
     fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }
@@ -115,16 +117,18 @@ void tell(const MixArguments& args, const Mixed& told) {
 
 void add_mix(CLI::App& app) {
     auto args = std::make_shared<MixArguments>();
-    CLI::App* command = app.add_subcommand("mix", "a shape between two designs or surfaces of the same triangles");
-    command->add_option("A", args->a, "folder of a run (its best design), or a surface file")->required();
-    command->add_option("B", args->b, "the same")->required();
-    command->add_option("-o,--out,--output", args->out, "surface file; the ending says which format")->required();
-    command->add_option("--weight", args->weight, "of B: 0 is A, 1 is B, beyond is extrapolated; default 0.5");
-    command->add_flag("--linear", args->linear, "of two runs, too: vertices along straight lines, no equilibrium");
-    command->add_flag("--json", args->json, "one JSON object instead of words");
+    CLI::App* command = app.add_subcommand("mix", "blend two designs or surfaces with the same triangles");
+    command->add_option("A", args->a, "run folder (its best design), or a surface file")->required();
+    command->add_option("B", args->b, "likewise")->required();
+    command->add_option("-o,--out,--output", args->out, "surface file; the extension selects the format")->required();
+    command->add_option("--weight", args->weight,
+                        "weight of B: 0 is A, 1 is B, values outside extrapolate (default: 0.5)");
+    command->add_flag("--linear", args->linear,
+                      "blend vertex positions along straight lines, also for two runs, without an equilibrium");
+    command->add_flag("--json", args->json, "print one JSON object instead of words");
     command->callback([args] {
         check_outputs({args->out}, {args->a, args->b});
-        tell(*args, mix(*args));
+        report(*args, mix(*args));
     });
 }
 

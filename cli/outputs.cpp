@@ -1,7 +1,7 @@
 #include "cli/outputs.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
@@ -29,10 +29,10 @@ void check_outputs(const std::vector<fs::path>& outputs, const std::vector<fs::p
         if (outputs[i].empty()) continue;
         for (const fs::path& input : inputs)
             if (is_same(outputs[i], input))
-                throw InvalidInput(text(outputs[i].string(), ": would overwrite what is read; choose another output"));
+                throw InvalidInput(text(outputs[i].string(), ": would overwrite an input; choose another output"));
         for (std::size_t j = 0; j < i; ++j)
             if (!outputs[j].empty() && is_same(outputs[i], outputs[j]))
-                throw InvalidInput(text(outputs[i].string(), ": two outputs of the same name"));
+                throw InvalidInput(text(outputs[i].string(), ": two outputs have the same name"));
     }
 }
 
@@ -42,7 +42,7 @@ void write_output(const fs::path& out, const TriMesh& surface, SurfaceFormat lik
     if (is_text && extension_of(like) == extension_of(format)) format = like;
     write_surface(out, surface, format);
     if (!surface.group.empty() && !keeps_parts(format))
-        fmt::print(stderr, "strake: note: {}: this format has no names of parts; those of {} part(s) are not in it\n",
+        fmt::print(stderr, "strake: note: {}: this format has no part names; the names of {} part(s) are lost\n",
                    printable(out.native()), surface.group_names.size());
 }
 
@@ -62,10 +62,11 @@ std::string lost_output() {
     errno = 0;
     if (std::fflush(stdout) == 0) {
         if (std::ferror(stdout) == 0) return "";
-        [[maybe_unused]] const ssize_t tried = ::write(STDOUT_FILENO, "\n", 1);  // the reason, which is long forgotten
+        [[maybe_unused]] const ssize_t tried =
+            ::write(STDOUT_FILENO, "\n", 1);  // for errno: the first failure's is lost
     }
     return text("strake: standard output: cannot write", errno != 0 ? text(": ", std::strerror(errno)) : "",
-                "; what was to be printed is lost, what went to files is not");
+                "; the printed output is lost, files are not");
 }
 
 }  // namespace strake::cli

@@ -2,10 +2,12 @@
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/vtp.hpp"
+#include "core/patches/automatic.hpp"
 #include "core/patches/segmentation.hpp"
+#include "core/text/file.hpp"
 
 #include <fmt/format.h>
 
@@ -18,11 +20,11 @@
 #include <numbers>
 #include <optional>
 
-/// `strake patches`: the nested tree of patches of a surface, at given thresholds or chosen automatically.
+/// `strake patches`: the patch tree of a surface, at given thresholds or with automatic ones.
 namespace strake::cli {
 namespace {
 
-struct Options {
+struct PatchesArguments {
     std::string surface, min_size = "0%", split = "all", vtp, labels;
     std::vector<std::string> angles;
     std::vector<std::string> patches_per_level;
@@ -48,25 +50,26 @@ std::vector<std::string> pieces(const std::string& words, char separator) {
     return list;
 }
 
-/// Degrees of every --angle, rising nowhere; none for `auto`.
-std::vector<double> angles_of(const Options& options) {
+/// Degrees of every --angle, strictly decreasing; empty for `auto`.
+std::vector<double> angles_of(const PatchesArguments& options) {
     if (options.angles == std::vector<std::string>{"auto"}) return {};
     std::vector<double> angles;
     for (const std::string& words : options.angles) {
         const auto angle = whole_number_text<double>(words);
         if (words == "auto")
-            throw InvalidInput("--angle auto stands alone: the thresholds are chosen from the surface");
+            throw InvalidInput(
+                "--angle auto cannot be combined with other angles: it chooses all thresholds from the surface");
         if (!angle || !(*angle > 0 && *angle <= 90))
             throw InvalidInput(text("--angle ", words, ": must be a number of degrees in (0, 90], or auto"));
         if (!angles.empty() && !(*angle < angles.back()))
             throw InvalidInput(
-                text("--angle ", words, ": must be below the level before, ", angles.back(), " degrees"));
+                text("--angle ", words, ": must be less than the previous angle, ", angles.back(), " degrees"));
         angles.push_back(*angle);
     }
     return angles;
 }
 
-double min_percent_of(const Options& options) {
+double min_percent_of(const PatchesArguments& options) {
     std::string words = options.min_size;
     if (!words.empty() && words.back() == '%') words.pop_back();
     const auto percent = whole_number_text<double>(words);
@@ -75,7 +78,7 @@ double min_percent_of(const Options& options) {
     return *percent;
 }
 
-Split split_of(const Options& options) {
+Split split_of(const PatchesArguments& options) {
     const std::string& words = options.split;
     if (words == "all") return SplitAll{};
     const auto colon = words.find(':');
@@ -98,7 +101,7 @@ Split split_of(const Options& options) {
     throw InvalidInput(text("--split ", words, ": must be all, largest:N or containing:T[,T...]"));
 }
 
-std::vector<int> per_level_of(const Options& options) {
+std::vector<int> per_level_of(const PatchesArguments& options) {
     std::vector<int> wanted;
     for (const std::string& words : options.patches_per_level)
         for (const std::string& item : pieces(words, ',')) {
@@ -110,7 +113,7 @@ std::vector<int> per_level_of(const Options& options) {
     return wanted;
 }
 
-/// The triangle must exist before anything is computed.
+/// Checks that the triangles exist before anything is computed.
 void check_triangles(const Split& split, const TriMesh& mesh) {
     if (const auto* containing = std::get_if<SplitContaining>(&split))
         for (const int t : containing->triangles)
@@ -164,7 +167,7 @@ std::string as_json(const PatchHierarchy& tree) {
     return nlohmann::ordered_json{{"levels", levels}}.dump(2) + "\n";
 }
 
-/// A row a patch, the largest forty of a level.
+/// One row for each patch, at most the forty largest of a level.
 std::string as_words(const PatchHierarchy& tree) {
     constexpr std::size_t rows = 40;
     const double area = tree.levels[0].patches[0].area;
@@ -184,27 +187,28 @@ std::string as_words(const PatchHierarchy& tree) {
                                tree.levels[l - 1].patches[p.parent].name, name_of(p.patch_class), p.triangles.size(),
                                p.area, area > 0 ? 100 * p.area / area : 0);
         }
-        if (order.size() > rows) out += fmt::format("  and {} smaller ones (all with --json)\n", order.size() - rows);
+        if (order.size() > rows)
+            out += fmt::format("  and {} smaller patches (--json lists all)\n", order.size() - rows);
     }
     return out;
 }
 
-void print(const std::string& words) {
-    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
+void print_patches(const std::string& words) {
+    std::fputs(words.c_str(), stdout);  // main reports output that cannot be written
 }
 
-void patches(const Options& options) {
+void patches(const PatchesArguments& options) {
     const std::vector<double> angles = angles_of(options);
     const double min_percent = min_percent_of(options);
     const Split split = split_of(options);
     const std::vector<int> per_level = per_level_of(options);
     if (!per_level.empty() && !angles.empty())
-        throw InvalidInput("--patches-per-level goes with --angle auto; given angles make as many patches as they do");
+        throw InvalidInput("--patches-per-level needs --angle auto; explicit angles determine the number of patches");
     if (!options.vtp.empty() && std::filesystem::path(options.vtp).extension() != ".vtp")
-        throw InvalidInput(text("-o ", options.vtp, ": patches are written as .vtp; for a table use --labels"));
+        throw InvalidInput(text("-o ", options.vtp, ": patches can only be written as .vtp; use --labels for a table"));
 
     check_outputs({options.vtp, options.labels}, {options.surface});
-    const TriMesh mesh = read_told(options.surface).mesh;
+    const TriMesh mesh = read_logged(options.surface).mesh;
     check_triangles(split, mesh);
     const Adjacency adjacent = adjacency(mesh);
     if (angles.empty()) check_area(options.surface, mesh);
@@ -220,29 +224,32 @@ void patches(const Options& options) {
     }
     if (!options.labels.empty()) write_atomically(options.labels, csv_of_labels(tree));
     if (!options.vtp.empty()) write_tree(options.vtp, mesh, adjacent, tree);
-    print(options.json ? as_json(tree) : as_words(tree));
+    print_patches(options.json ? as_json(tree) : as_words(tree));
 }
 
 }  // namespace
 
 void add_patches(CLI::App& app) {
-    auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("patches", "the nested patches that a surface falls into");
-    command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
+    auto options = std::make_shared<PatchesArguments>();
+    CLI::App* command = app.add_subcommand("patches", "segment a surface into nested patches");
+    command->add_option("SURFACE", options->surface, "surface file, any format that info reads")->required();
     command
-        ->add_option("--angle", options->angles,
-                     "threshold of a level in degrees, falling, once a level; or auto: levels that fit the surface")
+        ->add_option(
+            "--angle", options->angles,
+            "threshold of a level in degrees, decreasing, repeat for each level; or auto: chosen from the surface")
         ->required()
         ->allow_extra_args(false);
-    command->add_option("--patches-per-level", options->patches_per_level, "with --angle auto: wanted, like 4,16,64")
+    command
+        ->add_option("--patches-per-level", options->patches_per_level, "target for --angle auto, for example 4,16,64")
         ->allow_extra_args(false);
     command->add_option("--min-size", options->min_size,
-                        "merge patches below this percentage of the triangles (auto: of the area); default 0%");
+                        "merge patches below this percentage of the triangles (auto: of the area) (default: 0%)");
     command->add_option("--split", options->split,
-                        "patches split at each level: all, largest:N, containing:T[,T...]; default all");
-    command->add_option("-o,--out,--output", options->vtp, "labels, crease angles and classes for ParaView (.vtp)");
-    command->add_option("--labels", options->labels, "labels as CSV, one row a triangle in file order");
-    command->add_flag("--json", options->json, "one JSON object instead of a table");
+                        "patches to split at each level: all, largest:N, containing:T[,T...] (default: all)");
+    command->add_option("-o,--out,--output", options->vtp,
+                        "write labels, crease angles and classes for ParaView (.vtp)");
+    command->add_option("--labels", options->labels, "write labels as CSV, one row per triangle in file order");
+    command->add_flag("--json", options->json, "print one JSON object instead of a table");
     command->callback([options] { patches(*options); });
 }
 

@@ -1,6 +1,7 @@
 #include "cli/progress.hpp"
 
 #include "cli/check_facts.hpp"
+#include "cli/say.hpp"
 
 #include <fmt/core.h>
 #include <sys/ioctl.h>
@@ -13,10 +14,10 @@
 namespace strake::cli {
 namespace {
 
-constexpr std::size_t rated = 10;  ///< evaluations from which the rate is taken
-constexpr double silent = 3;       ///< seconds after which the bar says that an evaluation takes its time
+constexpr std::size_t rated = 10;  ///< evaluations that the rate is averaged over
+constexpr double silent = 3;       ///< seconds after which the bar shows how long the evaluation has been running
 
-/// The rest, as the end of a program's log, stands in the last message.
+/// The rest, for example the end of a program's log, is in the final message.
 std::string first_line(const std::string& words) { return words.substr(0, words.find('\n')); }
 
 std::string bar_of(double share, int width) {
@@ -37,7 +38,7 @@ std::string time_left(const ProgressFacts& f) {
 
 std::string progress_line(const ProgressFacts& f, int width) {
     const double share = f.max_evaluations > 0 ? static_cast<double>(f.evaluations) / f.max_evaluations : 0;
-    // In the order in which they stand; the numbers say what is kept longest.
+    // In display order; parts with the smallest `keep` are dropped first.
     struct Part {
         std::string words;
         int keep;
@@ -78,7 +79,7 @@ Progress::Progress(bool quiet, bool is_fit, double diagonal, int max_evaluations
     facts_.max_evaluations = max_evaluations;
     has_bar_ = !quiet && terminal_width(STDERR_FILENO) > 0;
     if (!has_bar_) return;
-    // The ticker takes no signals: they belong to the thread of the run.
+    // The ticker takes no signals: they belong to the run's thread.
     sigset_t all, before;
     sigfillset(&all);
     pthread_sigmask(SIG_SETMASK, &all, &before);
@@ -105,7 +106,7 @@ void Progress::end() {
 
 void Progress::wipe() {
     if (!std::exchange(is_drawn_, false)) return;
-    fmt::print(stderr, "\r\x1b[K");
+    say("\r\x1b[K");
     std::fflush(stderr);
 }
 
@@ -120,14 +121,14 @@ void Progress::draw() {
     if (ends_.size() > 3)
         facts_.seconds_each = seconds(ends_.back() - ends_.front()) / static_cast<double>(ends_.size() - 1);
     if (max_seconds_ > 0) facts_.seconds_left = std::max(0.0, max_seconds_ - seconds(now - begin_));
-    fmt::print(stderr, "\r{}\x1b[K", progress_line(facts_, width - 1));
+    say("\r{}\x1b[K", progress_line(facts_, width - 1));
     std::fflush(stderr);
     is_drawn_ = true;
 }
 
 void Progress::line(const std::string& words) {
     wipe();
-    fmt::print(stderr, "{}\n", words);
+    say("{}\n", words);
     if (facts_.level > 0) draw();
 }
 

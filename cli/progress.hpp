@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/run_records.hpp"
+#include "optimize/run/run_records.hpp"
 
 #include <chrono>
 #include <condition_variable>
@@ -8,26 +8,25 @@
 #include <string>
 #include <thread>
 
-/// What a person sees of a run while it goes on: lines in a log, and on a terminal a bar below them.
+/// What a person sees during a run: lines in a log, and on a terminal a bar below them.
 namespace strake::cli {
 
-/// What one line of progress says.
+/// The contents of one progress line.
 struct ProgressFacts {
     int level = 0, patches = 0, variables = 0;  ///< 0 patches: not known
     int evaluations = 0, max_evaluations = 0;
     double objective = std::numeric_limits<double>::quiet_NaN(), best = std::numeric_limits<double>::quiet_NaN();
     double violation = std::numeric_limits<double>::quiet_NaN();     ///< of the best design
-    double seconds_each = std::numeric_limits<double>::quiet_NaN();  ///< of the last ten; NaN: too few
-    double seconds_left = std::numeric_limits<double>::quiet_NaN();  ///< of the time limit; NaN: there is none
-    double seconds_since = 0;                                        ///< the last evaluation ended
+    double seconds_each = std::numeric_limits<double>::quiet_NaN();  ///< mean of the last ten; NaN: too few
+    double seconds_left = std::numeric_limits<double>::quiet_NaN();  ///< until the time limit; NaN: there is none
+    double seconds_since = 0;                                        ///< since the last evaluation ended
 };
 
-/// One line of at most `width` characters: bar, counts, objective, best, violation, rate and the most time that is
-/// left. What matters less goes first where the line is too long. Nothing about time before three evaluations are
-/// known.
+/// One line of at most `width` characters: bar, counts, objective, best, violation, rate and the maximum time left. If
+/// the line is too long, the least important parts are dropped. No times before three evaluations are known.
 std::string progress_line(const ProgressFacts& facts, int width);
 
-/// Columns of the terminal that `descriptor` is; 0: it is none, or a dumb one.
+/// Columns of the terminal behind `descriptor`; 0: not a terminal, or a dumb one.
 int terminal_width(int descriptor);
 
 class Progress {
@@ -43,7 +42,7 @@ public:
     void level(const LevelStart& start);
     void evaluation(const EvaluationRecord& record);
     void level_end(const LevelSummary& summary);
-    /// Takes the bar away for good: what follows is the end.
+    /// Removes the bar for good.
     void end();
 
 private:

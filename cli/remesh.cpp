@@ -5,32 +5,33 @@
 #include "cli/outputs.hpp"
 #include "cli/signals.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 
 #include <fmt/format.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <charconv>
+#include <chrono>
 #include <cmath>
 #include <cstdio>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <numbers>
 
-/// `strake remesh`: nearly equilateral triangles of a wanted length on the same shape.
+/// `strake remesh`: nearly equilateral triangles of a given edge length on the same shape.
 namespace strake::cli {
 namespace {
 
-struct Options {
+struct RemeshArguments {
     std::string surface, out;
     std::string edge_length = "auto", curvature = "none", shortest_edge = "auto";
     RemeshOptions remesh;
     bool json = false, quiet = false;
 };
 
-/// A length, or with % a share of the diagonal. The word stands for 0, which leaves the choice to the library.
+/// A length, or with % a fraction of the diagonal. `word` means 0, which leaves the choice to the library.
 double length_of(const std::string& words, const char* option, const char* word, double diagonal) {
     if (words == word) return 0;
     const bool is_share = !words.empty() && words.back() == '%';
@@ -43,7 +44,7 @@ double length_of(const std::string& words, const char* option, const char* word,
     return is_share ? value / 100 * diagonal : value;
 }
 
-/// Shares of the unit circle that triangles fill, and how regular the mesh is.
+/// How regular the triangles are.
 struct Quality {
     double smallest_angle_deg = 180, largest_angle_deg = 0;
     double mean = 0, fifth_percentile = 0, smallest = 1;  ///< 2 inradius / circumradius
@@ -83,7 +84,8 @@ nlohmann::ordered_json as_json(const Quality& q) {
             {"mean_edge", q.mean_edge}};
 }
 
-std::string as_json(const TriMesh& before, const RemeshResult& result, const std::string& out) {
+/// @param seconds of the whole command, reading and writing included
+std::string as_json(const TriMesh& before, const RemeshResult& result, const std::string& out, double seconds) {
     nlohmann::ordered_json records = nlohmann::ordered_json::array();
     for (const RemeshRecord& r : result.records)
         records.push_back({{"iteration", r.iteration},
@@ -105,7 +107,7 @@ std::string as_json(const TriMesh& before, const RemeshResult& result, const std
                                       {"quality_before", as_json(quality_of(before))},
                                       {"quality", as_json(quality_of(result.mesh))},
                                       {"iterations", records},
-                                      {"seconds", result.records.empty() ? 0.0 : result.records.back().seconds},
+                                      {"seconds", seconds},
                                       {"file", out}};
     return json.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n";
 }
@@ -130,26 +132,26 @@ void warn(const RemeshResult& result) {
     if (result.kept_edges > 3 * result.frozen_triangles)
         fmt::print(
             stderr,
-            "strake: note: {} edges where the surface is no manifold, or parts of it touch, are kept as they are\n",
+            "strake: note: {} edges where the surface is not manifold, or where parts touch, are left unchanged\n",
             result.kept_edges);
     if (result.frozen_triangles > 0)
         fmt::print(stderr,
-                   "strake: note: {} triangles are left as they are: new ones in their place would intersect each "
-                   "other\n",
+                   "strake: note: {} triangles are left unchanged: their replacements would intersect each other\n",
                    result.frozen_triangles);
     if (result.new_intersections > 0)
-        fmt::print(stderr,
-                   "strake: warning: {} pairs of triangles intersect that did not before: parts touch or nearly touch; "
-                   "a shorter --edge-length may help\n",
-                   result.new_intersections);
+        fmt::print(
+            stderr,
+            "strake: warning: {} pairs of triangles newly intersect, where parts touch or nearly touch; a shorter "
+            "--edge-length may help\n",
+            result.new_intersections);
 }
 
-void print(const std::string& words) {
-    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
+void print_remeshed(const std::string& words) {
+    std::fputs(words.c_str(), stdout);  // main reports output that cannot be written
 }
 
-/// One line that is written over and over, on a terminal only.
-RemeshProgress progress_of(const Options& options) {
+/// One line rewritten in place, only on a terminal.
+RemeshProgress progress_of(const RemeshArguments& options) {
     const bool is_shown = !options.quiet && !options.json && ::isatty(STDERR_FILENO) == 1;
     return [is_shown](const RemeshRecord& r) {
         if (is_shown)
@@ -159,14 +161,15 @@ RemeshProgress progress_of(const Options& options) {
     };
 }
 
-void remesh_file(Options& options) {
-    format_of(options.out);  // a wrong extension is told before the work
+void remesh_file(RemeshArguments& options) {
+    const auto begin = std::chrono::steady_clock::now();
+    format_of(options.out);  // a wrong extension is reported before the work
     check_outputs({options.out}, {options.surface});
     validate(options.remesh);
     length_of(options.edge_length, "--edge-length", "auto", 1);  // before anything is read
     length_of(options.curvature, "--curvature", "none", 1);
     length_of(options.shortest_edge, "--shortest-edge", "auto", 1);
-    const SurfaceFile file = read_told(options.surface);
+    const SurfaceFile file = read_logged(options.surface);
     const TriMesh& mesh = file.mesh;
     check_area(options.surface, mesh);
     const double diagonal = box_diagonal(mesh);
@@ -177,40 +180,45 @@ void remesh_file(Options& options) {
     const RemeshResult result = remesh(mesh, options.remesh, progress_of(options));
     if (!options.quiet && !options.json && ::isatty(STDERR_FILENO) == 1) fmt::print(stderr, "\r\033[K");
     if (result.cancelled || stop_wanted()) {
-        fmt::print(stderr, "strake: interrupted by SIG{} in iteration {}; nothing is written\n",
+        fmt::print(stderr, "strake: interrupted by SIG{} in iteration {}; nothing was written\n",
                    ::sigabbrev_np(stop_signal()), result.records.size());
         throw ExitStatus{interrupted};
     }
     write_output(options.out, result.mesh, file.format);
     warn(result);
+    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     if (!options.quiet || options.json)
-        print(options.json ? as_json(mesh, result, options.out) : as_words(mesh, result, options.out));
+        print_remeshed(options.json ? as_json(mesh, result, options.out, seconds)
+                                    : as_words(mesh, result, options.out));
 }
 
 }  // namespace
 
 void add_remesh(CLI::App& app) {
-    auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("remesh", "the same shape in nearly equilateral triangles, features kept");
-    command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
-    command->add_option("-o,--out,--output", options->out, "surface file; the ending says which format")->required();
-    command->add_option("--edge-length", options->edge_length,
-                        "wanted: a length, 1% of the diagonal, or auto, the input's mean; default auto");
+    auto options = std::make_shared<RemeshArguments>();
+    CLI::App* command = app.add_subcommand("remesh", "remesh to nearly equilateral triangles, keeping features");
+    command->add_option("SURFACE", options->surface, "surface file, any format that info reads")->required();
+    command->add_option("-o,--out,--output", options->out, "surface file; the extension selects the format")
+        ->required();
+    command->add_option(
+        "--edge-length", options->edge_length,
+        "target: a length, a percentage of the diagonal like 1%, or auto, the input's mean (default: auto)");
     command->add_option("--angle,--crease-angle", options->remesh.angle_deg,
-                        "degrees between faces that make an edge a crease, (0, 90]; default 40");
-    command->add_option("--iterations", options->remesh.iterations, "default 10");
-    command->add_option("--curvature", options->curvature,
-                        "shorter edges where the surface bends: how far an edge may be from it, a length or a "
-                        "percentage of the diagonal; default none");
+                        "degrees between faces above which an edge is a crease, (0, 90] (default: 40)");
+    command->add_option("--iterations", options->remesh.iterations, "number of iterations (default: 10)");
+    command->add_option(
+        "--curvature", options->curvature,
+        "shorten edges where the surface is curved: maximum distance of an edge from the surface, a length or "
+        "a percentage of the diagonal (default: none)");
     command->add_option("--shortest-edge", options->shortest_edge,
-                        "limit for shorter edges; default auto, a tenth of --edge-length");
+                        "lower limit of --curvature (default: auto, a tenth of --edge-length)");
     command->add_option("--gradation", options->remesh.gradation,
-                        "how fast lengths may change with the distance, (0, 1]; default 0.3");
-    command->add_option("--max-triangles", options->remesh.max_triangles, "refuse to make more; default 20000000");
+                        "how fast edge lengths may change with distance, (0, 1] (default: 0.3)");
+    command->add_option("--max-triangles", options->remesh.max_triangles, "refuse to create more (default: 20000000)");
     command->add_option("--threads", options->remesh.threads,
-                        "default 0: STRAKE_NUM_THREADS, else as many as there are; same result");
-    command->add_flag("-q,--quiet", options->quiet, "no progress, no summary");
-    command->add_flag("--json", options->json, "one JSON object instead of words");
+                        "number of threads (default: 0: STRAKE_NUM_THREADS, otherwise all); the result is the same");
+    command->add_flag("-q,--quiet", options->quiet, "print neither progress nor summary");
+    command->add_flag("--json", options->json, "print one JSON object instead of words");
     command->callback([options] { remesh_file(*options); });
 }
 

@@ -5,7 +5,8 @@
 #include "cli/outputs.hpp"
 #include "cli/signals.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
 
 #include <fmt/format.h>
 
@@ -16,11 +17,11 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake repair`: mends what is asked for, and says what it did and what is left.
+/// `strake repair`: repairs what is requested, and reports what it did and what remains.
 namespace strake::cli {
 namespace {
 
-struct Options {
+struct RepairArguments {
     std::string surface, out, list;
     std::string weld, cracks, holes, fill = "planar", components;
     RepairOptions repair;
@@ -35,7 +36,7 @@ double number_of(std::string_view digits, const std::string& shown, const char* 
     return value;
 }
 
-/// A length, or with % a share of the diagonal.
+/// A length, or with % a fraction of the diagonal.
 double length_of(const std::string& words, const char* option, double diagonal) {
     const bool is_share = words.ends_with('%');
     const double value = number_of(std::string_view(words).substr(0, words.size() - is_share), text(option, " ", words),
@@ -65,8 +66,8 @@ void read_components(const std::string& words, RepairOptions& repair) {
     }
 }
 
-/// The options with lengths for a surface of this diagonal.
-RepairOptions resolved(const Options& options, double diagonal) {
+/// The options with lengths resolved for a surface of this diagonal.
+RepairOptions resolved(const RepairArguments& options, double diagonal) {
     RepairOptions repair = options.repair;
     if (options.all) {
         const RepairOptions all = all_repairs(diagonal);
@@ -89,7 +90,7 @@ RepairOptions resolved(const Options& options, double diagonal) {
     return repair;
 }
 
-bool asks_for_something(const RepairOptions& r) {
+bool is_any_requested(const RepairOptions& r) {
     return r.weld || r.cracks || r.holes || r.duplicates || r.degenerate || r.orient || r.split || r.isolated ||
            r.keep_largest > 0 || r.min_area_share > 0 || r.min_triangles > 0;
 }
@@ -98,7 +99,7 @@ constexpr RepairKind kinds[] = {RepairKind::weld,      RepairKind::duplicate, Re
                                 RepairKind::crack,     RepairKind::orient,    RepairKind::split,
                                 RepairKind::component, RepairKind::hole,      RepairKind::isolated};
 
-/// Names and numbers of defects, as `info --json` has them.
+/// Names and numbers of defects, the same as in `info --json`.
 std::vector<std::pair<const char*, long>> counts(const Checkup& c) {
     const TopologyFacts& f = c.facts;
     const auto n = [](const auto& list) { return static_cast<long>(list.size()); };
@@ -157,78 +158,81 @@ std::string as_words(const RepairResult& result, const std::string& out) {
         const int count = result.count(kind);
         if (count == 0) continue;
         words += fmt::format("{}: {}\n", name_of(kind), count);
-        int told = 0;
+        int listed = 0;
         for (const RepairItem& item : result.items)
-            if (item.kind == kind && told++ < shown)
+            if (item.kind == kind && listed++ < shown)
                 words +=
                     fmt::format("  {}, at ({:g}, {:g}, {:g})\n", item.words, item.at.x(), item.at.y(), item.at.z());
-        if (count > shown) words += fmt::format("  and {} more: --list FILE or --json has them all\n", count - shown);
+        if (count > shown) words += fmt::format("  and {} more (--list FILE or --json lists all)\n", count - shown);
     }
-    if (words.empty()) words = "nothing to mend of what was asked for: the surface is written as it is\n";
+    if (words.empty()) words = "none of the requested repairs was needed: the surface is written unchanged\n";
     const auto before = counts(result.before), after = counts(result.after);
     for (std::size_t i = 0; i < before.size(); ++i)
         if (i < 2 || before[i].second != after[i].second)
             words += fmt::format("{:<22}{:>10} -> {}\n", before[i].first, before[i].second, after[i].second);
-    for (const std::string& line : result.remaining) words += "still there: " + line + "\n";
+    for (const std::string& line : result.remaining) words += "remaining: " + line + "\n";
     return words + fmt::format("{}: {}\n", out, result.after.facts.closed ? "closed" : "open");
 }
 
-void print(const std::string& words) {
-    std::fputs(words.c_str(), stdout);  // what cannot be written is told at the end of the program
+void print_repaired(const std::string& words) {
+    std::fputs(words.c_str(), stdout);  // main reports output that cannot be written
 }
 
-void repair_file(const Options& options) {
-    format_of(options.out);  // a wrong extension is told before the work
+void repair_file(const RepairArguments& options) {
+    format_of(options.out);  // a wrong extension is reported before the work
     check_outputs({options.out, options.list}, {options.surface});
-    if (!asks_for_something(resolved(options, 1)))
+    if (!is_any_requested(resolved(options, 1)))
         throw InvalidInput(
-            "repair: nothing is asked for; --all, or some of --weld, --duplicates, --degenerate, --cracks, "
+            "repair: no repair is requested; give --all, or some of --weld, --duplicates, --degenerate, --cracks, "
             "--orient, --split, --holes, --components, --isolated");
-    end_on_signals("strake: repair: interrupted; nothing is written\n");
-    const SurfaceFile file = read_told(options.surface);
+    end_on_signals("strake: repair: interrupted; nothing was written\n");
+    const SurfaceFile file = read_logged(options.surface);
     const TriMesh& mesh = file.mesh;
     const RepairResult result = repair(mesh, resolved(options, box_diagonal(mesh)));
-    watch_signals();  // from here on what is begun is written
+    watch_signals();  // from here on the output is completed
     write_output(options.out, result.mesh, file.format);
     if (!options.list.empty()) write_atomically(options.list, repair_csv(result));
     if (options.json)
-        print(as_json(result, options.out));
+        print_repaired(as_json(result, options.out));
     else if (!options.quiet)
-        print(as_words(result, options.out));
+        print_repaired(as_words(result, options.out));
 }
 
 }  // namespace
 
 void add_repair(CLI::App& app) {
-    auto options = std::make_shared<Options>();
-    CLI::App* command = app.add_subcommand("repair", "mends a surface: what is asked for, and nothing else");
-    command->add_option("SURFACE", options->surface, "a surface file, as for info")->required();
-    command->add_option("-o,--out,--output", options->out, "surface file; the ending says which format")->required();
-    command->add_flag("--all", options->all,
-                      "everything but dropping components: weld 1e-7%, cracks 1e-3%, holes up to 10% across that are "
-                      "no symmetry plane; options beside it change these");
+    auto options = std::make_shared<RepairArguments>();
+    CLI::App* command = app.add_subcommand("repair", "repair a surface: only the defects you ask for");
+    command->add_option("SURFACE", options->surface, "surface file, any format that info reads")->required();
+    command->add_option("-o,--out,--output", options->out, "surface file; the extension selects the format")
+        ->required();
+    command->add_flag(
+        "--all", options->all,
+        "everything except dropping components: weld 1e-7%, cracks 1e-3%, holes up to 10% across that do not "
+        "lie in a symmetry plane; other options override these");
     command->add_option("--weld", options->weld,
-                        "merge vertices at most this far apart: a length, or 1e-6% of the diagonal");
-    command->add_flag("--duplicates", options->repair.duplicates, "remove triangles with the vertices of another one");
+                        "merge vertices at most this far apart: a length, or a percentage of the diagonal like 1e-6%");
+    command->add_flag("--duplicates", options->repair.duplicates,
+                      "remove triangles that have the same vertices as another");
     command->add_flag("--degenerate", options->repair.degenerate,
-                      "remove triangles of no area without opening the surface");
+                      "remove triangles without area, without opening the surface");
     command->add_option("--cracks", options->cracks, "join open edges at most this far apart");
-    command->add_flag("--orient", options->repair.orient, "turn triangles until all agree; closed parts outward");
-    command->add_flag("--split", options->repair.split, "separate what meets in a vertex or an edge only");
+    command->add_flag("--orient", options->repair.orient, "orient all triangles consistently; closed parts outward");
+    command->add_flag("--split", options->repair.split, "separate parts that meet only in a vertex or an edge");
     command->add_option("--holes", options->holes,
-                        "close open loops at most this far across: a length, a percentage, all");
+                        "close boundary loops at most this far across: a length, a percentage, or all");
     command->add_option("--fill", options->fill, "planar: no new vertices (default); smooth: refined and curved")
         ->type_name("planar|smooth");
-    command->add_option("--components", options->components,
-                        "keep: largest=N, min_area=1% (of the area), min_triangles=N, separated by commas");
+    command->add_option(
+        "--components", options->components,
+        "components to keep: largest=N, min_area=1% (of the area), min_triangles=N, separated by commas");
     command->add_flag("--isolated", options->repair.isolated, "remove vertices that no triangle uses");
-    command->add_option("--list", options->list, "every single repair as CSV");
-    command->add_flag("-q,--quiet", options->quiet, "no summary");
-    command->add_flag("--json", options->json, "one JSON object instead of words");
+    command->add_option("--list", options->list, "write every single repair as CSV");
+    command->add_flag("-q,--quiet", options->quiet, "do not print the summary");
+    command->add_flag("--json", options->json, "print one JSON object instead of words");
     command->callback([options, command] {
         if (command->count("--fill") > 0 && options->holes.empty() && !options->all)
-            throw InvalidInput(
-                text("--fill ", options->fill, ": goes only with --holes or --all, which make holes to fill"));
+            throw InvalidInput(text("--fill ", options->fill, ": needs --holes or --all"));
         repair_file(*options);
     });
 }

@@ -1,7 +1,8 @@
+#include "casefile/load_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
-#include "optimize/journal.hpp"
+#include "optimize/journal/journal.hpp"
 #include "report/report_subject.hpp"
 
 #include <fmt/core.h>
@@ -16,7 +17,7 @@ struct ReportArguments {
     std::string folder, out;
 };
 
-/// What the folder lacks comes from the case, as far as that can still be read.
+/// What the folder lacks comes from the case, if that can still be read.
 ReportSubject subject_of(const fs::path& folder, const JournalFacts& facts) {
     const Purpose purpose = facts.is_fit ? Purpose::fit : Purpose::run;
     ReportSubject subject;
@@ -24,13 +25,13 @@ ReportSubject subject_of(const fs::path& folder, const JournalFacts& facts) {
     try {
         Case the_case = load_case(folder / "case.yaml", purpose, facts.case_dir);
         the_case.output.dir = folder;
-        the_case.output.goes_on = true;
+        the_case.output.is_resumed = true;
         subject = report_subject(the_case, nullptr);
         if (has_shapes(folder)) return subject;
         const BuiltProblem built = build_problem(the_case, purpose);
         subject = report_subject(the_case, &built);
     } catch (const std::exception& error) {
-        subject.notes.push_back(text("The case can no longer be read as it was: ", error.what()));
+        subject.notes.push_back(text("The case can no longer be read: ", error.what()));
     }
     return subject;
 }
@@ -40,7 +41,7 @@ void report(const ReportArguments& args) {
     const fs::path folder = args.folder, journal = folder / "journal.sqlite";
     std::error_code ignored;
     if (!fs::exists(journal, ignored))
-        throw InvalidInput(text(printable(args.folder, 400), ": holds no run (there is no journal.sqlite)"));
+        throw InvalidInput(text(printable(args.folder, 400), ": is not a run folder (it has no journal.sqlite)"));
     const fs::path out = args.out.empty() ? folder / "report.html" : fs::path(args.out);
     check_outputs({out}, {journal, folder / "run.json", folder / "case.yaml", folder / "history.csv"});
     write_report(folder, subject_of(folder, Journal::look(journal)->facts()), out);
@@ -51,7 +52,8 @@ void report(const ReportArguments& args) {
 
 void add_report(CLI::App& app) {
     auto args = std::make_shared<ReportArguments>();
-    CLI::App* command = app.add_subcommand("report", "a run as one page for the browser, also while it goes on");
+    CLI::App* command =
+        app.add_subcommand("report", "write a run as one page for the browser, also while it is running");
     command->add_option("folder", args->folder, "folder of the run")->required();
     command->add_option("-o,--out,--output", args->out, "the page (default: report.html in the folder)");
     command->callback([args] { report(*args); });

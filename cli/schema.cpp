@@ -1,4 +1,4 @@
-#include "cases/schema.hpp"
+#include "casefile/schema/schema.hpp"
 
 #include "cli/commands.hpp"
 
@@ -9,8 +9,8 @@ namespace strake::cli {
 
 void add_schema(CLI::App& app) {
     auto json = std::make_shared<bool>(false);
-    CLI::App* command = app.add_subcommand("schema", "every key of a case file, as a page of Markdown");
-    command->add_flag("--json", *json, "as JSON Schema, for the completion of editors");
+    CLI::App* command = app.add_subcommand("schema", "print every key of a case file as a Markdown page");
+    command->add_flag("--json", *json, "print a JSON Schema, for completion in editors");
     command->callback([json] { fmt::print("{}", *json ? schema_json() : schema_reference()); });
 }
 

@@ -1,17 +1,20 @@
 #include "cli/session.hpp"
 #include "cli/detail.hpp"
 
-#include "cases/scalars.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
+#include "cli/plugin_exit.hpp"
 #include "cli/progress.hpp"
+#include "cli/say.hpp"
 #include "cli/signals.hpp"
-#include "core/mesh/file.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/shell_word.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/fit.hpp"
-#include "optimize/own_variables.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/fit.hpp"
+#include "optimize/space/parameters.hpp"
 #include "report/recorded_run.hpp"
 #include "report/run_folder.hpp"
 #include "report/run_report.hpp"
@@ -24,20 +27,21 @@
 namespace strake::cli {
 namespace {
 
-/// What begins as round-off begins at zero.
+/// A start value at round-off level counts as zero.
 std::string percent(double from, double to) {
     return std::abs(from) > 1e-9 * std::abs(to) ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from))
                                                 : "from zero";
 }
 
-/// What a level has brought; a failed one has no values to tell.
+/// What a level gained; a failed one has no values to show.
 std::string level_change(const LevelSummary& s, bool is_fit) {
     if (!std::isfinite(s.objective_start) || !std::isfinite(s.objective_end)) return "no design";
     if (!is_fit)
         return fmt::format("{:.9g} -> {:.9g} ({})", s.objective_start, s.objective_end,
                            percent(s.objective_start, s.objective_end));
-    const std::string share =
-        std::isfinite(s.explained) ? fmt::format(", explains {:.2f} % of what was left", 100 * s.explained) : "";
+    const std::string share = std::isfinite(s.explained)
+                                  ? fmt::format(", removes {:.2f} % of the remaining distance", 100 * s.explained)
+                                  : "";
     return fmt::format("rms distance {:.4e} -> {:.4e}{}", std::sqrt(s.objective_start), std::sqrt(s.objective_end),
                        share);
 }
@@ -47,35 +51,38 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
     for (std::size_t i = 0; i < r.values.size(); ++i)
         fmt::print("{:<11}  {:.9g} -> {:.9g} ({})\n", r.names[i], r.values_start[i], r.values[i],
                    percent(r.values_start[i], r.values[i]));
-    const auto own = own_values(r.space, r.x);
+    const auto own = parameter_values(r.space, r.x);
     for (std::size_t i = 0; i < own.size(); ++i)
-        fmt::print("{:<11}  {} -> {}\n", own[i].first, shown_value(r.space.rest->own[i].start, problem.own[i].is_angle),
-                   shown_value(own[i].second, problem.own[i].is_angle));
-    if (is_fit) fmt::print("rms distance {:.3e} of the diagonal left\n", std::sqrt(r.objective) / diagonal);
+        fmt::print("{:<11}  {} -> {}\n", own[i].first,
+                   shown_value(r.space.rest->program_parameters[i].start, problem.program_parameters[i].is_angle),
+                   shown_value(own[i].second, problem.program_parameters[i].is_angle));
+    if (is_fit) fmt::print("rms distance {:.3e} of the diagonal remains\n", std::sqrt(r.objective) / diagonal);
     if (!is_fit && !problem.constraints.empty()) fmt::print("violation    {:.2e} (largest, scaled)\n", r.max_violation);
-    fmt::print("moved        {:.4g} % of the diagonal at most\n",
+    fmt::print("moved        at most {:.4g} % of the diagonal\n",
                100 * (r.vertices - problem.surface.vertices).rowwise().norm().maxCoeff() / diagonal);
 }
 
-void report(const Problem& problem, const RunResult& r, const RunFolder& folder, bool is_fit) {
+/// @param dir the run folder as the user named it
+void report(const Problem& problem, const RunResult& r, const RunFolder& folder, const std::filesystem::path& dir,
+            bool is_fit) {
     fmt::print("status       {}\nreason       {}\n", r.status, r.reason);
     fmt::print("evaluations  {}, on {} levels\n", r.evaluations, r.levels.size());
     for (const LevelSummary& s : r.levels)
         fmt::print("  level {}    {} patches, {} variables, {} evaluations: {}\n", s.level, s.patches, s.variables,
                    s.evaluations, level_change(s, is_fit));
     if (r.best_evaluation > 0) report_design(problem, r, is_fit);
-    fmt::print("files        {}:", folder.folder().string());
+    fmt::print("files        {}:", dir.string());
     for (const std::string& file : folder.files())
         if (file.find('/') == std::string::npos) fmt::print(" {}", file);
     fmt::print("\n");
     const auto& files = folder.files();
     if (std::find(files.begin(), files.end(), "series.pvd") != files.end())
-        fmt::print("view         paraview {}\n", typed_path((folder.folder() / "series.pvd").string()));
+        fmt::print("view         paraview {}\n", typed_path((dir / "series.pvd").string()));
 }
 
-void print_json(const RunResult& result, const RunFolder& folder) {
+void print_json(const RunResult& result, const RunFolder& folder, const std::filesystem::path& dir) {
     std::vector<std::string> files;
-    for (const std::string& file : folder.files()) files.push_back((folder.folder() / file).string());
+    for (const std::string& file : folder.files()) files.push_back((dir / file).string());
     fmt::print("{}\n", run_json(result, files));
 }
 
@@ -84,14 +91,14 @@ std::string evaluation_detail(const std::vector<std::string>& names, const Evalu
     std::string out = fmt::format("       evaluation {}: {:.3g} s", r.evaluation, r.seconds);
     for (std::size_t i = 0; i < std::min(names.size(), r.values.size()); ++i)
         out += fmt::format(", {} = {:.9g}", names[i], r.values[i]);
-    if (r.is_taken_over) out += " (the shape is that of the level before: nothing was called)";
+    if (r.is_taken_over) out += " (same shape as on the previous level: nothing was called)";
     if (r.is_replayed) out += " (from the journal)";
     return r.reason.empty() ? out : out + ": " + r.reason;
 }
 
-void warn(const std::string& words) { fmt::print(stderr, "warning: {}\n", words); }
+void warn(const std::string& words) { say("warning: {}\n", words); }
 
-/// What the user sees of the search, and how the user ends it.
+/// What the user sees of the search, and how the user stops it.
 RunEvents shown(const Problem& problem, Progress& progress) {
     RunEvents events;
     events.stop_wanted = stop_wanted;
@@ -105,50 +112,50 @@ RunEvents shown(const Problem& problem, Progress& progress) {
     return events;
 }
 
-/// The command that goes on with the run.
-std::string going_on(const RunRequest& request) {
-    const std::string folder = typed_path(request.folder->folder().string());
+/// The command that continues the run.
+std::string continue_command(const RunRequest& request) {
+    const std::string folder = typed_path(request.the_case.output.dir.string());
     if (!request.is_step) return fmt::format("`strake resume {}`", folder);
     return fmt::format("`strake step {} --out {}`", typed_path(request.the_case.file.string()), folder);
 }
 
-/// The end of `run`, `fit` and `resume`: what is told, and the exit status.
+/// The end of `run`, `fit`, `step` and `resume`: the summary and the exit status.
 void conclude(const BuiltProblem& built, const RunResult& result, const RunRequest& request) {
     RunFolder& folder = *request.folder;
+    const std::filesystem::path& dir = request.the_case.output.dir;
     const bool is_fit = request.is_fit;
     const bool wants_report = request.the_case.output.report && result.status != "waiting";
-    if (wants_report && has_report_page()) folder.tell("report.html");
+    if (wants_report && has_report_page()) folder.list_file("report.html");
     folder.finish(result);
     if (wants_report)
         if (const std::string why = make_report(built, request.the_case, folder.folder()); !why.empty()) warn(why);
     constexpr std::size_t enough = 5;
     for (std::size_t i = 0; i < std::min(enough, folder.problems().size()); ++i)
-        fmt::print(stderr, "warning: {}\n", folder.problems()[i]);
+        say("warning: {}\n", folder.problems()[i]);
     if (request.json)
-        print_json(result, folder);
+        print_json(result, folder, dir);
     else if (result.status == "waiting")
         for (const AwaitedCall& call : result.awaited) fmt::print("{}\n", call.folder);
     else if (!request.is_step)
-        report(built.problem, result, folder, is_fit);
-    else if (!request.quiet)  // standard output names what is awaited: nothing
-        fmt::print(stderr, "strake: {}: {}; see {}\n", result.status, result.reason,
-                   printable(folder.folder().string()));
+        report(built.problem, result, folder, dir, is_fit);
+    else if (!request.quiet)  // standard output lists what is awaited: nothing
+        say("strake: {}: {}; see {}\n", result.status, result.reason, printable(dir.string()));
     if (result.status == "waiting") {
-        if (!request.quiet) fmt::print(stderr, "strake: {}; then {} again\n", result.reason, going_on(request));
+        if (!request.quiet) say("strake: {}; then {} again\n", result.reason, continue_command(request));
         return;
     }
     if (result.is_done()) return;
-    const std::string again = going_on(request);
+    const std::string again = continue_command(request);
     if (result.status == "interrupted") {
-        fmt::print(stderr, "strake: interrupted by SIG{} after {} evaluations, all of which are kept; {} goes on\n",
-                   ::sigabbrev_np(stop_signal()), result.evaluations, again);
-        if (!result.going_on.empty())
-            fmt::print(stderr, "strake: in the queue stays: {}; it is followed again then\n", joined(result.going_on));
+        say("strake: interrupted by SIG{} after {} evaluations; all are kept; {} continues\n",
+            ::sigabbrev_np(stop_signal()), result.evaluations, again);
+        if (!result.pending.empty())
+            say("strake: still in the queue: {}; the continued run waits for it\n", joined(result.pending));
         throw ExitStatus{interrupted};
     }
-    fmt::print(stderr, "strake: {}: {}: {}\n", is_fit ? "fit" : "run", result.status, result.reason);
+    say("strake: {}: {}: {}\n", is_fit ? "fit" : "run", result.status, result.reason);
     if (result.status != "evaluation_failed") throw ExitStatus{run_failed};
-    fmt::print(stderr, "strake: once that is mended, {} goes on with this evaluation\n", again);
+    say("strake: once this is fixed, {} continues with this evaluation\n", again);
     throw ExitStatus{external_failed};
 }
 
@@ -158,7 +165,7 @@ void run_case(const SessionArguments& args, bool is_fit) {
     the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
     set_output_folder(the_case, args.out);
     check_run_folder(the_case.output.dir);
-    if (!args.quiet) fmt::print(stderr, "strake: reading {}\n", the_case.surface.string());
+    if (!args.quiet) say("strake: reading {}\n", the_case.surface.string());
     request.is_fit = is_fit;
     request.json = args.json;
     request.quiet = args.quiet;
@@ -185,6 +192,8 @@ void carry_out(RunRequest request) {
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;
     watch_signals();
+    say_at_exit(
+        fmt::format("all evaluations before are kept; once this is fixed, {} continues", continue_command(request)));
     const RunResult result = recorded_run(built, the_case, folder, request.is_fit, shown(built.problem, progress),
                                           std::move(request.journal), [](const std::string& words) { warn(words); });
     progress.end();
@@ -192,6 +201,7 @@ void carry_out(RunRequest request) {
 }
 
 void run_session(const SessionArguments& args, bool is_fit) {
+    outlive_readers();
     try {
         run_case(args, is_fit);
     } catch (const UnheldPart& loose) {

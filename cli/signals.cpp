@@ -1,6 +1,7 @@
 #include "cli/signals.hpp"
 
 #include "cli/commands.hpp"
+#include "objectives/external/kill_programs.hpp"
 
 #include <unistd.h>
 #include <atomic>
@@ -10,19 +11,21 @@
 namespace strake::cli {
 namespace {
 
-std::atomic<int> noted{0};  // a handler can reach nothing else
+std::atomic<int> noted{0};  // the only state a handler may touch
 static_assert(std::atomic<int>::is_always_lock_free);
 
 extern "C" void note(int number) {
     int none = 0;
-    if (!noted.compare_exchange_strong(none, number)) ::_exit(128 + number);
+    if (noted.compare_exchange_strong(none, number)) return;
+    kill_programs();  // they would outlive us, where they ignore TERM
+    ::_exit(128 + number);
 }
 
-/// Set once, before the handler is.
+/// Set once, before the handler is installed.
 const char* last_words = "";
 
 extern "C" void end_now(int) {
-    [[maybe_unused]] const ssize_t told = ::write(STDERR_FILENO, last_words, std::strlen(last_words));
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, last_words, std::strlen(last_words));
     ::_exit(interrupted);
 }
 

@@ -1,15 +1,15 @@
 #pragma once
 
-/// What the user says by signals while a run goes on.
+/// Signals from the user during a run.
 namespace strake::cli {
 
 /// From now on the first INT, TERM or HUP is only noted; the second ends the program at once with status 128 + its
 /// number. HUP stays ignored where it was (nohup).
 void watch_signals();
-/// Signals end the program as they did before watch_signals(); what has been noted stays so.
+/// Signals end the program as they did before watch_signals(); a noted signal stays noted.
 void leave_signals();
 
-/// INT, TERM and HUP end the program at once with status 75 (nothing has been written, and it may simply be run again).
+/// INT, TERM and HUP end the program at once with status 75 (nothing has been written; it may simply be run again).
 /// @param words for stderr, with static lifetime.
 void end_on_signals(const char* words);
 

@@ -1,7 +1,7 @@
 #include "cli/commands.hpp"
 #include "cli/progress.hpp"
 #include "core/error.hpp"
-#include "optimize/history.hpp"
+#include "optimize/run/history.hpp"
 #include "report/json_number.hpp"
 #include "report/run_status.hpp"
 
@@ -50,7 +50,7 @@ ProgressFacts progress_of(const RunStatus& s) {
     return facts;
 }
 
-/// Until the run ends: one line that is written anew on a terminal, a line for every change elsewhere.
+/// Until the run ends: one line rewritten in place on a terminal, elsewhere one line for each change.
 void watch(const StatusArguments& args) {
     constexpr int log_width = 200;
     const int width = terminal_width(STDOUT_FILENO);
@@ -82,7 +82,7 @@ void print_row(const JournalEvaluation& e, bool is_cached) {
         fmt::print("{:5}  {:5}  {}: {}\n", e.number, e.level, e.status, e.reason.substr(0, e.reason.find('\n')));
 }
 
-/// One object an evaluation.
+/// One object for each evaluation.
 void print_json(const Journal& journal) {
     nlohmann::ordered_json rows = nlohmann::ordered_json::array();
     const std::vector<int> cached = journal.cached();
@@ -113,7 +113,7 @@ void history(const HistoryArguments& args) {
     if (args.json) return print_json(*journal);
     const JournalFacts& facts = journal->facts();
     if (args.csv)
-        fmt::print("{}\n", history_header(facts.values, facts.own));
+        fmt::print("{}\n", history_header(facts.values, facts.parameters));
     else
         fmt::print("{:>5}  {:>5}  {:>16}  violation  {:>8}\n", "eval", "level", "objective", "time_s");
     const std::vector<int> cached = journal->cached();
@@ -128,13 +128,13 @@ void history(const HistoryArguments& args) {
 
 void add_status(CLI::App& app) {
     auto args = std::make_shared<StatusArguments>();
-    CLI::App* command = app.add_subcommand("status", "how far a run has come, also while it goes on");
+    CLI::App* command = app.add_subcommand("status", "show the progress of a run, also while it is running");
     command->add_option("RUN", args->folder, "folder of the run")->required();
-    command->add_flag("--json", args->json, "as JSON");
+    command->add_flag("--json", args->json, "JSON instead of words");
     CLI::Option* json = command->get_option("--json");
-    CLI::Option* watching = command->add_flag("--watch", args->watch, "looks again and again until the run ends");
+    CLI::Option* watching = command->add_flag("--watch", args->watch, "keep watching until the run ends");
     watching->excludes(json);
-    command->add_option("--every", args->every, "seconds between two looks (default: 1)")
+    command->add_option("--every", args->every, "seconds between updates (default: 1)")
         ->needs(watching)
         ->check(CLI::Range(0.1, 3600.0));
     command->callback([args] { args->watch ? watch(*args) : status(*args); });
@@ -142,10 +142,10 @@ void add_status(CLI::App& app) {
 
 void add_history(CLI::App& app) {
     auto args = std::make_shared<HistoryArguments>();
-    CLI::App* command = app.add_subcommand("history", "all evaluations of a run, also while it goes on");
+    CLI::App* command = app.add_subcommand("history", "list all evaluations of a run, also while it is running");
     command->add_option("RUN", args->folder, "folder of the run")->required();
-    CLI::Option* csv = command->add_flag("--csv", args->csv, "as history.csv, with all digits");
-    command->add_flag("--json", args->json, "as JSON: an array with an object for each evaluation")->excludes(csv);
+    CLI::Option* csv = command->add_flag("--csv", args->csv, "in the format of history.csv, with all digits");
+    command->add_flag("--json", args->json, "a JSON array with one object for each evaluation")->excludes(csv);
     command->callback([args] { history(*args); });
 }
 

@@ -1,5 +1,7 @@
+#include "casefile/load_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/continuation.hpp"
+#include "cli/say.hpp"
 #include "cli/session.hpp"
 #include "core/error.hpp"
 
@@ -8,8 +10,9 @@
 namespace strake::cli {
 namespace {
 
-/// Begins the run, or goes on with it; programs are not run.
+/// Starts the run or continues it; no programs are run.
 void step(const SessionArguments& args) {
+    outlive_readers();
     RunRequest request;
     request.is_step = true;
     request.json = args.json;
@@ -25,11 +28,13 @@ void step(const SessionArguments& args) {
         carry_out(std::move(request));
         return;
     }
-    the_case.output.goes_on = true;
+    the_case.output.is_resumed = true;
     request.folder = std::make_unique<RunFolder>(dir, true);
     request.journal = Journal::open(dir / "journal.sqlite");
-    if (request.journal->facts().is_fit) throw InvalidInput(text(dir.string(), ": is the folder of a fit"));
+    if (request.journal->facts().is_fit)
+        throw InvalidInput(text(dir.string(), ": is the folder of a fit; `strake step` needs a run"));
     const Continuation now = continuation(the_case, request.journal->facts(), dir);
+    the_case.parameters.limits_variables = request.journal->facts().meaning < 2;
     const RunLimits before = request.journal->limits();
     begin_again(
         request, now,
@@ -41,13 +46,13 @@ void step(const SessionArguments& args) {
 
 void add_step(CLI::App& app) {
     auto args = std::make_shared<SessionArguments>();
-    CLI::App* command = app.add_subcommand(
-        "step", "hands out the evaluations that are needed next, and goes on with those that have been answered");
+    CLI::App* command =
+        app.add_subcommand("step", "hand out the evaluations needed next, and continue with those already answered");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     command->add_option("--out", args->out,
-                        "run folder: new, or that of the steps before (default: output.dir of the case)");
-    command->add_flag("--json", args->json, "results as JSON on standard output");
-    command->add_flag("-q,--quiet", args->quiet, "no progress");
+                        "run folder: new, or that of the previous steps (default: output.dir of the case)");
+    command->add_flag("--json", args->json, "print the results as JSON");
+    command->add_flag("-q,--quiet", args->quiet, "do not print progress");
     command->callback([args] { step(*args); });
 }
 

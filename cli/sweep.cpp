@@ -1,6 +1,8 @@
-#include "optimize/sweep.hpp"
+#include "optimize/check/sweep.hpp"
+#include "core/text/file.hpp"
 
-#include "cases/scalars.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
@@ -11,7 +13,7 @@
 #include <memory>
 #include <nlohmann/json.hpp>
 
-/// `strake sweep`: a table of all values along design variables.
+/// `strake sweep`: tabulates all values along design variables.
 namespace strake::cli {
 namespace {
 
@@ -27,20 +29,20 @@ struct SweepArguments {
     bool json = false, quiet = false;
 };
 
-/// The i-th of an option that is given once for all variables or once for each.
+/// The i-th value of an option that is given once for all variables or once for each.
 template <class T>
 T of_axis(const std::vector<T>& given, std::size_t i, std::size_t axes, const char* option) {
     if (given.size() != 1 && given.size() != axes)
         throw InvalidInput(text("sweep: ", option, " is given ", given.size(), " times for ", axes,
-                                " variables; give it once for all or once for each"));
+                                " variables; give it once for all, or once for each"));
     return given[given.size() == 1 ? 0 : i];
 }
 
-/// Scaled, or the value of a variable of the case's own, with its unit if that is an angle.
+/// A scaled value, or the value of a parameter of the case, with its unit if that is an angle.
 double end_of_range(const std::string& given, const std::string& variable, const Problem& problem, const char* option) {
-    const auto is_named = [&](const OwnVariable& own) { return own.name == variable; };
-    const auto own = std::find_if(problem.own.begin(), problem.own.end(), is_named);
-    const bool is_angle = own != problem.own.end() && own->is_angle;
+    const auto is_named = [&](const ProgramParameter& parameter) { return parameter.name == variable; };
+    const auto parameter = std::find_if(problem.program_parameters.begin(), problem.program_parameters.end(), is_named);
+    const bool is_angle = parameter != problem.program_parameters.end() && parameter->is_angle;
     Value value;
     value.text = given;
     const std::string refused = convert_scalar(value, is_angle ? Type::angle : Type::number, Key{}, {});
@@ -134,7 +136,7 @@ void sweep_case(const SweepArguments& args) {
     check_outputs({args.out}, {args.case_file, the_case.surface});
     std::error_code unknown;
     if (!args.keep.empty() && fs::exists(args.keep, unknown) && !fs::is_empty(args.keep, unknown))
-        throw InvalidInput(text("sweep: --keep ", args.keep, " is not empty; name a folder that is new or empty"));
+        throw InvalidInput(text("sweep: --keep ", args.keep, " is not empty; give a new or empty folder"));
     const WorkFolder folder(args.keep, "sweep");
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_case(the_case);
@@ -158,32 +160,32 @@ void sweep_case(const SweepArguments& args) {
 
 void add_sweep(CLI::App& app) {
     auto args = std::make_shared<SweepArguments>();
-    CLI::App* command =
-        app.add_subcommand("sweep", "objective and all quantities along one or more design variables of a case");
+    CLI::App* command = app.add_subcommand(
+        "sweep", "tabulate the objective and all quantities along one or more design variables of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
-    // One argument each: "--from -1" must not take what follows.
+    // One argument each: "--from -1" must not swallow what follows.
     command->add_option("--variable", args->variables, "design variable; several make a grid")
         ->required()
         ->expected(1)
         ->take_all();
     command
-        ->add_option("--from", args->from,
-                     "first value, scaled: 1 moves by max_displacement; of one of the case's `variables` its own value")
+        ->add_option(
+            "--from", args->from,
+            "first value, scaled: 1 moves by max_displacement; for one of the case's `variables`, its physical value")
         ->required()
         ->expected(1)
         ->take_all();
     command->add_option("--to", args->to, "last value")->required()->expected(1)->take_all();
-    command->add_option("--steps", args->steps, "number of points, both ends included")
+    command->add_option("--steps", args->steps, "number of points, including both ends")
         ->required()
         ->expected(1)
         ->take_all();
-    command->add_option("--level", args->level, "level of the patches (default 1)")->check(CLI::Range(1, 1000));
+    command->add_option("--level", args->level, "level of the patches (default: 1)")->check(CLI::Range(1, 1000));
     command->add_option("-o,--out,--output", args->out, "also write the table to this file (CSV)");
-    command->add_option(
-        "--keep", args->keep,
-        "folder, new or empty, that keeps what the programs of the case write, a folder for each point");
-    command->add_flag("--json", args->json, "one JSON object instead of the table");
-    command->add_flag("-q,--quiet", args->quiet, "no messages about points without values");
+    command->add_option("--keep", args->keep,
+                        "new or empty folder to keep the files of the case's programs, one subfolder for each point");
+    command->add_flag("--json", args->json, "print one JSON object instead of the table");
+    command->add_flag("-q,--quiet", args->quiet, "do not report points without values");
     command->callback([args] { sweep_case(*args); });
 }
 

@@ -1,4 +1,4 @@
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "cli/command_table.hpp"
 
 #include <fmt/format.h>
@@ -15,11 +15,11 @@ std::string unknown_command(const std::string& word, const std::vector<CommandRo
     std::vector<std::string> names;
     for (const CommandRow& command : table) names.push_back(command.name);
     const std::string near = suggestion(word, names);
-    return fmt::format("strake: there is no command '{}'{}", printable(word, 100),
+    return fmt::format("strake: unknown command '{}'{}", printable(word, 100),
                        near.empty() ? "; commands: " + joined(names) : near);
 }
 
-/// The first argument that looks like an option of the command and is none.
+/// The first argument that looks like an option but is not one of the command.
 std::string unknown_option(const CommandRow& command, const std::vector<std::string>& arguments, std::size_t from) {
     std::vector<std::string> names;
     for (const OptionRow& option : command.options)
@@ -30,7 +30,7 @@ std::string unknown_option(const CommandRow& command, const std::vector<std::str
         bool known = std::find(names.begin(), names.end(), word) != names.end();
         if (!word.starts_with("--")) known |= std::find(names.begin(), names.end(), word.substr(0, 2)) != names.end();
         if (known) continue;
-        return fmt::format("strake: {}: there is no option '{}'{}", command.name, printable(word, 100),
+        return fmt::format("strake: {}: unknown option '{}'{}", command.name, printable(word, 100),
                            suggestion(word, names));
     }
     return "";
@@ -40,7 +40,7 @@ std::string needs_a_value(const CommandRow& command, const OptionRow& option, co
     return fmt::format("strake: {}: {} needs a value: {}", command.name, name, option.doc);
 }
 
-/// The parser takes what follows an option for its value, be it the next option: then it misses that one.
+/// The parser takes whatever follows an option as its value, even another option, which it then misses.
 std::string swallowed_option(const CommandRow& command, const std::vector<std::string>& arguments) {
     const auto option_of = [&](const std::string& word) {
         return std::find_if(command.options.begin(), command.options.end(), [&](const OptionRow& option) {
@@ -70,19 +70,18 @@ std::string other_words(const CommandRow& command, const CLI::ParseError& error)
     for (const OptionRow& option : command.options) {
         const std::string& name = option.names.back();
         if (words == name + " is required")
-            return option.is_positional
-                       ? fmt::format("strake: {}: {} is missing: {}", command.name, name, option.doc)
-                       : fmt::format("strake: {}: {} has to be given: {}", command.name, name, option.doc);
+            return option.is_positional ? fmt::format("strake: {}: {} is missing: {}", command.name, name, option.doc)
+                                        : fmt::format("strake: {}: {} is required: {}", command.name, name, option.doc);
     }
     for (const OptionRow& option : command.options)
         for (const std::string& name : option.names) {
             if (words.starts_with(name + ": At Most ") || words.starts_with(name + ": 1 required but received"))
-                return fmt::format("strake: {}: {} may be given once only", command.name, name);
+                return fmt::format("strake: {}: {} may be given only once", command.name, name);
             if (words.starts_with(name + ": 1 required")) return needs_a_value(command, option, name);
         }
     const std::string not_expected = words.substr(words.rfind(' ') + 1);
     if (words.starts_with("The following argument"))
-        return fmt::format("strake: {}: one argument too many, '{}'", command.name, printable(not_expected, 100));
+        return fmt::format("strake: {}: unexpected argument '{}'", command.name, printable(not_expected, 100));
     const std::string unreadable = "Could not convert: ";
     if (words.starts_with(unreadable))
         return fmt::format("strake: {}: {} must be a number", command.name,
@@ -96,7 +95,7 @@ std::string usage_words(const CLI::App& app, const CLI::ParseError& error, const
     const std::vector<CommandRow> table = command_table(app);
     if (arguments.empty()) return app.help();
     if (arguments[0].starts_with("-"))
-        return fmt::format("strake: there is no option '{}'{}\nsee `strake --help`", printable(arguments[0], 100),
+        return fmt::format("strake: unknown option '{}'{}\nsee `strake --help`", printable(arguments[0], 100),
                            suggestion(arguments[0], {"--help", "--version"}));
     const auto command =
         std::find_if(table.begin(), table.end(), [&](const CommandRow& row) { return row.name == arguments[0]; });

@@ -4,11 +4,10 @@
 
 namespace strake::cli {
 
-/// Where programs of a case are run outside of a run: the folder that was asked for, else one that goes away in the
-/// end.
+/// Where the programs of a case work outside a run: the requested folder, otherwise a temporary one.
 class WorkFolder {
 public:
-    /// @param wanted may be empty. @param command for the name of the other.
+    /// @param wanted may be empty. @param command names the temporary folder.
     WorkFolder(const std::string& wanted, const std::string& command);
     ~WorkFolder();
     WorkFolder(const WorkFolder&) = delete;

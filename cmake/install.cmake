@@ -1,7 +1,7 @@
-# cmake --install: the programs, the libraries with their headers, and what find_package(strake) needs.
+# cmake --install: the programs, the libraries with their headers, and the files for find_package(strake).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-set(libraries mesh patches primo remesh repair volume objectives optimize cases report)
+set(libraries base mesh formats patches fields primo remesh repair volume objectives optimize casefile report)
 foreach(name ${libraries} version)
   set_target_properties(strake_${name} PROPERTIES EXPORT_NAME ${name})
   add_library(strake::${name} ALIAS strake_${name})
@@ -17,15 +17,15 @@ add_library(strake::strake ALIAS strake_everything)
 install(TARGETS ${targets} strake_version strake_options strake_everything EXPORT strake
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/strake)
 install(TARGETS strake RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
-# Not for users: headers of the examples, and those that name libraries which users of ours need not know.
+# Not installed: headers of the examples, and headers that include other libraries, which users need not have.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/core/*.hpp
-  ${PROJECT_SOURCE_DIR}/objectives/*.hpp ${PROJECT_SOURCE_DIR}/optimize/*.hpp ${PROJECT_SOURCE_DIR}/cases/*.hpp
+  ${PROJECT_SOURCE_DIR}/objectives/*.hpp ${PROJECT_SOURCE_DIR}/optimize/*.hpp ${PROJECT_SOURCE_DIR}/casefile/*.hpp
   ${PROJECT_SOURCE_DIR}/report/*.hpp)
-list(FILTER headers EXCLUDE REGEX "^cases/.*/|_impl[.]hpp$")
+list(FILTER headers EXCLUDE REGEX "_impl[.]hpp$")
 set(hidden "<nlohmann/|<nlopt|<yaml-cpp/|<embree|<sqlite|<ceres/|<cholmod|<CGAL/|<fmt/|_impl[.]hpp\"")
 set(before -1)
 list(LENGTH headers count)
-while(NOT before EQUAL count)  # what includes a hidden one is hidden, too
+while(NOT before EQUAL count)  # what includes a hidden header is hidden, too
   set(before ${count})
   foreach(header ${headers})
     file(STRINGS ${PROJECT_SOURCE_DIR}/${header} includes REGEX "^#include")
@@ -39,6 +39,27 @@ endwhile()
 foreach(header ${headers})
   get_filename_component(folder ${header} DIRECTORY)
   install(FILES ${PROJECT_SOURCE_DIR}/${header} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/${folder})
+endforeach()
+# Headers that have moved since 0.1 are still found at their old paths, with a note, until 1.0.
+set(moved_headers ${PROJECT_SOURCE_DIR}/cmake/moved_headers.txt)
+set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS ${moved_headers})
+file(STRINGS ${moved_headers} rows REGEX "^[^#]")
+foreach(row ${rows})
+  string(REGEX REPLACE " +" ";" row "${row}")
+  list(POP_FRONT row old)
+  set(forwards "")
+  foreach(new ${row})
+    if(new IN_LIST headers)
+      string(APPEND forwards "#include \"${new}\"\n")
+    endif()
+  endforeach()
+  if(forwards AND NOT old IN_LIST headers)
+    list(JOIN row ", " there)
+    file(CONFIGURE OUTPUT ${PROJECT_BINARY_DIR}/moved_headers/${old} @ONLY CONTENT
+      "#pragma once\n#pragma message(\"${old} has moved to ${there}; the old path goes at 1.0\")\n${forwards}")
+    get_filename_component(folder ${old} DIRECTORY)
+    install(FILES ${PROJECT_BINARY_DIR}/moved_headers/${old} DESTINATION ${CMAKE_INSTALL_INCLUDEDIR}/strake/${folder})
+  endif()
 endforeach()
 set(package ${CMAKE_INSTALL_LIBDIR}/cmake/strake)
 install(EXPORT strake NAMESPACE strake:: FILE strake-targets.cmake DESTINATION ${package})

@@ -20,7 +20,7 @@
 namespace strake {
 namespace {
 
-constexpr int ready_looks = 400;  // at a flag, some 10 microseconds, before a thread goes to sleep
+constexpr int ready_looks = 400;  // polls of a flag, some 10 microseconds, before a thread sleeps
 
 void look_again() {
 #if defined(__x86_64__)
@@ -28,12 +28,12 @@ void look_again() {
 #endif
 }
 
-/// A loop that is being done; lives on the stack of its caller.
+/// A running loop; lives on its caller's stack.
 struct Loop {
     const int n, block, blocks;
     const detail::BlockCall call;
     const void* const work;
-    std::atomic<int> next{0};    ///< block that nobody has taken
+    std::atomic<int> next{0};    ///< next free block
     std::atomic<int> inside{0};  ///< other threads at work; grows only while the pool's mutex is held
     std::mutex failing{};
     int failed_block = 0;
@@ -62,7 +62,7 @@ struct InLoop {
 
 class Pool {
 public:
-    /// False where another thread's loop runs.
+    /// False while another thread's loop runs.
     bool run(Loop& loop, int threads) {
         const std::unique_lock one_at_a_time(busy_, std::try_to_lock);
         if (!one_at_a_time) return false;
@@ -74,7 +74,7 @@ public:
     }
 
 private:
-    /// Starts threads until there are `count`; fewer where the system refuses.
+    /// Starts threads up to `count`; fewer if the system refuses.
     void need(int count) {
         if (static_cast<int>(workers_) >= count) return;
         sigset_t all, before;  // signals belong to the program's own threads
@@ -82,7 +82,7 @@ private:
         pthread_sigmask(SIG_SETMASK, &all, &before);
         try {
             for (; workers_ < count; ++workers_) std::thread([this, id = workers_] { serve(id); }).detach();
-        } catch (const std::exception&) {  // no more are to be had
+        } catch (const std::exception&) {  // no more available
         }
         pthread_sigmask(SIG_SETMASK, &before, nullptr);
     }
@@ -96,20 +96,20 @@ private:
             round_.fetch_add(1, std::memory_order_release);
             wake = std::min(asleep_, others);
         }
-        if (wake > 1 || others < workers_)  // with fewer threads than there are, those that may come have to hear it
+        if (wake > 1 || others < workers_)  // if not all may join, notify everyone to reach those that may
             come_.notify_all();
         else if (wake == 1)
             come_.notify_one();
     }
 
-    /// Lets nobody in any more, and waits for those who are.
+    /// Closes the loop to further threads and waits for those inside.
     void close(Loop& loop) {
         {
             const std::scoped_lock lock(mutex_);
             loop_ = nullptr;
         }
         for (int k = 0; k < ready_looks && loop.inside.load(std::memory_order_acquire) > 0; ++k) look_again();
-        std::unique_lock lock(mutex_);  // the last one to leave holds it until it is done with the loop
+        std::unique_lock lock(mutex_);  // the last thread to leave holds it until it no longer uses the loop
         gone_.wait(lock, [&] { return loop.inside.load(std::memory_order_acquire) == 0; });
     }
 
@@ -137,7 +137,7 @@ private:
     std::condition_variable come_, gone_;
     std::atomic<unsigned> round_{0};
     Loop* loop_ = nullptr;
-    int others_ = 0;  ///< threads that may take part in it
+    int others_ = 0;  ///< threads that may join
     int asleep_ = 0;
     int workers_ = 0;  ///< changed under busy_
 };
@@ -145,8 +145,7 @@ private:
 /// Never destroyed: threads wait in it until the process ends.
 std::atomic<Pool*>& pool() {
     static std::atomic<Pool*> only = [] {
-        // Threads do not live on in a child process: it gets a pool of its own, and leaves this one, whatever its
-        // state, alone.
+        // Threads do not survive fork(): the child gets its own pool and ignores this one, whatever its state.
         pthread_atfork(nullptr, nullptr, [] { pool().store(new Pool); });
         return new Pool;
     }();
@@ -158,7 +157,7 @@ std::atomic<int>& wanted() {
     return threads;
 }
 
-/// 0: it says nothing.
+/// 0: not set.
 int threads_of_environment() {
     const char* words = std::getenv("STRAKE_NUM_THREADS");
     if (!words || !*words) return 0;
@@ -174,7 +173,7 @@ int threads_of_environment() {
 
 int num_processors() {
 #ifdef __linux__
-    cpu_set_t set;  // what the process may use can be less than what there is
+    cpu_set_t set;  // the process may be restricted to fewer processors
     if (sched_getaffinity(0, sizeof set, &set) == 0) return std::max(1, CPU_COUNT(&set));
 #endif
     return std::max(1, static_cast<int>(std::thread::hardware_concurrency()));

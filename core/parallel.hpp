@@ -8,24 +8,24 @@
 ///     });
 ///     const double E = ordered_sum(n, 1000, [&](int begin, int end) { ... return part; });
 ///
-/// 0..n is cut into blocks of the same size, whatever the number of threads. Whoever is idle takes the next block, and
-/// the calling thread is one of them: where no other processor is free it does all of the work itself, and waits for
-/// none but those in the middle of a block. So work must not care who does it and when: a block writes what no other
-/// block reads or writes. Choose blocks of some 20 to 100 microseconds; n within one block is no parallel loop at all.
+/// 0..n is cut into blocks of the same size, whatever the number of threads. An idle thread takes the next block, and
+/// the calling thread is one of them: when no other processor is free it does all the work itself and waits only for
+/// blocks in progress. A block must not depend on its thread or its time: it writes only what no other block reads or
+/// writes. Choose blocks of 20 to 100 microseconds; n within one block runs serially.
 ///
-/// The threads are started when the first loop needs them and live as long as the process; between loops they wait,
-/// the first few microseconds at the ready, then asleep. They take no signals. Where the system gives none, the loop
-/// goes on with those that there are. A loop inside of a block, and one of a second thread while the first one's runs,
-/// is done by its own thread alone. A child process made by fork() starts its own threads.
+/// The first loop starts the threads, which live as long as the process; between loops they spin for a few
+/// microseconds, then sleep. They take no signals. If the system refuses a thread, the loop runs on those available. A
+/// loop inside a block, or on a second thread while another loop runs, is serial. A child process after fork() starts
+/// its own threads.
 namespace strake {
 
 constexpr int max_threads = 64;
-/// Threads of a loop, the calling one included: what set_num_threads said, else the environment's STRAKE_NUM_THREADS,
-/// else as many as there are processors for this process, but `most`: more than two were never measured for loops that
-/// wait for memory, as nearly all do.
-/// @throws InvalidInput: STRAKE_NUM_THREADS is no number from 1 to max_threads
+/// Threads of a loop, the calling one included: from set_num_threads, else the environment's STRAKE_NUM_THREADS, else
+/// the processors available to this process, at most `most`: nearly all loops wait for memory and were never measured
+/// on more.
+/// @throws InvalidInput: STRAKE_NUM_THREADS is not a number from 1 to max_threads
 int num_threads(int most = 2);
-/// For the whole process, from the next loop on; 0: as if it had not been said. @throws InvalidInput
+/// For the whole process, from the next loop on; 0: back to the default. @throws InvalidInput
 void set_num_threads(int threads);
 /// Processors that this process may use.
 int num_processors();
@@ -36,7 +36,7 @@ void for_blocks(int n, int block, BlockCall call, const void* work, int threads)
 }  // namespace detail
 
 /// Calls work(begin, end) for each block of 0..n. The first exception, in the order of the blocks, reaches the caller;
-/// blocks after it may be left out.
+/// blocks after it may be skipped.
 /// @param threads 0: num_threads()
 template <class Work>
 void for_blocks(int n, int block, const Work& work, int threads = 0) {

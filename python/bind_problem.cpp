@@ -1,11 +1,13 @@
-#include "cases/build_problem.hpp"
+#include "casefile/build/build_problem.hpp"
+#include "casefile/load_case.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/automatic.hpp"
 #include "core/patches/mirrored.hpp"
-#include "objectives/measures.hpp"
-#include "objectives/target_shape.hpp"
-#include "optimize/methods.hpp"
-#include "optimize/mirror.hpp"
+#include "objectives/fit/target_shape.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/space/mirror.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
 
@@ -19,13 +21,14 @@ using namespace py::literals;
 
 using ThicknessArgument = std::variant<double, Eigen::VectorXd>;
 
-VariableKind kind_named(const std::string& word) {
+VariableKind kind_named(const std::string& given) {
+    const std::string word = current_name(given, "load_normal", "normal", "Problem: variables");
     for (const auto& [name, kind] : {std::pair{"load", VariableKind::load},
-                                     {"load_normal", VariableKind::load_normal},
+                                     {"normal", VariableKind::normal_load},
                                      {"strain", VariableKind::strain},
                                      {"stiffness", VariableKind::stiffness}})
         if (word == name) return kind;
-    throw InvalidInput("Problem: variables: '" + word + "' is none of load, load_normal, strain, stiffness");
+    throw InvalidInput("Problem: variables: '" + given + "' is none of load, normal, strain, stiffness");
 }
 
 SplitRule split_named(const std::string& word) {
@@ -102,33 +105,66 @@ void add(PythonProblem& p, const std::string& name, Quantity quantity) {
     p.problem.quantities.push_back(std::move(quantity));
 }
 
-/// What a function has returned: a number, or (number, n x 3 or None).
+[[noreturn]] void refuse_answer(const std::string& name, const py::handle& answer, const std::string& why) {
+    throw InvalidInput(text("quantity '", name, "': the function returned ", shown(answer), " (",
+                            py::str(py::type::of(answer).attr("__name__")).cast<std::string>(), ")", why,
+                            "; it must return a float, or with want_gradient a pair: a float and an n x 3 array"));
+}
+
+/// @throws InvalidInput naming the quantity for None, text, complex numbers and what no float can hold.
+double number_of(const py::handle& answer, const std::string& name) {
+    const bool is_text = PyUnicode_Check(answer.ptr()) || PyBytes_Check(answer.ptr());
+    if (answer.is_none() || is_text || PyComplex_Check(answer.ptr())) refuse_answer(name, answer, "");
+    PyObject* number = PyNumber_Float(answer.ptr());
+    if (!number) {
+        const bool is_too_large = PyErr_ExceptionMatches(PyExc_OverflowError) != 0;
+        PyErr_Clear();
+        refuse_answer(name, answer, is_too_large ? ", which is too large for a float" : "");
+    }
+    return py::reinterpret_steal<py::float_>(number).cast<double>();
+}
+
+/// dJ/dv, n x 3. @throws InvalidInput naming the quantity, the shape that came and the one that is expected.
+Points gradient_of(const py::object& gradient, const std::string& name, int num_vertices) {
+    const py::array array = py::array::ensure(gradient);
+    const char kind = array ? array.dtype().kind() : 'O';
+    if (kind != 'f' && kind != 'i' && kind != 'u')
+        throw InvalidInput(text("quantity '", name, "': the gradient ", shown(gradient), " is not an array of floats; ",
+                                "it must be ", num_vertices, " x 3: dJ/dx, dJ/dy, dJ/dz for each vertex"));
+    if (array.ndim() == 2 && array.shape(0) == num_vertices && array.shape(1) == 3) return py::cast<Points>(array);
+    const bool is_flat = array.ndim() == 1 && array.size() == 3 * static_cast<py::ssize_t>(num_vertices);
+    throw InvalidInput(text("quantity '", name, "': the gradient has shape ",
+                            py::str(array.attr("shape")).cast<std::string>(), ", must be (", num_vertices,
+                            ", 3): dJ/dx, dJ/dy, dJ/dz for each vertex",
+                            is_flat ? "; return gradient.reshape(-1, 3) if it lists them vertex by vertex" : ""));
+}
+
+/// The result of a Python function: a number, or (number, n x 3 or None).
 QuantityResult result_of(const py::object& answer, const std::string& name, int num_vertices, bool wants_gradient) {
     const bool is_pair = py::isinstance<py::tuple>(answer);
     if (is_pair && py::len(answer) != 2)
-        throw InvalidInput("quantity '" + name + "': must return a number, or a number and its gradient");
+        throw InvalidInput(text("quantity '", name, "': the function returned ", py::len(answer),
+                                " things; it must return a float, or a pair: a float and an n x 3 array"));
     QuantityResult out;
-    out.values = {py::cast<double>(is_pair ? py::object(answer.cast<py::tuple>()[0]) : answer)};
+    out.values = {number_of(is_pair ? py::object(answer.cast<py::tuple>()[0]) : answer, name)};
     const py::object gradient = is_pair ? py::object(answer.cast<py::tuple>()[1]) : py::none();
     if (!wants_gradient) return out;
     if (gradient.is_none())
-        throw InvalidInput("quantity '" + name +
-                           "': a gradient was wanted and none returned; give `gradient=False` "
-                           "when adding it, and choose a method without gradients");
-    const auto rows = py::cast<Points>(gradient);
-    if (rows.rows() != num_vertices)
-        throw InvalidInput(text("quantity '", name, "': a gradient of ", rows.rows(), " rows, must be ", num_vertices));
-    out.dJ_dv = {rows};
+        throw InvalidInput(
+            "quantity '" + name +
+            "': the function returned no gradient although one was wanted; pass `gradient=False` to add_quantity "
+            "and choose a method without gradients");
+    out.dJ_dv = {gradient_of(gradient, name, num_vertices)};
     return out;
 }
 
-/// A function of Python's. Exceptions end the run and go on there, but for EvaluationFailed.
+/// A Python function as a quantity. Exceptions other than EvaluationFailed end the run and are raised again there.
 Quantity python_quantity(const std::string& name, const py::function& function, bool has_gradient,
                          const std::shared_ptr<std::exception_ptr>& thrown) {
     Quantity q;
     q.has_sensitivities = has_gradient;
     q.failing_shortens_step = true;
-    // Copies of the quantity are made and dropped without the interpreter's lock.
+    // The quantity is copied and destroyed without the interpreter's lock.
     const std::shared_ptr<py::function> held(new py::function(function), [](py::function* f) {
         const py::gil_scoped_acquire acquire;
         delete f;
@@ -169,7 +205,7 @@ bool has_value(const Problem& p, const std::string& name) {
     return false;
 }
 
-/// As in a case file: a built-in quantity needs no entry.
+/// As in a case file, a built-in quantity needs no entry.
 void need_value(PythonProblem& p, const std::string& name) {
     if (has_value(p.problem, name)) return;
     if (name == "volume" || name == "area") return add_builtin(p, name, name);
@@ -208,13 +244,14 @@ void set_options(PythonProblem& p, const std::optional<int>& evaluations, const 
         throw InvalidInput(text("Problem.options: max_seconds = ", *seconds, " must be >= 0"));
     if (evaluations) p.problem.optimize.max_evaluations = *evaluations;
     if (method) {
-        const MethodFacts* facts = method_named(*method);
+        const MethodFacts* facts = method_named(current_name(*method, "slsqp", "sqp", "Problem.options: method"));
         if (!facts) throw InvalidInput("Problem.options: method '" + *method + "' is not known");
         p.problem.optimize.method = facts->method;
     }
     if (seconds) p.problem.optimize.max_seconds = *seconds;
     if (seed) p.problem.optimize.seed = static_cast<unsigned>(*seed);
-    if (method || seed) p.the_case.reset();  // of a folder the journal has the budget, and the case all else
+    if (method || seed)
+        p.the_case.reset();  // a run folder takes the budget from the journal, everything else from the case
     if (p.the_case) p.the_case->optimize = p.problem.optimize;
 }
 
@@ -226,7 +263,7 @@ void bind_quantities(ProblemClass& problem) {
 --
 
 Adds a built-in quantity. `type`: volume (unit cubed) or area (unit squared). `name`: its name; that of the type if empty.
-`minimize`, `maximize` and `constrain` do so by themselves.)")
+`minimize`, `maximize` and `constrain` add it automatically.)")
         .def(
             "add_target",
             [](PythonProblem& p, const std::string& name, const TriMesh& target, bool same) {
@@ -237,8 +274,8 @@ Adds a built-in quantity. `type`: volume (unit cubed) or area (unit squared). `n
             "name"_a, "target"_a, "same_triangles"_a = false, R"(add_target(self, name, target, same_triangles=False)
 --
 
-Adds a quantity `name`: the mean square distance from the Surface `target`, in unit squared. It is that of closest
-points, or with `same_triangles`, where both have the same triangles, that of each vertex from its own place there.)")
+Adds a quantity `name`: the mean square distance to the Surface `target`, in unit squared. The distance is to the closest
+point, or with `same_triangles`, for a target with the same triangles, to the same vertex.)")
         .def(
             "add_quantity",
             [](PythonProblem& p, const std::string& name, const py::function& function, bool gradient) {
@@ -247,58 +284,59 @@ points, or with `same_triangles`, where both have the same triangles, that of ea
             "name"_a, "function"_a, "gradient"_a = true, R"(add_quantity(self, name, function, gradient=True)
 --
 
-Adds a quantity `name` that is computed in Python.
+Adds a quantity `name` computed in Python.
 
-`function`: is called as function(surface, want_gradient) with a Surface and a bool. It returns a float or, when
-`want_gradient` is true, a pair: that float, and its derivative by the vertices (n x 3 floats).
-`gradient`: False says that it never has a derivative; `options` must then choose a method that needs none.
+`function`: called as function(surface, want_gradient) with a Surface and a bool. It returns a float or, if
+`want_gradient` is true, a pair: that float, and its derivative with respect to the vertices (n x 3 floats).
+`gradient`: False if it never returns a derivative; `options` must then choose a method that needs none.
 
-An exception of the function ends the run and comes out of `run`. EvaluationFailed says that there is no value for this
-shape: the run tries a shorter step.)")
+An exception in the function ends the run and is raised by `run`, except EvaluationFailed, which means that there is no
+value for this shape: the run tries a shorter step.)")
         .def(
             "minimize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, false); }, "quantity"_a,
             R"(minimize(self, quantity)
 --
 
-Makes the quantity of that name the objective: as small as possible. `quantity`: volume, area, or one that was added.)")
+Makes the quantity the objective, to be minimized. `quantity`: volume, area, or one added before.)")
         .def(
             "maximize", [](PythonProblem& p, const std::string& name) { set_goal(p, name, true); }, "quantity"_a,
             R"(maximize(self, quantity)
 --
 
-Makes the quantity of that name the objective: as large as possible. `quantity`: volume, area, or one that was added.)")
+Makes the quantity the objective, to be maximized. `quantity`: volume, area, or one added before.)")
         .def("constrain", &constrain, "quantity"_a, py::kw_only(), "min"_a = py::none(), "max"_a = py::none(),
              "equals"_a = py::none(), "relative"_a = false,
              R"(constrain(self, quantity, *, min=None, max=None, equals=None, relative=False)
 --
 
-Limits a quantity. `quantity`: its name. `min`, `max`, `equals`: floats in the unit of the quantity; one at least.
-`relative`: they are multiples of its value at the start.)");
+Limits a quantity. `quantity`: its name. `min`, `max`, `equals`: floats in the unit of the quantity; at least one.
+`relative`: they are multiples of its start value.)");
 }
 
 void bind_facts(ProblemClass& problem) {
     problem
         .def_property_readonly(
-            "surface", [](const PythonProblem& p) { return p.surface; }, "The Surface at the start.")
+            "surface", [](const PythonProblem& p) { return p.surface; }, "The start Surface.")
         .def_property_readonly(
             "tree", [](const PythonProblem& p) { return p.problem.tree; }, "The PatchTree.")
         .def_property_readonly(
             "fixed", [](const PythonProblem& p) { return p.problem.fixed; },
-            "List of ints: the triangles that stay, ascending.")
+            "List of ints: the fixed triangles, ascending.")
         .def_property_readonly(
-            "name", [](const PythonProblem& p) { return p.problem.name; }, "String: its name, as reports tell it.")
+            "name", [](const PythonProblem& p) { return p.problem.name; }, "String: its name, as shown in reports.")
         .def_property_readonly("quantities", &value_names, "List of strings: the names of all values.")
         .def_property_readonly(
             "objective", [](const PythonProblem& p) { return p.problem.objective; },
-            "String: the name of the quantity that is minimized or maximized; empty: none yet.")
-        .def_readonly("warnings", &PythonProblem::warnings, "List of strings: what reading the case file warned of.");
+            "String: the name of the minimized or maximized quantity; empty: none yet.")
+        .def_readonly("warnings", &PythonProblem::warnings,
+                      "List of strings: the warnings from reading the case file.");
 }
 
 }  // namespace
 
 void bind_problem(py::module_& m) {
     ProblemClass problem(m, "Problem",
-                         R"(A shape optimization problem: a surface, what holds it, its design variables and its goals.
+                         R"(A shape optimization problem: a surface, its supports, its design variables and its goals.
 
     problem = strake.Problem(surface, fixed=root, max_displacement=0.03)
     problem.maximize("volume")
@@ -314,26 +352,26 @@ Defaults are those of a case file, and the same problem gives the same bits eith
             R"(__init__(self, surface, *, thickness=0.02, fixed=(), symmetry=None, tree=None, variables=['load'], max_displacement=0.05, split='all', mirror=False, name='python')
 --
 
-`surface`: the Surface at the start.
-`thickness`: of the skin, as a share of the diagonal: one float, or one for each of the m triangles.
-`fixed`: triangles that stay, as numbers from 0 or as a mask of m booleans.
-`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.
-`tree`: a PatchTree made by `patches`; None: automatic.
-`variables`: what each patch is driven by, a list of load, load_normal, strain, stiffness.
-`max_displacement`: how far one variable may move the surface, as a share of the diagonal.
+`surface`: the start Surface.
+`thickness`: of the shell, as a fraction of the diagonal: one float, or one for each of the m triangles.
+`fixed`: triangles that do not move, as numbers from 0 or as a mask of m booleans.
+`symmetry`: (normal, offset) of the symmetry plane of half a body: normal . x = offset.
+`tree`: a PatchTree from `patches`; None: automatic.
+`variables`: the design variables of each patch, a list of load, normal, strain, stiffness.
+`max_displacement`: the farthest that any point of the surface may move in `run`, as a fraction of the diagonal.
 `split`: which patches are refined on the next level: all, sensitivity or gradient.
-`mirror`: patches come in mirror images about the plane of symmetry, which is found; what moves them is tied.
+`mirror`: finds the plane of symmetry, makes mirror-image pairs of patches and ties their variables.
 `name`: of the problem.)")
         .def("options", &set_options, py::kw_only(), py::arg("max_evaluations").noconvert() = py::none(),
              "method"_a = py::none(), "max_seconds"_a = py::none(), py::arg("seed").noconvert() = py::none(),
              R"(options(self, *, max_evaluations=None, method=None, max_seconds=None, seed=None)
 --
 
-How to search; what is None stays as it is.
+Search options; None leaves an option unchanged.
 
-`max_evaluations`: of the whole run, an int (60 at first). `method`: its name as in a case file, such as slsqp (at first)
+`max_evaluations`: of the whole run, an int (60 at first). `method`: its name as in a case file, such as sqp (at first)
 or cobyla, which needs no gradients. `max_seconds`: of the whole run, a float; 0: no limit.
-`seed`: an int, of all that is random.)")
+`seed`: an int, for everything random.)")
         .def(
             "__repr__",
             [](const PythonProblem& p) {

@@ -1,8 +1,8 @@
-#include "cases/build_problem.hpp"
+#include "casefile/build/build_problem.hpp"
 #include "core/error.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/fit.hpp"
-#include "optimize/validity.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/fit.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
 #include "report/recorded_run.hpp"
@@ -13,12 +13,18 @@ namespace {
 
 using namespace py::literals;
 
-/// The design variables of one level, with the skin that they deform.
+/// An optimizer of the user's own knows bounds of variables only: within these each alone keeps to `max_displacement`.
+Problem boxed(Problem problem) {
+    problem.parameters.limits_variables = true;
+    return problem;
+}
+
+/// The design variables of one level, with the shell that they deform.
 class Space {
 public:
     Space(const PythonProblem& p, int level)
         : surface_(p.surface),
-          rest_(rest_facts(p.problem)),
+          rest_(rest_facts(boxed(p.problem))),
           space_(design_space(rest_, level)),
           guard_(rest_->surface, rest_->adjacent, {p.problem.fixed, p.problem.symmetry}) {}
 
@@ -40,8 +46,8 @@ public:
         x_.resize(0);
         const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
         if (end.status != SolveStatus::converged) throw EvaluationFailed(to_string(end.status) + ": " + end.reason);
-        const Points vertices = shell_->vertices();
-        const std::string defect = guard_.defect(vertices, shell_->poses());
+        const Points vertices = with_fields(*rest_, wanted, shell_->vertices());
+        const std::string defect = guard_.defect(vertices, with_fields(*rest_, wanted, shell_->poses()));
         if (!defect.empty()) {
             if (poses_) shell_->set_poses(*poses_);
             throw EvaluationFailed(defect);
@@ -92,14 +98,14 @@ private:
     std::optional<Poses> poses_;
 };
 
-/// One at a time, and never the interpreter's lock while the skin is being solved.
+/// Releases the interpreter's lock while the shell is being solved.
 template <class Work>
 auto unlocked(const Work& work) {
     const py::gil_scoped_release release;
     return work();
 }
 
-/// In its own folder, from the case file: the problem is built anew, so that programs are run in that folder, too.
+/// In a run folder, from the case file: the problem is built again, because its programs must run in that folder.
 RunResult run_in_folder(const PythonProblem& p, const std::filesystem::path& output, const RunEvents& events,
                         bool is_fit) {
     Case the_case = *p.the_case;
@@ -108,7 +114,7 @@ RunResult run_in_folder(const PythonProblem& p, const std::filesystem::path& out
     const BuiltProblem built = build_problem(the_case, is_fit ? Purpose::fit : Purpose::run);
     RunFolder folder(output);
     RunResult result = recorded_run(built, the_case, folder, is_fit, events);
-    if (the_case.output.report && has_report_page()) folder.tell("report.html");
+    if (the_case.output.report && has_report_page()) folder.list_file("report.html");
     folder.finish(result);
     if (the_case.output.report) make_report(built, the_case, output);
     return result;
@@ -117,9 +123,9 @@ RunResult run_in_folder(const PythonProblem& p, const std::filesystem::path& out
 void check_output(const PythonProblem& p, const std::optional<std::filesystem::path>& output) {
     if (output && !p.the_case)
         throw InvalidInput(
-            "run: output: a run folder holds the case file that was run, and this problem is none, or no longer: take "
-            "it "
-            "as load_case gives it (its budget may be changed), or leave out output");
+            "run: output: a run folder needs an unchanged problem from load_case (only its budget may be changed), and "
+            "this "
+            "problem is not one; omit output");
 }
 
 RunResult run(PythonProblem& p, const py::object& callback, const std::optional<std::filesystem::path>& output,
@@ -170,14 +176,14 @@ py::object best_x(const RunResult& r) {
 void bind_space(py::module_& m) {
     py::class_<Space> space(
         m, "DesignSpace",
-        R"(The design variables of one level of a Problem: x -> shape, dJ/dv -> dJ/dx, for an optimizer of your own.
+        R"(The design variables of one level of a Problem: x -> shape, dJ/dv -> dJ/dx, for your own optimizer.
 
     space = strake.DesignSpace(problem, level=1)
     vertices = space.shape(x)
     dJ_dx = space.gradient(dJ_dv)
 
-x has a number for each variable, scaled so that 1 moves the surface by about `max_displacement`. An object is to be used
-from one thread at a time; other threads of Python run on while it solves.)");
+x has one number for each variable; a value of 1 moves the surface by about `max_displacement`. Use an object from only one
+thread at a time; other Python threads keep running while it solves.)");
     space
         .def(py::init([](const PythonProblem& p, int level) {
                  return unlocked([&] { return std::make_unique<Space>(p, level); });
@@ -185,7 +191,7 @@ from one thread at a time; other threads of Python run on while it solves.)");
              "problem"_a, py::arg("level").noconvert() = 1, R"(__init__(self, problem, level=1)
 --
 
-`problem`: a Problem. `level`: of its tree, an int; 1 is the coarsest that has variables.)")
+`problem`: a Problem. `level`: of its tree, an int; 1 is the coarsest with variables.)")
         .def_property_readonly(
             "size", [](const Space& s) { return s.space().size(); }, "Int: the number of variables, as len().")
         .def(
@@ -215,31 +221,32 @@ The number of variables.)")
         .def_property_readonly(
             "upper", [](const Space& s) { return s.space().upper; }, "A float for each variable: the upper bound of x.")
         .def_property_readonly(
-            "surface", [](const Space& s) { return s.surface(); }, "The Surface at the start.")
+            "surface", [](const Space& s) { return s.surface(); }, "The start Surface.")
         .def(
             "shape", [](Space& s, const Eigen::VectorXd& x) { return unlocked([&] { return s.shape(x); }); }, "x"_a,
             R"(shape(self, x)
 --
 
-Vertices (n x 3 floats) of the equilibrium at `x` (a float for each variable), sought from the last shape. Raises
-EvaluationFailed where there is none, or where the surface is no valid one (inverted, folded, crossing itself).)")
+Vertices (n x 3 floats) of the equilibrium at `x` (a float for each variable), solved from the last shape. Raises
+EvaluationFailed if there is none, or if the surface is invalid (inverted, folded, self-intersecting).)")
         .def(
             "gradient", [](Space& s, const Rows& dJ_dv) { return unlocked([&] { return s.gradient(dJ_dv); }); },
             "dJ_dv"_a, R"(gradient(self, dJ_dv)
 --
 
-dJ/dx (a float for each variable) at the last shape, from `dJ_dv`, the derivative by the vertices (n x 3 floats): one
-adjoint solve, however many variables there are.)")
+dJ/dx (a float for each variable) at the last shape, from `dJ_dv`, the derivative with respect to the vertices (n x 3
+floats): one adjoint solve, whatever the number of variables.)")
         .def(
             "response", [](Space& s, const Eigen::VectorXd& dx) { return unlocked([&] { return s.response(dx); }); },
             "dx"_a, R"(response(self, dx)
 --
 
-How the vertices move (n x 3 floats) by a small change `dx` of the variables at the last shape; a solve for each variable.)")
+Displacement of the vertices (n x 3 floats) for a small change `dx` of the variables at the last shape: one solve for each
+variable.)")
         .def("reset", &Space::reset, R"(reset(self)
 --
 
-Forgets the last shape: the next one is sought from rest.)")
+Forgets the last shape: the next one is solved from rest.)")
         .def(
             "__repr__",
             [](const Space& s) {
@@ -249,19 +256,19 @@ Forgets the last shape: the next one is sought from rest.)")
 }
 
 void bind_records(py::module_& m) {
-    py::class_<EvaluationRecord>(m, "Evaluation", "One evaluation of a run, as its callback is given it.")
+    py::class_<EvaluationRecord>(m, "Evaluation", "One evaluation of a run, as passed to its callback.")
         .def_readonly("evaluation", &EvaluationRecord::evaluation, "Int: its number, from 1.")
-        .def_readonly("level", &EvaluationRecord::level, "Int: the level of patches on which it was.")
-        .def_readonly("status", &EvaluationRecord::status, "String: ok, or in a word why there is no value.")
-        .def_readonly("reason", &EvaluationRecord::reason, "String: the same in words; empty when ok.")
-        .def_readonly("objective", &EvaluationRecord::objective, "Float: value of the objective; NaN when not ok.")
+        .def_readonly("level", &EvaluationRecord::level, "Int: its level of patches.")
+        .def_readonly("status", &EvaluationRecord::status, "String: ok, or one word for why there is no value.")
+        .def_readonly("reason", &EvaluationRecord::reason, "String: an explanation; empty when ok.")
+        .def_readonly("objective", &EvaluationRecord::objective, "Float: value of the objective; NaN unless ok.")
         .def_readonly("values", &EvaluationRecord::values,
                       "List of floats: values of all quantities, in the order of `Problem.quantities`.")
         .def_readonly("max_violation", &EvaluationRecord::max_violation,
                       "Float: the largest violation of a constraint, scaled; 0: feasible.")
-        .def_readonly("accepted", &EvaluationRecord::accepted, "True where this is the best design so far.")
+        .def_readonly("accepted", &EvaluationRecord::accepted, "True if this is the best design so far.")
         .def_readonly("max_displacement", &EvaluationRecord::max_displacement,
-                      "Float: how far a vertex is from its start at most, in the surface's unit.")
+                      "Float: the largest displacement of a vertex from its start, in the surface's unit.")
         .def_readonly("seconds", &EvaluationRecord::seconds, "Float: how long it took.")
         .def(
             "__repr__",
@@ -269,17 +276,17 @@ void bind_records(py::module_& m) {
                 return text("<strake.Evaluation ", r.evaluation, ": ", r.status, ", objective ", r.objective, ">");
             },
             repr_doc);
-    py::class_<RunResult>(m, "Result", "How a run has ended, and its best design.")
+    py::class_<RunResult>(m, "Result", "How a run ended, and its best design.")
         .def_readonly("status", &RunResult::status,
-                      "String: converged, budget, progress, roundoff, blocked, conflict, infeasible,\n"
+                      "String: converged, budget, progress, roundoff, no_valid_step, conflict, infeasible,\n"
                       "gradient_inconsistent, failed, evaluation_failed or interrupted.")
         .def_readonly("reason", &RunResult::reason, "String: why it stopped, and what to do next.")
         .def_property_readonly("done", &RunResult::is_done,
-                               "True where there is a feasible design and the run ended as it should, or at a limit.")
+                               "True if there is a feasible design and the run converged or reached a limit.")
         .def_readonly("level", &RunResult::level, "Int: the last level of patches.")
-        .def_readonly("evaluations", &RunResult::evaluations, "Int: how many evaluations there were.")
+        .def_readonly("evaluations", &RunResult::evaluations, "Int: the number of evaluations.")
         .def_readonly("best_evaluation", &RunResult::best_evaluation,
-                      "Int: number of the evaluation of the best design; 0: there is no design.")
+                      "Int: the evaluation number of the best design; 0: there is no design.")
         .def_readonly("objective", &RunResult::objective, "Float: of the best design.")
         .def_readonly("objective_start", &RunResult::objective_start, "Float: at the start.")
         .def_readonly("max_violation", &RunResult::max_violation,
@@ -292,10 +299,9 @@ void bind_records(py::module_& m) {
         .def_property_readonly(
             "vertices", [](const RunResult& r) -> const Points& { return r.vertices; },
             py::return_value_policy::reference_internal,
-            "n x 3 floats: vertices of the best design, a read-only view; 0 x 3: there is none.")
-        .def_property_readonly(
-            "x", &best_x,
-            "A float for each variable of the level of the best design: that design. None: there is none.")
+            "n x 3 floats: vertices of the best design, a read-only view; 0 x 3 if there is none.")
+        .def_property_readonly("x", &best_x,
+                               "The best design, a float for each variable of its level; None if there is none.")
         .def(
             "__repr__",
             [](const RunResult& r) {

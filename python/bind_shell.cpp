@@ -9,7 +9,7 @@ namespace {
 
 using namespace py::literals;
 
-/// The shell with the surface that it was made of.
+/// The shell with its rest surface.
 struct Shell {
     SurfacePointer rest;
     PrimoShell shell;
@@ -79,24 +79,24 @@ void bind_results(py::module_& m) {
              R"(__init__(self, rotation=(0, 0, 0), translation=(0, 0, 0), about=(0, 0, 0))
 --
 
-`rotation`: its axis times its angle in radians, 3 floats. `translation`: 3 floats, in the surface's unit.
-`about`: the point that the rotation leaves where it is, 3 floats.)")
+`rotation`: axis times angle in radians, 3 floats. `translation`: 3 floats, in the surface's unit.
+`about`: the fixed point of the rotation, 3 floats.)")
         .def_readwrite("rotation", &RigidMotion::rotation, "3 floats: axis times angle in radians.")
         .def_readwrite("translation", &RigidMotion::translation, "3 floats, in the surface's unit.")
-        .def_readwrite("about", &RigidMotion::about, "3 floats: the point that the rotation leaves where it is.");
-    py::class_<Equilibrium>(m, "Equilibrium", "How a solve of a Shell has ended.")
+        .def_readwrite("about", &RigidMotion::about, "3 floats: the fixed point of the rotation.");
+    py::class_<Equilibrium>(m, "Equilibrium", "How a solve of a Shell ended.")
         .def_property_readonly(
             "status", [](const Equilibrium& e) { return to_string(e.status); },
             "String: converged, not_converged, unstable or cancelled.")
         .def_property_readonly(
             "converged", [](const Equilibrium& e) { return e.status == SolveStatus::converged; },
-            "True where `status` is converged: the skin is in a stable equilibrium.")
+            "True if `status` is converged: the shell is in a stable equilibrium.")
         .def_readonly("reason", &Equilibrium::reason, "String: the status in words.")
         .def_readonly("energy", &Equilibrium::energy, "Float: energy at the end, in unit squared.")
         .def_readonly("relative_gradient", &Equilibrium::relative_gradient,
-                      "Float: what is left of the forces, by those that are applied.")
+                      "Float: the residual force, relative to the applied ones.")
         .def_readonly("iterations", &Equilibrium::iterations, "Int: Newton iterations.")
-        .def_readonly("stable", &Equilibrium::stable, "True where the Hessian of the energy is positive definite.")
+        .def_readonly("stable", &Equilibrium::stable, "True if the Hessian of the energy is positive definite.")
         .def(
             "__repr__",
             [](const Equilibrium& e) {
@@ -104,7 +104,7 @@ void bind_results(py::module_& m) {
             },
             repr_doc);
     py::class_<ShellSensitivities>(
-        m, "Sensitivities", "Derivatives of one functional J by all that is asked of a Shell, at an equilibrium.")
+        m, "Sensitivities", "Derivatives of one functional J with respect to the inputs of a Shell, at an equilibrium.")
         .def_readonly("force", &ShellSensitivities::force, "n x 3 floats: dJ/d(force at each vertex).")
         .def_readonly("spring", &ShellSensitivities::spring, "n floats: dJ/d(spring at each vertex).")
         .def_readonly("height", &ShellSensitivities::prism_height, "n floats: dJ/d(height at each vertex).")
@@ -112,51 +112,27 @@ void bind_results(py::module_& m) {
                       "List of 6 floats for each motion: dJ/d(rotation), then dJ/d(translation).");
 }
 
-}  // namespace
-
-void bind_shell(py::module_& m) {
-    bind_results(m);
-    py::class_<Shell> shell(
-        m, "Shell",
-        R"(A surface as an elastic skin of rigid prisms (Berkenstock and Aftosmis 2008; Botsch et al. 2006).
-
-    shell = strake.Shell(surface, height=0.02 * surface.diagonal, fixed=root)
-    end = shell.solve(strake.traction_forces(surface, traction))
-    gradients = shell.adjoint(dJ_dv)
-
-For n vertices and m triangles. Energies are in unit squared, forces in units of length, tractions in 1 / unit.)");
+void bind_solves(py::class_<Shell>& shell) {
     shell
-        .def(py::init(&make_shell), "surface"_a, py::kw_only(), "height"_a, "fixed"_a = py::tuple(),
-             "moved"_a = std::vector<py::object>{}, "symmetry"_a = py::none(), "couple_nonmanifold"_a = false,
-             R"(__init__(self, surface, *, height, fixed=(), moved=(), symmetry=None, couple_nonmanifold=False)
---
-
-`surface`: the Surface at rest.
-`height`: full thickness of the skin, in the surface's unit: one float, or one for each of the n vertices. Thick skins
-bend less.
-`fixed`: triangles that stay, as numbers from 0 or as a mask of m booleans.
-`moved`: a list of such choices of triangles; the first follows the first of the motions given to `solve`, and so on.
-`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.
-`couple_nonmanifold`: where more than two triangles share an edge, couple each pair; else they are refused.)")
         .def("solve", &solve, "force"_a = py::none(), "spring"_a = py::none(), "motions"_a = std::vector<RigidMotion>{},
              py::kw_only(), "min_step"_a = SolveOptions{}.min_step,
              py::arg("max_iterations").noconvert() = SolveOptions{}.max_iterations,
              R"(solve(self, force=None, spring=None, motions=(), *, min_step=1e-09, max_iterations=60)
 --
 
-Moves the skin to the equilibrium, from where it is now, and tells how that ended: an Equilibrium.
+Moves the shell from its present shape to the equilibrium and returns how that ended: an Equilibrium.
 
-`force`: at each vertex, n x 3 floats. `spring`: stiffness that pulls each vertex back to rest, n floats, >= 0.
-`motions`: a Motion for each choice of triangles in `moved`.
-`min_step`: converged where no prism moves farther than that, in diagonals. `max_iterations`: of Newton's method.
+`force`: at each vertex, n x 3 floats. `spring`: stiffness pulling each vertex back to rest, n floats, >= 0.
+`motions`: a Motion for each set of triangles in `moved`.
+`min_step`: converged when no prism moves farther than this, in diagonals. `max_iterations`: of Newton's method.
 
-Not to converge is a result, no exception; the skin then stays where it was. Raises UnheldPart where nothing holds a part
-of the surface. Other threads of Python run on.)")
+Not converging is a result, not an exception; the shell then keeps its shape. Raises UnheldPart if nothing holds a part of
+the surface. Other Python threads keep running.)")
         .def("adjoint", &adjoint, "dJ_dv"_a, R"(adjoint(self, dJ_dv)
 --
 
-Sensitivities of a functional J at the equilibrium of the last `solve` that converged, from its derivative `dJ_dv` by the
-vertices (n x 3 floats): one back-substitution.)")
+Sensitivities of a functional J at the equilibrium of the last converged `solve`, from its derivative `dJ_dv` with respect
+to the vertices (n x 3 floats): one back-substitution.)")
         .def(
             "linear_response",
             [](Shell& s, const std::optional<Rows>& force, const std::vector<RigidMotion>& motions) {
@@ -169,25 +145,55 @@ vertices (n x 3 floats): one back-substitution.)")
 --
 
 Vertices (n x 3 floats) after a single linear solve from rest, as in the paper. `force` and `motions` are those of
-`solve`. The skin itself stays where it is.)")
+`solve`. The shell itself does not move.)")
         .def(
             "reset", [](Shell& s) { s.shell.reset(); }, R"(reset(self)
 --
 
-Puts the skin back to rest.)")
+Returns the shell to rest.)")
         .def(
             "energy",
             [](const Shell& s, const std::optional<Rows>& force) { return s.shell.energy(loads_of(s, force, {})); },
             "force"_a = py::none(), R"(energy(self, force=None)
 --
 
-Energy (float, in unit squared) where the skin is now, under `force` (n x 3 floats).)")
+Energy (float, in unit squared) of the present shape under `force` (n x 3 floats).)");
+}
+
+}  // namespace
+
+void bind_shell(py::module_& m) {
+    bind_results(m);
+    py::class_<Shell> shell(
+        m, "Shell",
+        R"(A surface as an elastic shell of rigid prisms (Berkenstock and Aftosmis 2008; Botsch et al. 2006).
+
+    shell = strake.Shell(surface, height=0.02 * surface.diagonal, fixed=root)
+    end = shell.solve(strake.traction_forces(surface, traction))
+    gradients = shell.adjoint(dJ_dv)
+
+For n vertices and m triangles. Energies are in unit squared, forces in units of length, tractions in 1 / unit.)");
+    shell.def(py::init(&make_shell), "surface"_a, py::kw_only(), "height"_a, "fixed"_a = py::tuple(),
+              "moved"_a = std::vector<py::object>{}, "symmetry"_a = py::none(), "couple_nonmanifold"_a = false,
+              R"(__init__(self, surface, *, height, fixed=(), moved=(), symmetry=None, couple_nonmanifold=False)
+--
+
+`surface`: the Surface at rest.
+`height`: full thickness of the shell, in the surface's unit: one float, or one for each of the n vertices. Thicker shells
+bend less.
+`fixed`: triangles that do not move, as numbers from 0 or as a mask of m booleans.
+`moved`: a list of such sets of triangles; the first follows the first of the motions passed to `solve`, and so on.
+`symmetry`: (normal, offset) of the symmetry plane of half a body: normal . x = offset.
+`couple_nonmanifold`: if more than two triangles share an edge, couple each pair; otherwise they are refused.)");
+    bind_solves(shell);
+    shell
         .def_property_readonly(
-            "vertices", [](const Shell& s) { return s.shell.vertices(); }, "n x 3 floats: where the skin is now.")
+            "vertices", [](const Shell& s) { return s.shell.vertices(); },
+            "n x 3 floats: the present shape of the shell.")
         .def_property_readonly(
             "surface",
             [](const Shell& s) { return std::make_shared<TriMesh>(with_vertices(*s.rest, s.shell.vertices())); },
-            "The Surface where the skin is now.");
+            "The present shape of the shell as a Surface.");
     m.def(
         "traction_forces",
         [](const TriMesh& surface, const Rows& traction) {

@@ -1,11 +1,11 @@
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 #include "core/mesh/surface_distance.hpp"
 #include "core/mesh/surface_unmap.hpp"
 #include "core/mesh/topology.hpp"
-#include "objectives/closed.hpp"
+#include "objectives/quantity/closed.hpp"
 #include "python/bindings.hpp"
 
 namespace strake::python {
@@ -40,13 +40,13 @@ py::dict distance(const TriMesh& from, const TriMesh& to) {
 
 void bind_map(py::module_& m) {
     py::class_<SurfaceMap>(m, "SurfaceMap",
-                           R"(Moves other points as a surface moves: a finer surface, the points of a volume mesh.
+                           R"(Moves other points the way a surface moves: a finer surface, the points of a volume mesh.
 
     along = strake.SurfaceMap(surface, points)
     points_then = along.moved(result.vertices)
 
-The map is linear in the displacement of the vertices, exact at the vertices, and fades to nothing at `reach` diagonals
-of the surface. `transpose` carries gradients back exactly. P is the number of points, n that of the vertices.)")
+The map is linear in the displacement of the vertices, exact at the vertices, and decays to zero at `reach` diagonals
+of the surface. `transpose` maps gradients back exactly. P is the number of points, n the number of vertices.)")
         .def(py::init(
                  [](const TriMesh& rest, const Rows& points, double reach, const std::optional<PlaneTuple>& symmetry) {
                      check_rows(points, -1, "SurfaceMap: points");
@@ -58,12 +58,12 @@ of the surface. `transpose` carries gradients back exactly. P is the number of p
              R"(__init__(self, rest, points, *, reach=1.0, symmetry=None)
 --
 
-`rest`: the Surface at the start.
-`points`: P x 3 floats, where the points are at the start, in the surface's unit.
+`rest`: the start Surface.
+`points`: P x 3 floats, the start positions of the points, in the surface's unit.
 `reach`: distance beyond which nothing moves, in diagonals of the surface.
-`symmetry`: (normal, offset) of the plane, where the surface is half a body: normal . x = offset.)")
+`symmetry`: (normal, offset) of the symmetry plane of half a body: normal . x = offset.)")
         .def_property_readonly("distances", &SurfaceMap::distances, py::return_value_policy::reference_internal,
-                               "P floats: how far each point is from the surface at the start. Read-only.")
+                               "P floats: the distance of each point from the start surface. Read-only.")
         .def(
             "moved",
             [](const SurfaceMap& map, const Rows& vertices) {
@@ -74,7 +74,7 @@ of the surface. `transpose` carries gradients back exactly. P is the number of p
             "vertices"_a, R"(moved(self, vertices)
 --
 
-Where the points are (P x 3 floats) when the surface's vertices are at `vertices` (n x 3 floats).)")
+Positions of the points (P x 3 floats) for surface vertices at `vertices` (n x 3 floats).)")
         .def(
             "apply",
             [](const SurfaceMap& map, const Rows& displacement) {
@@ -104,9 +104,9 @@ void bind_measures(SurfaceClass& surface) {
         .def_property_readonly("num_triangles", &TriMesh::num_triangles, "m, the number of triangles.")
         .def_property_readonly("area", &surface_area, "Float: area of all triangles, in unit squared.")
         .def_property_readonly("volume", &closed_volume,
-                               "Float: enclosed volume, in unit cubed. Raises InvalidInput where the surface is open.")
+                               "Float: enclosed volume, in unit cubed. Raises InvalidInput if the surface is open.")
         .def_property_readonly("diagonal", &box_diagonal,
-                               "Float: diagonal of the bounding box, to which many lengths are relative.")
+                               "Float: diagonal of the bounding box, the reference of many relative lengths.")
         .def_property_readonly(
             "box",
             [](const TriMesh& s) {
@@ -116,7 +116,7 @@ void bind_measures(SurfaceClass& surface) {
             "Two arrays of 3 floats: the smallest and the largest x, y, z.")
         .def_property_readonly(
             "is_closed", [](const TriMesh& s) { return topology(s, adjacency(s)).closed; },
-            "True where every edge has two triangles that agree in orientation.")
+            "True if every edge has two consistently oriented triangles.")
         .def("normals", &triangle_normals, R"(normals(self)
 --
 
@@ -128,13 +128,13 @@ Areas of the triangles, m floats, in unit squared.)")
         .def("centroids", &triangle_centroids, R"(centroids(self)
 --
 
-Middles of the triangles, m x 3 floats.)")
+Centroids of the triangles, m x 3 floats.)")
         .def("distance", &distance, "other"_a, R"(distance(self, other)
 --
 
-How far this surface is from the Surface `other`, sampled at vertices, middles of edges and centroids: a dict with
-max, mean and rms (floats, in the surface's unit), at (where the largest is), nearest (the place on `other`), triangle
-(the one of `other` there) and at_vertices (n floats). It is one way: for both, call it the other way, too.)");
+Distance from this surface to the Surface `other`, sampled at vertices, edge midpoints and centroids: a dict with max, mean
+and rms (floats, in the surface's unit), at (the point of the maximum), nearest (its closest point on `other`), triangle
+(of `other`, containing that point) and at_vertices (n floats). It is one-sided; for the other side, swap the two.)");
 }
 
 }  // namespace
@@ -146,21 +146,21 @@ void bind_surface(py::module_& m) {
     surface = strake.Surface(vertices, triangles)
     higher = surface.with_vertices(surface.vertices + [0, 0, 1])
 
-A surface never changes; `with_vertices` makes another one of the same triangles. Lengths are in whatever unit the
-vertices have.)");
+A surface is immutable; `with_vertices` makes another one with the same triangles. Lengths are in the unit of the
+vertices.)");
     surface
         .def(py::init(&make_surface), "vertices"_a, "triangles"_a, R"(__init__(self, vertices, triangles)
 --
 
-`vertices`: n x 3 floats. `triangles`: m x 3 whole numbers, the corners as numbers of vertices from 0,
-counter-clockwise seen from outside. Both are copied. Raises InvalidInput with the place of what is wrong.)")
+`vertices`: n x 3 floats. `triangles`: m x 3 whole numbers, the vertex numbers of the corners, from 0,
+counter-clockwise seen from outside. Both are copied. Raises InvalidInput naming the wrong entry.)")
         .def_property_readonly(
             "vertices", [](const TriMesh& s) -> const Points& { return s.vertices; },
             py::return_value_policy::reference_internal, "n x 3 floats: a read-only view of the surface's own memory.")
         .def_property_readonly(
             "triangles", [](const TriMesh& s) -> const Triangles& { return s.triangles; },
             py::return_value_policy::reference_internal,
-            "m x 3 int32: numbers of the corners from 0, a read-only view of the surface's own memory.")
+            "m x 3 int32: vertex numbers of the corners from 0, a read-only view of the surface's own memory.")
         .def(
             "with_vertices",
             [](const TriMesh& s, const Rows& vertices) {
@@ -170,7 +170,7 @@ counter-clockwise seen from outside. Both are copied. Raises InvalidInput with t
             "vertices"_a, R"(with_vertices(self, vertices)
 --
 
-A Surface of the same triangles on other `vertices` (n x 3 floats).)")
+A Surface with the same triangles and other `vertices` (n x 3 floats).)")
         .def(
             "__repr__",
             [](const TriMesh& s) {

@@ -10,7 +10,7 @@
 
 #include <memory>
 
-/// The Python module, topic by topic. Only the package `strake` imports it.
+/// The Python module by topic. Only the package `strake` imports it.
 namespace strake::python {
 
 namespace py = pybind11;
@@ -27,21 +27,23 @@ void bind_run(py::module_& m);
 
 /// @throws InvalidInput `what: ...` on another number of rows, or a number that is not finite.
 void check_rows(const Rows& rows, Eigen::Index expected, const char* what);
-/// (normal, offset), the normal of any length. @throws InvalidInput when it has none.
+/// (normal, offset), the normal of any length. @throws InvalidInput for a zero normal.
 using PlaneTuple = std::pair<Eigen::Vector3d, double>;
 std::optional<SymmetryPlane> plane_of(const std::optional<PlaneTuple>& plane);
-/// Its repr, cut off where it is long.
-std::string shown(const py::object& thing);
+/// Its repr, truncated.
+std::string shown(const py::handle& thing);
+/// The present name for `given`: `now` for the old name `before`, with a DeprecationWarning. Old names go at 1.0.
+std::string current_name(const std::string& given, const char* before, const char* now, const char* what);
 /// Distinct triangle numbers, ascending, from numbers or from a mask of booleans.
-/// @throws InvalidInput `what: ...` out of range, on a mask of another length, on numbers that are not whole.
+/// @throws InvalidInput `what: ...` out of range, for a mask of the wrong length, for numbers that are not whole.
 std::vector<int> triangles_of(const py::object& chosen, const TriMesh& surface, const std::string& what);
 /// Whole numbers >= 1. @throws InvalidInput
 std::vector<int> counts_of(const py::object& given, const std::string& what);
 /// m x 3 numbers of vertices. @throws InvalidInput
 Triangles corners_of(const py::object& given, Eigen::Index num_vertices, const std::string& what);
 
-/// Docstrings begin with the signature, by which `help` and `inspect` show it as Python's own; pybind11's names types
-/// as C++ does. The tests compare it with the arguments that are really taken.
+/// Docstrings begin with a Python signature for `help` and `inspect`; pybind11's own would show C++ types. The tests
+/// compare it with the real arguments.
 constexpr const char* repr_doc = "__repr__(self)\n--\n\n";
 
 }  // namespace strake::python

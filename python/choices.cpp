@@ -4,13 +4,13 @@
 #include <limits>
 #include <set>
 
-/// Triangles, patches per level, corners: whole numbers that numpy would round or wrap without a word.
+/// Triangles, patches per level, corners: whole numbers that numpy would silently round or wrap.
 namespace strake::python {
 namespace {
 
 using WideInts = py::array_t<long long, py::array::c_style | py::array::forcecast>;
 
-/// As numpy sees it. @throws InvalidInput where it sees nothing but objects.
+/// As a numpy array. @throws InvalidInput if numpy only makes an array of objects.
 py::array as_array(const py::object& given, const std::string& what, const char* wanted) {
     py::array array = py::array::ensure(given);
     if (!array || array.dtype().kind() == 'O' || array.dtype().kind() == 'U' || array.dtype().kind() == 'S')
@@ -20,12 +20,12 @@ py::array as_array(const py::object& given, const std::string& what, const char*
 
 std::string shape_of(const py::array& array) { return py::str(array.attr("shape")).cast<std::string>(); }
 
-/// @throws InvalidInput with the first number that is none: numpy would have cut it off.
+/// @throws InvalidInput for numbers that are not whole, which numpy would truncate.
 WideInts whole(const py::array& array, const std::string& what, const char* wanted) {
     if (array.size() > 0 && array.dtype().kind() != 'i' && array.dtype().kind() != 'u') {
         const py::object first = array.attr("flat")[py::int_(0)];
         throw InvalidInput(text(what, ": ", shown(first), " (", py::str(array.dtype()).cast<std::string>(),
-                                ") is no whole number; give ", wanted));
+                                ") is not a whole number; give ", wanted));
     }
     if (array.dtype().kind() == 'u' && array.itemsize() == 8 && array.size() > 0) {  // the upper half would wrap
         const py::object most = array.attr("max")();
@@ -48,10 +48,22 @@ std::vector<int> marked(const py::array& mask, const TriMesh& surface, const std
 
 }  // namespace
 
-std::string shown(const py::object& thing) {
+std::string shown(const py::handle& thing) {
     constexpr std::size_t enough = 60;
-    const std::string words = py::repr(thing).cast<std::string>();
-    return words.size() <= enough ? words : words.substr(0, enough) + "...";
+    PyObject* words = PyObject_Repr(thing.ptr());
+    if (!words) {  // an int of more than 4300 digits has none
+        PyErr_Clear();
+        return "an unprintable value";
+    }
+    const std::string all = py::reinterpret_steal<py::str>(words).cast<std::string>();
+    return all.size() <= enough ? all : all.substr(0, enough) + "...";
+}
+
+std::string current_name(const std::string& given, const char* before, const char* now, const char* what) {
+    if (given != before) return given;
+    const std::string words = text(what, ": '", before, "' is now '", now, "'; the old name goes at 1.0");
+    if (PyErr_WarnEx(PyExc_DeprecationWarning, words.c_str(), 1) != 0) throw py::error_already_set();
+    return now;
 }
 
 std::vector<int> triangles_of(const py::object& chosen, const TriMesh& surface, const std::string& what) {

@@ -1,4 +1,4 @@
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "core/error.hpp"
 #include "core/primo/shell.hpp"
 #include "core/version.hpp"
@@ -10,7 +10,7 @@
 namespace strake::python {
 namespace {
 
-/// A class of exceptions with these bases, which lives as long as the interpreter.
+/// An exception class with these bases, which lives as long as the interpreter.
 PyObject* add_error(py::module_& m, const char* name, const char* doc, const py::tuple& bases) {
     const std::string full = std::string("strake.") + name;
     PyObject* made = PyErr_NewExceptionWithDoc(full.c_str(), doc, bases.ptr(), nullptr);
@@ -52,21 +52,23 @@ void bind_errors(py::module_& m) {
     const auto borrowed = [](PyObject* o) { return py::reinterpret_borrow<py::object>(o); };
     const auto bases = [&](PyObject* builtin) { return py::make_tuple(borrowed(errors.base), borrowed(builtin)); };
     errors.base =
-        add_error(m, "Error", "Whatever Strake refuses or cannot do.", py::make_tuple(borrowed(PyExc_Exception)));
-    errors.input =
-        add_error(m, "InvalidInput", "An argument is wrong; the text gives value and limit.", bases(PyExc_ValueError));
-    errors.wrong_case = add_error(m, "CaseError", "A case file is wrong; one line an error, with file:line:column.",
-                                  py::make_tuple(borrowed(errors.input)));
-    errors.file = add_error(m, "InputError", "A file is missing, unreadable or wrong; the text names the place.",
+        add_error(m, "Error", "Base class of all errors of Strake.", py::make_tuple(borrowed(PyExc_Exception)));
+    errors.input = add_error(m, "InvalidInput", "An argument is wrong; the message gives value and limit.",
+                             bases(PyExc_ValueError));
+    errors.wrong_case =
+        add_error(m, "CaseError", "A case file is wrong; one line for each error, with file:line:column.",
+                  py::make_tuple(borrowed(errors.input)));
+    errors.file = add_error(m, "InputError", "A file is missing, unreadable or wrong; the message names the place.",
                             bases(PyExc_OSError));
     errors.output = add_error(m, "OutputError", "A file cannot be written.", bases(PyExc_OSError));
     errors.solver = add_error(m, "SolverError", "A linear system could not be solved.", bases(PyExc_RuntimeError));
-    errors.unheld = add_error(m, "UnheldPart", "A part of the surface that nothing holds; the text names it.",
+    errors.unheld = add_error(m, "UnheldPart", "Nothing holds a part of the surface; the message names it.",
                               bases(PyExc_RuntimeError));
-    errors.failed = add_error(m, "EvaluationFailed",
-                              "There is no value or no valid shape here. Raise it in a quantity: the run tries a "
-                              "shorter step.",
-                              bases(PyExc_RuntimeError));
+    errors.failed =
+        add_error(m, "EvaluationFailed",
+                  "There is no value or no valid shape here. If a quantity raises it, the run tries a shorter "
+                  "step.",
+                  bases(PyExc_RuntimeError));
     py::register_exception_translator(translate);
 }
 
@@ -88,7 +90,7 @@ std::optional<SymmetryPlane> plane_of(const std::optional<PlaneTuple>& plane) {
 PYBIND11_MODULE(_core, m) {
     py::options options;
     options.disable_function_signatures();
-    m.doc() = "What `strake` is made of, compiled.";
+    m.doc() = "The compiled part of `strake`.";
     m.attr("__module__") = "strake";  // where users find what is in it
     m.attr("version") = version();
     bind_errors(m);

@@ -1,20 +1,20 @@
 #pragma once
-#include "cases/case.hpp"
-#include "optimize/problem.hpp"
+#include "casefile/model/case.hpp"
+#include "optimize/problem/problem.hpp"
 #include "python/bindings.hpp"
 
 #include <exception>
 
 namespace strake::python {
 
-/// A problem as Python fills it in, or as a case file has it.
+/// A problem stated in Python or read from a case file.
 struct PythonProblem {
     Problem problem;
-    SurfacePointer surface;  ///< what `problem.surface` is, for views
+    SurfacePointer surface;  ///< the same as `problem.surface`, for views
     std::vector<std::string> warnings;
-    /// The case file's, as long as the problem is what it states: what a folder of a run can hold.
+    /// The case file, as long as the problem is unchanged: needed for a run folder.
     std::optional<Case> the_case;
-    /// What a function of Python's has thrown during a run: the run ends, and it goes on from there.
+    /// An exception of a Python function during a run: the run ends and raises it again.
     std::shared_ptr<std::exception_ptr> thrown = std::make_shared<std::exception_ptr>();
 };
 

@@ -1,9 +1,9 @@
 #include "report/design_fields.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/vtp_reader.hpp"
-#include "objectives/csv_columns.hpp"
+#include "core/formats/vtp_reader.hpp"
+#include "core/text/csv_columns.hpp"
+#include "core/text/file.hpp"
 
 #include <algorithm>
 #include <charconv>
@@ -16,9 +16,9 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-constexpr std::size_t most_fields = 20;  ///< of one evaluation
+constexpr std::size_t max_fields = 20;  ///< of one evaluation
 
-/// Names that mean something else in a data set.
+/// Names with another meaning in a data set.
 bool is_taken(const std::string& name) {
     return name.empty() || name == "displacement" || name == "objective_sensitivity" || name == "sensitivity" ||
            name == "load" || name.starts_with("patch");
@@ -31,7 +31,7 @@ bool read(std::string_view word, double& value) {
     return error == std::errc() && end == word.data() + word.size() && !word.empty();
 }
 
-/// Rows index,value; a first line that is none is a header.
+/// Rows index,value; a first line of another form is a header.
 Eigen::VectorXd rows_of_csv(const std::string& bytes, int vertices) {
     Eigen::VectorXd values = Eigen::VectorXd::Constant(vertices, std::numeric_limits<double>::quiet_NaN());
     std::istringstream lines(bytes);
@@ -48,7 +48,7 @@ Eigen::VectorXd rows_of_csv(const std::string& bytes, int vertices) {
         if (!(index >= 0 && index < vertices) || index != std::floor(index))
             throw InputError(text("line ", number, ": index ", index, ", limits 0 and ", vertices - 1));
         if (std::isfinite(values[static_cast<int>(index)]))
-            throw InputError(text("line ", number, ": vertex ", index, " a second time"));
+            throw InputError(text("line ", number, ": vertex ", index, " appears twice"));
         values[static_cast<int>(index)] = value;
         ++count;
     }
@@ -68,7 +68,7 @@ Eigen::VectorXd field_of_vtp(const std::string& bytes, const std::string& field,
     throw InputError(text("no point field '", printable(field, 60), "'"));
 }
 
-/// Only below the folder: a result names its own files.
+/// Only files inside the folder: a result names its own files.
 fs::path file_in(const fs::path& folder, const std::string& name) {
     const fs::path path = fs::path(name).lexically_normal();
     if (name.empty() || path.is_absolute() || *path.begin() == "..")
@@ -108,10 +108,10 @@ void add_of_program(const fs::path& folder, int vertices, Collected& out) {
         const std::string name = printable(key, 60);
         try {
             if (is_taken(name) || out.has(name)) throw InputError("the name is taken");
-            if (out.fields.size() == most_fields) throw InputError(text("at most ", most_fields, " fields are kept"));
+            if (out.fields.size() == max_fields) throw InputError(text("at most ", max_fields, " fields are kept"));
             out.fields.push_back({name, values_of(entry, folder, vertices)});
         } catch (const InputError& error) {
-            out.problems.push_back(text("field '", name, "' of a program is left out: ", error.what()));
+            out.problems.push_back(text("field '", name, "' of a program is ignored: ", error.what()));
         }
     }
 }
@@ -120,34 +120,34 @@ void add_distance(const Quantity& quantity, const TriMesh& surface, Collected& o
     try {
         const Residuals found = quantity.residuals(surface, surface);
         if (found.weight.size() != surface.num_vertices() || found.r.size() != found.width * found.weight.size())
-            return;  // of points that are no vertices
+            return;  // at points other than the vertices
         Eigen::VectorXd distance = Eigen::VectorXd::Zero(found.weight.size());
         for (Eigen::Index k = 0; k < distance.size(); ++k)
             if (found.weight[k] > 0)
                 distance[k] = found.r.segment(k * found.width, found.width).norm() / std::sqrt(found.weight[k]);
         out.fields.push_back({quantity.names.front() + ".distance", distance});
     } catch (const InvalidInput& error) {
-        out.problems.push_back(text("distances of ", quantity.names.front(), " are left out: ", error.what()));
+        out.problems.push_back(text("distances of ", quantity.names.front(), " are ignored: ", error.what()));
     }
 }
 
-void add_seen(const Quantity& quantity, const ShownDesign& design, Collected& out) {
+void add_built_in(const Quantity& quantity, const ShownDesign& design, Collected& out) {
     QuantityRequest request{design.surface, false, 0, 0, {}};
-    request.own = design.own;
+    request.parameters = design.parameters;
     try {
         for (SurfaceField& field : quantity.fields(request))
             if (field.values.size() == design.surface.num_vertices() && field.values.allFinite())
                 out.fields.push_back({std::move(field.name), std::move(field.values)});
             else
-                out.problems.push_back(text("field '", field.name, "' is left out: a value is not finite"));
+                out.problems.push_back(text("field '", field.name, "' is ignored: a value is not finite"));
     } catch (const std::runtime_error& error) {
-        out.problems.push_back(text("fields of ", quantity.names.front(), " are left out: ", error.what()));
+        out.problems.push_back(text("fields of ", quantity.names.front(), " are ignored: ", error.what()));
     } catch (const InvalidInput& error) {
-        out.problems.push_back(text("fields of ", quantity.names.front(), " are left out: ", error.what()));
+        out.problems.push_back(text("fields of ", quantity.names.front(), " are ignored: ", error.what()));
     }
 }
 
-/// What programs said of a design when it was written, their folder being gone.
+/// The fields that programs gave when the design was written, for a folder that has been removed.
 void add_of_data_set(const fs::path& file, int vertices, Collected& out) {
     std::error_code ignored;
     if (file.empty() || !fs::is_regular_file(file, ignored)) return;
@@ -157,7 +157,7 @@ void add_of_data_set(const fs::path& file, int vertices, Collected& out) {
                 found.values.rows() == vertices)
                 out.fields.push_back({found.name, Eigen::VectorXd(found.values.col(0))});
     } catch (const InputError& error) {
-        out.problems.push_back(text("fields of programs are left out: ", error.what()));
+        out.problems.push_back(text("fields of programs are ignored: ", error.what()));
     }
 }
 
@@ -169,7 +169,7 @@ std::vector<Field> design_fields(const Problem& problem, const ShownDesign& desi
     Collected out{fields, problems};
     const int vertices = design.surface.num_vertices();
     for (const Quantity& quantity : problem.quantities) {
-        if (quantity.fields) add_seen(quantity, design, out);
+        if (quantity.fields) add_built_in(quantity, design, out);
         if (quantity.residuals) add_distance(quantity, design.surface, out);
     }
     std::error_code why;

@@ -21,7 +21,8 @@ Frame frame_of(const TriMesh& mesh, const View& view, int width, int height) {
     Frame f;
     f.eye = view.from.normalized();
     f.right = view.up.cross(f.eye);
-    if (!(f.right.norm() > 1e-6 * view.up.norm())) throw InvalidInput("drawing: the view is along its own up");
+    if (!(f.right.norm() > 1e-6 * view.up.norm()))
+        throw InvalidInput("drawing: the view direction is parallel to `up`");
     f.right.normalize();
     f.up = f.eye.cross(f.right);
     Points p(mesh.num_vertices(), 3);
@@ -41,7 +42,7 @@ Frame frame_of(const TriMesh& mesh, const View& view, int width, int height) {
     return f;
 }
 
-/// The nearest triangle at every sample.
+/// The nearest triangle at each sample.
 std::vector<int> visible(const TriMesh& mesh, const Frame& frame, int width, int height) {
     std::vector<int> seen(static_cast<std::size_t>(width) * height, -1);
     std::vector<float> depth(seen.size(), -std::numeric_limits<float>::infinity());
@@ -90,70 +91,105 @@ Colour patch_colour(int number) {
     return colour;
 }
 
-Drawing draw_surface(const TriMesh& mesh, const std::vector<Colour>& colour, const std::vector<int>& label,
-                     const View& view, int width, int height) {
-    const auto m = static_cast<std::size_t>(mesh.num_triangles());
-    if (colour.size() != m || label.size() != m)
-        throw InvalidInput(
-            text("drawing: ", colour.size(), " colours and ", label.size(), " labels of ", m, " triangles"));
-    if (width < 1 || height < 1 || width > 10000 || height > 10000)
-        throw InvalidInput(text("drawing: ", width, " x ", height, " pixels must be in [1, 10000]"));
-    const int w = fine * width, h = fine * height;
-    const Frame frame = frame_of(mesh, view, w, h);
-    const std::vector<int> seen = visible(mesh, frame, w, h);
-    const Points normal = triangle_normals(mesh);
-    Drawing drawing{width, height, {}, {}};
-    drawing.rgb.resize(3 * static_cast<std::size_t>(width) * height);
-    drawing.triangle.resize(static_cast<std::size_t>(width) * height);
-    const auto tag = [&](int x, int y) {
-        const int t = seen[static_cast<std::size_t>(y) * w + x];
+namespace {
+
+/// What is seen at each sample, fine x fine of them a pixel.
+struct Samples {
+    const std::vector<int>& seen;  ///< triangles; -1: none
+    const std::vector<int>& label;
+    int w, h;
+
+    int triangle(int x, int y) const { return seen[static_cast<std::size_t>(y) * w + x]; }
+    int tag(int x, int y) const {
+        const int t = triangle(x, y);
         return t < 0 ? -1 : label[t];
-    };
-    for (int y = 0; y < height; ++y)
-        for (int x = 0; x < width; ++x) {
-            Eigen::Vector3d sum = Eigen::Vector3d::Zero();
-            for (int j = 0; j < fine; ++j)
-                for (int i = 0; i < fine; ++i) {
-                    const int u = fine * x + i, v = fine * y + j, t = seen[static_cast<std::size_t>(v) * w + u];
-                    if (t < 0) {
-                        sum += Eigen::Vector3d::Constant(255);
-                        continue;
-                    }
-                    const bool is_line = (u + 1 < w && tag(u + 1, v) != tag(u, v)) ||
-                                         (v + 1 < h && tag(u, v + 1) != tag(u, v)) || (u > 0 && tag(u - 1, v) == -1) ||
-                                         (v > 0 && tag(u, v - 1) == -1);
-                    const double light = is_line ? 0.15 : shade(normal.row(t), frame);
-                    for (int k = 0; k < 3; ++k) sum[k] += light * colour[t][k];
-                }
-            const std::size_t at = static_cast<std::size_t>(y) * width + x;
-            for (int k = 0; k < 3; ++k)
-                drawing.rgb[3 * at + k] = static_cast<std::uint8_t>(std::lround(sum[k] / (fine * fine)));
-            drawing.triangle[at] = seen[static_cast<std::size_t>(fine * y) * w + fine * x];
+    }
+    /// On the line between two labels, or at the outline.
+    bool is_line(int u, int v) const {
+        return (u + 1 < w && tag(u + 1, v) != tag(u, v)) || (v + 1 < h && tag(u, v + 1) != tag(u, v)) ||
+               (u > 0 && tag(u - 1, v) == -1) || (v > 0 && tag(u, v - 1) == -1);
+    }
+};
+
+/// Sum of the colours of a pixel's samples.
+Eigen::Vector3d colours_of_pixel(const Samples& samples, const std::vector<Colour>& colour, const Points& normal,
+                                 const Frame& frame, int x, int y) {
+    Eigen::Vector3d sum = Eigen::Vector3d::Zero();
+    for (int v = fine * y; v < fine * (y + 1); ++v)
+        for (int u = fine * x; u < fine * (x + 1); ++u) {
+            const int t = samples.triangle(u, v);
+            if (t < 0) {
+                sum += Eigen::Vector3d::Constant(255);
+                continue;
+            }
+            const double light = samples.is_line(u, v) ? 0.15 : shade(normal.row(t), frame);
+            for (int k = 0; k < 3; ++k) sum[k] += light * colour[t][k];
         }
-    return drawing;
+    return sum;
 }
 
-std::vector<Panel::Name> names_in(const Drawing& drawing, const std::vector<int>& label,
-                                  const std::vector<std::string>& names, int least) {
-    const int w = drawing.width, h = drawing.height;
-    const auto tag = [&](int x, int y) {
-        if (x < 0 || y < 0 || x >= w || y >= h) return -2;
-        const int t = drawing.triangle[static_cast<std::size_t>(y) * w + x];
+/// Labels of a drawing's pixels: -1 none, -2 outside of the picture.
+struct Tags {
+    const Drawing& drawing;
+    const std::vector<int>& label;
+
+    int operator()(int x, int y) const {
+        if (x < 0 || y < 0 || x >= drawing.width || y >= drawing.height) return -2;
+        const int t = drawing.triangle[static_cast<std::size_t>(y) * drawing.width + x];
         return t < 0 ? -1 : label[t];
-    };
-    // Steps to the nearest other label, by two passes over the picture.
-    std::vector<int> inner(static_cast<std::size_t>(w) * h);
+    }
+};
+
+/// Steps from each pixel to the nearest other label, by two passes over the picture.
+std::vector<int> steps_to_border(const Tags& tag, int w, int h) {
+    std::vector<int> inner(static_cast<std::size_t>(w) * h, w + h);
     const auto relax = [&](int x, int y, int dx, int dy) {
         int& here = inner[static_cast<std::size_t>(y) * w + x];
         const int other =
             tag(x + dx, y + dy) == tag(x, y) ? inner[static_cast<std::size_t>(y + dy) * w + x + dx] + 1 : 1;
         here = std::min(here, other);
     };
-    std::fill(inner.begin(), inner.end(), w + h);
     for (int y = 0; y < h; ++y)
         for (int x = 0; x < w; ++x) relax(x, y, -1, 0), relax(x, y, 0, -1);
     for (int y = h - 1; y >= 0; --y)
         for (int x = w - 1; x >= 0; --x) relax(x, y, 1, 0), relax(x, y, 0, 1);
+    return inner;
+}
+
+}  // namespace
+
+Drawing draw_surface(const TriMesh& mesh, const std::vector<Colour>& colour, const std::vector<int>& label,
+                     const View& view, int width, int height) {
+    const auto m = static_cast<std::size_t>(mesh.num_triangles());
+    if (colour.size() != m || label.size() != m)
+        throw InvalidInput(
+            text("drawing: ", colour.size(), " colours and ", label.size(), " labels for ", m, " triangles"));
+    if (width < 1 || height < 1 || width > 10000 || height > 10000)
+        throw InvalidInput(text("drawing: ", width, " x ", height, " pixels must be in [1, 10000]"));
+    const int w = fine * width, h = fine * height;
+    const Frame frame = frame_of(mesh, view, w, h);
+    const std::vector<int> seen = visible(mesh, frame, w, h);
+    const Samples samples{seen, label, w, h};
+    const Points normal = triangle_normals(mesh);
+    Drawing drawing{width, height, {}, {}};
+    drawing.rgb.resize(3 * static_cast<std::size_t>(width) * height);
+    drawing.triangle.resize(static_cast<std::size_t>(width) * height);
+    for (int y = 0; y < height; ++y)
+        for (int x = 0; x < width; ++x) {
+            const Eigen::Vector3d sum = colours_of_pixel(samples, colour, normal, frame, x, y);
+            const std::size_t at = static_cast<std::size_t>(y) * width + x;
+            for (int k = 0; k < 3; ++k)
+                drawing.rgb[3 * at + k] = static_cast<std::uint8_t>(std::lround(sum[k] / (fine * fine)));
+            drawing.triangle[at] = samples.triangle(fine * x, fine * y);
+        }
+    return drawing;
+}
+
+std::vector<Panel::Name> names_in(const Drawing& drawing, const std::vector<int>& label,
+                                  const std::vector<std::string>& names, int min_pixels) {
+    const int w = drawing.width, h = drawing.height;
+    const Tags tag{drawing, label};
+    const std::vector<int> inner = steps_to_border(tag, w, h);
     std::vector<int> best(names.size(), 0), count(names.size(), 0);
     std::vector<Panel::Name> at(names.size());
     for (int y = 0; y < h; ++y)
@@ -166,7 +202,7 @@ std::vector<Panel::Name> names_in(const Drawing& drawing, const std::vector<int>
         }
     std::vector<Panel::Name> found;
     for (std::size_t k = 0; k < names.size(); ++k)
-        if (count[k] >= least && best[k] >= 5 && !names[k].empty()) found.push_back(at[k]);
+        if (count[k] >= min_pixels && best[k] >= 5 && !names[k].empty()) found.push_back(at[k]);
     return found;
 }
 

@@ -11,7 +11,7 @@ namespace strake {
 
 using Colour = std::array<std::uint8_t, 3>;
 
-/// Colours of patches, told apart also by colour-blind readers as far as numbers allow: hue by the golden ratio,
+/// Colours of patches, distinguishable for colour-blind readers as far as their number allows: hue by the golden ratio,
 /// lightness in three steps.
 Colour patch_colour(int number);
 
@@ -23,7 +23,7 @@ struct View {
 struct Drawing {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;  ///< 3 width height, rows from the top; background white
-    std::vector<int> triangle;      ///< per pixel the triangle that is seen, or -1
+    std::vector<int> triangle;      ///< for each pixel the visible triangle, or -1
 };
 
 /// Draws the triangles in their colours, shaded, with dark lines where `label` changes between neighbouring pixels.
@@ -34,7 +34,7 @@ Drawing draw_surface(const TriMesh& mesh, const std::vector<Colour>& colour, con
 /// The drawing as a PNG file.
 std::string png_bytes(const Drawing& drawing);
 
-/// A panel of a picture: the drawing, what is written above it, and names at places of it.
+/// A panel of a picture: the drawing, its title, and labels at points of it.
 struct Panel {
     Drawing drawing;
     std::string title;
@@ -48,12 +48,12 @@ struct LegendRow {
     Colour colour;
     std::string words;
 };
-/// One SVG with the panels beside each other, a title, and a legend below; opens in every browser.
+/// One SVG with the panels side by side, a title, and a legend below; opens in every browser.
 std::string svg_picture(const std::string& title, const std::vector<Panel>& panels,
                         const std::vector<LegendRow>& legend);
 
-/// Where each label is seen best: the pixel that is farthest from other labels, for labels of at least `least` pixels.
+/// The best place for each label: the pixel farthest from other labels, for labels of at least `min_pixels` pixels.
 std::vector<Panel::Name> names_in(const Drawing& drawing, const std::vector<int>& label,
-                                  const std::vector<std::string>& names, int least);
+                                  const std::vector<std::string>& names, int min_pixels);
 
 }  // namespace strake

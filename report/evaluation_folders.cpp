@@ -18,7 +18,7 @@ void EvaluationFolders::add(const EvaluationRecord& record) {
     last_failed_ = record.status != "ok";
     if (last_failed_) failed_.insert(last_);
     waiting_.insert(last_);
-    // Values that were taken over belong to an earlier evaluation, which stays the one that may be asked again.
+    // Inherited values belong to an earlier evaluation, whose folder stays the one that may be needed again.
     if (record.accepted && !record.is_taken_over) best_ = last_;
     if (record.level_best && !record.is_taken_over) level_best_ = last_;
     sweep({last_, best_, level_best_});
@@ -49,7 +49,7 @@ void EvaluationFolders::sweep(const std::set<int>& still_wanted) {
     }
 }
 
-/// 000012, and the further attempts 000012-2, …
+/// 000012, and further attempts 000012-2, …
 void EvaluationFolders::remove(int evaluation) {
     char number[16];
     std::snprintf(number, sizeof number, "%06d", evaluation);
@@ -61,8 +61,8 @@ void EvaluationFolders::remove(int evaluation) {
     }
     for (const fs::path& attempt : found) {
         why.clear();
-        fs::remove_all(attempt, why);  // a link itself, never what it points to
-        const std::string words = text(attempt.string(), ": cannot be removed: ", why.message());
+        fs::remove_all(attempt, why);  // removes a link itself, never its target
+        const std::string words = text(attempt.string(), ": cannot remove: ", why.message());
         if (why && problems_.size() < 5) problems_.push_back(words);
     }
 }

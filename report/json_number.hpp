@@ -4,7 +4,7 @@
 
 namespace strake {
 
-/// A number, or null where there is none: JSON has no NaN.
+/// A number, or null if it is not finite: JSON has no NaN.
 inline nlohmann::ordered_json json_number(double value) {
     return std::isfinite(value) ? nlohmann::ordered_json(value) : nlohmann::ordered_json(nullptr);
 }

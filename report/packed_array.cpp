@@ -1,6 +1,7 @@
 #include "report/packed_array.hpp"
 
 #include "core/error.hpp"
+#include "core/text/base64.hpp"
 
 #include <zlib.h>
 
@@ -12,12 +13,12 @@ std::string deflated(const std::string& bytes) {
     std::string out(size, '\0');
     if (compress2(reinterpret_cast<Bytef*>(out.data()), &size, reinterpret_cast<const Bytef*>(bytes.data()),
                   static_cast<uLong>(bytes.size()), 6) != Z_OK)
-        throw OutputError(text("the report's shapes could not be packed: no memory for ", bytes.size(), " bytes"));
+        throw OutputError(text("the report's shapes could not be compressed: no memory for ", bytes.size(), " bytes"));
     out.resize(size);
     return out;
 }
 
-/// Neighbours have similar values: their differences pack well, and so do their high bytes among themselves.
+/// Neighbours have similar values: their differences compress well, and so do the high bytes by themselves.
 template <class Whole>
 std::string packed(const std::vector<Whole>& values, std::size_t columns) {
     if (columns == 0 || values.size() % columns != 0)
@@ -39,23 +40,6 @@ std::string packed_array(const std::vector<std::uint16_t>& values, std::size_t c
 }
 std::string packed_array(const std::vector<std::uint32_t>& values, std::size_t columns) {
     return packed(values, columns);
-}
-
-std::string base64(const std::string& bytes) {
-    static constexpr char letters[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    const auto at = [&](std::size_t i) {
-        return i < bytes.size() ? static_cast<std::uint32_t>(static_cast<unsigned char>(bytes[i])) : 0U;
-    };
-    std::string out;
-    out.reserve((bytes.size() + 2) / 3 * 4);
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        const std::uint32_t three = at(i) << 16 | at(i + 1) << 8 | at(i + 2);
-        out += letters[three >> 18 & 63];
-        out += letters[three >> 12 & 63];
-        out += i + 1 < bytes.size() ? letters[three >> 6 & 63] : '=';
-        out += i + 2 < bytes.size() ? letters[three & 63] : '=';
-    }
-    return out;
 }
 
 }  // namespace strake

@@ -3,11 +3,11 @@
 namespace strake {
 
 std::string paraview_script() {
-    return R"PY("""Before and after: the start on the left, the designs on the right, coloured by displacement.
+    return R"PY("""Before and after: the start shape on the left, the designs on the right, coloured by displacement.
 
     paraview --script=series.py      from this folder, or File > Load State
 
-The time slider goes through the accepted designs (time is the number of the evaluation). Colour by patch_level_1, ...,
+The time slider steps through the accepted designs (time is the evaluation number). Colour by patch_level_1, ...,
 load or objective_sensitivity in the toolbar.
 """
 import os
@@ -24,7 +24,7 @@ times = list(series.TimestepValues) if hasattr(series.TimestepValues, "__len__")
 scene = GetAnimationScene()
 scene.UpdateAnimationUsingDataTimeSteps()
 
-# Taking back the displacement leaves the start, whatever the time.
+# Subtracting the displacement gives the start shape at any time.
 start = Calculator(registrationName="start", Input=series)
 start.CoordinateResults = 1
 start.Function = "coords - displacement"

@@ -12,7 +12,7 @@ PatchShares::PatchShares(const TriMesh& start)
 void PatchShares::add(const Points& displacement, const Points& dJ_dv, double objective) {
     if (displacement_.rows() > 0) {
         const Points moved = displacement - displacement_;
-        // Where one end is not known the other stands for both.
+        // If the sensitivities at one end are unknown, use those of the other.
         const bool before = dJ_dv_.rows() > 0, after = dJ_dv.rows() > 0;
         if (before && after)
             contribution_ += 0.5 * (dJ_dv_ + dJ_dv).cwiseProduct(moved).rowwise().sum();
@@ -45,7 +45,7 @@ std::vector<PatchShare> PatchShares::of(const PatchLevel& level) const {
             if (!has_moved) continue;
             share.contribution += contribution_[v] / uses[v];
             moved += displacement_.row(v).transpose() / 3;
-            share.most_moved = std::max(share.most_moved, displacement_.row(v).norm());
+            share.max_displacement = std::max(share.max_displacement, displacement_.row(v).norm());
         }
         const Eigen::Vector3d normal = (corner[1] - corner[0]).cross(corner[2] - corner[0]) / 2;
         ++share.triangles;

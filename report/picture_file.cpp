@@ -1,4 +1,5 @@
 #include "core/error.hpp"
+#include "core/text/base64.hpp"
 #include "report/drawing.hpp"
 
 #include <fmt/format.h>
@@ -19,18 +20,6 @@ void add_chunk(std::string& out, const std::string& kind, const std::string& dat
                             ::crc32(0, reinterpret_cast<const Bytef*>(body.data()), static_cast<uInt>(body.size()))));
 }
 
-std::string base64(const std::string& bytes) {
-    static const char* digits = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    std::string out;
-    for (std::size_t i = 0; i < bytes.size(); i += 3) {
-        std::uint32_t group = 0;
-        for (std::size_t k = 0; k < 3; ++k)
-            group = group << 8 | (i + k < bytes.size() ? static_cast<unsigned char>(bytes[i + k]) : 0u);
-        for (int k = 0; k < 4; ++k) out += i + k <= bytes.size() ? digits[group >> (18 - 6 * k) & 63] : '=';
-    }
-    return out;
-}
-
 std::string xml(const std::string& words) {
     std::string out;
     for (const char c : words)
@@ -44,7 +33,7 @@ std::string png_bytes(const Drawing& drawing) {
     std::string rows;
     const std::size_t stride = 3 * static_cast<std::size_t>(drawing.width);
     for (int y = 0; y < drawing.height; ++y) {
-        rows += '\1';  // each byte less that of the pixel to its left: packs well
+        rows += '\1';  // each byte minus that of the pixel to its left: compresses well
         const std::uint8_t* row = drawing.rgb.data() + y * stride;
         for (std::size_t k = 0; k < stride; ++k) rows += static_cast<char>(row[k] - (k >= 3 ? row[k - 3] : 0));
     }
@@ -52,7 +41,7 @@ std::string png_bytes(const Drawing& drawing) {
     std::string packed(size, '\0');
     if (::compress2(reinterpret_cast<Bytef*>(packed.data()), &size, reinterpret_cast<const Bytef*>(rows.data()),
                     rows.size(), 9) != Z_OK)
-        throw OutputError("drawing: cannot pack a PNG");
+        throw OutputError("drawing: cannot compress a PNG");
     packed.resize(size);
     std::string out = "\x89PNG\r\n\x1a\n", head;
     add_big_endian(head, static_cast<std::uint32_t>(drawing.width));

@@ -1,12 +1,19 @@
 #include "report/recorded_run.hpp"
 
-#include "core/mesh/file.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/fit.hpp"
+#include "casefile/read/resolved_case.hpp"
+#include "core/text/file.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/fit.hpp"
 #include "report/report_subject.hpp"
 
 namespace strake {
 namespace {
+
+/// Folder of the case file that the run was started with.
+std::filesystem::path case_dir(const Case& the_case) {
+    return std::filesystem::absolute(the_case.command_dir.empty() ? the_case.dir() : the_case.command_dir)
+        .lexically_normal();
+}
 
 SeriesPolicy series_policy(ParaView wanted) {
     switch (wanted) {
@@ -34,14 +41,22 @@ KeepPolicy keep_policy(Keep wanted) {
     return KeepPolicy::all;
 }
 
+/// The first line of case.yaml, a comment: what a run that has no journal yet is started from.
+std::string begin_note(const Case& the_case, bool is_fit) {
+    const std::string dir = case_dir(the_case).string();
+    for (const char c : dir)
+        if (static_cast<unsigned char>(c) < ' ' || c == 127) return "";
+    return text("# ", is_fit ? "fit" : "run", " of a case in ", dir, "\n");
+}
+
 std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
     JournalFacts facts;
     facts.case_yaml = resolved_case(the_case, the_case.output.dir);
-    facts.case_dir = std::filesystem::absolute(the_case.dir()).lexically_normal();
+    facts.case_dir = case_dir(the_case);
     facts.host = host_name();
     facts.is_fit = is_fit;
     facts.values = value_names(problem);
-    for (const OwnVariable& variable : problem.own) facts.own.push_back(variable.name);
+    for (const ProgramParameter& variable : problem.program_parameters) facts.parameters.push_back(variable.name);
     facts.files = file_hashes(the_case);
     for (const char* companion : {"journal.sqlite-wal", "journal.sqlite-shm"}) folder.aside(companion);
     return Journal::create(folder.aside("journal.sqlite"), facts,
@@ -80,15 +95,18 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
     bool has_evaluated = journal != nullptr;
     const RunEvents events = recorded(folder, also, has_evaluated);
     try {
+        // Before the journal: a run that is killed in between can be started from it.
+        folder.write_case(begin_note(the_case, is_fit) + resolved_case(the_case, the_case.output.dir));
         if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
-        folder.write_case(resolved_case(the_case, the_case.output.dir));
         if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
         folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview),
                      keep_policy(the_case.output.keep));
         return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
     } catch (...) {
         journal.reset();
-        if (!has_evaluated) {
+        std::error_code ignored;
+        const bool has_paid = std::filesystem::exists(folder.folder() / "evaluations", ignored);
+        if (!has_evaluated && !has_paid) {
             folder.discard();
         } else if (the_case.output.report) {
             const std::string why = make_report(built, the_case, folder.folder());
@@ -105,7 +123,7 @@ std::string make_report(const BuiltProblem& built, const Case& the_case, const s
         write_report(folder, subject, folder / "report.html");
         return "";
     } catch (const std::exception& error) {
-        return text("report.html is not written: ", error.what());
+        return text("report.html could not be written: ", error.what());
     }
 }
 

@@ -1,18 +1,18 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/shell_word.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 #include "report/report_parts.hpp"
 
 #include <cmath>
 #include <map>
 
-/// What to try next, from what stands in the folder.
+/// What to try next, derived from the run folder.
 namespace strake::page {
 namespace {
 
-constexpr double at_bound = 1e-3;         ///< of the range of a variable
-constexpr double many = 0.2;              ///< share of evaluations
-constexpr double hardly_anything = 0.02;  ///< of what the run gained
+constexpr double at_bound = 1e-3;    ///< fraction of a variable's range
+constexpr double many = 0.2;         ///< fraction of evaluations
+constexpr double negligible = 0.02;  ///< fraction of the run's gain
 
 void about_bounds(const RunFiles& run, std::vector<std::string>& out) {
     const VariableTable best = read_variables(run.folder / "levels/best.csv");
@@ -38,10 +38,10 @@ void about_failures(const RunFiles& run, std::vector<std::string>& out) {
     for (const auto& [kind, count] : kinds) words += text(words.empty() ? "" : ", ", count, " ", kind);
     if (static_cast<double>(failed) > many * static_cast<double>(all))
         out.push_back(text(failed, " of ", all, " evaluations failed (", words,
-                           "): read the logs below before you pay for more."));
+                           "): read the logs below before paying for more."));
 }
 
-/// As it was named, where that is below the folder of the one who asked; else in full, which is right from anywhere.
+/// The name as given if it is below the current folder; otherwise the absolute path, which works from anywhere.
 std::string typed_folder(const std::filesystem::path& named) {
     const std::filesystem::path short_name = (named / "").lexically_normal().parent_path();
     const bool is_below =
@@ -56,16 +56,16 @@ void about_budget(const RunFiles& run, std::vector<std::string>& out) {
     if (status == "budget")
         out.push_back(text("The budget ended the run, not the search: `strake resume ", folder, " --evaluations +",
                            std::max(10, run.status.max_evaluations / 2),
-                           "` goes on from here and pays nothing twice."));
+                           "` continues from here without repeating any evaluation."));
     if (status == "interrupted" || status == "killed")
-        out.push_back(text("`strake resume ", folder, "` goes on; no finished evaluation is repeated."));
-    if (status == "waiting") out.push_back("Answer the requests that wait, then `strake step` again.");
+        out.push_back(text("`strake resume ", folder, "` continues; no finished evaluation is repeated."));
+    if (status == "waiting") out.push_back("Answer the pending requests, then run `strake step` again.");
     if (status == "evaluation_failed")
-        out.push_back(text("Mend what failed (below), then `strake resume ", folder,
-                           "`; on_failure: shrink_step would let a run go on around such designs."));
+        out.push_back(text("Fix the failure (see below), then `strake resume ", folder,
+                           "`; with on_failure: shrink_step a run avoids such designs and continues."));
     if (status == "conflict" || status == "infeasible")
         out.push_back(
-            "Loosen one of the constraints named above, or give the shape more freedom: finer levels, a "
+            "Relax one of the constraints named above, or give the shape more degrees of freedom: finer levels, a "
             "larger max_displacement, fewer fixed regions.");
     if (status == "gradient_inconsistent")
         out.push_back("`strake gradient-check` on the case shows which quantity's gradient disagrees.");
@@ -83,13 +83,13 @@ void about_levels(const RunFiles& run, bool has_converged, std::vector<std::stri
     }
     const double gained = std::abs(end - start), by_last = std::abs(end - last_level);
     if (!std::isfinite(gained) || level < 2 || gained <= 0) return;
-    if (by_last < hardly_anything * gained)
-        out.push_back(text("The last level brought ", std::round(1000 * by_last / gained) / 10,
-                           " % of the gain: finer patches promise little more; other variables, constraints or a "
-                           "different start may."));
+    if (by_last < negligible * gained)
+        out.push_back(text("The last level contributed ", std::round(1000 * by_last / gained) / 10,
+                           " % of the gain: finer patches are unlikely to gain more; other variables, constraints or "
+                           "a different start may."));
     else if (has_converged)
-        out.push_back(text("The last level still brought ", std::round(1000 * by_last / gained) / 10,
-                           " % of the gain: another level may be worth its price (parameters.patches_per_level, "
+        out.push_back(text("The last level still contributed ", std::round(1000 * by_last / gained) / 10,
+                           " % of the gain: another level may be worth its cost (parameters.patches_per_level, "
                            "starting with optimize.start_from: this folder)."));
 }
 
@@ -97,7 +97,7 @@ void about_levels(const RunFiles& run, bool has_converged, std::vector<std::stri
 
 std::vector<std::string> advice(const RunFiles& run, const ReportSubject&) {
     std::vector<std::string> out;
-    if (run.status.status == "running") return {"The run is still going on; this page shows it as it is now."};
+    if (run.status.status == "running") return {"The run is still in progress; this page shows its present state."};
     about_budget(run, out);
     about_failures(run, out);
     about_bounds(run, out);

@@ -1,4 +1,4 @@
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 #include "report/json_number.hpp"
 #include "report/report_parts.hpp"
 
@@ -6,16 +6,16 @@
 #include <fstream>
 #include <map>
 
-/// What the report tells of evaluations that failed, and of what the run cost.
+/// The report's failed evaluations and the cost of the run.
 namespace strake::page {
 namespace {
 
 namespace fs = std::filesystem;
 
 constexpr std::streamoff tail_bytes = 4000;
-constexpr std::size_t most_failures = 300, most_logs = 60, logs_of_one = 4;
+constexpr std::size_t max_failures = 300, max_logs = 60, max_logs_each = 4;
 
-/// The end of a file, from the start of a line.
+/// The end of a file, beginning at the start of a line.
 std::string tail(const fs::path& file) {
     std::ifstream in(file, std::ios::binary);
     in.seekg(0, std::ios::end);
@@ -31,7 +31,7 @@ std::string tail(const fs::path& file) {
     return clean_lines(bytes);
 }
 
-/// Logs in the folder of an evaluation and the folders in it, by name.
+/// Logs in an evaluation folder and its subfolders, by name.
 std::vector<fs::path> logs_in(const fs::path& folder, int deeper = 1) {
     std::vector<fs::path> files, below;
     std::error_code why;
@@ -55,7 +55,7 @@ Json logs_of(const fs::path& run, int evaluation) {
     for (const fs::path& file : logs_in(run / name)) {
         const std::string words = tail(file);
         if (!words.empty()) logs.push_back({{"name", printable(fs::relative(file, run).string())}, {"tail", words}});
-        if (logs.size() == logs_of_one) break;
+        if (logs.size() == max_logs_each) break;
     }
     return logs;
 }
@@ -94,8 +94,8 @@ Json failures_json(const RunFiles& run) {
         failed.push_back(&e);
     }
     out["count"] = count;
-    // The last ones: those that ended the run are among them.
-    const std::size_t begin = failed.size() > most_failures ? failed.size() - most_failures : 0;
+    // The last ones include those that ended the run.
+    const std::size_t begin = failed.size() > max_failures ? failed.size() - max_failures : 0;
     for (std::size_t i = begin; i < failed.size(); ++i) {
         const JournalEvaluation& e = *failed[i];
         out["rows"].push_back(
@@ -105,7 +105,7 @@ Json failures_json(const RunFiles& run) {
              {"reason", clean_lines(e.reason)},
              {"ends_run", e.is_final_failure},
              {"seconds", json_number(e.seconds)},
-             {"logs", failed.size() - i <= most_logs ? logs_of(run.folder, e.number) : Json::array()}});
+             {"logs", failed.size() - i <= max_logs ? logs_of(run.folder, e.number) : Json::array()}});
     }
     out["left_out"] = begin;
     return out;

@@ -1,16 +1,16 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 #include "report/json_number.hpp"
 #include "report/report_parts.hpp"
 
 #include <charconv>
 #include <cmath>
 
-/// What the report tells of evaluations, levels and values.
+/// The report's evaluations, levels and values.
 namespace strake::page {
 namespace {
 
-/// x is shown, not used: four digits do.
+/// x is only displayed: four digits are enough.
 Json rounded(const Eigen::VectorXd& x) {
     Json row = Json::array();
     for (const double value : x) row.push_back(json_number(std::round(value * 1e4) / 1e4));
@@ -38,7 +38,7 @@ bool read_number(const std::string& word, double& value) {
     return error == std::errc() && end == word.data() + word.size();
 }
 
-constexpr std::size_t most_x = 400000;  ///< numbers; beyond it only accepted designs have theirs on the page
+constexpr std::size_t max_x = 400000;  ///< numbers; beyond this only accepted designs have x on the page
 
 std::string variables_file(int level) { return "levels/variables_" + std::to_string(level) + ".csv"; }
 
@@ -56,7 +56,7 @@ Json absolute(const std::optional<double>& limit, bool is_relative, const Json& 
     return json_number(is_relative ? *limit * start.get<double>() : *limit);
 }
 
-/// Of the evaluations of a level: those with a value, and what the best of them was.
+/// Summary of a level from its evaluations in the journal.
 Json level_from_journal(const RunFiles& run, int level) {
     int count = 0;
     double first = std::numeric_limits<double>::quiet_NaN(), best = first;
@@ -103,7 +103,7 @@ Json history_json(const RunFiles& run) {
     std::size_t count = 0;
     for (const JournalEvaluation& e : run.journal->evaluations()) count += static_cast<std::size_t>(e.x.size());
     for (const char* column : {"evaluation", "level", "status", "objective", "violation", "accepted", "seconds",
-                               "elapsed", "moved", "taken_over", "values", "own", "x"})
+                               "elapsed", "moved", "taken_over", "values", "parameters", "x"})
         h[column] = Json::array();
     for (const JournalEvaluation& e : run.journal->evaluations()) {
         h["evaluation"].push_back(e.number);
@@ -117,8 +117,8 @@ Json history_json(const RunFiles& run) {
         h["moved"].push_back(json_number(e.max_displacement));
         h["taken_over"].push_back(e.is_taken_over ? 1 : 0);
         h["values"].push_back(numbers(e.values));
-        h["own"].push_back(numbers(e.own));
-        h["x"].push_back(count <= most_x || e.accepted ? rounded(e.x) : Json());
+        h["parameters"].push_back(numbers(e.parameters));
+        h["x"].push_back(count <= max_x || e.accepted ? rounded(e.x) : Json());
     }
     h["cached"] = run.journal->cached();
     return h;
@@ -130,7 +130,7 @@ Json levels_json(const RunFiles& run) {
         for (const Json& level : run.end["levels"])
             if (level.is_object() && level.contains("level") && level["level"].is_number_integer())
                 levels.push_back(level);
-    // A level that was not finished, and a run that did not end, are told by the journal.
+    // For an unfinished level, or a run that did not end, the journal has the numbers.
     int last = 0;
     for (const Json& level : levels) last = std::max(last, level["level"].get<int>());
     for (const JournalEvaluation& e : run.journal->evaluations()) {
@@ -149,12 +149,12 @@ Json values_json(const RunFiles& run, const ReportSubject& subject) {
         if (!first) first = &e;
         best = &e;
     }
-    const auto at = [](const JournalEvaluation* e, std::size_t i, bool own) {
+    const auto at = [](const JournalEvaluation* e, std::size_t i, bool is_parameter) {
         if (!e) return Json(nullptr);
-        const std::vector<double>& from = own ? e->own : e->values;
+        const std::vector<double>& from = is_parameter ? e->parameters : e->values;
         return Json(i < from.size() ? json_number(from[i]) : nullptr);
     };
-    Json out = {{"values", Json::array()}, {"own", Json::array()}};
+    Json out = {{"values", Json::array()}, {"parameters", Json::array()}};
     const JournalFacts& facts = run.journal->facts();
     for (std::size_t i = 0; i < facts.values.size(); ++i) {
         Json value = {{"name", facts.values[i]}, {"start", at(first, i, false)}, {"best", at(best, i, false)}};
@@ -165,12 +165,13 @@ Json values_json(const RunFiles& run, const ReportSubject& subject) {
         value["max"] = absolute(limit.max, limit.is_relative, value["start"]);
         out["values"].push_back(value);
     }
-    for (std::size_t i = 0; i < facts.own.size(); ++i) {
-        Json own = {{"name", facts.own[i]}, {"start", at(first, i, true)}, {"best", at(best, i, true)}};
+    for (std::size_t i = 0; i < facts.parameters.size(); ++i) {
+        Json parameter = {{"name", facts.parameters[i]}, {"start", at(first, i, true)}, {"best", at(best, i, true)}};
         const Json variables = run.end.value("variables", Json::object());
-        if (variables.is_object() && variables.contains(facts.own[i]) && variables[facts.own[i]].is_object())
-            own["unit"] = variables[facts.own[i]].value("unit", Json(nullptr));
-        out["own"].push_back(own);
+        if (variables.is_object() && variables.contains(facts.parameters[i]) &&
+            variables[facts.parameters[i]].is_object())
+            parameter["unit"] = variables[facts.parameters[i]].value("unit", Json(nullptr));
+        out["parameters"].push_back(parameter);
     }
     return out;
 }

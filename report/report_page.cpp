@@ -3,7 +3,7 @@
 #include <string_view>
 
 #ifdef STRAKE_PAGE_SCRIPT
-// The bundle as CMake made it, byte for byte.
+// The bundle that CMake built, byte for byte.
 __asm__(
     ".section .rodata\n"
     "strake_page_script: .incbin \"" STRAKE_PAGE_SCRIPT
@@ -34,8 +34,8 @@ std::string_view style() { return {}; }
 bool has_report_page() { return !script().empty(); }
 
 std::string report_page_missing() {
-    return "this program was built without the page of the report: node and npm, or npm's packages, were not at hand. "
-           "Install them (scripts/setup.sh run), configure again (cmake -U 'STRAKE_PAGE*' …) and build";
+    return "this program was built without the report page, because node and npm, or npm's packages, were missing. "
+           "Install them (scripts/setup.sh run), configure again (cmake -U 'STRAKE_PAGE*' …) and rebuild";
 }
 
 std::string page::html_escaped(const std::string& words) {
@@ -56,7 +56,7 @@ std::string page::html_escaped(const std::string& words) {
 
 std::string page::html(const std::string& title, const Json& data, const Blobs& blobs) {
     std::string json = data.dump(-1, ' ', false, Json::error_handler_t::replace), safe;
-    for (const char c : json)  // no "</script>", no "<!--" within the element
+    for (const char c : json)  // no "</script>" or "<!--" inside the element
         if (c == '<')
             safe += "\\u003c";
         else
@@ -64,7 +64,7 @@ std::string page::html(const std::string& title, const Json& data, const Blobs& 
     std::string out =
         "<!doctype html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n"
         "<meta name=\"viewport\" content=\"width=device-width, initial-scale=1\">\n"
-        // Nothing is fetched, whatever stands in the page.
+        // Nothing is fetched, whatever the page contains.
         "<meta http-equiv=\"Content-Security-Policy\" content=\"default-src 'none'; script-src 'unsafe-inline'; "
         "style-src 'unsafe-inline'; img-src data: blob:; font-src data:\">\n<title>";
     out += html_escaped(title) + " · Strake</title>\n<link rel=\"icon\" href=\"data:,\">\n<style>";

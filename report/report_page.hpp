@@ -3,10 +3,10 @@
 
 namespace strake::page {
 
-/// The page with its data in it. Whatever stands in the data stays text: it cannot end the element that holds it.
+/// The page with its data. The data stay text whatever they contain: they cannot end the element that holds them.
 std::string html(const std::string& title, const Json& data, const Blobs& blobs);
 
-/// Text between tags and in attributes.
+/// Escapes text for use between tags and in attributes.
 std::string html_escaped(const std::string& words);
 
 }  // namespace strake::page

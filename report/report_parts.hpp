@@ -1,16 +1,16 @@
 #pragma once
-#include "optimize/journal.hpp"
+#include "optimize/journal/journal.hpp"
 #include "report/run_report.hpp"
 #include "report/run_status.hpp"
 
 #include <nlohmann/json.hpp>
 
-/// What report.html is made of, each part as JSON. Internal.
+/// The parts of report.html, each as JSON. Internal.
 namespace strake::page {
 
 using Json = nlohmann::ordered_json;
 
-/// A run's folder as read for the report.
+/// A run folder as read for the report.
 struct RunFiles {
     std::filesystem::path folder;
     std::unique_ptr<Journal> journal;
@@ -19,18 +19,18 @@ struct RunFiles {
     int num_values() const { return static_cast<int>(journal->facts().values.size()); }
 };
 
-/// One of levels/variables_K.csv or levels/best.csv.
+/// The contents of levels/variables_K.csv or levels/best.csv.
 struct VariableTable {
     std::vector<std::string> names, kinds;
     std::vector<double> x, lower, upper, unit;
 };
-/// Empty where the file is missing or is no such table.
+/// Empty if the file is missing or is not such a table.
 VariableTable read_variables(const std::filesystem::path& file);
 
-/// The folder's own name, also of "." and "runs/a/".
+/// The folder's own name, also for "." and "runs/a/".
 std::string folder_name(const std::filesystem::path& folder);
 
-/// A text of several lines from outside: valid UTF-8 without control characters.
+/// A multi-line text from outside as valid UTF-8 without control characters.
 std::string clean_lines(const std::string& bytes);
 
 Json history_json(const RunFiles& run);
@@ -40,7 +40,7 @@ Json failures_json(const RunFiles& run);
 Json cost_json(const RunFiles& run);
 std::vector<std::string> advice(const RunFiles& run, const ReportSubject& subject);
 
-/// Named arrays for the page, packed.
+/// Named compressed arrays for the page.
 using Blobs = std::vector<std::pair<std::string, std::string>>;
 
 /// {surface, frames, tree, ...} and the arrays they name; null without shapes.

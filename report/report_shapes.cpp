@@ -1,8 +1,8 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/vtp_reader.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/vtp_reader.hpp"
-#include "optimize/stored_design.hpp"
+#include "core/text/file.hpp"
+#include "optimize/run/stored_design.hpp"
 #include "report/json_number.hpp"
 #include "report/packed_array.hpp"
 #include "report/patch_shares.hpp"
@@ -11,24 +11,24 @@
 #include <cmath>
 #include <cstdio>
 
-/// The shapes of the report: the surface at the start, what chosen designs move, and what each patch has brought.
+/// The shapes of the report: the start surface, the displacement of selected designs, and each patch's contribution.
 namespace strake::page {
 namespace {
 
 namespace fs = std::filesystem;
 
-constexpr double most_frame_bytes = 10e6;  ///< of all frames before they are packed
-constexpr int most_frames = 40;
-constexpr std::size_t most_patches = 5000;  ///< of a level that is shown
+constexpr double max_frame_bytes = 10e6;  ///< of all frames before compression
+constexpr int max_frames = 40;
+constexpr std::size_t max_patches = 5000;  ///< of a level on the page
 constexpr double full_scale = 65535;
 
-/// A data set of the series.
+/// A data set of the ParaView series.
 struct Frame {
     int evaluation = 0, level = 0;
     double objective = 0;
     TriMesh mesh;
     Points displacement, dJ_dv;
-    std::vector<VtpField> others;  ///< one number a vertex
+    std::vector<VtpField> others;  ///< one number for each vertex
 };
 
 fs::path frame_file(const fs::path& folder, int evaluation) {
@@ -45,19 +45,20 @@ std::vector<const JournalEvaluation*> designs_in_series(const RunFiles& run) {
     return designs;
 }
 
-/// The first, the last, the last of each level, and others evenly between them.
-std::vector<const JournalEvaluation*> chosen(const std::vector<const JournalEvaluation*>& all, std::size_t most) {
-    if (all.size() <= most) return all;
+/// The first, the last, the last of each level, and others evenly spaced between them.
+std::vector<const JournalEvaluation*> selected(const std::vector<const JournalEvaluation*>& all,
+                                               std::size_t max_count) {
+    if (all.size() <= max_count) return all;
     std::vector<char> is_chosen(all.size(), 0);
     std::size_t count = 0;
     const auto choose = [&](std::size_t i) {
-        if (count < most && !is_chosen[i]) is_chosen[i] = 1, ++count;
+        if (count < max_count && !is_chosen[i]) is_chosen[i] = 1, ++count;
     };
     choose(0);
     choose(all.size() - 1);
     for (std::size_t i = all.size() - 1; i-- > 0;)
         if (all[i]->level != all[i + 1]->level) choose(i);
-    for (std::size_t k = 0; k < most; ++k) choose(k * (all.size() - 1) / std::max<std::size_t>(1, most - 1));
+    for (std::size_t k = 0; k < max_count; ++k) choose(k * (all.size() - 1) / std::max<std::size_t>(1, max_count - 1));
     std::vector<const JournalEvaluation*> out;
     for (std::size_t i = 0; i < all.size(); ++i)
         if (is_chosen[i]) out.push_back(all[i]);
@@ -71,7 +72,8 @@ Frame read_frame(const RunFiles& run, const JournalEvaluation& e) {
     VtpFile data = parse_vtp(read_bytes(file), file.string());
     Frame frame{e.number, e.level, e.objective, std::move(data.surface.mesh), {}, {}, {}};
     for (VtpField& field : data.point_fields) {
-        if (!field.values.allFinite()) throw InputError(text(file.string(), ": a field holds what is no number"));
+        if (!field.values.allFinite())
+            throw InputError(text(file.string(), ": a field contains a value that is not a number"));
         if (field.name == "displacement")
             frame.displacement = rows_of(field);
         else if (field.name == "objective_sensitivity")
@@ -80,7 +82,7 @@ Frame read_frame(const RunFiles& run, const JournalEvaluation& e) {
             frame.others.push_back(std::move(field));
     }
     if (frame.displacement.rows() != frame.mesh.vertices.rows())
-        throw InputError(text(file.string(), ": holds no displacement of each vertex"));
+        throw InputError(text(file.string(), ": has no displacement for each vertex"));
     return frame;
 }
 
@@ -114,7 +116,7 @@ Json add_numbers(Blobs& blobs, const std::string& name, const Eigen::VectorXd& v
     return {{"low", json_number(low)}, {"high", json_number(high)}, {"blob", name}};
 }
 
-/// dJ along the outward normal, per area: what a small bump there would bring. Independent of the mesh.
+/// dJ along the outward normal, per area: the effect of a small bump there. Independent of the mesh.
 Eigen::VectorXd normal_sensitivity(const TriMesh& mesh, const Points& dJ_dv) {
     Points normal = Points::Zero(mesh.num_vertices(), 3);
     Eigen::VectorXd area = Eigen::VectorXd::Zero(mesh.num_vertices());
@@ -180,9 +182,9 @@ Tree tree_of(const RunFiles& run, const ReportSubject& subject, int triangles) {
     }
     for (const PatchLevel& level : tree.patches.levels)
         if (static_cast<int>(level.label.size()) != triangles) return {};
-    // Finer ones are for the machine.
+    // Finer levels are unreadable for people.
     auto& levels = tree.patches.levels;
-    while (!levels.empty() && levels.back().patches.size() > most_patches) levels.pop_back();
+    while (!levels.empty() && levels.back().patches.size() > max_patches) levels.pop_back();
     return tree;
 }
 
@@ -206,7 +208,7 @@ Json tree_json(const Tree& tree, const PatchShares& shares, Blobs& blobs) {
                                {"in_use", in_use},
                                {"contribution", json_number(share.contribution)},
                                {"mean", json_number(share.mean_outward)},
-                               {"most", json_number(share.most_moved)}});
+                               {"most", json_number(share.max_displacement)}});
         }
         levels.push_back({{"patches", patches}, {"blob", "label_" + std::to_string(k)}});
     }
@@ -224,13 +226,14 @@ Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs
         const Frame first = read_frame(run, *designs.front());
         if (start.num_vertices() == 0) start = with_vertices(first.mesh, first.mesh.vertices - first.displacement);
         const double bytes = 8.0 * static_cast<double>(std::max(1, start.num_vertices()));
-        const int most = std::clamp(static_cast<int>(most_frame_bytes / bytes), 2, most_frames);
+        const int max_count = std::clamp(static_cast<int>(max_frame_bytes / bytes), 2, max_frames);
         shares.emplace(start);
-        for (const JournalEvaluation* e : chosen(designs, static_cast<std::size_t>(most))) {
+        for (const JournalEvaluation* e : selected(designs, static_cast<std::size_t>(max_count))) {
             const Frame frame = read_frame(run, *e);
             if (frame.mesh.triangles.rows() != start.triangles.rows() ||
                 frame.mesh.vertices.rows() != start.vertices.rows())
-                throw InputError(text(frame_file(run.folder, e->number).string(), ": not the surface of this run"));
+                throw InputError(
+                    text(frame_file(run.folder, e->number).string(), ": does not have the surface of this run"));
             shares->add(frame.displacement, frame.dJ_dv, frame.objective);
             frames.push_back(add_frame(blobs, frame));
         }

@@ -1,7 +1,8 @@
 #include "report/report_subject.hpp"
+#include "core/text/file.hpp"
 
 #include "core/mesh/geometry.hpp"
-#include "optimize/methods.hpp"
+#include "optimize/nlp/program/methods.hpp"
 
 #include <fmt/core.h>
 #include <cmath>
@@ -35,16 +36,18 @@ const char* word_of(VariableKind kind) {
     switch (kind) {
         case VariableKind::load:
             return "loads";
-        case VariableKind::load_normal:
+        case VariableKind::normal_load:
             return "loads along the normals";
         case VariableKind::strain:
             return "rigid motions";
         case VariableKind::stiffness:
             return "stiffness";
-        case VariableKind::own:
+        case VariableKind::field:
+            return "displacement fields";
+        case VariableKind::parameter:
             break;
     }
-    return "own";
+    return "parameter";
 }
 
 std::string goal_words(const Case& c) {
@@ -60,8 +63,14 @@ std::string goal_words(const Case& c) {
 std::string variable_words(const Case& c) {
     std::vector<std::string> kinds;
     for (const VariableKind kind : c.parameters.variables) kinds.push_back(word_of(kind));
-    for (const GivenEntry& given : c.parameters.given) kinds.push_back(given.name);
-    return joined(kinds) + ", each moving the surface by up to " + length(c.parameters.max_displacement, c.units);
+    if (c.parameters.fields.is_wanted) kinds.push_back("displacement fields");
+    for (const UserVariableEntry& variable : c.parameters.user_variables) kinds.push_back(variable.name);
+    const ParameterEntry& p = c.parameters;
+    if (p.limits_variables)
+        return joined(kinds) + ", each moving the surface by up to " + length(p.max_displacement, c.units);
+    if (!c.fit.empty() && !p.is_limit_stated) return joined(kinds);
+    return joined(kinds) + ", the surface moving by up to " + length(p.max_displacement, c.units) +
+           (p.max_displacement_by_region.empty() ? "" : ", less or more in some regions");
 }
 
 std::string level_words(const Case& c) {
@@ -72,7 +81,7 @@ std::string level_words(const Case& c) {
     return words.empty() ? "automatic" : "automatic, about " + joined(words) + " patches";
 }
 
-std::string own_words(const OwnVariable& v) {
+std::string parameter_words(const ProgramParameter& v) {
     const double unit = v.is_angle ? 180 / std::numbers::pi : 1;
     const char* sign = v.is_angle ? "°" : "";
     return fmt::format("{} from {}{} within {}{} and {}{}", v.name, number(unit * v.start), sign, number(unit * v.min),
@@ -114,7 +123,7 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
     if (c.symmetry) ask("Symmetry", symmetry_words(*c.symmetry));
     ask("Shape variables", variable_words(c));
     ask("Levels", level_words(c));
-    for (const OwnVariableEntry& entry : c.variables) ask("Own variable", own_words(entry.variable));
+    for (const ProgramParameterEntry& entry : c.variables) ask("Parameter", parameter_words(entry.variable));
     if (c.fit.empty()) ask("Method", method_facts(c.optimize.method).name);
     ask("Budget", budget_words(c.optimize));
     if (built) {

@@ -1,9 +1,11 @@
 #include "report/run_folder.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/vtp.hpp"
-#include "optimize/own_variables.hpp"
-#include "optimize/stored_design.hpp"
+#include "core/formats/vtp.hpp"
+#include "optimize/run/stored_design.hpp"
+#include "optimize/space/parameters.hpp"
 #include "report/design_fields.hpp"
 #include "report/json_number.hpp"
 #include "report/paraview_script.hpp"
@@ -29,13 +31,15 @@ const char* kind_word(VariableKind kind) {
     switch (kind) {
         case VariableKind::load:
             return "load";
-        case VariableKind::load_normal:
+        case VariableKind::normal_load:
             return "load_normal";
         case VariableKind::strain:
             return "strain";
         case VariableKind::stiffness:
             return "stiffness";
-        case VariableKind::own:
+        case VariableKind::field:
+            return "field";
+        case VariableKind::parameter:
             return "own";
     }
     return "unknown";
@@ -53,8 +57,8 @@ std::string labels_csv(const PatchLevel& level) {
     return rows;
 }
 
-/// x times unit is the physical value: traction 1/length, radians, length, or the logarithm of a factor; of an own
-/// variable the change from its start.
+/// x times unit is the physical value: traction 1/length, radians, length, or the logarithm of a factor; for a
+/// parameter of the program, the change from its start.
 std::string variables_csv(const DesignSpace& space, const Eigen::VectorXd& x) {
     std::ostringstream rows = digits();
     rows << "name,kind,patch,x,lower,upper,unit,value\n";
@@ -75,13 +79,13 @@ nlohmann::ordered_json level_json(const LevelSummary& level) {
             {"objective_end", json_number(level.objective_end)},
             {"inherited_shape_change", json_number(level.inherited_shape_change)},
             {"inherited_objective_change", json_number(level.inherited_objective_change)},
-            {"left_out", level.left_out},
+            {"left_out", level.dependent},
             {"weak", level.weak},
-            {"nearly_held", level.nearly_held},
+            {"nearly_held", level.nearly_fixed},
             {"stop", level.stop}};
 }
 
-/// What a run that was killed was about to write, there and so many folders deeper.
+/// Removes temporary files of a killed run, there and `deeper` folders down.
 void remove_unfinished(const fs::path& folder, int deeper) {
     std::vector<fs::path> found, below;
     std::error_code why;
@@ -97,30 +101,65 @@ void remove_unfinished(const fs::path& folder, int deeper) {
 
 }  // namespace
 
+namespace {
+
+bool is_leftover(const std::string& name) {
+    return name == "lock" || (name.starts_with(".strake-") && name.ends_with(".tmp"));
+}
+
+/// What a run leaves that is killed before it has written its case: nothing that anybody would miss.
+bool holds_leftovers_only(const fs::path& folder) {
+    std::error_code why;
+    fs::directory_iterator at(folder, why), end;
+    while (!why && at != end && is_leftover(at->path().filename().string())) at.increment(why);
+    return !why && at == end;
+}
+
+/// Whether it has the case of a run (a case that somebody keeps there begins otherwise), but neither rows of a history
+/// nor folders of evaluations.
+bool has_only_begun(const fs::path& folder) {
+    std::error_code why;
+    if (!fs::exists(folder / "case.yaml", why) || fs::exists(folder / "run.json", why)) return false;
+    if (fs::exists(folder / "evaluations", why)) return false;
+    const std::string yaml = read_bytes(folder / "case.yaml");
+    if (!yaml.starts_with("# run of a case in ") && !yaml.starts_with("# fit of a case in ")) return false;
+    if (!fs::exists(folder / "history.csv", why)) return true;
+    const std::string history = read_bytes(folder / "history.csv");
+    return std::count(history.begin(), history.end(), '\n') < 2;
+}
+
+}  // namespace
+
 void check_run_folder(const fs::path& folder) {
     std::error_code why;
     const fs::file_status status = fs::status(folder, why);
     if (!fs::exists(status)) return;
     if (!fs::is_directory(status)) throw OutputError(text(folder.string(), ": exists and is not a folder"));
     if (const auto holder = lock_holder(folder))
-        throw OutputError(text(folder.string(), ": a run is going on in this folder (", holder->words(),
+        throw OutputError(text(folder.string(), ": a run is in progress in this folder (", holder->words(),
                                "); give --out a new folder"));
     const bool empty = fs::is_empty(folder, why);
     if (why) throw OutputError(text(folder.string(), ": ", why.message()));
-    if (!empty)
+    if (!empty && has_only_begun(folder))
+        throw OutputError(text(folder.string(),
+                               ": the run in this folder ended before its first evaluation; `strake resume ",
+                               typed_path(folder.string()), "` starts it"));
+    if (!empty && !holds_leftovers_only(folder))
         throw OutputError(text(folder.string(),
                                ": the folder is not empty, and a run never overwrites another; give "
                                "--out a new folder, or remove this one"));
 }
 
-RunFolder::RunFolder(const fs::path& folder, bool goes_on) : folder_(folder), goes_on_(goes_on) {
-    if (!goes_on) {
+/// Absolute from the start: whoever changes the working directory later redirects nothing.
+RunFolder::RunFolder(const fs::path& folder, bool is_continued)
+    : folder_(fs::absolute(folder)), is_continued_(is_continued) {
+    if (!is_continued) {
         check_run_folder(folder);
-        make_folder(folder);
+        make_folder(folder_);
     }
-    lock_ = std::make_unique<RunLock>(folder);
+    lock_ = std::make_unique<RunLock>(folder_);
     constexpr int deepest = 3;  // evaluations/000012/aero
-    if (goes_on) remove_unfinished(folder, deepest);
+    remove_unfinished(folder_, is_continued ? deepest : 0);
 }
 
 fs::path RunFolder::aside(const std::string& name) {
@@ -134,7 +173,7 @@ void RunFolder::make_folder(const fs::path& folder) {
     for (fs::path at = fs::absolute(folder).lexically_normal(); !fs::exists(at, why); at = at.parent_path())
         if (at.has_filename()) missing.push_back(at);  // "a/b/" ends with an empty name
     fs::create_directories(folder, why);
-    if (why) throw OutputError(text(folder.string(), ": cannot make the folder: ", why.message()));
+    if (why) throw OutputError(text(folder.string(), ": cannot create the folder: ", why.message()));
     made_.insert(made_.begin(), missing.begin(), missing.end());
 }
 
@@ -144,7 +183,7 @@ void RunFolder::discard() {
     for (const auto* list : {&files_, &aside_})
         for (const std::string& file : *list) fs::remove(folder_ / file, ignored);
     lock_.reset();
-    for (const fs::path& folder : made_) fs::remove(folder, ignored);  // not what somebody else has put something into
+    for (const fs::path& folder : made_) fs::remove(folder, ignored);  // fails if somebody else has put files there
     files_.clear();
     made_.clear();
 }
@@ -181,15 +220,15 @@ void RunFolder::begin(const Problem& problem, const std::vector<std::string>& va
     evaluations_ = std::make_unique<EvaluationFolders>(folder_, keep, may_ask_again);
     format_ = format;
     policy_ = policy;
-    std::vector<std::string> own;
-    for (const OwnVariable& variable : problem.own) own.push_back(variable.name);
-    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, own, goes_on_);
+    std::vector<std::string> parameters;
+    for (const ProgramParameter& variable : problem.program_parameters) parameters.push_back(variable.name);
+    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, parameters, is_continued_);
     remember("history.csv");
 }
 
 void RunFolder::add(const EvaluationRecord& record) {
     std::error_code ignored;
-    if (goes_on_ && !record.is_replayed) fs::remove(folder_ / "run.json", ignored);  // it tells of an earlier end
+    if (is_continued_ && !record.is_replayed) fs::remove(folder_ / "run.json", ignored);  // it describes an earlier end
     history_->add(record);
     evaluations_->add(record);
 }
@@ -228,7 +267,7 @@ RunFolder::DataSet RunFolder::data_set(const AcceptedDesign& design) {
     std::vector<std::string> problems;
     DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label, {}};
     const TriMesh surface = with_vertices(problem_->surface, design.vertices);
-    const ShownDesign shown{surface, folder_ / "evaluations" / number, own_values(design.space, design.x),
+    const ShownDesign shown{surface, folder_ / "evaluations" / number, parameter_values(design.space, design.x),
                             folder_ / data_set_name(design.record.evaluation)};
     out.fields = design_fields(*problem_, shown, problems);
     add_problems(problems);
@@ -254,7 +293,7 @@ void RunFolder::write_data_set(const std::string& name, const DataSet& design) c
 void RunFolder::add_to_series(int evaluation, DataSet design) {
     const std::string name = data_set_name(evaluation);
     make_folder(folder_ / "series");
-    // What a replay comes past has been written, whole and with the same bytes.
+    // A replayed design has been written already, complete and with the same bytes.
     if (evaluation >= best_from_ || !fs::exists(folder_ / name)) write_data_set(name, design);
     last_ = std::move(design);
     steps_.emplace_back(evaluation, name);
@@ -289,11 +328,19 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
         j["values"][result.names[i]] = {{"start", json_number(result.values_start[i])},
                                         {"best", json_number(result.values[i])}};
     if (result.best_evaluation > 0)
-        for (const auto& [name, value] : own_values(result.space, result.x)) {
-            const OwnVariable& own = result.space.rest->own[j["variables"].size()];
-            j["variables"][name] = {{"start", json_number(own.start)}, {"best", json_number(value)}};
-            if (own.is_angle) j["variables"][name]["unit"] = "rad";
+        for (const auto& [name, value] : parameter_values(result.space, result.x)) {
+            const ProgramParameter& parameter = result.space.rest->program_parameters[j["variables"].size()];
+            j["variables"][name] = {{"start", json_number(parameter.start)}, {"best", json_number(value)}};
+            if (parameter.is_angle) j["variables"][name]["unit"] = "rad";
         }
+    if (result.motion.is_limited)
+        j["motion_limit"] = {{"active", result.motion.is_active},
+                             {"used", json_number(result.motion.used)},
+                             {"limit", json_number(result.motion.limit)},
+                             {"vertex", result.motion.vertex},
+                             {"vertices", result.motion.num_vertices},
+                             {"patch", result.motion.where},
+                             {"gain_per_thousandth", json_number(result.motion.gain)}};
     for (const AwaitedCall& call : result.awaited)
         j["awaited"].push_back({{"evaluation", call.evaluation},
                                 {"quantity", call.quantity},

@@ -1,7 +1,7 @@
 #pragma once
-#include "core/mesh/io.hpp"
-#include "core/mesh/vtp.hpp"
-#include "optimize/history.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/vtp.hpp"
+#include "optimize/run/history.hpp"
 #include "report/evaluation_folders.hpp"
 #include "report/run_lock.hpp"
 
@@ -17,12 +17,13 @@ enum class SeriesPolicy { every_accepted, best, none };
 
 class RunFolder {
 public:
-    /// Makes the folder. @throws OutputError when it exists and is not empty, with the remedy; or cannot be made.
-    /// It is locked until the object goes. @param goes_on that of a run which goes on: its records are completed.
-    explicit RunFolder(const std::filesystem::path& folder, bool goes_on = false);
+    /// Makes the folder and locks it for the lifetime of the object. @throws OutputError if it exists and is not empty,
+    /// with the remedy; or cannot be made. @param is_continued the folder of an earlier run, whose records are
+    /// completed.
+    explicit RunFolder(const std::filesystem::path& folder, bool is_continued = false);
 
     void write_case(const std::string& yaml);
-    /// start.<format>, and start-repairs.csv where there is text for it: a surface that is not the file's.
+    /// start.<format>, a surface that differs from the file's; and start-repairs.csv if `repairs_csv` is not empty.
     void write_start(const TriMesh& surface, SurfaceFormat format, const std::string& repairs_csv);
 
     /// Starts the records. `problem` must outlive the folder.
@@ -34,36 +35,35 @@ public:
     void add(const LevelStart& level);
     /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
-    /// Into the design's data set, if it has one.
+    /// Adds them to the design's data set, if it has one.
     void add_sensitivities(int evaluation, const Points& dJ_dv);
-    /// Of a run that is replayed: the best design of evaluations before this one has been replaced already, and is not
-    /// written again.
+    /// During a replay: best designs of evaluations before this one are outdated and not written again.
     void begin_best_at(int evaluation) { best_from_ = evaluation; }
-    /// A file that others keep there: not told among the files, but removed by `discard`.
+    /// A file that others keep there: not listed among the files, but removed by `discard`.
     std::filesystem::path aside(const std::string& name);
 
-    /// A file that others write after the end: told among the files, and removed by `discard`.
-    void tell(const std::string& name) { remember(name); }
+    /// A file that others write after the end: listed among the files, and removed by `discard`.
+    void list_file(const std::string& name) { remember(name); }
 
     /// Completes series and run.json.
     void finish(const RunResult& result);
-    /// Removes what was written and the folders that were made, before the first design: as if there had been no run.
+    /// Removes everything written and the folders made, before the first design: as if there had been no run.
     void discard();
 
     const std::filesystem::path& folder() const { return folder_; }
     /// Names of the files written so far, relative to the folder.
     const std::vector<std::string>& files() const { return files_; }
-    /// What could not be shown or removed, each once: fields of programs that are none, folders.
+    /// Messages about invalid fields of programs and folders that could not be removed, each once.
     const std::vector<std::string>& problems() const { return problems_; }
 
 private:
-    void make_folder(const std::filesystem::path& folder);  ///< with those above it
+    void make_folder(const std::filesystem::path& folder);  ///< with its parents
     void write(const std::string& name, const std::string& bytes);
-    /// One design as ParaView shows it.
+    /// One design for ParaView.
     struct DataSet {
         Points vertices, dJ_dv;
         Points load;                ///< traction at the vertices, n x 3, 1/length; empty: none
-        std::vector<int> patch;     ///< of each triangle, on the level of the design; empty: not known
+        std::vector<int> patch;     ///< of each triangle, on the level of the design; empty: unknown
         std::vector<Field> fields;  ///< of objectives
     };
     DataSet data_set(const AcceptedDesign& design);
@@ -73,7 +73,7 @@ private:
     void add_problems(const std::vector<std::string>& problems);
 
     std::filesystem::path folder_;
-    bool goes_on_ = false;
+    bool is_continued_ = false;
     std::unique_ptr<RunLock> lock_;
     int best_from_ = 0;
     const Problem* problem_ = nullptr;
@@ -82,7 +82,7 @@ private:
     SurfaceFormat format_ = SurfaceFormat::stl_binary;
     SeriesPolicy policy_ = SeriesPolicy::every_accepted;
     std::vector<std::pair<double, std::string>> steps_;
-    DataSet last_, last_best_;  ///< of steps_; of the best design so far, where the series has only that
+    DataSet last_, last_best_;  ///< of steps_; of the best design so far, for a series with only that
     std::vector<std::string> files_, aside_, problems_;
     std::vector<std::filesystem::path> made_;  ///< folders that did not exist, the deepest first
 };
@@ -92,7 +92,7 @@ private:
 /// the best design; null where there is none.
 std::string run_json(const RunResult& result, const std::vector<std::string>& files);
 
-/// Throws what the constructor of RunFolder would throw about an existing folder, without making one.
+/// Throws what the constructor of RunFolder would throw about an existing folder, without making it.
 void check_run_folder(const std::filesystem::path& folder);
 
 }  // namespace strake

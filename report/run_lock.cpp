@@ -11,7 +11,7 @@
 namespace strake {
 namespace {
 
-/// Of an open file description, not of a process: any later close of the file leaves it alone.
+/// Belongs to the open file description, not to the process: closing another descriptor of the file keeps it.
 struct flock whole_file() {
     struct flock whole {};
     whole.l_type = F_WRLCK;
@@ -29,7 +29,7 @@ LockHolder written_in(int fd) {
 }
 
 [[noreturn]] void refuse(const std::filesystem::path& file, int error) {
-    throw OutputError(text(file.string(), ": cannot be written: ", std::strerror(error)));
+    throw OutputError(text(file.string(), ": cannot write: ", std::strerror(error)));
 }
 
 }  // namespace
@@ -54,12 +54,12 @@ RunLock::RunLock(const std::filesystem::path& folder) : file_(folder / "lock") {
             const LockHolder holder = written_in(fd_);
             ::close(fd_);
             if (error != EAGAIN && error != EACCES) refuse(file_, error);
-            throw OutputError(text(folder.string(), ": a run is going on in this folder (", holder.words(),
-                                   "); wait for its end, or end it"));
+            throw OutputError(text(folder.string(), ": a run is in progress in this folder (", holder.words(),
+                                   "); wait until it ends, or stop it"));
         }
         struct stat info {};
         if (::fstat(fd_, &info) == 0 && info.st_nlink > 0) break;
-        ::close(fd_);  // the one before has just removed it
+        ::close(fd_);  // the previous holder has just removed it
     }
     const std::string words = text(std::to_string(::getpid()), " ", host_name(), "\n");
     if (::ftruncate(fd_, 0) != 0 ||

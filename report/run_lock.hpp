@@ -3,13 +3,13 @@
 #include <optional>
 #include <string>
 
-/// Two runs never write to one folder: `lock` in it is locked while one does, and goes away at its end. The system
-/// lifts the lock of a process that is gone, however it went.
+/// Keeps two runs from writing to one folder: its file `lock` is locked during a run and removed at the end. The system
+/// releases the lock of a process that has ended in any way.
 namespace strake {
 
 class RunLock {
 public:
-    /// @throws OutputError: the folder is in use (by which process of which machine), or nothing can be written there.
+    /// @throws OutputError: the folder is in use (naming process and machine), or is not writable.
     explicit RunLock(const std::filesystem::path& folder);
     ~RunLock();
     RunLock(const RunLock&) = delete;
@@ -21,14 +21,14 @@ private:
 };
 
 struct LockHolder {
-    std::string process, host;  ///< as it wrote them; empty: not known
+    std::string process, host;  ///< as it wrote them; empty: unknown
     std::string words() const;  ///< "process 123 on node7"
 };
 
-/// Of this machine.
+/// The name of this machine.
 std::string host_name();
 
-/// Who is running there; nothing where nobody is.
+/// Who is running there, if anybody.
 std::optional<LockHolder> lock_holder(const std::filesystem::path& folder);
 
 }  // namespace strake

@@ -1,7 +1,7 @@
 #include "report/run_report.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 #include "report/json_number.hpp"
 #include "report/report_page.hpp"
 #include "report/report_parts.hpp"
@@ -16,7 +16,7 @@ page::RunFiles read_run(const fs::path& folder, bool is_over) {
     page::RunFiles run{folder, nullptr, run_status(folder, is_over), Json::object()};
     run.journal = Journal::look(folder / "journal.sqlite");
     std::error_code ignored;
-    // That of a run which goes on tells of an earlier end.
+    // While a run is in progress, run.json describes an earlier end.
     if (!run.status.holder && fs::is_regular_file(folder / "run.json", ignored)) {
         Json end = Json::parse(read_bytes(folder / "run.json"), nullptr, false);
         if (end.is_object()) run.end = std::move(end);
@@ -78,10 +78,10 @@ std::string report_html(const fs::path& folder, const ReportSubject& subject) {
     try {
         data["shapes"] = page::shapes_json(run, subject, blobs);
     } catch (const InputError& error) {
-        // A damaged series takes the shapes from the page, not the page.
+        // A damaged series costs the page its shapes, nothing else.
         blobs.clear();
         data["shapes"] = nullptr;
-        notes.push_back(text("The shapes are left out: ", printable(error.what())));
+        notes.push_back(text("The shapes are not shown: ", printable(error.what())));
     }
     data["notes"] = notes;
     return page::html(subject.title, data, blobs);

@@ -1,8 +1,8 @@
 #include "report/run_status.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/shell_word.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 #include "report/json_number.hpp"
 
 #include <algorithm>
@@ -15,7 +15,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::ordered_json;
 
-/// Status and reason of a run that has come to an end.
+/// Status and reason of a run that has ended.
 void read_end(const fs::path& file, RunStatus& status) {
     std::error_code ignored;
     if (!fs::is_regular_file(file, ignored)) return;
@@ -34,7 +34,7 @@ std::vector<std::string> files_in(const fs::path& folder) {
     return files;
 }
 
-/// Folders of runs in this one, as they are typed.
+/// Run folders inside this one, quoted for the shell.
 std::vector<std::string> runs_in(const fs::path& folder) {
     std::vector<std::string> runs;
     std::error_code why, ignored;
@@ -50,16 +50,16 @@ void need_run(const fs::path& folder) {
     std::error_code ignored;
     if (fs::exists(folder / "journal.sqlite", ignored)) return;
     const std::string name = printable(folder.native());
-    if (!fs::exists(folder, ignored)) throw InputError(name + ": there is no such folder");
+    if (!fs::exists(folder, ignored)) throw InputError(name + ": no such folder");
     if (!fs::is_directory(folder, ignored))
-        throw InputError(name + ": is no folder; give that of a run, as `strake run` has named it");
+        throw InputError(name + ": is not a folder; give the run folder that `strake run` printed");
     constexpr std::size_t enough = 5;
     const std::vector<std::string> runs = runs_in(folder);
     std::string words;
     for (std::size_t i = 0; i < std::min(enough, runs.size()); ++i) words += (i > 0 ? ", " : "") + runs[i];
     if (runs.size() > enough) words += text(" and ", runs.size() - enough, " more");
-    throw InputError(
-        text(name, ": holds no run (there is no journal.sqlite)", runs.empty() ? "" : "; runs are in " + words));
+    throw InputError(text(name, ": is not a run folder (it has no journal.sqlite)",
+                          runs.empty() ? "" : "; run folders below it: " + words));
 }
 
 RunStatus run_status(const fs::path& folder, bool is_over) {
@@ -90,8 +90,8 @@ RunStatus run_status(const fs::path& folder, bool is_over) {
         status.reason = text(status.holder->words(), " is at evaluation ", status.evaluations + 1);
     } else if (status.status.empty()) {
         status.status = "killed";
-        status.reason = text("it ended without a word after ", status.evaluations, " evaluations; `strake resume ",
-                             typed_path(folder.string()), "` goes on");
+        status.reason = text("the process ended unexpectedly after ", status.evaluations,
+                             " evaluations; `strake resume ", typed_path(folder.string()), "` continues it");
     }
     return status;
 }
@@ -122,7 +122,7 @@ EvaluationRecord record_of(const JournalEvaluation& e) {
     record.reason = e.reason;
     record.objective = e.objective;
     record.values = e.values;
-    record.own = e.own;
+    record.parameters = e.parameters;
     record.max_violation = e.max_violation;
     record.accepted = e.accepted;
     record.max_displacement = e.max_displacement;

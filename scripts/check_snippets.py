@@ -105,7 +105,7 @@ def main():
         pristine.mkdir()
         fresh_copy(pristine, bin_folder)
         for page in [ROOT / "README.md", *sorted((ROOT / "docs").rglob("*.md"))]:
-            folder = pathlib.Path(temporary) / page.stem
+            folder = pathlib.Path(temporary) / "-".join(page.relative_to(ROOT).with_suffix("").parts)
             shutil.copytree(pristine, folder)
             program = []
             for line, kind, code in blocks(page):

@@ -9,11 +9,11 @@ names=(stl obj ply off tri su2 msh nas vtk vtp vtp_fields gz npy su2_volume vtu 
 [ $# -le 1 ] || names=("${@:2}")
 build=build/sanitize
 [ -e $build/build.ninja ] || cmake --preset sanitize || exit 1
-cmake --build --preset sanitize --target fuzz_bytes fuzz_case fuzz_seeds || exit 1
+cmake --build --preset sanitize --target fuzz_bytes fuzz_case fuzz_seeds >/dev/null || exit 1
 rm -rf $build/findings $build/seeds
 mkdir -p $build/findings $build/corpus $build/logs
 export ASAN_OPTIONS=detect_leaks=1:allocator_may_return_null=0 UBSAN_OPTIONS=print_stacktrace=1
-$build/tests/fuzz/fuzz_seeds $build/seeds tests/cases/case_fuzz_test.cpp || exit 1
+$build/tests/fuzz/fuzz_seeds $build/seeds tests/casefile/case_fuzz_test.cpp || exit 1
 
 # one NAME: what the seeds and earlier runs found is the corpus; a fixed seed makes short runs alike.
 one() {

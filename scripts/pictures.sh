@@ -100,8 +100,8 @@ solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj 
     "before|after: less wave drag, same volume" --view side --edges
 solver openfoam_wing.png $external/openfoam_wing/generated/start.obj runs/openfoam_wing \
     "before|after: less drag, same lift" --view=-1,-0.7,0.45
-if [ -f "$evidence/local_bump-slsqp.vtp" ] && [ -f "$evidence/global_twist-slsqp.vtp" ]; then
-    bump=$evidence/local_bump-slsqp.vtp twist=$evidence/global_twist-slsqp.vtp
+if [ -f "$evidence/local_bump-sqp.vtp" ] && [ -f "$evidence/global_twist-sqp.vtp" ]; then
+    bump=$evidence/local_bump-sqp.vtp twist=$evidence/global_twist-sqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \
         --titles "local bump: splits above a patch|its patches|global twist: splits above a patch|its patches"
 fi

@@ -27,17 +27,15 @@ if [ "$(id -u)" != 0 ]; then
     }
     as_root=(sudo)
 fi
+# shellcheck source=scripts/progress.sh
+. scripts/progress.sh
 apt_get() { "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get "$@"; }
 # shellcheck disable=SC2086
 install() { apt_get install -y -q --no-install-recommends $missing; }
-echo "installing $(echo "$missing" | wc -l) packages: $(echo $missing)" >&2
-log=$(mktemp)
-trap 'rm -f "$log"' EXIT
 # An image may come without package lists, or with lists that have grown old: then, and only then, fetch them.
-if ! install >"$log" 2>&1; then
-    if ! { apt_get update -q && install; } >"$log" 2>&1; then
-        cat "$log" >&2
-        echo "setup.sh: the packages could not be installed (see above)" >&2
-        exit 1
-    fi
+fetch_and_install() { install || { apt_get update -q && install; }; }
+echo "installing $(echo "$missing" | wc -l) packages: $(echo $missing)" >&2
+if ! progress "Installing packages" 120 fetch_and_install; then
+    echo "setup.sh: the packages could not be installed (see above)" >&2
+    exit 1
 fi

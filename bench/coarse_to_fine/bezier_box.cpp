@@ -13,7 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr int most_points = 11;
+constexpr int max_points = 11;
 constexpr double margin = 0.02;  ///< of the box beyond the surface, of its extent
 
 struct Lattice {
@@ -59,9 +59,9 @@ Lattice choose_lattice(const EvidenceProblem& problem, const Box& box, int varia
     const Vector3d extent = box.max - box.min;
     Lattice best;
     double best_score = std::numeric_limits<double>::infinity();
-    for (int i = 2; i <= most_points; ++i)
-        for (int j = 2; j <= most_points; ++j)
-            for (int k = 2; k <= most_points; ++k) {
+    for (int i = 2; i <= max_points; ++i)
+        for (int j = 2; j <= max_points; ++j)
+            for (int k = 2; k <= max_points; ++k) {
                 Lattice lattice{
                     {i, j, k}, problem.ends.low.has_value(), problem.ends.high.has_value(), problem.ends.axis};
                 if (lattice.variables() <= 0) continue;

@@ -2,8 +2,8 @@
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "core/mesh/geometry.hpp"
-#include "objectives/measures.hpp"
-#include "objectives/target_shape.hpp"
+#include "objectives/fit/target_shape.hpp"
+#include "objectives/geometry/measures.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -120,7 +120,7 @@ EvidenceProblem blob(int triangles, Draw& draw) {
                                   .what = "sphere to a bumpy one, by formula",
                                   .surface = surface,
                                   .ends = {2, -0.8, {}},
-                                  .kinds = {VariableKind::load_normal},
+                                  .kinds = {VariableKind::normal_load},
                                   .max_displacement = 0.08,
                                   .prism_height = 0.05});
     recover_shape(p, warped(surface, p.ends, radial(bumps)));
@@ -157,7 +157,7 @@ EvidenceProblem lifting_body_volume(int triangles, Draw& draw) {
          .what = "lifting body: most volume, area at most 1 % more, moved by at most 1 % of the diagonal (rms)",
          .surface = example::lifting_body(std::max(triangles, 1500), shape),
          .ends = {0, 0.1 * shape.length, 0.97 * shape.length},
-         .kinds = {VariableKind::load_normal},
+         .kinds = {VariableKind::normal_load},
          .max_displacement = 0.08});
     // Limits of the shape itself, so that none of the parametrisations ends at bounds of its own.
     const double moved = 0.01 * box_diagonal(p.problem.surface);
@@ -177,7 +177,7 @@ EvidenceProblem local_bump(int triangles, Draw& draw) {
                                   .what = "tube with a bump about as large as one patch of the last level, by formula",
                                   .surface = surface,
                                   .ends = {0, 0.3, {}},
-                                  .kinds = {VariableKind::load_normal},
+                                  .kinds = {VariableKind::normal_load},
                                   .max_displacement = 0.15});
     const auto& patches = p.problem.tree.levels.back().patches;
     std::vector<std::pair<Vector3d, double>> places;  // of patches well inside: centre and radius

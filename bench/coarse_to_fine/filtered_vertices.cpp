@@ -63,7 +63,7 @@ LinearMotion filtered_vertices(const EvidenceProblem& problem) {
     const auto filter = std::make_shared<const Filter>(surface, held_vertices(problem.problem), r);
     const Eigen::Index n = filter->mass.size();
     const std::vector<VariableKind>& kinds = problem.problem.parameters.kinds;
-    const bool along_normal = kinds == std::vector<VariableKind>{VariableKind::load_normal};
+    const bool along_normal = kinds == std::vector<VariableKind>{VariableKind::normal_load};
     const Points normals = vertex_normals(surface)(filter->vertex, Eigen::all);
 
     // s = 1 at one vertex moves the surface by (M + r^2 K)^-1_kk m_k there. Its mean over some vertices serves for all,

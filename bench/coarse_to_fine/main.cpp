@@ -1,7 +1,8 @@
 #include "bench/coarse_to_fine/solve.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/vtp.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/vtp.hpp"
+#include "core/text/file.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
@@ -23,7 +24,7 @@ struct Settings {
     unsigned seed = 1;
     std::string out = "evidence";
     LevelStartHessian level_start = LevelStartHessian::carried;
-    double promise_below = OptimizeOptions().promise_below;
+    double min_expected_gain = OptimizeOptions().min_expected_gain;
     bool values_only = false;
 };
 
@@ -99,13 +100,13 @@ Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method met
 void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
-    problem.problem.optimize.promise_below = settings.promise_below;
+    problem.problem.optimize.min_expected_gain = settings.min_expected_gain;
     if (settings.values_only) problem = without_gradients(problem);
     const std::filesystem::path folder = settings.out;
     Report report;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
-            if (solver == Solver::filtered && method == Method::slsqp) continue;
+            if (solver == Solver::filtered && method == Method::sqp) continue;
             if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
             const Solve s = solve_or_say_why(problem, solver, method, settings.budget);
             report.add(problem, s);
@@ -130,7 +131,7 @@ int main(int argc, char** argv) {
     app.add_option("--solvers", settings.solvers, "adaptive, uniform, finest, ffd, filtered; default: all")
         ->delimiter(',')
         ->check(CLI::IsMember({"adaptive", "uniform", "finest", "ffd", "filtered"}));
-    app.add_option("--methods", settings.methods, "slsqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
+    app.add_option("--methods", settings.methods, "sqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
     app.add_option("--triangles", settings.triangles, "of a surface, about")->check(CLI::Range(500, 1'000'000));
     app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
     app.add_option("--seed", settings.seed, "another seed makes another set of problems");
@@ -139,14 +140,14 @@ int main(int argc, char** argv) {
                                                           {"metric", LevelStartHessian::metric},
                                                           {"diagonal", LevelStartHessian::diagonal}};
     app.add_option("--level-start", settings.level_start,
-                   "what a level knows at its start (slsqp): carried, metric, diagonal")
+                   "what a level knows at its start (sqp): carried, metric, diagonal")
         ->transform(CLI::CheckedTransformer(starts));
-    app.add_option("--promise-below", settings.promise_below,
-                   "adaptive: share of the gain below which a promise is not worth a refinement")
+    app.add_option("--min-expected-gain", settings.min_expected_gain,
+                   "adaptive: share of the gain below which an expected decrease is not worth a refinement")
         ->check(CLI::Range(0.0, 1.0));
     app.add_flag(
         "--values-only", settings.values_only,
-        "no gradients: slsqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
+        "no gradients: sqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

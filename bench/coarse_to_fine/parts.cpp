@@ -1,7 +1,8 @@
 #include "bench/coarse_to_fine/parts.hpp"
 
 #include "core/mesh/geometry.hpp"
-#include "objectives/target_shape.hpp"
+#include "core/patches/automatic.hpp"
+#include "objectives/fit/target_shape.hpp"
 
 #include <algorithm>
 #include <cmath>

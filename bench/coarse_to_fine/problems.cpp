@@ -35,10 +35,10 @@ const std::vector<std::string>& problem_names() {
 }
 
 std::vector<Method> methods_of(const EvidenceProblem& evidence) {
-    if (evidence.has_gradients) return {Method::slsqp, evidence.second};
+    if (evidence.has_gradients) return {Method::sqp, evidence.second};
     // bobyqa knows no constraints.
-    if (evidence.problem.constraints.empty()) return {Method::slsqp, Method::cobyla, Method::bobyqa};
-    return {Method::slsqp, Method::cobyla};
+    if (evidence.problem.constraints.empty()) return {Method::sqp, Method::cobyla, Method::bobyqa};
+    return {Method::sqp, Method::cobyla};
 }
 
 EvidenceProblem without_gradients(EvidenceProblem evidence) {

@@ -1,5 +1,5 @@
 #pragma once
-#include "optimize/problem.hpp"
+#include "optimize/problem/problem.hpp"
 
 /// The twelve design problems of the evidence suite: surface, held part, patches, variables, objective, constraints.
 /// Everything that is random comes from the seed; another seed makes another set of twelve.
@@ -17,7 +17,7 @@ struct EvidenceProblem {
     bool outside = false;  ///< its target was made by a formula on the vertices, not by the shell
     HeldEnds ends;
     Problem problem;                ///< tree: the three levels that the variants with levels share
-    Method second = Method::lbfgs;  ///< the method beside slsqp
+    Method second = Method::lbfgs;  ///< the method beside sqp
     bool has_gradients = true;
 };
 /// Those that it is solved with.
@@ -29,7 +29,7 @@ const std::vector<std::string>& problem_names();
 /// @param triangles about; wings have at least 1 000, lifting bodies 1 500. @throws InvalidInput for an unknown name.
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed);
 
-/// The same as a solver without gradients sees it: quantities give values only, slsqp takes differences.
+/// The same as a solver without gradients sees it: quantities give values only, sqp takes differences.
 EvidenceProblem without_gradients(EvidenceProblem evidence);
 
 /// The tree whose level 1 is the last level of `tree`.

@@ -47,7 +47,7 @@ class Results:
     def __init__(self, folder):
         self.runs, self.traces = read(folder)
         self.problems = list(dict.fromkeys(key[0] for key in self.runs))
-        self.ways = sorted({key[1:] for key in self.runs}, key=lambda w: (list(COLOURS).index(w[0]), w[1] != "slsqp"))
+        self.ways = sorted({key[1:] for key in self.runs}, key=lambda w: (list(COLOURS).index(w[0]), w[1] != "sqp"))
         self.start, self.best, self.best_strake = {}, {}, {}
         for problem in self.problems:
             starts = [t[0][2] for key, t in self.traces.items() if key[0] == problem and not math.isnan(t[0][2])]
@@ -121,7 +121,7 @@ def count_against_finest(r, kind, best, label, column=0):
     column 0: evaluations, 2: with gradients by differences."""
     half = within = no_worse = total = undecided = 0
     exceptions = []
-    for problem, method in pairs(r, lambda p: [m for m in r.methods("adaptive", p) if (m == "slsqp") == (kind == "slsqp")]):
+    for problem, method in pairs(r, lambda p: [m for m in r.methods("adaptive", p) if (m == "sqp") == (kind == "sqp")]):
         total += 1
         a = r.reach((problem, "adaptive", method), 0.99, best)
         f = r.reach((problem, "finest", method), 0.99, best)
@@ -149,7 +149,7 @@ def against_ffd(r, kind):
     lost = []
     for problem in r.problems:
         for method in r.methods("adaptive", problem):
-            if (method == "slsqp") != (kind == "slsqp") or (problem, "ffd", method) not in r.runs:
+            if (method == "sqp") != (kind == "sqp") or (problem, "ffd", method) not in r.runs:
                 continue
             total += 1
             a, f = (problem, "adaptive", method), (problem, "ffd", method)
@@ -169,13 +169,13 @@ def counts(r):
              "of the level at every evaluation, and at every refinement one for each variable that could be chosen.",
              "", "| method | 99 % of | at most half of the evaluations | at most 1.1 times | neither reaches it | end not worse"
              " by 1 % | not half |", "|---|---|---|---|---|---|---|"]
-    for kind in ("slsqp", "first-order"):
+    for kind in ("sqp", "first-order"):
         for best, label in ((r.best, "all"), (r.best_strake, "Strake's")):
             lines.append(count_against_finest(r, kind, best, label))
         lines.append(count_against_finest(r, kind, r.best_strake, "Strake's, gradients by differences", 2))
     lines += ["", "Adaptive against the Bezier box of equal size, the same method.", "",
               "| method | lower at the end | 99 % no later | lower with the box |", "|---|---|---|---|"]
-    lines += [against_ffd(r, kind) for kind in ("slsqp", "first-order")]
+    lines += [against_ffd(r, kind) for kind in ("sqp", "first-order")]
     return lines + [""]
 
 
@@ -186,14 +186,14 @@ def overview(r):
     for problem in r.problems:
         cells = []
         for solver, kind in columns(r):
-            method = next((m for m in r.methods(solver, problem) if (m == "slsqp") == (kind == "slsqp")), None)
+            method = next((m for m in r.methods(solver, problem) if (m == "sqp") == (kind == "sqp")), None)
             cells.append("-" if method is None else f"{100 * r.share((problem, solver, method)):.2f}")
         lines.append(f"| {problem} | " + " | ".join(cells) + " |")
     return lines + [""]
 
 
 def columns(r):
-    seen = dict.fromkeys((solver, "slsqp" if method == "slsqp" else "first-order") for solver, method in r.ways)
+    seen = dict.fromkeys((solver, "sqp" if method == "sqp" else "first-order") for solver, method in r.ways)
     return list(seen)
 
 
@@ -216,7 +216,7 @@ def profile(r, column, share, path):
         at = []
         for problem in r.problems:
             for method in r.methods(solver, problem):
-                if (method == "slsqp") == (kind == "slsqp"):
+                if (method == "sqp") == (kind == "sqp"):
                     found = r.reach((problem, solver, method), share)
                     at += [] if found is None else [max(found[column], 0.01)]
         curves[solver, kind] = sorted(at)
@@ -245,7 +245,7 @@ def profile(r, column, share, path):
     axis = ("evaluations", "CPU seconds")[column]
     svg.append(f'<text x="{left + plot / 2:.0f}" y="{height - 12}" text-anchor="middle">{axis}</text>')
     for i, ((solver, kind), at) in enumerate(curves.items()):
-        dash = "" if kind == "slsqp" else ' stroke-dasharray="6 3"'
+        dash = "" if kind == "sqp" else ' stroke-dasharray="6 3"'
         points, count = [f"{left},{y(0):.1f}"], len(r.problems)
         for k, value in enumerate(at):
             points += [f"{x(value):.1f},{y(k / count):.1f}", f"{x(value):.1f},{y((k + 1) / count):.1f}"]

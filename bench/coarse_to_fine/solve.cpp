@@ -2,10 +2,11 @@
 
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/constraints.hpp"
-#include "optimize/refinement.hpp"
-#include "optimize/validity.hpp"
+#include "optimize/evaluate/constraints.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/nlp/minimizer.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/space/refinement.hpp"
 
 #include <ctime>
 
@@ -106,7 +107,7 @@ public:
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
         if (has_gradients_)
-            p.differentiate = [this](const VectorXd&, Sample& sample) { differentiate(sample); };
+            p.differentiate = [this](const VectorXd&, Evaluation& sample) { differentiate(sample); };
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
@@ -119,8 +120,8 @@ private:
         return static_cast<int>(std::find(names_.begin(), names_.end(), name) - names_.begin());
     }
 
-    Sample evaluate(const VectorXd& y) {
-        Sample sample;
+    Evaluation evaluate(const VectorXd& y) {
+        Evaluation sample;
         const TriMesh surface = with_vertices(problem_.surface, vertices(y));
         sample.failure = guard_.defect(surface.vertices, at_rest_);
         std::vector<double> values;
@@ -139,7 +140,7 @@ private:
     }
 
     /// Objective and constraints from the values; the largest violation.
-    double fill(const std::vector<double>& values, Sample& sample) {
+    double fill(const std::vector<double>& values, Evaluation& sample) {
         if (rows_.rows.empty() && !problem_.constraints.empty()) {
             std::vector<int> at;
             for (const Constraint& c : problem_.constraints) at.push_back(index(c.quantity));
@@ -156,7 +157,7 @@ private:
         return violation;
     }
 
-    void differentiate(Sample& sample) {
+    void differentiate(Evaluation& sample) {
         const auto by_y = [&](int value) {
             return VectorXd(motion_.gradient(dJ_dv_[value]).cwiseQuotient(motion_.weight));
         };
@@ -180,8 +181,8 @@ private:
     std::vector<Points> dJ_dv_;
 };
 
-/// Above this, the dense models of slsqp cost minutes a step; a first-order method that ends is then taken at its word.
-constexpr int most_for_dense_models = 300;
+/// Above this, the dense models of sqp cost minutes a step; a first-order method that ends is then taken at its word.
+constexpr int max_for_dense_models = 300;
 struct EndedByItself {};
 
 void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
@@ -190,7 +191,7 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
     // As many variables as the last level of the tree has: those of its patches that are not wholly held.
     LinearMotion motion;
     if (solver == Solver::filtered) {
-        if (method == Method::slsqp) throw InvalidInput("filtered vertices are too many for the dense models of slsqp");
+        if (method == Method::sqp) throw InvalidInput("filtered vertices are too many for the dense models of sqp");
         motion = filtered_vertices(evidence);
     } else {
         motion = bezier_box(evidence, variables_of_last_level(evidence.problem));
@@ -208,8 +209,8 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
     how.constraint_tolerance = options.constraint_tolerance;
     how.on_event = [&](const std::string& words) {
         result.notes.push_back(words);
-        const bool is_second_opinion = words.find("slsqp goes on") != std::string::npos;
-        if (is_second_opinion && motion.size() > most_for_dense_models) throw EndedByItself{};
+        const bool is_second_opinion = words.find("sqp goes on") != std::string::npos;
+        if (is_second_opinion && motion.size() > max_for_dense_models) throw EndedByItself{};
     };
     MinimizeResult end;
     try {
@@ -219,11 +220,11 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
         result.reason = result.notes.back();
         return;
     }
-    result.status = end.stop == MinimizeStop::converged     ? "converged"
-                    : end.stop == MinimizeStop::evaluations ? "budget"
-                    : end.stop == MinimizeStop::blocked     ? "blocked"
-                    : end.stop == MinimizeStop::roundoff    ? "roundoff"
-                                                            : "failed";
+    result.status = end.stop == MinimizeStop::converged       ? "converged"
+                    : end.stop == MinimizeStop::evaluations   ? "budget"
+                    : end.stop == MinimizeStop::no_valid_step ? "no_valid_step"
+                    : end.stop == MinimizeStop::roundoff      ? "roundoff"
+                                                              : "failed";
     result.reason = end.reason;
     result.vertices = comparator.vertices(end.x);
 }
@@ -254,8 +255,8 @@ std::string to_string(Solver solver) {
 
 std::string to_string(Method method) {
     switch (method) {
-        case Method::slsqp:
-            return "slsqp";
+        case Method::sqp:
+            return "sqp";
         case Method::mma:
             return "mma";
         case Method::lbfgs:

@@ -9,7 +9,7 @@ enum class Solver {
     uniform,   ///< coarse to fine, level by level of the tree
     finest,    ///< the last level alone
     ffd,       ///< Bezier box with about as many variables as `finest`
-    filtered   ///< every vertex through a Helmholtz filter; not with slsqp, whose models are dense
+    filtered   ///< every vertex through a Helmholtz filter; not with sqp, whose models are dense
 };
 const std::vector<Solver>& all_solvers();
 std::string to_string(Solver solver);

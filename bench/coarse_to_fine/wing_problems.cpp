@@ -1,6 +1,6 @@
 #include "bench/coarse_to_fine/makers.hpp"
 #include "cases/geometry/wing.hpp"
-#include "objectives/measures.hpp"
+#include "objectives/geometry/measures.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -86,7 +86,7 @@ EvidenceProblem wing_under_limits(int triangles, Draw& draw) {
                   .what = "wing: most volume under area, thickness (least, most) and change of curvature",
                   .surface = surface,
                   .ends = {1, 0.05, 0.95 * shape.semi_span},
-                  .kinds = {VariableKind::load_normal},
+                  .kinds = {VariableKind::normal_load},
                   .max_displacement = 0.08});
     p.problem.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
     p.problem.quantities = {volume(surface, p.problem.symmetry), area(),

@@ -1,5 +1,5 @@
 // remesh_figures BEFORE AFTER ANGLE_DEG: one row of a Markdown table, by the measures of the tests.
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "measure.hpp"
 
 #include <cstdio>

@@ -3,7 +3,7 @@
 
     variables:  {alpha: {start: 4deg, min: 0deg, max: 10deg}}
     command: [./newton.py, "{request}", "{result}"]
-    gives: [drag, lift]
+    outputs: [drag, lift]
     format: obj
 
 Shows two things that volume.py does not need: several values, and a variable that is not shape. The stream has the

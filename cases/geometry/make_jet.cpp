@@ -1,6 +1,6 @@
 #include "cases/geometry/business_jet.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 
 #include <CLI/CLI.hpp>
 #include <cstdio>

@@ -4,7 +4,7 @@
 #include "cases/geometry/waverider.hpp"
 #include "cases/geometry/wing.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 
 #include <CLI/CLI.hpp>
 #include <algorithm>

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <numeric>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -69,6 +70,7 @@ Adjacency adjacency(const TriMesh& mesh) {
 
 std::vector<int> edge_components(const TriMesh& mesh, const Adjacency& adjacent) {
     std::vector<int> component(mesh.num_triangles(), -1), stack;
+    std::vector<char> is_seen(adjacent.num_edges());  // once for all triangles at it: there may be thousands
     int count = 0;
     for (int seed = 0; seed < mesh.num_triangles(); ++seed) {
         if (component[seed] >= 0) continue;
@@ -77,12 +79,15 @@ std::vector<int> edge_components(const TriMesh& mesh, const Adjacency& adjacent)
         while (!stack.empty()) {
             const int t = stack.back();
             stack.pop_back();
-            for (int k = 0; k < 3; ++k)
-                for (const int n : adjacent.edge_triangles[adjacent.triangle_edges(t, k)])
+            for (int k = 0; k < 3; ++k) {
+                const int e = adjacent.triangle_edges(t, k);
+                if (std::exchange(is_seen[e], 1)) continue;
+                for (const int n : adjacent.edge_triangles[e])
                     if (component[n] < 0) {
                         component[n] = count;
                         stack.push_back(n);
                     }
+            }
         }
         ++count;
     }

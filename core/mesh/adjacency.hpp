@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-/// Who is beside whom. Built once, in O(m log m); every list is in ascending order, so that whatever
-/// walks it is deterministic.
+/// Neighbours of vertices, edges and triangles. Built once, in O(m log m); lists are ascending, for deterministic
+/// results.
 namespace strake {
 
 /// Lists of int, one per row, stored end to end.
@@ -24,7 +24,7 @@ struct Adjacency {
     IntLists edge_triangles;                ///< triangles at an edge: 1 boundary, 2 interior, else non-manifold
     Triangles triangle_edges;               ///< m x 3: edge from corner k to corner k+1
     IntLists vertex_triangles;              ///< triangles at a vertex
-    std::vector<char> misoriented;          ///< per edge: two triangles that run through it in the same direction
+    std::vector<char> misoriented;          ///< per edge: its two triangles traverse it in the same direction
 
     int num_edges() const { return static_cast<int>(edges.size()); }
     /// Exactly two triangles that agree in orientation.

@@ -13,7 +13,7 @@
 namespace strake {
 namespace {
 
-/// Embree recommends flushing small numbers to zero; the program's own arithmetic must not change by it.
+/// Embree recommends flushing subnormal numbers to zero; restores the mode for our own arithmetic.
 struct KeepFloatingPointMode {
     unsigned mode = _mm_getcsr();
     ~KeepFloatingPointMode() { _mm_setcsr(mode); }
@@ -25,10 +25,9 @@ float rounded_up(double x) { return step(static_cast<float>(x), std::numeric_lim
 
 }  // namespace
 
-/// Embree's tree works in single precision and only sorts out which triangles may be the closest: their boxes are
-/// rounded outward, the search radius is rounded up by more than its arithmetic errs, and every distance that
-/// counts is computed in double precision. Coordinates are moved to the unit box first, so that no offset of the
-/// surface costs digits.
+/// Embree's tree works in single precision and only preselects candidates: their boxes are rounded outward, the search
+/// radius is rounded up beyond its arithmetic error, and decisive distances are computed in double precision.
+/// Coordinates are first scaled to the unit box, because an offset would cost digits.
 struct ClosestPointTree::Impl {
     TriMesh mesh;
     Eigen::Vector3d centre = Eigen::Vector3d::Zero();
@@ -97,7 +96,7 @@ struct ClosestPointTree::Impl {
         ClosestPoint best;
     };
 
-    /// A radius that no rounding of the tree's arithmetic makes smaller than the distance found.
+    /// A radius that stays above the distance found despite rounding in the tree.
     float radius(const Query& query) const {
         return rounded_up(query.best.distance * scale * (1 + 1e-5) + query.slack + 1e-30);
     }

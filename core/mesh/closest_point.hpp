@@ -1,18 +1,10 @@
 #pragma once
-#include "core/mesh/mesh.hpp"
+#include "core/mesh/point_triangle.hpp"
 
 #include <memory>
 
 /// Closest point on a triangulation.
 namespace strake {
-
-struct ClosestPoint {
-    Eigen::Vector3d point;
-    int triangle = -1;  ///< tie: the smallest number
-    int corner_a = -1,
-        corner_b = -1;  ///< local corners of the closest edge (both), vertex (corner_a), or face (neither)
-    double distance = 0;
-};
 
 /// A tree over a copy of the triangles; queries are exact in double precision and thread-safe.
 class ClosestPointTree {

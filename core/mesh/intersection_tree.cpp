@@ -40,7 +40,7 @@ std::vector<int> twins(const Points& vertices) {
 
 }  // namespace
 
-/// One walk over all pairs of leaves whose boxes meet and that hold something moved.
+/// Traverses all pairs of leaves with intersecting boxes and a moved triangle.
 struct IntersectionTree::Search {
     const IntersectionTree& tree;
     const Points& vertices;
@@ -160,8 +160,8 @@ void IntersectionTree::build(int begin, int end, std::vector<Centre>& centres) {
     build(middle, end, centres);
 }
 
-/// Twins that are still together get the coordinates and the number of the first of them: pins move the two sides of a
-/// seam alike to round-off only.
+/// Twins that stayed together get the coordinates and number of the first: pins move both sides of a seam equally only
+/// to round-off.
 Points IntersectionTree::with_closed_seams(const Points& vertices, std::vector<int>& id) const {
     Points result = vertices;
     id.resize(twin_.size());

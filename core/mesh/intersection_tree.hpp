@@ -1,13 +1,13 @@
 #pragma once
 #include "core/mesh/topology.hpp"
 
-/// Finds where a surface passes through itself, again and again while its vertices move.
+/// Finds self-intersections of a surface, repeatedly while its vertices move.
 namespace strake {
 
-/// A tree of boxes over the triangles by their place at rest; every search refits the boxes, so that its cost hardly
-/// depends on how far the vertices went. A pair whose boxes meet is first tried for a separating plane in floating
-/// point with proven error bounds; only what is left sees exact predicates. Nothing is missed, and the result does not
-/// depend on the tree.
+/// A bounding-box tree over the triangles at rest; each search refits the boxes, so its cost barely depends on the
+/// displacement. A pair whose boxes meet is first tested for a separating plane in floating point with proven error
+/// bounds; only the remaining pairs need exact predicates. Nothing is missed, and the result does not depend on the
+/// tree.
 class IntersectionTree {
 public:
     /// Cost: m log m and one search.
@@ -16,9 +16,9 @@ public:
     /// intersections(rest).
     const Intersections& at_rest() const { return at_rest_; }
 
-    /// Pairs that intersect elsewhere than at what they share with these vertices (n x 3, finite) and did not at rest,
-    /// ascending. A pair of which no vertex has moved is not looked at. Vertices at one place at rest that are still
-    /// within 1e-9 of the diagonal of each other are shared; others that meet by moving are not: they touch.
+    /// Pairs that intersect away from shared vertices and edges with these vertices (n x 3, finite) and did not at
+    /// rest, ascending. Pairs without a moved vertex are skipped. Vertices that coincide at rest and stay within 1e-9
+    /// diagonals count as shared; vertices that meet by moving do not: they touch.
     std::vector<std::array<int, 2>> fresh(const Points& vertices) const;
 
 private:
@@ -37,7 +37,7 @@ private:
     Points rest_;
     Triangles triangles_;
     std::vector<int> twin_;   ///< per vertex: the first at the same place at rest; empty when all places differ
-    double seam_ = 0;         ///< what twins may be apart
+    double seam_ = 0;         ///< largest distance of twins
     std::vector<int> order_;  ///< triangles with three different corners, leaf by leaf
     std::vector<Node> nodes_;
     Intersections at_rest_;

@@ -1,18 +1,18 @@
 #pragma once
 #include "core/mesh/local_rotation.hpp"
 
-/// How a displacement of a surface varies near each vertex, in all directions.
+/// Gradient of a surface's displacement at each vertex.
 namespace strake {
 
 /// n x 9: the matrix du_i/dx_j of each vertex by rows.
 using Gradients = Eigen::Matrix<double, Eigen::Dynamic, 9, Eigen::RowMajor>;
 
 /// Gradients of a displacement (n x 3, length), linear in it, and the transpose of that map. On a triangle with unit
-/// normal n and corners k with opposite edges e_k, a displacement is known along the surface only; across it the normal
-/// turns with the surface (the normal of a shell is carried along):
+/// normal n and corners k with opposite edges e_k, a displacement is known only along the surface; normal to it, the
+/// normal rotates with the surface (like a shell's):
 ///   G = sum_k [u_k g_k^T - g_k (n . u_k) n^T],   g_k = (n x e_k) / 2A,
-/// exact for every u = Wx + t with W antisymmetric, and along the surface for every affine u. At a vertex it is the
-/// mean over its triangles by area. Vertices without area have none.
+/// exact for every u = Wx + t with W antisymmetric, and along the surface for every affine u. A vertex has the
+/// area-weighted mean over its triangles, zero without area.
 class LocalGradient {
 public:
     explicit LocalGradient(const TriMesh& mesh) : arms_(mesh) {}

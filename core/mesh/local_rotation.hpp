@@ -1,10 +1,10 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
-/// How a small displacement turns the surface at each vertex.
+/// Rotation of the surface at each vertex under a small displacement.
 namespace strake {
 
-/// What the derivatives of a field on a triangulation are made of.
+/// Data for derivatives of a field on a triangulation.
 struct TriangleArms {
     Triangles triangles;
     Points normals;        ///< m x 3, unit; zero where the area is
@@ -17,7 +17,7 @@ struct TriangleArms {
 /// On a triangle with unit normal n and corners k with opposite edges e_k, the displacement's gradient is
 /// sum_k u_k (n x e_k)^T / 2A, and the rotation vector that fits it
 ///   w = (I - n n^T / 2) sum_k (n x e_k) x u_k / 2A,
-/// exact for u = w x r + t; at a vertex it is the mean over its triangles by area. Vertices without area do not turn.
+/// exact for u = w x r + t; a vertex has the area-weighted mean over its triangles, zero without area.
 class LocalRotation {
 public:
     explicit LocalRotation(const TriMesh& mesh) : arms_(mesh) {}

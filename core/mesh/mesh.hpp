@@ -9,8 +9,7 @@ namespace strake {
 using Points = Eigen::Matrix<double, Eigen::Dynamic, 3, Eigen::RowMajor>;  ///< n x 3
 using Triangles = Eigen::Matrix<int, Eigen::Dynamic, 3, Eigen::RowMajor>;  ///< m x 3, 0-based vertex indices
 
-/// A triangulated surface. Plain data: nothing here is checked; readers hand out only finite vertices
-/// and indices in range.
+/// A triangulated surface. Plain data, unchecked; readers return only finite vertices and indices in range.
 struct TriMesh {
     Points vertices;
     Triangles triangles;

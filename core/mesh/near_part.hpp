@@ -8,16 +8,17 @@
 /// The part of a `SurfaceMap` that follows the closest triangle. Internal.
 namespace strake {
 
-/// Row p of what is carried, with closest place q, corners k, their shares b_k, displacements u_k, rotations w_k and
+/// The map of point p, with closest point q, corners k, their shares b_k, displacements u_k, rotations w_k and
 /// gradients G_k:
 ///   near(p) = sum_k b_k (u_k + G_k (q - v_k) / 2 + w_k x (p - q)).
-/// Half of each corner's first-order term makes up for what straight lines between the corners leave out of a smooth
-/// displacement, to second order: sum b_k u_k is too large by half of sum b_k (v_k - q)^T H (v_k - q), and
-/// sum b_k (u_k + G_k (q - v_k)) too small by as much. At a corner it is u_k.
+/// Half of each corner's first-order term makes interpolation of a smooth displacement second-order accurate: sum b_k
+/// u_k is too large by half of sum b_k (v_k - q)^T H (v_k - q), and sum b_k (u_k + G_k (q - v_k)) is too small by the
+/// same amount. At a corner it is u_k.
 class NearPart {
 public:
     NearPart(Eigen::Index points, int vertices);
-    /// Rows in their order, each once; `corners`: vertex and weight (share times what the near part counts), ascending.
+    /// Each row once, in order; `corners`: vertices and weights (barycentric share times the weight of the near part),
+    /// ascending.
     void add(Eigen::Index p, const Points& vertices, const std::vector<std::pair<int, double>>& corners,
              const Eigen::Vector3d& closest, const Eigen::Vector3d& offset);
     void finish() { weights_.finalize(); }

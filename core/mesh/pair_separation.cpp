@@ -4,9 +4,9 @@
 
 #include <limits>
 
-/// Separating planes in floating point. A plane's normal m may be any vector, so that no rounding in finding it does
-/// harm. What has to be bounded is the error of m.(x - o): four roundings of 2^-53 each relative to
-/// sum |m_i| |x_i - o_i|, for which twice as much is taken, and for underflow the smallest normal number.
+/// Separating planes in floating point. A plane's normal m may be any vector: rounding errors in it are harmless. Only
+/// the error of m.(x - o) needs a bound: four roundings of 2^-53 each relative to sum |m_i| |x_i - o_i|, for which
+/// twice as much is taken, and for underflow the smallest normal number.
 namespace strake {
 namespace {
 

@@ -2,8 +2,8 @@
 #include <Eigen/Core>
 #include <array>
 
-/// Two triangles of one surface: do they meet elsewhere than at the corners they share? Internal to
-/// intersection_tree.cpp: a quick test that is never wrong when it says no, and an exact one for what is left.
+/// Whether two triangles of one surface meet away from shared corners. Internal to intersection_tree.cpp: a quick
+/// conservative test, and an exact one for the rest.
 namespace strake {
 
 struct Corners {
@@ -20,7 +20,8 @@ enum class Meeting {
     apart,    ///< sharing no corner
     adjacent  ///< beside the corner or the edge they share
 };
-/// Exact predicates (CGAL). Triangles on a line and those with the same three corners meet nothing: topology() tells.
+/// Exact predicates (CGAL). Degenerate triangles and those with the same three corners meet nothing; topology() reports
+/// them.
 Meeting exact_meeting(const Corners& s, const Corners& t);
 
 }  // namespace strake

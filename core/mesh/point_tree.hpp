@@ -7,7 +7,7 @@
 /// Nearest points of a set.
 namespace strake {
 
-/// A k-d tree over a copy of the points. Queries are exact, thread-safe, and give the same answer whatever the machine.
+/// A k-d tree over a copy of the points. Queries are exact, thread-safe and the same on every machine.
 class PointTree {
 public:
     explicit PointTree(const Points& points);  ///< n x 3, finite, n >= 0

@@ -49,7 +49,7 @@ ClosestPoint closest_point_on_triangle(const TriMesh& mesh, int t, const Vector3
     const double n2 = n.squaredNorm();
     const double wa = n.dot((c - b).cross(x - b)), wb = n.dot((a - c).cross(x - c)), wc = n.dot((b - a).cross(x - a));
     if (!(n2 > 0 && wa > 0 && wb > 0 && wc > 0)) return best;
-    // By weights, not by projection along n: the point lies in the triangle even where n is inaccurate.
+    // By weights, not by projection along n, which keeps the point in the triangle even if n is inaccurate.
     ClosestPoint inside;
     inside.point = a + wb / n2 * (b - a) + wc / n2 * (c - a);
     inside.triangle = t;

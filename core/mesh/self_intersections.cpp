@@ -22,7 +22,7 @@ struct Face {
     Segment opposite(int corner) const { return {at[(corner + 1) % 3], at[(corner + 2) % 3]}; }
 };
 
-/// What else they have in common reaches the edge opposite to the vertex in one of them.
+/// Any other common part reaches the edge opposite to the vertex in one of them.
 bool meet_beside_corner(const Face& s, int s_corner, const Face& t, int t_corner) {
     return CGAL::do_intersect(s.triangle(), t.opposite(t_corner)) ||
            CGAL::do_intersect(t.triangle(), s.opposite(s_corner));

@@ -43,7 +43,7 @@ Eigen::VectorXd edge_lengths(const TriMesh& mesh) {
     return sum.cwiseQuotient(count.cwiseMax(1));
 }
 
-/// Barycentric coordinates of the closest place, by the corners of its triangle; exactly 1 at a vertex.
+/// Barycentric coordinates of the closest point in its triangle; exactly 1 at a vertex.
 std::array<double, 3> barycentric(const TriMesh& mesh, const ClosestPoint& at) {
     std::array<double, 3> b{0, 0, 0};
     const auto corner = [&](int k) { return Vector3d(mesh.vertices.row(mesh.triangles(at.triangle, k))); };
@@ -86,7 +86,7 @@ TriMesh with_image(const TriMesh& half, const std::optional<SymmetryPlane>& plan
     }
     whole.triangles.conservativeResize(2 * half.num_triangles(), 3);
     for (int t = 0; t < half.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k)  // turned round, so that outside stays outside
+        for (int k = 0; k < 3; ++k)  // reversed to keep the orientation
             whole.triangles(half.num_triangles() + t, k) = image[half.triangles(t, 2 - k)];
     return whole;
 }
@@ -106,7 +106,7 @@ struct SurfaceMap::Impl {
     NearPart near;
     Weights far;  ///< P x samples
     Eigen::VectorXd distance;
-    std::vector<int> vertex;     ///< per point: the vertex that it is, else -1
+    std::vector<int> vertex;     ///< per point: the coinciding vertex, else -1
     std::vector<char> on_plane;  ///< per point
 
     Impl(const TriMesh& surface, const Points& given, const SurfaceMapOptions& wanted)

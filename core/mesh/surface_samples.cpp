@@ -12,7 +12,7 @@
 namespace strake {
 namespace {
 
-constexpr int most_levels = 24;
+constexpr int max_levels = 24;
 constexpr double coarsest_rel = 0.25;  // of the diagonal
 
 /// The vertices in a frame whose first axis is the plane's normal: images have cells that are images.
@@ -43,7 +43,7 @@ int number_cells(const Points& frame, double edge, std::vector<int>& of) {
     for (std::size_t v = 0; v < of.size(); ++v) {
         if (of[v] < 0) continue;
         std::array<std::int64_t, 3> cell{};
-        // Rounded, not cut off: the cell of the origin lies evenly about it.
+        // Rounded, not truncated: a cell is centred at the origin.
         for (int c = 0; c < 3; ++c)
             cell[c] = static_cast<std::int64_t>(std::round(frame(static_cast<Eigen::Index>(v), c) / edge));
         cells.emplace_back(cell, static_cast<int>(v));
@@ -117,7 +117,7 @@ SurfaceSamples surface_samples(const TriMesh& mesh, const Eigen::VectorXd& edge_
             lengths.push_back(edge_length[v]);
         }
     const double coarsest = coarsest_rel * box_diagonal(mesh);
-    const double finest = std::max(quantile(std::move(lengths), 0.01), std::ldexp(coarsest, -most_levels));
+    const double finest = std::max(quantile(std::move(lengths), 0.01), std::ldexp(coarsest, -max_levels));
     const Points frame = in_frame(mesh, symmetry);
     add_level(samples, mesh, finest, of, count);
     for (double spacing = 2 * finest; spacing < 2 * coarsest; spacing *= 2) {

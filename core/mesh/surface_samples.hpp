@@ -6,8 +6,8 @@
 
 namespace strake {
 
-/// A surface thinned out: on level 0 its vertices, on level l one sample for the vertices in each cell of edge
-/// spacing * 2^l, at their centroid by area. Samples are numbered through all levels.
+/// Samples of a surface by levels: its vertices on level 0; on level l one sample per cell of edge spacing * 2^l, at
+/// the area-weighted centroid of its vertices. Numbers run through all levels.
 struct SurfaceSamples {
     struct Level {
         int first = 0;        ///< number of its first sample
@@ -21,13 +21,13 @@ struct SurfaceSamples {
     Eigen::VectorXd vertex_area;  ///< n
     int size() const { return static_cast<int>(area.size()); }
 
-    /// Mean by area over the vertices of each sample (rows), and the transpose of that.
+    /// Area-weighted mean over the vertices of each sample (rows), and its transpose.
     Points mean(const Points& at_vertices) const;
     Points transposed_mean(const Points& at_samples) const;
 };
 
 /// @param edge_length mean edge length per vertex; the finest spacing is their 1 % quantile.
-/// @param symmetry cells lie evenly about this plane.
+/// @param symmetry cells are symmetric about this plane.
 SurfaceSamples surface_samples(const TriMesh& mesh, const Eigen::VectorXd& edge_length,
                                const std::optional<SymmetryPlane>& symmetry);
 

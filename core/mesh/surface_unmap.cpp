@@ -10,7 +10,7 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr int most_rounds = 40;
+constexpr int max_rounds = 40;
 constexpr double enough = 1e-14;  // diagonals: round-off of the map
 
 struct Open {
@@ -24,7 +24,7 @@ Points misses(const TriMesh& rest, const Points& vertices, const Points& at, con
     return SurfaceMap(rest, at, options).moved(vertices) - wanted;
 }
 
-/// The step, and what it teaches about the inverse of the Jacobian (Sherman-Morrison).
+/// Takes the step and updates the inverse of the Jacobian (Sherman-Morrison).
 void learn(Open& open, const Vector3d& step, const Vector3d& miss) {
     const Vector3d change = open.inverse * (miss - open.miss);
     const double scale = step.dot(change);
@@ -44,14 +44,14 @@ Unmapped unmap(const TriMesh& rest, const Points& vertices, const Points& moved,
     std::vector<Open> open;
     for (Eigen::Index p = 0; p < moved.rows(); ++p)
         if (!(miss[p] <= enough * diagonal)) open.push_back({static_cast<int>(p), out.points.row(p), first.row(p)});
-    for (; !open.empty() && out.rounds < most_rounds; ++out.rounds) {
+    for (; !open.empty() && out.rounds < max_rounds; ++out.rounds) {
         const auto count = static_cast<Eigen::Index>(open.size());
         Points at(count, 3), wanted(count, 3);
         std::vector<Vector3d> steps;
         for (Eigen::Index i = 0; i < count; ++i) {
             Open& one = open[static_cast<std::size_t>(i)];
             Vector3d step = -one.inverse * one.miss;
-            const double most = 4 * one.miss.norm();  // the map is close to the identity: no long ways
+            const double most = 4 * one.miss.norm();  // the map is close to the identity: steps are short
             if (step.norm() > most) step *= most / step.norm();
             steps.push_back(step);
             one.x += step;

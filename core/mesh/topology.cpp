@@ -31,7 +31,7 @@ public:
                 for (const int v : adjacent.edges[e]) at_vertex_[v].push_back(e);
     }
 
-    /// One list a connected boundary: loops that touch in a vertex stand one behind the other.
+    /// One list per connected boundary: loops that touch in a vertex follow each other.
     std::vector<std::vector<int>> loops() {
         std::vector<std::vector<int>> found;
         std::map<int, std::size_t> owner;  // of each vertex met
@@ -66,7 +66,7 @@ private:
         found[target].insert(found[target].end(), loop.begin(), loop.end());
     }
 
-    /// From the first vertex of edge e, as its triangle runs through it, until no unused edge goes on.
+    /// From the first vertex of edge e, as its triangle runs through it, until no unused edge continues.
     std::vector<int> walk(int e) {
         const int t = adjacent_.edge_triangles[e][0];
         int k = 0;

@@ -5,7 +5,7 @@
 #include <array>
 #include <vector>
 
-/// Exact facts about a surface, for `strake info` and for refusing what cannot be deformed.
+/// Exact topology of a surface, for `strake info` and to refuse surfaces that cannot be deformed.
 namespace strake {
 
 struct TopologyFacts {
@@ -18,7 +18,7 @@ struct TopologyFacts {
     std::vector<int> degenerate_triangles;  ///< area below 1e-14 diagonal^2 or a repeated vertex
     std::vector<int> isolated_vertices;     ///< in no triangle
     std::vector<int> duplicate_vertices;    ///< at the coordinates of an earlier one
-    bool orientable = true;                 ///< turning triangles can make those at every edge of two agree
+    bool orientable = true;                 ///< triangles can be flipped until neighbours agree at every edge of two
     bool closed = false;                    ///< every edge has two triangles that agree, at least one triangle
 };
 TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent);
@@ -26,15 +26,15 @@ TopologyFacts topology(const TriMesh& mesh, const Adjacency& adjacent);
 /// Triangles connected across edges of two.
 struct Sheet {
     std::vector<int> triangles;  ///< ascending
-    std::vector<char> turned;    ///< beside `triangles`: must be turned to agree with the first one
+    std::vector<char> turned;    ///< parallel to `triangles`: must be flipped to agree with the first one
     bool orientable = true;
 };
-/// All of them, by their smallest triangles.
+/// All sheets, in the order of their smallest triangles.
 std::vector<Sheet> sheets_of(const TriMesh& mesh, const Adjacency& adjacent);
 
-/// Pairs of triangles that intersect elsewhere than at the vertices and edges they share, each list ascending.
-/// Vertices with equal coordinates count as shared. Exact predicates. Duplicate triangles and triangles on a line are
-/// left to TopologyFacts.
+/// Pairs of triangles that intersect away from shared vertices and edges, each list ascending.
+/// Vertices with equal coordinates count as shared. Exact predicates. TopologyFacts covers duplicate and degenerate
+/// triangles.
 struct Intersections {
     std::vector<std::array<int, 2>> apart;     ///< sharing no vertex
     std::vector<std::array<int, 2>> adjacent;  ///< sharing a vertex or an edge: folded or pierced beside it

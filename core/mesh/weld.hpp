@@ -9,8 +9,8 @@ namespace strake {
 /// appearance.
 std::vector<int> equal_points(const Points& points);
 
-/// One vertex for all that are equal, in the order of first appearance; triangles and groups are kept. A triangle
-/// may end with repeated vertices, which topology() reports.
+/// Merges equal vertices, in the order of first appearance; triangles and groups are kept. A triangle may get repeated
+/// vertices, which topology() reports.
 TriMesh welded(const TriMesh& mesh);
 
 }  // namespace strake

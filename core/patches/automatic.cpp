@@ -12,7 +12,7 @@
 namespace strake {
 namespace {
 
-constexpr double radians = std::numbers::pi / 180;
+constexpr double degree = std::numbers::pi / 180;
 
 void check(const AutomaticLevels& options) {
     if (options.patches_per_level.empty()) throw InvalidInput("automatic levels: patches_per_level is empty");
@@ -33,12 +33,12 @@ void check(const AutomaticLevels& options) {
 struct LevelCut {
     const Body& body;
     const PatchLevel& above;
-    const std::vector<double>& due;  ///< areas meant for the patches above
+    const std::vector<double>& due;  ///< target areas of the patches above
     const std::vector<char>& chosen;
     int wanted;
     double max_share, min_area;
 
-    /// Parts that creases of at least `tau_deg` alone would make.
+    /// Number of parts from creases of at least `tau_deg` alone.
     int crease_parts(double tau_deg) const {
         const Creases creases = creases_at(tau_deg);
         Cutter cutter(body, creases, min_area);
@@ -63,7 +63,7 @@ struct LevelCut {
     }
 
     Creases creases_at(double tau_deg) const {
-        return persistent_creases(body, tau_deg * radians, 0.05 * std::sqrt(body.area / wanted));
+        return persistent_creases(body, tau_deg * degree, 0.05 * std::sqrt(body.area / wanted));
     }
     int parts_of(const Patch& p) const {
         const int least = static_cast<int>(std::ceil(p.area / (max_share * body.area) - 1e-6));
@@ -78,7 +78,7 @@ struct LevelCut {
     }
 };
 
-/// Halves what is above its share of the area (single triangles stay).
+/// Halves pieces above their share of the area (except single triangles).
 void LevelCut::keep_shares(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const {
     for (std::size_t p = 0; p < pieces.size(); ++p)
         for (std::size_t i = 0; chosen[p] && i < pieces[p].size();) {
@@ -88,13 +88,13 @@ void LevelCut::keep_shares(Cutter& cutter, std::vector<std::vector<Piece>>& piec
         }
 }
 
-/// Between half and twice the wanted number: halves the largest pieces, or joins the smallest with siblings.
+/// Keeps between half and twice the target number: halves the largest pieces, or joins the smallest with siblings.
 void LevelCut::keep_count(Cutter& cutter, std::vector<std::vector<Piece>>& pieces) const {
-    const auto extreme = [&](bool largest, std::size_t least_siblings) {
+    const auto extreme = [&](bool largest, std::size_t min_siblings) {
         std::array<int, 2> best{-1, -1};
         double best_area = 0;
         for (std::size_t p = 0; p < pieces.size(); ++p)
-            for (std::size_t i = 0; chosen[p] && pieces[p].size() >= least_siblings && i < pieces[p].size(); ++i) {
+            for (std::size_t i = 0; chosen[p] && pieces[p].size() >= min_siblings && i < pieces[p].size(); ++i) {
                 const double a = cutter.area(pieces[p][i].triangles);
                 if (best[0] < 0 || (largest ? a > best_area : a < best_area))
                     best = {static_cast<int>(p), static_cast<int>(i)}, best_area = a;
@@ -118,8 +118,8 @@ void LevelCut::keep_count(Cutter& cutter, std::vector<std::vector<Piece>>& piece
     }
 }
 
-/// Largest of three thresholds at which creases alone make the wanted number, else the smallest, which falls from level
-/// to level (k = 1, 2, …). Below that an angle is a matter of the edge length.
+/// Largest of three thresholds at which creases alone give the target number, else the smallest, which decreases with
+/// the level (k = 1, 2, …). Smaller angles depend on the edge length.
 double threshold(const LevelCut& level, int k, double sharp_deg, double above_deg) {
     const double lowest = std::clamp(sharp_deg, 10.0, 53.0) * (k <= 4 ? (10 - k) / 8.0 : 0.75 * std::pow(0.9, k - 4));
     if (level.crease_parts(lowest) < level.wanted) return lowest;
@@ -171,7 +171,7 @@ void refine_automatically(PatchHierarchy& tree, const Body& body, std::vector<do
     for (const Patch& parent : above.patches)
         for (const Piece& piece : pieces[parent.id]) {
             for (const int t : piece.triangles) label[t] = static_cast<int>(classes.size());
-            classes.push_back(chosen[parent.id] ? class_of(body.features, piece.triangles, tau_deg * radians)
+            classes.push_back(chosen[parent.id] ? class_of(body.features, piece.triangles, tau_deg * degree)
                                                 : parent.patch_class);
         }
     append_level(tree, body.features, tau_deg, label, classes);

@@ -38,8 +38,8 @@ Vector3d coordinate_like(const Vector3d& axis) {
     return (e - e.dot(axis) * axis).normalized();
 }
 
-/// Points an axis to the side where the surface reaches farther (third moment); a symmetric body's to the side of the
-/// coordinate that it runs along most. Only exact ties depend on it.
+/// Orients an axis to the side where the surface extends farther (third moment), or along its largest coordinate for a
+/// symmetric body. Only exact ties depend on it.
 double side(const Body& body, const Vector3d& axis) {
     double skew = 0, size = 0;
     for (int t = 0; t < body.mesh().num_triangles(); ++t) {

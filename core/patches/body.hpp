@@ -4,8 +4,8 @@
 #include <Eigen/Core>
 #include <vector>
 
-/// What automatic levels measure a surface by. Everything here converges under refinement, because the levels must be
-/// the same on every triangulation of a body.
+/// Measures of a surface for automatic levels. All converge under refinement, because the levels must be the same on
+/// every triangulation of a body.
 namespace strake {
 
 struct Body {
@@ -21,8 +21,8 @@ struct Body {
     const Adjacency& adjacent() const { return features.adjacent; }
 };
 
-/// Principal axes whose moments differ by less than 2 % are no axes of the body (a cube, a body of revolution): there
-/// the coordinate axes decide. @throws InvalidInput when the area is zero.
+/// Principal axes whose moments differ by less than 2 % are arbitrary (a cube, a body of revolution): the coordinate
+/// axes replace them. @throws InvalidInput when the area is zero.
 Body measured(const SurfaceFeatures& features);
 
 }  // namespace strake

@@ -35,7 +35,7 @@ double distance_to_edge(const Body& body, int t, int e) {
     return (p - a - s * (b - a)).norm();
 }
 
-/// Straight distance to the nearest crease, handed on from triangle to triangle without crossing one.
+/// Straight distance to the nearest crease, propagated from triangle to triangle without crossing one.
 std::vector<char> strip_beside(const Body& body, const std::vector<char>& crease, double reach) {
     const Adjacency& adjacent = body.adjacent();
     std::vector<double> distance(body.mesh().num_triangles(), std::numeric_limits<double>::infinity());

@@ -24,7 +24,7 @@ void Cutter::cut_into(std::vector<Piece>& pieces, const Piece& piece, int wanted
         pieces.push_back(piece);
         return;
     }
-    // A plane that gave two parts of about the areas it was placed for: these are due. Else what came out.
+    // If a plane gave two parts of about its target areas, the targets stay; otherwise the actual areas.
     const double total = area(set), first = area(found[0]) / total;
     const int below = wanted / 2, above = wanted - below;
     const int lower = std::abs(first * wanted - below) <= std::abs(first * wanted - above) ? below : above;
@@ -46,7 +46,7 @@ std::vector<TriangleSet> Cutter::along_creases(const TriangleSet& set, int wante
 }
 
 /// A sheet: nearly all normals along one direction d, a quarter of the area at least facing either way. The border runs
-/// where the normal is square to d, which on a rounded leading edge is the same line on every mesh.
+/// where the normal is perpendicular to d, which on a rounded leading edge is the same line on every mesh.
 std::vector<TriangleSet> Cutter::two_sides(const TriangleSet& set, int wanted) {
     Eigen::Matrix3d N = Eigen::Matrix3d::Zero();
     for (const int t : set) N += body_.features.areas[t] * body_.normals.row(t).transpose() * body_.normals.row(t);
@@ -65,7 +65,7 @@ std::vector<TriangleSet> Cutter::two_sides(const TriangleSet& set, int wanted) {
     return parts_.split(set, key, false, least(set, wanted));
 }
 
-/// At the plane that leaves the fraction floor(wanted / 2) / wanted of the area below it.
+/// Cuts at the plane with the fraction floor(wanted / 2) / wanted of the area below it.
 std::vector<TriangleSet> Cutter::across_axis(const TriangleSet& set, int wanted, int axis) {
     std::vector<double> at(set.size());
     for (std::size_t i = 0; i < set.size(); ++i)
@@ -85,7 +85,7 @@ std::vector<TriangleSet> Cutter::across_axis(const TriangleSet& set, int wanted,
         }
         previous = sum + half, where = at[i], sum += 2 * half;
     }
-    // Centroids in the plane itself (structured and mirrored meshes) stay together whatever the round-off.
+    // Centroids in the plane itself (structured and mirrored meshes) stay together despite round-off.
     plane += 1e-9 * std::sqrt(body_.area);
     std::vector<int> key(set.size());
     for (std::size_t i = 0; i < set.size(); ++i) key[i] = at[i] > plane;
@@ -93,7 +93,7 @@ std::vector<TriangleSet> Cutter::across_axis(const TriangleSet& set, int wanted,
 }
 
 /// Principal axes in the order of the set's extent (second moment) along them. The longer axes of the body are
-/// preferred by 25 % each: a square part, which halving produces all the time, is not at the mercy of noise.
+/// preferred by 25 % each: noise must not decide for square parts, a frequent result of halving.
 std::array<int, 3> Cutter::axes_by_extent(const TriangleSet& set) const {
     Eigen::Vector3d mean = Eigen::Vector3d::Zero(), square = Eigen::Vector3d::Zero();
     for (const int t : set) {

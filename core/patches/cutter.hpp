@@ -6,19 +6,19 @@
 
 namespace strake {
 
-/// Parts that an area of `x` fair shares is worth. Rounds up late, so that the half of an odd number of shares, which
-/// symmetric bodies have often, falls on the same side on every mesh.
+/// Number of parts for an area of `x` fair shares. Rounds up late: half of an odd number of shares, frequent on
+/// symmetric bodies, then rounds the same way on every mesh.
 int worth(double x);
 
-/// A part, and the area it was meant to have. Cuts follow the triangles, so that areas differ a little from mesh to
-/// mesh; the number of parts that a part gets next is decided by what is due, which does not.
+/// A part and its target area. Cuts follow the triangles, so areas vary slightly with the mesh; the next number of
+/// parts follows from the target, which does not.
 struct Piece {
     TriangleSet triangles;
     double due = 0;
 };
 
-/// Cuts sets of triangles into a wanted number of parts of similar area. In this order: along creases; a sheet that
-/// lies on both sides of itself (a wing) into its two sides; by a plane across one of the body's principal axes.
+/// Cuts sets of triangles into a target number of parts of similar area. In this order: along creases; a sheet (a wing)
+/// into its two sides; by a plane across one of the body's principal axes.
 class Cutter {
 public:
     Cutter(const Body& body, const Creases& creases, double min_area)
@@ -35,7 +35,7 @@ public:
     std::vector<TriangleSet> along_creases(const TriangleSet& set, int wanted);
 
 private:
-    /// What a part needs to stand alone: half a fair share.
+    /// Minimum area of a part: half a fair share.
     double least(const TriangleSet& set, int wanted) const { return std::max(min_area_, 0.5 * area(set) / wanted); }
     void cut_into(std::vector<Piece>& pieces, const Piece& piece, int wanted);
     std::vector<TriangleSet> two_sides(const TriangleSet& set, int wanted);

@@ -11,8 +11,8 @@ enum class VertexClass { smooth, ridge, corner };
 /// Every comparison of an angle with a threshold is `angle >= threshold - angle_slack`.
 inline constexpr double angle_slack = 1e-9;
 
-/// What the tensor A = sum w_i n_i n_i^T says about one vertex; w_i the corner angles. Independent of any
-/// threshold, so it is evaluated once per surface.
+/// The tensor A = sum w_i n_i n_i^T at one vertex; w_i the corner angles. Independent of thresholds: evaluated once per
+/// surface.
 struct VertexFeature {
     double eigenvalue_ratio = 0;     ///< l2 / l1 in [0, 1]
     double mean_normal_squared = 1;  ///< |mu|^2, mu = sum w_i n_i / sum w_i
@@ -23,10 +23,10 @@ struct VertexFeature {
 
 /// One feature per vertex. Triangles of zero area carry no weight; a vertex without any weight is smooth.
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent);
-/// The same with normals that are known better than from the triangles. @param normals unit or zero, one a triangle
+/// The same with better normals than those of the triangles. @param normals unit or zero, one per triangle
 /// @param angles corner_angles(mesh)
-/// @param smooth_below > 0: vertices that are surely smooth at thresholds of at least this, radians, have an upper
-/// bound as eigenvalue_ratio, and no angles: that is faster.
+/// @param smooth_below > 0: vertices certainly smooth at thresholds of at least this, radians, get an upper bound as
+/// eigenvalue_ratio and no angles; faster.
 std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adjacency& adjacent, const Points& normals,
                                                  const Points& angles, double smooth_below = 0);
 
@@ -34,7 +34,7 @@ std::vector<VertexFeature> quadric_metric_tensor(const TriMesh& mesh, const Adja
 /// where the two large eigenvalues have swapped). @param tau radians, in (0, pi/2], not checked.
 bool is_nonsmooth(const VertexFeature& feature, double tau);
 
-/// @param tau threshold in radians, 0 < tau <= pi/2 @throws InvalidInput outside of it.
+/// @param tau threshold in radians, 0 < tau <= pi/2 @throws InvalidInput otherwise.
 VertexClass classify(const VertexFeature& feature, double tau);
 
 }  // namespace strake

@@ -7,7 +7,7 @@
 namespace strake {
 namespace {
 
-/// The finest level below `level` on which the patch that holds `triangle` has as many triangles as it has there.
+/// The finest level below `level` at which the patch of `triangle` still has the same number of triangles.
 int finest_whole(const PatchHierarchy& tree, int level, int triangle) {
     const auto size_at = [&](int k) { return tree.levels[k].patches[tree.levels[k].label[triangle]].triangles.size(); };
     int depth = level;

@@ -1,8 +1,8 @@
 #pragma once
 #include "core/patches/hierarchy.hpp"
 
-/// A front of a patch tree: patches of different levels that cover the surface once. What a run optimizes on when it
-/// refines only where refinement pays.
+/// A front of a patch tree: patches of different levels that cover the surface once. A run that refines adaptively
+/// optimizes on it.
 namespace strake {
 
 struct Front {
@@ -13,7 +13,7 @@ struct Front {
 /// The front that is one level of the tree. @throws InvalidInput: no such level.
 Front front_at(const PatchHierarchy& tree, int level);
 
-/// Number of parts that each patch of the front would be split into; 1: the tree knows no finer ones.
+/// Number of parts of each patch of the front in the tree; 1: the tree has no finer ones.
 std::vector<int> parts_of(const PatchHierarchy& tree, const Front& front);
 
 /// The front with the chosen patches (flags by id) replaced by their parts, the others carried over.

@@ -15,10 +15,10 @@ namespace strake {
 namespace {
 
 constexpr int nobody = -1;
-constexpr double own_image = 0.7;       ///< of its area: what a patch shares with its image
-constexpr double least_share = 1. / 3;  ///< of its area: what a patch has on the side that is kept
+constexpr double own_image = 0.7;     ///< of its area: what a patch shares with its image
+constexpr double min_share = 1. / 3;  ///< of its area: what a patch has on the side that is kept
 
-/// Triangles that are told apart by labels, and how these spread along the surface.
+/// Labels of triangles, and their propagation along the surface.
 class Labels {
 public:
     Labels(const TriMesh& mesh, const Adjacency& adjacent)
@@ -44,7 +44,7 @@ public:
         return root;
     }
 
-    /// Hands the triangles of nobody that `may` be labelled to the nearest label along the surface, within `above`.
+    /// Gives unlabelled triangles in `may` the nearest label along the surface, within `above`.
     void fill(std::vector<int>& label, const std::vector<int>& above, const std::vector<char>& may) const {
         using Entry = std::tuple<double, int, int>;
         std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
@@ -71,7 +71,7 @@ private:
     Points centroid_;
 };
 
-/// Makes one level after the other. A group is what a patch has on the side that is kept; its label there is twice its
+/// Builds one level after the other. A group is the part of a patch on the kept side; its label there is twice its
 /// number, on the other side the same if it is its own image, else one more.
 class Mirror {
 public:
@@ -121,7 +121,7 @@ private:
         }
     }
 
-    /// Of a patch that is connected all but the largest component is nobody's.
+    /// Of a connected patch, unlabels all but the largest component.
     void drop_pieces(std::vector<int>& label, const std::function<int(int)>& patch_of) const {
         std::vector<int> component = labels_.components(label);
         std::map<int, double> area;
@@ -149,7 +149,7 @@ private:
         std::map<std::pair<int, int>, int> number;
         std::vector<Group> groups;
         for (const auto& [key, size] : area)
-            if (size >= least_share * level_->patches[key.second].area || largest[key.first].second == key.second) {
+            if (size >= min_share * level_->patches[key.second].area || largest[key.first].second == key.second) {
                 number[key] = static_cast<int>(groups.size());
                 groups.push_back({key.second, false});
             }
@@ -164,7 +164,7 @@ private:
         return groups;
     }
 
-    /// What no label has reached becomes groups of its own, one for each label above.
+    /// Unreached triangles become new groups, one per label above.
     void complete(std::vector<int>& label, std::vector<Group>& groups, const std::vector<char>& may,
                   int labels_of_group) const {
         std::map<int, int> fresh;

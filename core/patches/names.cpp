@@ -15,8 +15,8 @@ Eigen::Vector3d centroid(const Points& centroids, const Eigen::VectorXd& areas, 
     return patch.area > 0 ? Eigen::Vector3d(sum / patch.area) : Eigen::Vector3d(centroids.row(patch.triangles[0]));
 }
 
-/// Puts siblings in the order of their centroids along the coordinate axis on which these spread most.
-/// Positions, not triangle numbers, so that a renumbered or remeshed surface gives the same names.
+/// Sorts siblings by their centroids along the coordinate axis of largest spread. Positions, not triangle numbers, give
+/// the same names on a renumbered or remeshed surface.
 void sort_by_place(const std::vector<Eigen::Vector3d>& place, std::vector<int>& siblings) {
     Eigen::Vector3d low = place[siblings[0]], high = low;
     for (const int s : siblings) low = low.cwiseMin(place[s]), high = high.cwiseMax(place[s]);

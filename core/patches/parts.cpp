@@ -13,8 +13,8 @@ namespace {
 
 constexpr int outside = -1, unassigned = -2;
 
-/// A number that tells places apart and turns with the body. It settles exact ties (a strip midway between the two
-/// sides of a symmetric wing) the same way whatever the numbering.
+/// A number that distinguishes places and rotates with the body. It breaks exact ties (a strip midway between the two
+/// sides of a symmetric wing) independently of the numbering.
 double tie_breaker(const Body& body, const Eigen::Vector3d& place) {
     return (body.axes.transpose() * (place - body.centre)).dot(Eigen::Vector3d(0.27, 0.41, 0.87));
 }
@@ -26,7 +26,7 @@ struct Part {
     Eigen::Vector3d place() const { return area > 0 ? Eigen::Vector3d(moment / area) : moment; }
 };
 
-/// The part that takes part `s`: most border in common, else nearest; ties within 1e-6 by place.
+/// The part that absorbs part `s`: longest common border, else nearest; ties within 1e-6 by place.
 int taker(const Body& body, const std::vector<Part>& parts, const std::set<std::tuple<double, int>>& alive, int s) {
     int best = -1;
     double best_score = -std::numeric_limits<double>::infinity();
@@ -44,6 +44,47 @@ int taker(const Body& body, const std::vector<Part>& parts, const std::set<std::
             if (c != s) offer(c, -(parts[c].place() - parts[s].place()).norm());
     return best;
 }
+
+/// Gives `label` to `seed` and to all unassigned triangles reached from it by `crosses(from, edge, to)`.
+template <class Crosses>
+void flood_fill(const Adjacency& adjacent, int seed, int label, const Crosses& crosses, std::vector<int>& labels) {
+    labels[seed] = label;
+    std::vector<int> stack{seed};
+    while (!stack.empty()) {
+        const int t = stack.back();
+        stack.pop_back();
+        for (int k = 0; k < 3; ++k) {
+            const int e = adjacent.triangle_edges(t, k);
+            for (const int n : adjacent.edge_triangles[e])
+                if (labels[n] == unassigned && crosses(t, e, n)) labels[n] = label, stack.push_back(n);
+        }
+    }
+}
+
+/// Unassigned triangles by their distance from the parts (Dijkstra); a crease counts as far as the whole body.
+struct Frontier {
+    const Body& body;
+    const Creases& creases;
+    const std::vector<int>& label;
+    std::vector<double>& reached;                ///< least distance so far, per triangle
+    double size;                                 ///< of the body
+    using Entry = std::tuple<double, int, int>;  ///< distance, label, triangle
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue = {};
+
+    void spread(int t, double distance, int to_label) {
+        for (int k = 0; k < 3; ++k) {
+            const int e = body.adjacent().triangle_edges(t, k);
+            for (const int n : body.adjacent().edge_triangles[e]) {
+                if (label[n] != unassigned) continue;
+                const double step = (body.centroids.row(n) - body.centroids.row(t)).norm();
+                const double to = distance + step + (creases.edge[e] ? size : 0.0);
+                if (!(to < reached[n])) continue;
+                reached[n] = to;
+                queue.push({to, to_label, n});
+            }
+        }
+    }
+};
 
 }  // namespace
 
@@ -80,32 +121,19 @@ std::vector<TriangleSet> Parts::split(const TriangleSet& set, const std::vector<
 int Parts::flood(const TriangleSet& set, const std::vector<int>& key, bool at_creases) {
     const Adjacency& adjacent = body_.adjacent();
     for (std::size_t i = 0; i < set.size(); ++i) key_[set[i]] = key[i], label_[set[i]] = unassigned;
+    const auto crosses = [&](int from, int e, int to) {
+        return !(at_creases && creases_.edge[e]) && key_[to] == key_[from];
+    };
     int count = 0;
-    std::vector<int> stack;
-    for (const int seed : set) {
-        if (label_[seed] != unassigned || key_[seed] < 0) continue;
-        label_[seed] = count;
-        stack.assign(1, seed);
-        while (!stack.empty()) {
-            const int t = stack.back();
-            stack.pop_back();
-            for (int k = 0; k < 3; ++k) {
-                const int e = adjacent.triangle_edges(t, k);
-                if (at_creases && creases_.edge[e]) continue;
-                for (const int n : adjacent.edge_triangles[e])
-                    if (label_[n] == unassigned && key_[n] == key_[t]) label_[n] = count, stack.push_back(n);
-            }
-        }
-        ++count;
-    }
+    for (const int seed : set)
+        if (label_[seed] == unassigned && key_[seed] >= 0) flood_fill(adjacent, seed, count++, crosses, label_);
     for (const int t : set) key_[t] = outside;
     return count;
 }
 
-/// Hands unassigned triangles to the nearest part along the surface, not across a crease if there is another way.
+/// Assigns unassigned triangles to the nearest part along the surface, across a crease only if there is no other way.
 /// Components without any part become parts. Returns the number of parts.
 int Parts::grow(const TriangleSet& set, int count) {
-    const Adjacency& adjacent = body_.adjacent();
     std::vector<Part> parts(count);
     for (const int t : set)
         if (label_[t] >= 0) {
@@ -114,47 +142,22 @@ int Parts::grow(const TriangleSet& set, int count) {
         }
     const double size = std::sqrt(body_.area);
     for (const int t : set) reached_[t] = std::numeric_limits<double>::infinity();
-    using Entry = std::tuple<double, int, int>;
-    std::priority_queue<Entry, std::vector<Entry>, std::greater<>> queue;
-    const auto spread = [&](int t, double d, int label) {
-        for (int k = 0; k < 3; ++k) {
-            const int e = adjacent.triangle_edges(t, k);
-            for (const int n : adjacent.edge_triangles[e]) {
-                if (label_[n] != unassigned) continue;
-                const double step = (body_.centroids.row(n) - body_.centroids.row(t)).norm();
-                const double to = d + step + (creases_.edge[e] ? size : 0.0);
-                if (!(to < reached_[n])) continue;
-                reached_[n] = to;
-                queue.push({to, label, n});
-            }
-        }
-    };
+    Frontier frontier{body_, creases_, label_, reached_, size};
     for (const int t : set)
         if (label_[t] >= 0) {
             const double tie = tie_breaker(body_, parts[label_[t]].place());
-            spread(t, 1e-6 * (size - tie), label_[t]);
+            frontier.spread(t, 1e-6 * (size - tie), label_[t]);
         }
-    while (!queue.empty()) {
-        const auto [d, label, t] = queue.top();
-        queue.pop();
+    while (!frontier.queue.empty()) {
+        const auto [d, label, t] = frontier.queue.top();
+        frontier.queue.pop();
         if (label_[t] != unassigned) continue;
         label_[t] = label;
-        spread(t, d, label);
+        frontier.spread(t, d, label);
     }
-    std::vector<int> stack;
-    for (const int seed : set) {
-        if (label_[seed] != unassigned) continue;
-        label_[seed] = count;
-        stack.assign(1, seed);
-        while (!stack.empty()) {
-            const int t = stack.back();
-            stack.pop_back();
-            for (int k = 0; k < 3; ++k)
-                for (const int n : adjacent.edge_triangles[adjacent.triangle_edges(t, k)])
-                    if (label_[n] == unassigned) label_[n] = count, stack.push_back(n);
-        }
-        ++count;
-    }
+    const auto everywhere = [](int, int, int) { return true; };
+    for (const int seed : set)
+        if (label_[seed] == unassigned) flood_fill(body_.adjacent(), seed, count++, everywhere, label_);
     return count;
 }
 

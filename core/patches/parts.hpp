@@ -3,20 +3,20 @@
 
 #include <vector>
 
-/// Sets of triangles and how they fall apart: the tools of automatic levels. All work within one set and cost
-/// O(s log s) for its s triangles.
+/// Splits sets of triangles, for automatic levels. All functions work within one set of s triangles and cost O(s log
+/// s).
 namespace strake {
 
 using TriangleSet = std::vector<int>;  ///< ascending
 
-/// Scratch over the whole surface: what the triangles of the set at hand are labelled with; -1 elsewhere.
+/// Scratch labels over the whole surface: of the current set's triangles; -1 elsewhere.
 class Parts {
 public:
     Parts(const Body& body, const Creases& creases);
 
-    /// Splits `set` into pieces: edge-connected parts of equal `key` (aligned with `set`; -1 belongs to whoever is
-    /// nearest along the surface), stopping at creases if asked; then parts smaller than `min_area` join, smallest
-    /// first, the neighbour they share most smooth border with, or the nearest part if they have none.
+    /// Splits `set` into pieces: edge-connected parts of equal `key` (aligned with `set`; -1 joins the nearest along
+    /// the surface), optionally stopping at creases; then parts smaller than `min_area` join, smallest first, the
+    /// neighbour they share most smooth border with, or the nearest part if they have none.
     std::vector<TriangleSet> split(const TriangleSet& set, const std::vector<int>& key, bool at_creases,
                                    double min_area);
     double area(const TriangleSet& set) const;

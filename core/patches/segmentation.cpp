@@ -28,6 +28,24 @@ void check(const PatchLevel& level, double angle_deg, std::size_t flags, const S
             text("refine: ", flags, " flags given, the last level has ", level.patches.size(), " patches"));
 }
 
+/// Class of each set, at its root: smooth with a smooth vertex; patches that are not chosen keep theirs.
+std::vector<PatchClass> classes_of_sets(const SurfaceFeatures& features, const PatchLevel& above,
+                                        const std::vector<char>& chosen, double tau, DisjointSets& sets) {
+    const TriMesh& mesh = features.mesh;
+    std::vector<PatchClass> patch_class(mesh.num_triangles(), PatchClass::nonsmooth);
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const Patch& parent = above.patches[above.label[t]];
+        if (!chosen[parent.id]) {
+            patch_class[sets.root(t)] = parent.patch_class;
+            continue;
+        }
+        for (int k = 0; k < 3; ++k)
+            if (!is_nonsmooth(features.vertices[mesh.triangles(t, k)], tau))
+                patch_class[sets.root(t)] = PatchClass::smooth;
+    }
+    return patch_class;
+}
+
 }  // namespace
 
 SurfaceFeatures surface_features(const TriMesh& mesh, const Adjacency& adjacent) {
@@ -89,13 +107,12 @@ std::vector<char> chosen_patches(const PatchLevel& level, const Split& split) {
 
 void refine(PatchHierarchy& tree, const SurfaceFeatures& features, double angle_deg, const std::vector<char>& chosen,
             const SegmentationOptions& options) {
-    const TriMesh& mesh = features.mesh;
     const Adjacency& adjacent = features.adjacent;
     const PatchLevel& above = tree.levels.back();
     check(above, angle_deg, chosen.size(), options);
     const double tau = angle_deg * radians, sigma = options.sharp_angle_deg * radians;
     const std::vector<char> barrier = nonsmooth_edges(features, tau);
-    const int m = mesh.num_triangles();
+    const int m = features.mesh.num_triangles();
     // Only regular edges inside a chosen parent connect anything.
     const auto inside = [&](int e) {
         if (!adjacent.is_regular(e)) return false;
@@ -109,17 +126,7 @@ void refine(PatchHierarchy& tree, const SurfaceFeatures& features, double angle_
     for (int e = 0; e < adjacent.num_edges(); ++e)
         if (!barrier[e] && inside(e)) sets.join(adjacent.edge_triangles[e][0], adjacent.edge_triangles[e][1]);
 
-    std::vector<PatchClass> patch_class(m, PatchClass::nonsmooth);
-    for (int t = 0; t < m; ++t) {
-        const Patch& parent = above.patches[above.label[t]];
-        if (!chosen[parent.id]) {
-            patch_class[sets.root(t)] = parent.patch_class;
-            continue;
-        }
-        for (int k = 0; k < 3; ++k)
-            if (!is_nonsmooth(features.vertices[mesh.triangles(t, k)], tau))
-                patch_class[sets.root(t)] = PatchClass::smooth;
-    }
+    std::vector<PatchClass> patch_class = classes_of_sets(features, above, chosen, tau, sets);
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (!barrier[e] || !inside(e) || features.dihedral[e] >= sigma - angle_slack) continue;
         const int a = sets.root(adjacent.edge_triangles[e][0]), b = sets.root(adjacent.edge_triangles[e][1]);
@@ -154,6 +161,25 @@ void append_level(PatchHierarchy& tree, const SurfaceFeatures& features, double 
     }
     name_children(features.mesh, features.areas, above, level);
     tree.levels.push_back(std::move(level));
+}
+
+PatchHierarchy segment(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<double>& angles_deg,
+                       const SegmentationOptions& options) {
+    for (std::size_t i = 0; i < angles_deg.size(); ++i) {
+        if (!(angles_deg[i] > 0 && angles_deg[i] <= 90))
+            throw InvalidInput(text("segment: angle ", i + 1, " = ", angles_deg[i], " deg must be in (0, 90]"));
+        if (i > 0 && !(angles_deg[i] < angles_deg[i - 1]))
+            throw InvalidInput(text("segment: angle ", i + 1, " = ", angles_deg[i], " deg must be below angle ", i,
+                                    " = ", angles_deg[i - 1], " deg"));
+    }
+    PatchHierarchy tree = whole_surface(mesh);
+    const SurfaceFeatures features = surface_features(mesh, adjacent);
+    for (const double angle : angles_deg) {
+        std::vector<char> chosen = chosen_patches(tree.levels.back(), options.split);
+        if (tree.levels.size() == 1) chosen.assign(1, 1);  // level 1 always splits the whole surface
+        refine(tree, features, angle, chosen, options);
+    }
+    return tree;
 }
 
 }  // namespace strake

@@ -8,8 +8,18 @@
 /// a run that chooses its patches as it goes calls it itself.
 namespace strake {
 
-/// What refinement at any threshold needs of a surface, computed once. Refers to mesh and adjacency, which must outlive
-/// it.
+struct SegmentationOptions {
+    double sharp_angle_deg = 40;   ///< sigma of step 4
+    double min_patch_percent = 0;  ///< p: smaller patches are merged, percent of all triangles, in [0, 100)
+    Split split = SplitAll{};
+};
+
+/// Levels at stated thresholds, DESIGN sections 2 and 3, steps 1 to 7; never splits geometrically.
+/// @param angles_deg tau_1 > tau_2 > ..., each in (0, 90]. @throws InvalidInput naming the value and the limit.
+PatchHierarchy segment(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<double>& angles_deg,
+                       const SegmentationOptions& options = {});
+
+/// Surface data for refinement at any threshold, computed once. Refers to mesh and adjacency, which must outlive it.
 struct SurfaceFeatures {
     const TriMesh& mesh;
     const Adjacency& adjacent;
@@ -20,7 +30,8 @@ struct SurfaceFeatures {
 SurfaceFeatures surface_features(const TriMesh& mesh, const Adjacency& adjacent);
 
 /// Step 1: per edge, whether it is a barrier at threshold tau (radians): regular (two triangles that agree), both ends
-/// nonsmooth, dihedral >= tau / 2. Boundary, non-manifold and misoriented edges are not listed: they bound anyway.
+/// nonsmooth, dihedral >= tau / 2. Boundary, non-manifold and misoriented edges always bound patches and are not
+/// listed.
 std::vector<char> nonsmooth_edges(const SurfaceFeatures& features, double tau);
 
 /// The tree of one level: the whole surface as patch "all". @throws InvalidInput without triangles.
@@ -32,7 +43,7 @@ std::vector<char> chosen_patches(const PatchLevel& level, const Split& split);
 
 /// Appends a level at threshold `angle_deg`: the chosen patches (flags by id) of the last level are split by steps 1 to
 /// 6, the others carried over as their own single child. Uses sharp_angle_deg and min_patch_percent of the options;
-/// which patches are chosen is the caller's. Cost: O(m log m).
+/// the caller chooses the patches. Cost: O(m log m).
 /// @throws InvalidInput on an angle outside (0, 90], a bad option, or a wrong number of flags.
 void refine(PatchHierarchy& tree, const SurfaceFeatures& features, double angle_deg, const std::vector<char>& chosen,
             const SegmentationOptions& options = {});

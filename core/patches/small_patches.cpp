@@ -8,13 +8,13 @@
 namespace strake {
 namespace {
 
-/// The patches of a level while they are being merged. A patch goes by its number here; the survivor keeps its own.
+/// The patches of a level during merging, by number; the survivor keeps its number.
 struct Merging {
     std::vector<int> count, first, into;  ///< triangles, smallest triangle, what it was merged into (or itself)
     std::vector<PatchClass> patch_class;
     std::vector<std::set<int>> neighbours;  ///< of the same parent
 
-    /// The candidate that takes patch `s`, or -1.
+    /// The neighbour that absorbs patch `s`, or -1.
     int taker(int s) const {
         int best = -1;
         bool best_same = false;
@@ -74,7 +74,7 @@ Merging start(const Adjacency& adjacent, const std::vector<int>& parent, const s
 
 void merge_small_patches(const Adjacency& adjacent, const std::vector<int>& parent, double percent,
                          std::vector<int>& root, std::vector<PatchClass>& patch_class) {
-    // Products instead of a quotient: a count of exactly p percent is not small, whatever the rounding of p/100.
+    // Products instead of a quotient: a count of exactly p percent is not small, despite the rounding of p/100.
     const auto is_small = [&](int count) { return 100.0 * count < percent * static_cast<double>(root.size()); };
     std::vector<int> number;
     Merging m = start(adjacent, parent, root, patch_class, number);
@@ -86,7 +86,7 @@ void merge_small_patches(const Adjacency& adjacent, const std::vector<int>& pare
         const int s = std::get<2>(*small.begin());
         small.erase(small.begin());
         const int t = m.taker(s);
-        if (t < 0) continue;  // an island: nothing will ever be beside it
+        if (t < 0) continue;  // an island: it never gets neighbours
         small.erase(key(t));
         m.merge(s, t);
         if (is_small(m.count[t])) small.insert(key(t));

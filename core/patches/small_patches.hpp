@@ -1,5 +1,5 @@
 #pragma once
-#include "core/patches/segmentation.hpp"
+#include "core/patches/hierarchy.hpp"
 
 #include <vector>
 

@@ -14,9 +14,9 @@ namespace {
 using Eigen::Matrix3d;
 using Eigen::Vector3d;
 
-constexpr double on_plane_rel = 1e-6;  ///< of the diagonal, as everywhere for half bodies
+constexpr double on_plane_rel = 1e-6;  ///< of the diagonal, like everywhere for half models
 constexpr double narrow = 1e-6;  ///< least second moment across the host's longest axis, relative to that along it
-constexpr double no_fade = 1e6;  ///< reach of the map of what the host does beyond the motion
+constexpr double no_fade = 1e6;  ///< reach of the map of the host's deformation
 
 double wendland(double s) {
     if (s >= 1) return 0;
@@ -45,22 +45,22 @@ TriMesh piece(const TriMesh& mesh, const std::vector<int>& triangles, const std:
     return out;
 }
 
-struct Sample {
-    int vertex;
-    double weight;
-    bool is_image;  ///< the vertex mirrored in the plane of symmetry
-};
-
-/// The rigid motion of a part, and what its derivatives need.
-struct Motion {
-    Matrix3d R = Matrix3d::Identity();
-    Vector3d c = Vector3d::Zero();
-    Matrix3d turning;  ///< takes sum_i w_i R (X_i - C) x dx_i to the rotation that follows from dx
-};
-
 }  // namespace
 
 struct Attachments::Impl {
+    struct Sample {
+        int vertex;
+        double weight;
+        bool is_image;  ///< the vertex mirrored in the plane of symmetry
+    };
+
+    /// The rigid motion of a part, with data for its derivatives.
+    struct Motion {
+        Matrix3d R = Matrix3d::Identity();
+        Vector3d c = Vector3d::Zero();
+        Matrix3d turning;  ///< maps sum_i w_i R (X_i - C) x dx_i to the rotation due to dx
+    };
+
     struct Part {
         std::vector<int> vertices, host;  ///< ascending
         std::vector<int> on_plane;        ///< of `vertices`; empty unless the part reaches the plane
@@ -115,7 +115,7 @@ struct Attachments::Impl {
         return m;
     }
 
-    /// What the host does beyond the motion, in the frame of the rest.
+    /// The host's deformation beyond the motion, in the rest frame.
     Points beyond(const Part& part, const Motion& m, const Points& x) const {
         Points u(static_cast<Eigen::Index>(part.host.size()), 3);
         for (Eigen::Index i = 0; i < u.rows(); ++i) {
@@ -205,7 +205,7 @@ void Attachments::Impl::weigh(const TriMesh& own, const TriMesh& host, double re
     const bool reaches_plane = !part.on_plane.empty();
     const auto distance = [&](const Vector3d& x) {
         double d = tree.find(x).distance;
-        // A part on the plane is one with its mirror image.
+        // A part on the plane is one body with its mirror image.
         if (reaches_plane) d = std::min(d, tree.find(mirrored(x)).distance);
         return d;
     };
@@ -227,7 +227,7 @@ void Attachments::Impl::weigh(const TriMesh& own, const TriMesh& host, double re
     if (part.weight > 0) part.centre /= part.weight;
 }
 
-/// Whether the motion of the samples tells how to turn: they do not lie on one line.
+/// Whether the samples define a rotation: they do not lie on one line.
 bool Attachments::Impl::can_turn(const Part& part) const {
     if (part.samples.size() < 3) return false;
     Matrix3d M = Matrix3d::Zero();
@@ -265,12 +265,12 @@ void Attachments::Impl::make(const TriMesh& mesh, const AttachedPart& given, Par
     for (Eigen::Index i = 0; i < host.vertices.rows(); ++i)
         gap = std::min(gap, tree.find(host.vertices.row(i)).distance);
     double reach = 1.5 * gap + 0.5 * extent(own, part);
-    for (; reach < 100 * diagonal; reach *= 2) {  // where the host has but few vertices there
+    for (; reach < 100 * diagonal; reach *= 2) {  // until the host has enough vertices within reach
         weigh(own, host, reach, part);
         if (can_turn(part)) break;
     }
     if (!can_turn(part))
-        throw InvalidInput(text("attach: part '", given.name, "': its host is too narrow to tell how to turn (",
+        throw InvalidInput(text("attach: part '", given.name, "': its host is too narrow to define a rotation (",
                                 part.host.size(), " vertices on one line)"));
     if (given.how == AttachHow::rigid) return;
     SurfaceMapOptions options;
@@ -279,7 +279,7 @@ void Attachments::Impl::make(const TriMesh& mesh, const AttachedPart& given, Par
     part.map.emplace(host, own.vertices, options);
 }
 
-/// A part stands behind the parts whose triangles it goes with.
+/// Sorts each part after the parts that it follows.
 void Attachments::Impl::sort(const std::vector<AttachedPart>& given) {
     std::vector<int> state(given.size(), 0);  // 1: on the way, 2: done
     std::vector<int> way;
@@ -290,7 +290,7 @@ void Attachments::Impl::sort(const std::vector<AttachedPart>& given) {
             std::string circle;
             for (auto at = std::find(way.begin(), way.end(), k); at != way.end(); ++at)
                 circle += (circle.empty() ? "'" : " -> '") + given[*at].name + "'";
-            throw InvalidInput(text("attach: parts go with each other in a circle: ", circle));
+            throw InvalidInput(text("attach: parts follow each other in a circle: ", circle));
         }
         state[k] = 1;
         for (const int t : given[k].host)
@@ -304,20 +304,20 @@ void Attachments::Impl::sort(const std::vector<AttachedPart>& given) {
 
 namespace {
 
-void check(const TriMesh& mesh, const std::vector<AttachedPart>& parts, std::vector<int>& part_of) {
-    const int m = mesh.num_triangles();
+void check_triangles(const AttachedPart& part, const std::vector<int>& triangles, const char* owner, int m) {
+    if (triangles.empty()) throw InvalidInput(text("attach: part '", part.name, "': ", owner, " no triangles"));
+    for (const int t : triangles)
+        if (t < 0 || t >= m)
+            throw InvalidInput(text("attach: part '", part.name, "': triangle ", t, " must be in [0, ", m, ")"));
+}
+
+/// Fills `part_of`, the number of the part of each triangle, -1 for none.
+void number_parts(const std::vector<AttachedPart>& parts, int m, std::vector<int>& part_of) {
     part_of.assign(m, -1);
     for (int k = 0; k < static_cast<int>(parts.size()); ++k) {
         const AttachedPart& part = parts[k];
-        for (const auto* list : {&part.triangles, &part.host}) {
-            if (list->empty())
-                throw InvalidInput(text("attach: part '", part.name, "': ", list == &part.host ? "its host has" : "has",
-                                        " no triangles"));
-            for (const int t : *list)
-                if (t < 0 || t >= m)
-                    throw InvalidInput(
-                        text("attach: part '", part.name, "': triangle ", t, " must be in [0, ", m, ")"));
-        }
+        check_triangles(part, part.triangles, "has", m);
+        check_triangles(part, part.host, "its host has", m);
         for (const int t : part.triangles) {
             if (part_of[t] >= 0 && part_of[t] != k)
                 throw InvalidInput(text("attach: triangle ", t, " lies in parts '", parts[part_of[t]].name, "' and '",
@@ -325,15 +325,21 @@ void check(const TriMesh& mesh, const std::vector<AttachedPart>& parts, std::vec
             part_of[t] = k;
         }
     }
+}
+
+void check_hosts(const std::vector<AttachedPart>& parts, const std::vector<int>& part_of) {
     for (int k = 0; k < static_cast<int>(parts.size()); ++k) {
         const auto own =
             std::count_if(parts[k].host.begin(), parts[k].host.end(), [&](int t) { return part_of[t] == k; });
         if (own > 0)
-            throw InvalidInput(text("attach: part '", parts[k].name, "' is attached to itself (", own,
-                                    " of its triangles are its host's, too)"));
+            throw InvalidInput(text("attach: part '", parts[k].name, "' is attached to itself (its host holds ", own,
+                                    " of its triangles)"));
     }
+}
+
+void check_unconnected(const TriMesh& mesh, const std::vector<AttachedPart>& parts, const std::vector<int>& part_of) {
     std::vector<int> owner(mesh.num_vertices(), -2);
-    for (int t = 0; t < m; ++t)
+    for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int i = 0; i < 3; ++i) {
             int& of = owner[mesh.triangles(t, i)];
             if (of == -2 || of == part_of[t]) {
@@ -341,9 +347,7 @@ void check(const TriMesh& mesh, const std::vector<AttachedPart>& parts, std::vec
                 continue;
             }
             throw InvalidInput(text("attach: part '", parts[std::max(of, part_of[t])].name, "' shares vertex ",
-                                    mesh.triangles(t, i),
-                                    " with other triangles; only what nothing connects can be "
-                                    "attached, whole connected parts"));
+                                    mesh.triangles(t, i), " with other triangles; attach whole connected parts only"));
         }
 }
 
@@ -352,7 +356,9 @@ void check(const TriMesh& mesh, const std::vector<AttachedPart>& parts, std::vec
 Attachments::Attachments(const TriMesh& rest, const std::vector<AttachedPart>& parts,
                          const std::optional<SymmetryPlane>& symmetry)
     : impl_(std::make_unique<Impl>()) {
-    check(rest, parts, impl_->part_of);
+    number_parts(parts, rest.num_triangles(), impl_->part_of);
+    check_hosts(parts, impl_->part_of);
+    check_unconnected(rest, parts, impl_->part_of);
     impl_->rest = rest.vertices;
     impl_->symmetry = symmetry;
     impl_->sort(parts);

@@ -10,14 +10,14 @@
 namespace strake {
 namespace {
 
-constexpr double strong = 0.25;       // of connections, beside a prism's strongest
-constexpr double least_share = 0.05;  // of a face whose prisms lie across the way from centre to centre
-constexpr int prisms_at_once = 1024;  // of one thread
-constexpr int smoothing_sweeps = 6;   // about the radius of two clusters
+constexpr double strong = 0.25;              // of connections, relative to a prism's strongest
+constexpr double min_share = 0.05;           // of a face parallel to the line between its centres
+constexpr int coarse_prisms_at_once = 1024;  // per block of a parallel loop
+constexpr int smoothing_sweeps = 6;          // roughly the radius of two clusters
 
 using Eigen::Vector3d;
 
-Vector3d row(const Points& points, int k) { return points.row(k).transpose(); }
+Vector3d row_of(const Points& points, int k) { return points.row(k).transpose(); }
 
 /// Free prisms that share a face, and its weight.
 Graph connections(const RestState& rest) {
@@ -59,7 +59,7 @@ std::vector<int> numbers(const RestState& rest, const Graph& neighbours, int rad
     return of;
 }
 
-/// Each vertex follows the coarse prisms of its prisms: one where these are one, else as often as they are.
+/// Each vertex follows the coarse prisms of its prisms: a single one if they agree, else each as often as it occurs.
 void add_vertices(const RestState& fine, CoarseShell& coarse) {
     IntLists& lists = coarse.rest.vertex_prisms;
     for (int k = 0; k < fine.mesh.num_vertices(); ++k) {
@@ -107,22 +107,24 @@ Arms moved(const Arms& arms, const Vector3d& by) {
 
 void add_faces(const RestState& fine, CoarseShell& coarse) {
     RestState& rest = coarse.rest;
-    const auto shift = [&](int i) -> Vector3d { return row(fine.centroid, i) - row(rest.centroid, coarse.of[i]); };
-    // Pinned regions are large: what counts is where they begin.
+    const auto shift = [&](int i) -> Vector3d {
+        return row_of(fine.centroid, i) - row_of(rest.centroid, coarse.of[i]);
+    };
+    // Pinned regions are large: use the prism at their border.
     const auto centre = [&](int i) {
-        return rest.pin[coarse.of[i]] == free_prism ? row(rest.centroid, coarse.of[i]) : row(fine.centroid, i);
+        return rest.pin[coarse.of[i]] == free_prism ? row_of(rest.centroid, coarse.of[i]) : row_of(fine.centroid, i);
     };
     for (const SharedFace& face : fine.faces) {
         const int i = coarse.of[face.i], j = coarse.of[face.j];
         if (i == j) continue;
         const Vector3d along =
-            (row(fine.mesh.vertices, face.vertex[1]) - row(fine.mesh.vertices, face.vertex[0])).normalized();
-        Vector3d across = row(fine.centroid, face.j) - row(fine.centroid, face.i);
+            (row_of(fine.mesh.vertices, face.vertex[1]) - row_of(fine.mesh.vertices, face.vertex[0])).normalized();
+        Vector3d across = row_of(fine.centroid, face.j) - row_of(fine.centroid, face.i);
         across -= across.dot(along) * along;
         const Vector3d apart = centre(face.j) - centre(face.i);
-        // No face becomes stiffer; nor where the centres coincide, and this is no number.
-        const double share = std::min(
-            1.0, std::max(across.dot(apart) / apart.squaredNorm(), least_share * across.norm() / apart.norm()));
+        // No face becomes stiffer, not even where the centres coincide and the ratio is NaN.
+        const double share =
+            std::min(1.0, std::max(across.dot(apart) / apart.squaredNorm(), min_share * across.norm() / apart.norm()));
         SharedFace shared = face;
         shared.i = i;
         shared.j = j;
@@ -134,8 +136,10 @@ void add_faces(const RestState& fine, CoarseShell& coarse) {
     for (const MirroredFace& face : fine.mirrored) {
         MirroredFace mirrored = face;
         mirrored.i = coarse.of[face.i];
-        const double before = std::abs(rest.symmetry->normal.dot(row(fine.centroid, face.i)) - rest.symmetry->offset);
-        const double now = std::abs(rest.symmetry->normal.dot(row(rest.centroid, mirrored.i)) - rest.symmetry->offset);
+        const double before =
+            std::abs(rest.symmetry->normal.dot(row_of(fine.centroid, face.i)) - rest.symmetry->offset);
+        const double now =
+            std::abs(rest.symmetry->normal.dot(row_of(rest.centroid, mirrored.i)) - rest.symmetry->offset);
         if (rest.pin[mirrored.i] == free_prism && now > before) mirrored.weight *= before / now;
         mirrored.arm = moved(face.arm, shift(face.i));
         rest.mirrored.push_back(mirrored);
@@ -170,23 +174,23 @@ Poses prolonged(const RestState& rest, const CoarseShell& shell, const RestState
         const int c = shell.of[i];
         fine.rotation[i] = poses.rotation[c];
         fine.displacement.row(i) =
-            poses.displacement.row(c) + (turn[c] * (row(rest.centroid, i) - row(coarse.centroid, c))).transpose();
+            poses.displacement.row(c) + (turn[c] * (row_of(rest.centroid, i) - row_of(coarse.centroid, c))).transpose();
     }
     const Graph& graph = shell.neighbours;
     for (int sweep = 0; sweep < smoothing_sweeps; ++sweep) {
         const std::vector<Eigen::Matrix3d> now = rotation_differences(fine);
         const Poses before = fine;
-        for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
+        for_blocks(rest.num_free(), coarse_prisms_at_once, [&](int begin, int end) {
             for (int f = begin; f < end; ++f) {
                 const int i = rest.free_prisms[f], count = graph.begin[f + 1] - graph.begin[f];
                 Eigen::Vector4d rotation = before.rotation[i].coeffs();
-                Vector3d displacement = row(before.displacement, i);
+                Vector3d displacement = row_of(before.displacement, i);
                 for (int k = graph.begin[f]; k < graph.begin[f + 1]; ++k) {
                     const int j = rest.free_prisms[graph.neighbour[k]];
                     const Eigen::Vector4d other = before.rotation[j].coeffs();
                     rotation += other.dot(before.rotation[i].coeffs()) < 0 ? Eigen::Vector4d(-other) : other;
                     displacement +=
-                        row(before.displacement, j) + now[j] * (row(rest.centroid, i) - row(rest.centroid, j));
+                        row_of(before.displacement, j) + now[j] * (row_of(rest.centroid, i) - row_of(rest.centroid, j));
                 }
                 fine.rotation[i].coeffs() = rotation.normalized();
                 fine.displacement.row(i) = displacement.transpose() / (count + 1);

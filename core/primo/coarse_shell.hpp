@@ -1,10 +1,10 @@
 #pragma once
-#include "core/primo/aggregation.hpp"
+#include "core/primo/linear/aggregation.hpp"
 #include "core/primo/rest_state.hpp"
 
-/// A shell of fewer prisms, for a first approach to a large deformation (nested iteration): clusters of free prisms
-/// stand still within themselves and move as rigid prisms of their own, coupled by the faces between them. A face
-/// stands for as much of the skin as lies between the centres of its two prisms, and is as much softer as that is more.
+/// A shell of fewer prisms for a first approximation of a large deformation (nested iteration): each cluster of free
+/// prisms becomes one rigid prism, coupled by the faces between clusters. A face represents the shell between the
+/// centres of its two prisms and is softer in proportion to their distance.
 namespace strake {
 
 struct CoarseShell {
@@ -16,9 +16,9 @@ struct CoarseShell {
 /// Clusters of about four (`radius` 1) or ten (2) free prisms; one for each pinned region.
 CoarseShell coarsen(const RestState& rest, int radius);
 
-/// Poses of the finer prisms that move with their coarse ones; smoothed, so that neighbours of different clusters
-/// hardly gape. Pinned ones get those of their region.
-/// @param shell as `coarsen` made it; its `rest`, which may have been moved elsewhere, is `coarse`
+/// Poses of the finer prisms from their coarse ones; smoothed to reduce jumps between clusters. Pinned prisms get the
+/// pose of their region.
+/// @param shell from `coarsen`; `coarse` is its `rest`, which may have been moved out
 /// @param poses of the coarse prisms
 Poses prolonged(const RestState& rest, const CoarseShell& shell, const RestState& coarse, const Poses& poses);
 

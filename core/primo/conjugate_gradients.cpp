@@ -4,24 +4,27 @@
 #include <cmath>
 
 #include "core/error.hpp"
-#include "core/primo/vectors.hpp"
+#include "core/primo/linear/vectors.hpp"
 
 namespace strake {
 namespace {
 
-constexpr double alike = 1e-6;        // share of the largest eigenvalue of a Gram matrix that counts as none
-constexpr int few_iterations = 6;     // after which the rate means something
-constexpr int usual = 3;              // iterations on the matrix's own factor
-constexpr int most_iterations = 120;  // of a solve to full accuracy
+constexpr double alike = 1e-6;        // share of a Gram matrix's largest eigenvalue that counts as zero
+constexpr int few_iterations = 6;     // after which the rate is meaningful
+constexpr int usual_iterations = 3;   // iterations on the matrix's own factor
+constexpr int max_iterations = 120;   // of a solve to full accuracy
+constexpr double round_off = 1e-12;   // of the right-hand side's norm: less is no residual
+constexpr double tolerable = 1e-4;    // reduction below which a solution that can be no better is still used
+constexpr int factor_limit = 300000;  // prisms whose factor takes 2 GB
 
-/// z.r of the residual before, which vanishes where the preconditioner is linear; where not, it keeps the directions
-/// conjugate (Notay 2000).
+/// z.r of the previous residual, zero for a linear preconditioner; otherwise it keeps the directions conjugate (Notay
+/// 2000).
 template <class Before, class Z>
 double since(const Before& before, const Z& z) {
     return before.size() > 0 ? dot(before, z) : 0;
 }
 
-/// What is kept applied to r, and to the next residual of a probe beside it while it is open.
+/// Applies the preconditioner to r, and to the next residual of an open probe.
 Eigen::VectorXd preconditioned(PrimoShell::Impl& shell, const Eigen::VectorXd& r, DefinitenessProbe* beside) {
     if (!beside || !beside->is_open()) return shell.precondition(r);
     Eigen::MatrixXd both(r.size(), 2);
@@ -31,8 +34,8 @@ Eigen::VectorXd preconditioned(PrimoShell::Impl& shell, const Eigen::VectorXd& r
     return both.col(0);
 }
 
-/// The X of least error in energy that is made of the columns of `similar`, and R = B - H X.
-/// @return per column the square of X in energy: what is left adds to it, whatever it is.
+/// The X of least energy error in the span of `similar`, and R = B - H X. @return per column the squared energy norm of
+/// X; later steps add to it
 Eigen::VectorXd start_among(const PrimoShell::Impl& shell, const Eigen::MatrixXd& B, const Eigen::MatrixXd& similar,
                             Eigen::MatrixXd& X, Eigen::MatrixXd& R) {
     const Eigen::MatrixXd HW = shell.products(similar);
@@ -42,7 +45,7 @@ Eigen::VectorXd start_among(const PrimoShell::Impl& shell, const Eigen::MatrixXd
     G = (scale.asDiagonal() * G * scale.asDiagonal()).eval();
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(0.5 * (G + G.transpose()));
     const Eigen::VectorXd& value = eigen.eigenvalues();
-    // Columns that are nearly alike would only add up round-off.
+    // Nearly equal columns would only amplify round-off.
     const Eigen::VectorXd inverse = (value.array() > alike * value.maxCoeff()).select(value.cwiseInverse(), 0);
     const Eigen::MatrixXd WB = scale.asDiagonal() * (similar.transpose() * B);
     const Eigen::MatrixXd C =
@@ -50,6 +53,109 @@ Eigen::VectorXd start_among(const PrimoShell::Impl& shell, const Eigen::MatrixXd
     X.noalias() = similar * C;
     R.noalias() -= HW * C;
     return X.cwiseProduct(B).colwise().sum().transpose().cwiseMax(0);
+}
+
+using Columns = std::vector<Eigen::Index>;
+
+/// Conjugate gradients on several right-hand sides at once.
+struct ColumnIteration {
+    Eigen::MatrixXd X, R, P;
+    Eigen::MatrixXd before;  ///< residuals of the iteration before, for an inexact preconditioner; else empty
+    Eigen::VectorXd rz, first, rate;
+    Eigen::VectorXd size, reduction;  ///< of the right-hand sides; of their residuals, as measured last
+
+    ColumnIteration(const Eigen::MatrixXd& B, bool is_inexact)
+        : X(Eigen::MatrixXd::Zero(B.rows(), B.cols())),
+          R(B),
+          P(B.rows(), B.cols()),
+          rz(Eigen::VectorXd::Zero(B.cols())),
+          first(rz),
+          rate(rz),
+          size(B.colwise().norm().transpose()),
+          reduction(Eigen::VectorXd::Ones(B.cols())) {
+        if (is_inexact) before = Eigen::MatrixXd::Zero(B.rows(), B.cols());
+    }
+
+    /// Directions of the open columns from their preconditioned residuals Z. @param lost gets those without one, though
+    /// more than round-off is left of them @return those that have one
+    Columns find_directions(const Eigen::MatrixXd& Z, const Columns& open, bool is_first, double tolerance,
+                            Columns& lost) {
+        Columns ahead;
+        for (std::size_t q = 0; q < open.size(); ++q) {
+            const Eigen::Index c = open[q];
+            const auto z = Z.col(static_cast<Eigen::Index>(q));
+            const double next = dot(R.col(c), z);
+            if (!(next > 0) || !std::isfinite(next)) {
+                const double left = std::sqrt(std::abs(next) / first[c]);
+                if (!(left <= tolerance) && !(R.col(c).norm() <= round_off * size[c])) lost.push_back(c);
+                continue;
+            }
+            rate[c] = is_first ? 1 : std::min(1.0, std::sqrt(next / rz[c]));
+            if (is_first)
+                first[c] += next, P.col(c) = z;
+            else
+                scale_and_add(P.col(c), (next - (before.size() > 0 ? dot(before.col(c), z) : 0)) / rz[c], z);
+            rz[c] = next;
+            ahead.push_back(c);
+        }
+        return ahead;
+    }
+
+    /// A step along the directions P. @param HP their products with H @return columns above the tolerance
+    Columns step(const Eigen::MatrixXd& HP, const Columns& ahead, double tolerance) {
+        Columns left;
+        for (std::size_t q = 0; q < ahead.size(); ++q) {
+            const Eigen::Index c = ahead[q];
+            const auto Hp = HP.col(static_cast<Eigen::Index>(q));
+            const double curvature = dot(P.col(c), Hp);
+            if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
+            const double length = dot(P.col(c), R.col(c)) / curvature;
+            if (before.size() > 0) before.col(c) = R.col(c);
+            add_multiple(X.col(c), length, P.col(c));
+            add_multiple(R.col(c), -length, Hp);
+            reduction[c] = rate[c] * std::sqrt(rz[c] / first[c]);
+            if (!(reduction[c] <= tolerance)) left.push_back(c);
+        }
+        return left;
+    }
+
+    /// Iterates on the open columns. @return those that are not solved to the tolerance
+    Columns run(PrimoShell::Impl& shell, Columns open, double tolerance) {
+        const double price = 1 + static_cast<double>(X.cols()) / 8;  // of a block, in single columns
+        Columns lost;
+        for (int k = 0; !open.empty() && k < max_iterations; ++k) {
+            if (k >= usual_iterations) shell.spent += price;
+            const Columns ahead =
+                find_directions(shell.precondition(R(Eigen::all, open)), open, k == 0, tolerance, lost);
+            open = step(shell.products(P(Eigen::all, ahead)), ahead, tolerance);
+        }
+        open.insert(open.end(), lost.begin(), lost.end());
+        return open;
+    }
+
+    /// Measures the residuals of these columns anew; what they have reached stays.
+    void begin_again(const PrimoShell::Impl& shell, const Eigen::MatrixXd& B, const Columns& open, bool is_inexact) {
+        for (const Eigen::Index c : open)
+            if (!X.col(c).allFinite()) X.col(c).setZero();
+        const Eigen::MatrixXd HX = shell.products(X(Eigen::all, open));
+        for (std::size_t q = 0; q < open.size(); ++q) {
+            const Eigen::Index c = open[q];
+            R.col(c) = B.col(c) - HX.col(static_cast<Eigen::Index>(q));
+            first[c] =
+                std::max(0.0, dot(X.col(c), HX.col(static_cast<Eigen::Index>(q))));  // find_directions adds to it
+            reduction[c] = 1;
+        }
+        before = is_inexact ? Eigen::MatrixXd::Zero(B.rows(), B.cols()) : Eigen::MatrixXd();
+    }
+};
+
+/// A preconditioner of the assembled matrix itself; a factor, where it is not too large, since cycles were not enough.
+void renew_preconditioner(PrimoShell::Impl& shell) {
+    if (!shell.kept.is_exact() && shell.rest.num_free() < factor_limit) {
+        shell.kept.use(LinearSolver::direct, 0);
+        shell.kept.analyze(shell.H);
+    }
+    if (!shell.factorize()) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
 }
 
 }  // namespace
@@ -87,7 +193,7 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const C
         if (!shell.kept.is_exact()) before = r;
         add_multiple(result.x, length, p);
         add_multiple(r, -length, Hp);
-        // Measuring what this has left would take a substitution: it reduces as the last one did.
+        // Measuring the residual would take a substitution: assume the last rate.
         result.reduction = result.rate * std::sqrt(rz / first);
         is_enough = options.is_enough && options.is_enough(result.x, result.reduction);
         if (result.iterations >= few_iterations) {
@@ -101,46 +207,24 @@ CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const C
 
 Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
                               const Eigen::MatrixXd& similar) {
-    Eigen::MatrixXd X = Eigen::MatrixXd::Zero(B.rows(), B.cols()), R = B, P(B.rows(), B.cols()), before;
-    if (!shell.kept.is_exact()) before = Eigen::MatrixXd::Zero(B.rows(), B.cols());
-    Eigen::VectorXd rz = Eigen::VectorXd::Zero(B.cols()), first = rz, rate = rz;
-    if (similar.cols() > 0) first = start_among(shell, B, similar, X, R);
-    const double price = 1 + static_cast<double>(B.cols()) / 8;  // of a block, in single columns
-    std::vector<Eigen::Index> open;
-    for (Eigen::Index c = 0; c < B.cols(); ++c)
+    ColumnIteration all(B, !shell.kept.is_exact());
+    if (similar.cols() > 0) all.first = start_among(shell, B, similar, all.X, all.R);
+    Columns open;
+    for (Eigen::Index c = 0; c < B.cols(); ++c) {
+        if (!B.col(c).allFinite()) throw SolverError(text("shell: right-hand side ", c, " is not finite"));
         if (B.col(c).squaredNorm() > 0) open.push_back(c);
-    for (int k = 0; !open.empty() && k < most_iterations; ++k) {
-        if (k >= usual) shell.spent += price;
-        const Eigen::MatrixXd Z = shell.precondition(R(Eigen::all, open));
-        std::vector<Eigen::Index> ahead, left;
-        for (std::size_t q = 0; q < open.size(); ++q) {
-            const Eigen::Index c = open[q];
-            const auto z = Z.col(static_cast<Eigen::Index>(q));
-            const double next = dot(R.col(c), z);
-            if (!(next > 0) || !std::isfinite(next)) continue;
-            rate[c] = k == 0 ? 1 : std::min(1.0, std::sqrt(next / rz[c]));
-            if (k == 0)
-                first[c] += next, P.col(c) = z;
-            else
-                scale_and_add(P.col(c), (next - (before.size() > 0 ? dot(before.col(c), z) : 0)) / rz[c], z);
-            rz[c] = next;
-            ahead.push_back(c);
-        }
-        const Eigen::MatrixXd HP = shell.products(P(Eigen::all, ahead));
-        for (std::size_t q = 0; q < ahead.size(); ++q) {
-            const Eigen::Index c = ahead[q];
-            const auto Hp = HP.col(static_cast<Eigen::Index>(q));
-            const double curvature = dot(P.col(c), Hp);
-            if (!(curvature > 0)) throw SolverError("shell: the exact Hessian is not positive definite at these poses");
-            const double length = dot(P.col(c), R.col(c)) / curvature;
-            if (before.size() > 0) before.col(c) = R.col(c);
-            add_multiple(X.col(c), length, P.col(c));
-            add_multiple(R.col(c), -length, Hp);
-            if (rate[c] * std::sqrt(rz[c] / first[c]) > tolerance) left.push_back(c);
-        }
-        open = left;
     }
-    return X;
+    open = all.run(shell, open, tolerance);
+    if (open.empty()) return all.X;
+    renew_preconditioner(shell);
+    all.begin_again(shell, B, open, !shell.kept.is_exact());
+    open = all.run(shell, open, tolerance);
+    for (const Eigen::Index c : open)
+        if (!(all.reduction[c] <= tolerable))
+            throw SolverError(text("shell: ", open.size(), " of ", B.cols(), " linear systems are not solved after ",
+                                   2 * max_iterations, " iterations (residual ", all.reduction[c], ", wanted ",
+                                   tolerance, "); thicker prisms help"));
+    return all.X;
 }
 
 }  // namespace strake

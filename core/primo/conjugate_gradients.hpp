@@ -1,17 +1,17 @@
 #pragma once
 #include "core/primo/definiteness.hpp"
 
-/// Systems with the shell's present Hessian, by conjugate gradients on what is kept from an earlier design. Residuals
-/// are measured in the norm of the preconditioner, sqrt(r.M^-1 r): it is that of the error's energy, where torques on
-/// thin prisms do not drown the soft motions that matter.
+/// Solves systems with the shell's current Hessian by conjugate gradients, preconditioned by the kept factor or cycles
+/// of an earlier design. Residuals are measured in the norm of the preconditioner, sqrt(r.M^-1 r), an energy norm:
+/// torques on thin prisms would otherwise hide the soft motions that matter.
 namespace strake {
 
 struct CgOptions {
     double tolerance = 1e-3;              ///< of the right-hand side's norm
-    int max_iterations = 30;              ///< also gives up as soon as it is seen that these will not do
-    double expected_rate = 1;             ///< factor by which one iteration reduces the residual; 1: not known
-    DefinitenessProbe* beside = nullptr;  ///< steps of it go along while it is open
-    /// Whether `x` with that reduction does, whatever the tolerance; may be empty.
+    int max_iterations = 30;              ///< stops early when these cannot suffice
+    double expected_rate = 1;             ///< reduction of the residual per iteration; 1: unknown
+    DefinitenessProbe* beside = nullptr;  ///< its steps share the substitutions while it is open
+    /// Whether `x` with that reduction is good enough, regardless of the tolerance; may be empty.
     std::function<bool(const Eigen::VectorXd& x, double reduction)> is_enough;
     /// Sets `tolerance` and `expected_rate` once the right-hand side's norm is known.
     std::function<void(double size, CgOptions& options)> adapt;
@@ -21,16 +21,17 @@ struct CgResult {
     Eigen::VectorXd x;
     int iterations = 0;       ///< of one substitution each
     double size = 0;          ///< of the right-hand side
-    double reduction = 1;     ///< of the residual, as the last iteration is expected to have left it
-    double rate = 1;          ///< measured over the last iteration; as expected where there was but one
+    double reduction = 1;     ///< of the residual, expected after the last iteration
+    double rate = 1;          ///< measured over the last iteration; the expected rate after a single one
     bool is_reached = false;  ///< the tolerance
-    bool is_positive = true;  ///< no direction of negative curvature met
+    bool is_positive = true;  ///< no direction of negative curvature found
 };
 CgResult conjugate_gradients(PrimoShell::Impl& shell, Eigen::VectorXd b, const CgOptions& options);
 
-/// H X = B, all columns side by side, each to `tolerance`. @param similar columns in whose span parts of X are to be
-/// expected, such as the solution at a neighbouring design; any number, also none. They cost a product each.
-/// @throws SolverError: H is not positive definite.
+/// Solves H X = B for all columns at once, each to `tolerance`. @param similar vectors whose span is likely to contain
+/// parts of X, for example solutions at a neighbouring design; may be empty. Each costs a product.
+/// Where the kept preconditioner does not lead there, it is built anew, as a factor where that is not too large.
+/// @throws SolverError: H is not positive definite, a right-hand side is not finite, or a column stays unsolved.
 Eigen::MatrixXd solve_columns(PrimoShell::Impl& shell, const Eigen::MatrixXd& B, double tolerance,
                               const Eigen::MatrixXd& similar = {});
 

@@ -3,20 +3,20 @@
 #include <Eigen/Eigenvalues>
 #include <cmath>
 
-#include "core/primo/vectors.hpp"
+#include "core/primo/linear/vectors.hpp"
 
 namespace strake {
 namespace {
 
-constexpr std::size_t most_probes = 6;
-constexpr std::size_t least_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
-constexpr double settled = 0.8;                   // a least Ritz value that falls no further is the eigenvalue
+constexpr std::size_t max_probes = 6;
+constexpr std::size_t min_inexact_probes = 10;  // beside a preconditioner whose own spectrum has to be explored first
+constexpr double settled = 0.8;                 // a least Ritz value that stops decreasing is the eigenvalue
 constexpr double settled_inexactly = 0.99;
 constexpr double some_distrust = 1.1;    // of the largest value found
-constexpr double hardly_hidden = 0.01;   // share of the noise that an unseen direction has to be below there,
-constexpr double surely_hidden = 1e-16;  // and where it has not settled: far below that of any single prism's motion
+constexpr double hardly_hidden = 0.01;   // largest share of the noise in an undetected direction there,
+constexpr double surely_hidden = 1e-16;  // and before it settles: far below that of any single prism's motion
 
-/// Numbers in [-1, 1) that are the same in every run, whatever was drawn before.
+/// Random numbers in [-1, 1), the same in every run.
 double noise(std::uint64_t n) {
     n = (n + 0x9e3779b97f4a7c15ull) * 0xbf58476d1ce4e5b9ull;
     n = (n ^ (n >> 27)) * 0x94d049bb133111ebull;
@@ -40,9 +40,9 @@ Range ritz_range(const std::vector<double>& alpha, const std::vector<double>& be
     return {eigen.eigenvalues()[0], eigen.eigenvalues()[n - 1]};
 }
 
-/// If one direction had negative curvature, how large its share of the noise could be at most for Lanczos' least value
-/// to be no lower after so many steps. By the Chebyshev polynomial of their number that is within one on [least,
-/// largest]: the least value is no larger than the Rayleigh quotient of what it makes of the noise.
+/// Largest share of the noise in a direction of negative curvature that is consistent with Lanczos' least value after
+/// this many steps. Uses the Chebyshev polynomial of that degree, bounded by one on [least, largest]: the least value
+/// is at most the Rayleigh quotient of the noise transformed by it.
 double largest_hidden_share(Range ritz, std::size_t steps) {
     const double x = ritz.least / (some_distrust * ritz.largest);
     const double growth = std::cosh(static_cast<double>(steps - 1) * std::acosh((1 + x) / (1 - x)));
@@ -51,21 +51,21 @@ double largest_hidden_share(Range ritz, std::size_t steps) {
 
 }  // namespace
 
-DefinitenessProbe::DefinitenessProbe(const PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes)
-    : least_stiffness_(least_stiffness),
+DefinitenessProbe::DefinitenessProbe(const PrimoShell::Impl& shell, double min_stiffness, int max_inexact_probes)
+    : min_stiffness_(min_stiffness),
       is_exact_(shell.kept.is_exact()),
       r_(6L * shell.rest.num_free()),
-      most_(is_exact_ ? most_probes : static_cast<std::size_t>(most_inexact_probes)) {
+      max_probes_(is_exact_ ? max_probes : static_cast<std::size_t>(max_inexact_probes)) {
     for (Eigen::Index i = 0; i < r_.size(); ++i) {
         const double arm = i % 6 < 3 ? shell.rest.prism_height[shell.rest.free_prisms[i / 6]] : 1;
         r_[i] = arm * noise(static_cast<std::uint64_t>(i));
     }
-    is_open_ = most_ > 0;
+    is_open_ = max_probes_ > 0;
 }
 
 void DefinitenessProbe::advance(const PrimoShell::Impl& shell, const Eigen::VectorXd& z) {
     const double next = dot(r_, z);
-    if (!(next > 0) || !std::isfinite(next)) return close(Definiteness::doubtful);
+    if (!(next > 0) || !std::isfinite(next)) return close(Definiteness::uncertain);
     const std::size_t k = alpha_.size();
     if (k > 0) {
         beta_.push_back(next / rz_);
@@ -80,21 +80,21 @@ void DefinitenessProbe::advance(const PrimoShell::Impl& shell, const Eigen::Vect
     alpha_.push_back(rz_ / curvature);
     add_multiple(r_, -alpha_.back(), Hp);
     const Range ritz = ritz_range(alpha_, beta_);
-    const double before = std::exchange(least_, ritz.least);
-    if (!is_exact_) {  // softer than its preconditioner everywhere: its values mean little by themselves
-        if (!(least_ > 0)) return close(Definiteness::doubtful);
+    const double before = std::exchange(smallest_, ritz.least);
+    if (!is_exact_) {  // softer than its preconditioner everywhere: only ratios of its values are meaningful
+        if (!(smallest_ > 0)) return close(Definiteness::uncertain);
         const double hidden = largest_hidden_share(ritz, k + 1);
-        const bool is_settled = k >= least_inexact_probes && least_ > settled_inexactly * before;
+        const bool is_settled = k >= min_inexact_probes && smallest_ > settled_inexactly * before;
         if (hidden < (is_settled ? hardly_hidden : surely_hidden)) return close(Definiteness::yes);
     } else {
-        if (least_ < least_stiffness_) return close(Definiteness::doubtful);
-        if (k > 0 && least_ > settled * before) return close(Definiteness::yes);
+        if (smallest_ < min_stiffness_) return close(Definiteness::uncertain);
+        if (k > 0 && smallest_ > settled * before) return close(Definiteness::yes);
     }
-    if (alpha_.size() == most_) close(Definiteness::doubtful);
+    if (alpha_.size() == max_probes_) close(Definiteness::uncertain);
 }
 
-Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes) {
-    DefinitenessProbe probe(shell, least_stiffness, most_inexact_probes);
+Definiteness probe_definiteness(PrimoShell::Impl& shell, double min_stiffness, int max_inexact_probes) {
+    DefinitenessProbe probe(shell, min_stiffness, max_inexact_probes);
     while (probe.is_open()) probe.advance(shell, shell.precondition(probe.residual(), Cycle::linear));
     return probe.found();
 }

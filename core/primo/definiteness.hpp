@@ -3,21 +3,21 @@
 
 namespace strake {
 
-enum class Definiteness { yes, no, doubtful };
+enum class Definiteness { yes, no, uncertain };
 
-/// Is the shell's Hessian positive definite? Lanczos from noise: forces on all prisms move the soft modes most, and one
-/// of them turns indefinite first. Beside a definite factor two to six substitutions tell, beside multigrid ten to
-/// twenty linear cycles. "no" is a proof: a direction of negative curvature was met. One step at a time, so that its
-/// substitutions can go along with those of a solve.
+/// Is the shell's Hessian positive definite? Lanczos iteration from random forces: these excite the soft modes most,
+/// and a soft mode becomes indefinite first. With a definite factor it takes two to six substitutions, with multigrid
+/// ten to twenty linear cycles. "no" is a proof: a direction of negative curvature was found. Runs step by step, to
+/// share the substitutions of a solve.
 class DefinitenessProbe {
 public:
-    /// @param least_stiffness share of a direction's stiffness in the factor that has to be left without a doubt
-    /// @param most_inexact_probes cycles of multigrid that may be spent
-    DefinitenessProbe(const PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes = 40);
+    /// @param min_stiffness least share of a direction's stiffness in the factor that counts as certain
+    /// @param max_inexact_probes multigrid cycles allowed
+    DefinitenessProbe(const PrimoShell::Impl& shell, double min_stiffness, int max_inexact_probes = 40);
 
     bool is_open() const { return is_open_; }
-    Definiteness found() const { return found_; }  ///< doubtful while it is open
-    /// To be handed to the preconditioner, as a linear one, and what that made of it back to `advance`.
+    Definiteness found() const { return found_; }  ///< uncertain while open
+    /// Vector for the (linear) preconditioner; pass its result to `advance`.
     const Eigen::VectorXd& residual() const { return r_; }
     /// @pre is_open(); the Hessian is the same in all steps.
     void advance(const PrimoShell::Impl& shell, const Eigen::VectorXd& z);
@@ -25,15 +25,15 @@ public:
 private:
     void close(Definiteness found) { found_ = found, is_open_ = false; }
 
-    double least_stiffness_, rz_ = 0, least_ = std::numeric_limits<double>::infinity();
+    double min_stiffness_, rz_ = 0, smallest_ = std::numeric_limits<double>::infinity();
     bool is_exact_, is_open_ = true;
-    Definiteness found_ = Definiteness::doubtful;
+    Definiteness found_ = Definiteness::uncertain;
     Eigen::VectorXd r_, p_;
     std::vector<double> alpha_, beta_;
-    std::size_t most_;
+    std::size_t max_probes_;
 };
 
-/// A probe from its first step to its end.
-Definiteness probe_definiteness(PrimoShell::Impl& shell, double least_stiffness, int most_inexact_probes = 40);
+/// Runs a probe to its end.
+Definiteness probe_definiteness(PrimoShell::Impl& shell, double min_stiffness, int max_inexact_probes = 40);
 
 }  // namespace strake

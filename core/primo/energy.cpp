@@ -32,7 +32,7 @@ Vector3d project(const RestState& rest, int k, const Vector3d& d) {
     return rest.on_plane[k] ? Vector3d(rest.plane_projector * d) : d;
 }
 
-/// dE/d(vertex displacement) at vertex k: 2 lambda d - F, in the plane where the vertex is bound to it.
+/// dE/d(vertex displacement) at vertex k: 2 lambda d - F, projected for vertices in the symmetry plane.
 Vector3d vertex_force(const RestState& rest, int k, const Vector3d& d, const Loads& loads) {
     return project(rest, k, 2 * loads.spring[k] * d - row(loads.force, k));
 }
@@ -48,7 +48,7 @@ void for_vertices(const RestState& rest, const Work& work) {
 
 bool is_zero(const Points& points, int k) { return (points.row(k).array() == 0).all(); }
 
-/// The part of a force at each vertex that every prism takes which the vertex follows.
+/// Per vertex: the share of its force on each of its prisms.
 Points shared_forces(const RestState& rest, const Points& force) {
     Points shared(force.rows(), 3);
     for_vertices(rest, [&](int k) {
@@ -74,7 +74,7 @@ Points vertex_forces(const RestState& rest, const Jumps& jump, const Loads& load
     return shared;
 }
 
-/// Adds torque and force of what acts at the vertices. @param part where those of prism i stand; null: nowhere
+/// Adds torque and force of the vertices' forces. @param part position of prism i; null: none
 template <class Part>
 void add_vertex_wrenches(const RestState& rest, const std::vector<Matrix3d>& turn, const Points& force,
                          const Part& part) {
@@ -93,7 +93,7 @@ void add_vertex_wrenches(const RestState& rest, const std::vector<Matrix3d>& tur
     });
 }
 
-/// Where those of prism i stand in a vector of the free ones.
+/// Position of prism i in a vector of the free prisms.
 auto free_part(const RestState& rest, Eigen::VectorXd& wrench) {
     return
         [&rest, &wrench](int i) { return rest.free_index[i] < 0 ? nullptr : wrench.data() + 6L * rest.free_index[i]; };
@@ -226,7 +226,7 @@ Matrix36 velocity_map(const Vector3d& a) {
     return J;
 }
 
-/// Two prisms share one face, but for tiny closed surfaces: then every block is written once.
+/// Two prisms share at most one face, except on tiny closed surfaces: every block is written once.
 bool has_one_face_each(const RestState& rest, const BlockMatrix& H) {
     std::size_t count = 0;
     for (const SharedFace& f : rest.faces) count += rest.free_index[f.i] >= 0 && rest.free_index[f.j] >= 0;
@@ -240,7 +240,7 @@ Matrix3d symmetric(const double* entries) {
     return S;
 }
 
-/// sym(A) - tr(A) I from A = sum f a^T: what the curvature of SO(3) adds under the forces f at the arms a.
+/// sym(A) - tr(A) I from A = sum f a^T: the curvature term of SO(3) for forces f at arms a.
 Matrix3d stress_block(const OwnBlock& own, StressTerm term) {
     if (term == StressTerm::none) return Matrix3d::Zero();
     const Matrix3d A = symmetric(own.moment), S = A - A.trace() * Matrix3d::Identity();

@@ -1,5 +1,5 @@
 #pragma once
-#include "core/primo/block_matrix.hpp"
+#include "core/primo/linear/block_matrix.hpp"
 #include "core/primo/rest_state.hpp"
 
 /// Energy of the shell, its gradient and its exact Hessian on SE(3). A prism's update is a twist (omega, v) of its
@@ -9,9 +9,8 @@ namespace strake {
 /// Loads with both members filled: n rows each.
 Loads complete(const Loads& loads, int num_vertices);
 
-/// What the energy is made of at given poses: how far faces gape and vertices have moved. The mixed-integration-point
-/// Newton method (Magisano, Leonetti, Garcea 2017) carries these numbers from one iteration to the next by their linear
-/// prediction.
+/// Terms of the energy at given poses: jumps at faces and displacements of vertices. The mixed-integration-point Newton
+/// method (Magisano, Leonetti, Garcea 2017) carries them between iterations by linear prediction.
 struct Jumps {
     std::vector<Quad> face;        ///< per shared face: y_i(g) - y_j(g)
     std::vector<double> mirrored;  ///< 4 per mirrored face: n . (y(g) - X(g))
@@ -31,10 +30,10 @@ double energy(const RestState& rest, const Jumps& jump, const Loads& loads);
 
 using Wrenches = Eigen::Matrix<double, Eigen::Dynamic, 6, Eigen::RowMajor>;  ///< per prism: torque, force
 
-/// Torque about the centroid and force on every prism: derivative of the energy by the twists.
+/// Torque about the centroid and force on every prism: the derivative of the energy by the twists.
 Wrenches energy_gradient(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& jump,
                          const Loads& loads);
-/// The part of the loads' forces F alone: the scale of a relative gradient.
+/// The part from the forces F alone: the scale of the relative gradient.
 Wrenches applied_forces(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Loads& loads);
 
 /// How the rotational stress term enters: `exact` (with the true jumps: the exact Hessian; with predicted ones: the
@@ -43,15 +42,16 @@ enum class StressTerm { exact, clipped, none };
 
 /// Zero matrix with the sparsity of the Hessian without springs: prisms that share a face.
 BlockMatrix hessian_pattern(const RestState& rest);
-/// The Hessian but for the springs' own stiffness (their forces count): that couples all prisms around a vertex, more
-/// than twice the entries and five times the work of a factorization, and is applied as it stands instead.
+/// The Hessian without the springs' stiffness (with their forces). That stiffness couples all prisms around a vertex,
+/// which means more than twice the entries and five times the factorization work; `add_spring_product` applies it
+/// instead.
 void assemble_hessian(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Jumps& stress,
                       const Loads& loads, StressTerm term, BlockMatrix& H);
 /// y += the springs' part of the Hessian times x: 2 lambda v_k at vertex k, handed to its prisms.
 void add_spring_product(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& spring,
                         const Eigen::VectorXd& x, Eigen::VectorXd& y);
-/// Adds that part with |mean of the prisms' motions|^2 replaced by the mean of their squares, which couples none: never
-/// less, and equal where neighbours move alike.
+/// Adds that stiffness with |mean of the prisms' motions|^2 replaced by the mean of their squares, which couples no
+/// prisms: an upper bound, exact where neighbours move alike.
 void add_lumped_springs(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& spring,
                         BlockMatrix& H);
 

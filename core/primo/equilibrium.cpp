@@ -7,10 +7,10 @@
 
 /// The minimum of the shell's energy. Main method: Newton with the mixed-integration-point stress (full steps, no
 /// descent demanded: after a rotation step the true jumps hold a spurious membrane part of order 1/h^2 that would
-/// poison both the Hessian and a line search). Its systems are solved by conjugate gradients on the factor of an
-/// earlier iteration or design, as exactly as the next step can make use of. Fallbacks: Newton with line search, then
-/// load steps from rest. A long way from rest is gone by a coarser shell first (nested iteration). The end is polished
-/// with the exact Hessian and shown to be a minimum.
+/// poison both the Hessian and a line search). Conjugate gradients with the factor of an earlier iteration or design
+/// solve its systems as accurately as the next step can use. Fallbacks: Newton with line search, then load steps from
+/// rest. A coarser shell first predicts large deformations from rest (nested iteration). The end is refined with the
+/// exact Hessian and proven to be a minimum.
 namespace strake {
 namespace {
 
@@ -23,18 +23,18 @@ constexpr int attempt_limit = 25;         // iterations of one mixed attempt
 constexpr int growth_limit = 4;           // iterations in a row that lead away
 constexpr double closing_step = 1e-3;     // diagonals: from here a few iterations more are allowed
 constexpr int extra_iterations = 4;
-constexpr int hasty_growth_limit = 2;   // the same where failing early is asked for
-constexpr double far = 0.3;             // diagonals: what is further away is approached in stages
-constexpr double farthest = 1e3;        // diagonals: no more stages for what is further
-constexpr double stage_end = 0.02;      // diagonals: step from which the next stage begins
-constexpr int stage_iterations = 4;     // allowed to each
-constexpr int least_for_coarse = 4000;  // free prisms from which a coarser shell goes ahead
-constexpr double worth_coarse = 0.05;   // diagonals: first step from which it does
-constexpr double worth_anew = 0.2;      // the same where what is kept of the rest state serves no longer after that
-// A step from a guess that is longer changes the matrix so much that one set up anew pays; a factor costs more.
+constexpr int hasty_growth_limit = 2;  // the same where failing early is asked for
+constexpr double far = 0.3;            // diagonals: longer ways are gone in stages
+constexpr double farthest = 1e3;       // diagonals: the number of stages grows no further beyond this
+constexpr double stage_end = 0.02;     // diagonals: step from which the next stage begins
+constexpr int stage_iterations = 4;    // allowed to each
+constexpr int min_for_coarse = 4000;   // free prisms from which a coarser shell predicts
+constexpr double worth_coarse = 0.05;  // diagonals: first step from which it does
+constexpr double worth_anew = 0.2;     // the same when the kept preconditioner is lost by it
+// A longer first step from a guess changes the matrix so much that a new preconditioner pays; a factor costs more.
 constexpr double rough_guess = 0.005, rough_guess_for_factor = 0.02;  // diagonals
-constexpr int coarse_load_steps = 4;                                  // where it does not get there at once
-constexpr double coarse_end = 0.01;  // diagonals: step with which it has gone far enough
+constexpr int coarse_load_steps = 4;                                  // if the first attempt fails
+constexpr double coarse_end = 0.01;  // diagonals: step at which the coarse solution is good enough
 
 /// Shortens a step so that no prism turns or travels too far.
 double cap(const RestState& rest, Eigen::VectorXd& twist) {
@@ -49,45 +49,7 @@ double cap(const RestState& rest, Eigen::VectorXd& twist) {
     return factor;
 }
 
-/// One solve: what all attempts share.
-struct Attempt {
-    PrimoShell::Impl& shell;
-    const SolveOptions& options;
-    const SolveProgress& progress;
-    Equilibrium& end;
-    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
-    bool cancelled = false;
-    NewtonSystems systems{shell, options, end};
-    const std::vector<RigidMotion>& motions;
-    bool is_rough = false;    ///< on a coarser shell: ends with a step below `coarse_end`
-    double worth = 0;         ///< and at once, without success, if the first is below this
-    bool is_guided = true;    ///< goes ahead on a coarser shell where the way is long
-    bool was_guided = false;  ///< has done so
-    bool was_misled = false;  ///< and ended beside an indefinite matrix: about to snap
-
-    bool out_of_budget() const {
-        // What is as good as there is not given up for a few iterations.
-        const bool closing_in = end.last_step > 0 && end.last_step < closing_step;
-        return cancelled || end.iterations >= options.max_iterations + (closing_in ? extra_iterations : 0);
-    }
-
-    void record(const Iterate& at, const Loads& loads, double step) {
-        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-        end.records.push_back({++end.iterations, energy(shell.rest, at.jump, loads),
-                               at.norm / std::max(at.scale, 1e-300), step, seconds});
-        systems.took(step);
-        if (progress && !progress(end.records.back())) cancelled = true;
-    }
-
-    bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
-    bool compare_from_rest(const Loads& loads, bool pins_moved);
-    bool mixed(const Loads& loads, bool pins_moved, bool reuse);
-    bool line_search(const Loads& loads);
-    bool finish(const Loads& loads, Iterate at);
-    bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
-};
-
-/// What is far away is approached in stages: a share of the residual at the start is left standing as a dead load.
+/// A long way is gone in stages: a share of the residual at the start stays as a dead load.
 struct Stages {
     Eigen::VectorXd start;  ///< the residual there
     double left = 0, share = 0;
@@ -106,6 +68,72 @@ struct Stages {
     }
 };
 
+/// State of the mixed method.
+struct Mixed {
+    Iterate at;
+    Jumps stress;
+    StressTerm term = StressTerm::exact;
+    bool is_near = false;  ///< began at the result of a coarser shell
+    bool reuse = false;    ///< the preconditioner of an earlier iteration or design
+    double smallest = std::numeric_limits<double>::infinity();  ///< step
+    int growing = 0;                                            ///< steps in a row well above the smallest
+    Stages stages;
+
+    void forget_steps() {
+        smallest = std::numeric_limits<double>::infinity();
+        growing = 0;
+    }
+    int growing_after(double step) {
+        growing = step > 1.5 * smallest ? growing + 1 : 0;
+        smallest = std::min(smallest, step);
+        return growing;
+    }
+};
+
+/// One solve: shared by all attempts.
+struct Attempt {
+    PrimoShell::Impl& shell;
+    const SolveOptions& options;
+    const SolveProgress& progress;
+    Equilibrium& end;
+    std::chrono::steady_clock::time_point start = std::chrono::steady_clock::now();
+    bool cancelled = false;
+    NewtonSystems systems{shell, options, end};
+    const std::vector<RigidMotion>& motions;
+    bool is_rough = false;    ///< on a coarser shell: ends at a step below `coarse_end`
+    double worth = 0;         ///< and fails at once if the first is below this
+    bool is_guided = true;    ///< predicts large deformations on a coarser shell
+    bool was_guided = false;  ///< did so
+    bool was_misled = false;  ///< and met an indefinite matrix there: close to snapping
+
+    bool out_of_budget() const {
+        // A nearly converged solve gets a few more iterations.
+        const bool closing_in = end.last_step > 0 && end.last_step < closing_step;
+        return cancelled || end.iterations >= options.max_iterations + (closing_in ? extra_iterations : 0);
+    }
+
+    void record(const Iterate& at, const Loads& loads, double step) {
+        const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+        end.records.push_back({++end.iterations, energy(shell.rest, at.jump, loads),
+                               at.norm / std::max(at.scale, 1e-300), step, seconds});
+        systems.took(step);
+        if (progress && !progress(end.records.back())) cancelled = true;
+    }
+
+    bool go_ahead(const Loads& loads, bool pins_moved, double worth_from);
+    bool compare_from_rest(const Loads& loads, bool pins_moved);
+    bool mixed(const Loads& loads, bool pins_moved, bool reuse);
+    Mixed begin_mixed(const Loads& loads, bool pins_moved, bool reuse);
+    bool is_rough_guess(double step) const;
+    Eigen::VectorXd mixed_step(Mixed& m, const Loads& loads, bool is_first);
+    double take_mixed_step(Mixed& m, const Loads& loads, const Eigen::VectorXd& twist);
+    bool line_search(const Loads& loads);
+    bool finish(const Loads& loads, Iterate at);
+    bool load_steps(const Loads& loads, const std::vector<RigidMotion>& motions, int count);
+    bool reach(const Loads& loads, bool pins_moved, const Poses& before);
+    void report_failure();
+};
+
 void add(const SolveTimes& from, SolveTimes& to) {
     to.assembly += from.assembly;
     to.ordering += from.ordering;
@@ -119,17 +147,17 @@ bool is_at_rest(const PrimoShell::Impl& shell) {
     return true;
 }
 
-/// Moves the prisms from rest to about where the equilibrium of a coarser shell is. False where they stay at rest; it
-/// is no more than a guide, so that what it cannot do is left to the finer one.
+/// Moves the prisms from rest to the equilibrium of a coarser shell. False: they stay at rest. This is only a guess;
+/// the finer shell does the rest.
 bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
-    if (!is_guided || shell.rest.num_free() < least_for_coarse || !is_at_rest(shell)) return false;
+    if (!is_guided || shell.rest.num_free() < min_for_coarse || !is_at_rest(shell)) return false;
     const SolveProgress ahead = [this](SolveRecord record) {
         record.iteration = 0;
         return !progress || progress(record);
     };
     CoarseShell coarse = coarsen(shell.rest, is_rough ? 1 : 2);
     PrimoShell::Impl rough(std::move(coarse.rest), LinearSolver::automatic, 1);
-    rough.spring_pattern = shell.spring_pattern;  // that every part is held is known
+    rough.spring_pattern = shell.spring_pattern;  // support of every part is already checked
     rough.prepare(loads.spring);
     rough.place_pinned(motions);
     Equilibrium found;
@@ -146,7 +174,7 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
         if (attempt.was_misled && !attempt.cancelled) is_found = attempt.compare_from_rest(loads, pins_moved);
         if (!is_found && found.iterations > 0 && options.fallbacks && !attempt.cancelled) {
             found.iterations = 0;
-            attempt.worth = 0;  // a load step may be short
+            attempt.worth = 0;  // load steps may be short
             is_found = attempt.load_steps(loads, motions, coarse_load_steps);
         }
     } catch (const SolverError&) {
@@ -160,7 +188,7 @@ bool Attempt::go_ahead(const Loads& loads, bool pins_moved, double worth_from) {
     return was_guided = true;
 }
 
-/// From rest without a guide; what was there is taken back where that finds nothing of less energy.
+/// Solves from rest without a guess; restores the guessed solution unless this finds less energy.
 bool Attempt::compare_from_rest(const Loads& loads, bool pins_moved) {
     const Poses guided = shell.poses;
     const double guided_energy = end.records.back().energy;
@@ -178,62 +206,81 @@ bool Attempt::compare_from_rest(const Loads& loads, bool pins_moved) {
     return true;
 }
 
+/// The next step of the mixed method, not longer than one iteration may go; empty where there is none.
+Eigen::VectorXd Attempt::mixed_step(Mixed& m, const Loads& loads, bool is_first) {
+    m.at.jump = {};
+    if (m.stages.left > 0) m.at.gradient -= m.stages.left * m.stages.start;
+    Eigen::VectorXd twist = systems.step(m.at, m.stress, loads, m.term, m.reuse);
+    if (twist.size() == 0) {
+        end.reason = "the matrix stays indefinite near the equilibrium: the shell buckles";
+        return {};
+    }
+    if (!twist.allFinite()) return {};
+    const double first = is_first ? step_size(shell.rest, twist) : 0;
+    if (is_first && !m.is_near && first < worth) return {};
+    if (first > far && options.fallbacks) {
+        m.stages.begin(m.at.gradient, first);
+        twist *= m.stages.share;
+    }
+    cap(shell.rest, twist);
+    return twist;
+}
+
+/// Takes the step and predicts the stress after it. @return its size
+double Attempt::take_mixed_step(Mixed& m, const Loads& loads, const Eigen::VectorXd& twist) {
+    m.stress = {};  // frees the memory of the old one first
+    m.stress = sum(jumps(shell.rest, shell.poses, m.at.turn), jump_rates(shell.rest, m.at.turn, twist));
+    m.term = StressTerm::exact;
+    shell.advance(twist);
+    m.at = {};
+    m.at = iterate(shell, loads);
+    const double step = step_size(shell.rest, twist);
+    record(m.at, loads, step);
+    return step;
+}
+
+Mixed Attempt::begin_mixed(const Loads& loads, bool pins_moved, bool reuse) {
+    Mixed m;
+    m.reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
+    m.is_near = go_ahead(loads, pins_moved, std::max(worth, m.reuse ? worth_anew : worth_coarse));
+    if (m.is_near) m.reuse = false;
+    m.at = iterate(shell, loads);
+    m.stress = std::move(m.at.jump);  // each takes a twentieth of all memory: only one exists at a time
+    // Where pins have jumped, the jumps at their faces are no stress yet.
+    m.term = m.is_near || pins_moved ? StressTerm::none : StressTerm::exact;
+    return m;
+}
+
+/// Whether the first step from a guess is so long that the preconditioner should be rebuilt.
+bool Attempt::is_rough_guess(double step) const {
+    return step > (shell.kept.is_exact() ? rough_guess_for_factor : rough_guess);
+}
+
 bool Attempt::mixed(const Loads& loads, bool pins_moved, bool reuse) {
-    reuse = (reuse || shell.is_kept_here) && shell.kept.is_built();
-    const bool is_near = go_ahead(loads, pins_moved, std::max(worth, reuse ? worth_anew : worth_coarse));
-    if (is_near) reuse = false;
-    Iterate at = iterate(shell, loads);
-    Jumps stress = std::move(at.jump);  // a twentieth of all memory each: one of them at a time
-    // Pins that jumped leave gaping faces: their stress means nothing yet.
-    StressTerm term = is_near || pins_moved ? StressTerm::none : StressTerm::exact;
+    Mixed m = begin_mixed(loads, pins_moved, reuse);
+    const int limit = options.fallbacks ? growth_limit : hasty_growth_limit;
     systems.begin();
-    double smallest = std::numeric_limits<double>::infinity();
-    int growing = 0;  // iterations in a row with a step well above the smallest
-    Stages stages;
-    for (int i = 0; i < attempt_limit + stage_iterations * (stages.count - 1) && !out_of_budget(); ++i) {
-        at.jump = {};
-        if (stages.left > 0) at.gradient -= stages.left * stages.start;
-        Eigen::VectorXd twist = systems.step(at, stress, loads, term, reuse);
-        if (twist.size() == 0) {
-            end.reason = "the matrix stays indefinite near the equilibrium: the shell buckles";
-            return false;
-        }
-        if (!twist.allFinite()) return false;
-        const double first = i == 0 ? step_size(shell.rest, twist) : 0;
-        if (i == 0 && !is_near && first < worth) return false;
-        if (first > far && options.fallbacks) {
-            stages.begin(at.gradient, first);
-            twist *= stages.share;
-        }
-        cap(shell.rest, twist);
-        stress = {};  // what is replaced is given up first
-        stress = sum(jumps(shell.rest, shell.poses, at.turn), jump_rates(shell.rest, at.turn, twist));
-        term = StressTerm::exact;
-        shell.advance(twist);
-        at = {};
-        at = iterate(shell, loads);
-        const double step = step_size(shell.rest, twist);
-        record(at, loads, step);
-        if (!std::isfinite(at.norm)) return false;
-        if (is_near && i == 0 && step > (shell.kept.is_exact() ? rough_guess_for_factor : rough_guess)) reuse = false;
-        if (stages.advance(step)) {
-            smallest = std::numeric_limits<double>::infinity();
-            growing = 0;
+    for (int i = 0; i < attempt_limit + stage_iterations * (m.stages.count - 1) && !out_of_budget(); ++i) {
+        Eigen::VectorXd twist = mixed_step(m, loads, i == 0);
+        if (twist.size() == 0) return false;
+        const double step = take_mixed_step(m, loads, twist);
+        if (!std::isfinite(m.at.norm)) return false;
+        if (m.is_near && i == 0 && is_rough_guess(step)) m.reuse = false;
+        if (m.stages.advance(step)) {
+            m.forget_steps();
             systems.begin();
             continue;
         }
         if (is_rough && step < coarse_end) {
-            was_misled = is_near && systems.was_clipped();
+            was_misled = m.is_near && systems.was_clipped();
             return true;
         }
         if (step < nearly_there) {
-            stress = {};
+            m.stress = {};
             twist.resize(0);
-            return finish(loads, std::move(at));
+            return finish(loads, std::move(m.at));
         }
-        growing = step > 1.5 * smallest ? growing + 1 : 0;
-        smallest = std::min(smallest, step);
-        if (growing >= (options.fallbacks ? growth_limit : hasty_growth_limit)) return false;
+        if (m.growing_after(step) >= limit) return false;
     }
     return false;
 }
@@ -282,13 +329,20 @@ bool Attempt::line_search(const Loads& loads) {
         cap(shell.rest, twist);
         const double E = energy(shell.rest, at.jump, loads), slope = at.gradient.dot(twist);
         const Poses poses = shell.poses;
-        double length = 1;
-        for (int halvings = 0; halvings < 20; ++halvings, length /= 2) {
+        double length = 2;
+        bool is_lower = false;
+        for (int tried = 0; tried < 20 && !is_lower; ++tried) {
+            length /= 2;
             shell.poses = poses;
             shell.advance(length * twist);
             at = iterate(shell, loads);
             // Below the round-off of E itself descent cannot be seen.
-            if (energy(shell.rest, at.jump, loads) <= E + 1e-4 * length * slope + 1e-14 * std::abs(E)) break;
+            is_lower = energy(shell.rest, at.jump, loads) <= E + 1e-4 * length * slope + 1e-14 * std::abs(E);
+        }
+        if (!is_lower) {  // no way down: a step that leads up is not taken
+            shell.poses = poses;
+            shell.has_moved();
+            return false;
         }
         const double step = length * step_size(shell.rest, twist);
         record(at, loads, step);
@@ -312,6 +366,42 @@ bool Attempt::load_steps(const Loads& loads, const std::vector<RigidMotion>& mot
         if (!mixed(part, !motions.empty(), false)) return false;
     }
     return true;
+}
+
+/// The mixed method, then the fallbacks. @param before poses from which each attempt starts
+bool Attempt::reach(const Loads& loads, bool pins_moved, const Poses& before) {
+    const auto begin_again = [&] {
+        shell.poses = before;
+        shell.has_moved();
+        shell.place_pinned(motions);
+        end.reason.clear();
+    };
+    bool done = mixed(loads, pins_moved, options.keep_factor);
+    is_guided = false;
+    if (!done && was_guided && !out_of_budget()) {
+        begin_again();
+        done = mixed(loads, pins_moved, false);
+    }
+    if (!done && options.fallbacks && !out_of_budget()) {
+        begin_again();
+        done = !pins_moved && line_search(loads);
+    }
+    for (int steps = 4; !done && options.fallbacks && steps <= 16 && !out_of_budget(); steps *= 4) {
+        end.reason.clear();
+        done = load_steps(loads, motions, steps);
+    }
+    return done;
+}
+
+void Attempt::report_failure() {
+    end.status = cancelled            ? SolveStatus::cancelled
+                 : end.reason.empty() ? SolveStatus::not_converged
+                                      : SolveStatus::unstable;
+    if (cancelled)
+        end.reason = "cancelled";
+    else if (end.reason.empty())
+        end.reason = text("no equilibrium after ", end.iterations, " Newton iterations (last step ", end.last_step,
+                          " diagonals): the loads are too large or the shell buckles");
 }
 
 bool differ(const std::vector<RigidMotion>& a, const std::vector<RigidMotion>& b) {
@@ -346,26 +436,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
     end.first_solver = solver();
     Attempt attempt{.shell = shell, .options = options, .progress = progress, .end = end, .motions = motions};
     shell.place_pinned(motions);
-    const auto begin_again = [&] {
-        shell.poses = before;
-        shell.has_moved();
-        shell.place_pinned(motions);
-        end.reason.clear();
-    };
-    bool done = attempt.mixed(loads, pins_moved, options.keep_factor);
-    attempt.is_guided = false;
-    if (!done && attempt.was_guided && !attempt.out_of_budget()) {
-        begin_again();
-        done = attempt.mixed(loads, pins_moved, false);
-    }
-    if (!done && options.fallbacks && !attempt.out_of_budget()) {
-        begin_again();
-        done = !pins_moved && attempt.line_search(loads);
-    }
-    for (int steps = 4; !done && options.fallbacks && steps <= 16 && !attempt.out_of_budget(); steps *= 4) {
-        end.reason.clear();
-        done = attempt.load_steps(loads, motions, steps);
-    }
+    const bool done = attempt.reach(loads, pins_moved, before);
     end.seconds = shell.seconds;
     end.substitutions = shell.substitutions - substitutions_before;
     end.solver = solver();
@@ -378,14 +449,7 @@ Equilibrium PrimoShell::solve(const Loads& given, const std::vector<RigidMotion>
         shell.reached_step = options.min_step;
         return end;
     }
-    end.status = attempt.cancelled    ? SolveStatus::cancelled
-                 : end.reason.empty() ? SolveStatus::not_converged
-                                      : SolveStatus::unstable;
-    if (attempt.cancelled)
-        end.reason = "cancelled";
-    else if (end.reason.empty())
-        end.reason = text("no equilibrium after ", end.iterations, " Newton iterations (last step ", end.last_step,
-                          " diagonals): the loads are too large or the shell buckles");
+    attempt.report_failure();
     shell.poses = before;
     shell.has_moved();
     return end;

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "core/parallel.hpp"
-#include "core/primo/lanes.hpp"
+#include "core/primo/linear/lanes.hpp"
 
 namespace strake {
 namespace {
@@ -68,11 +68,11 @@ STRAKE_INLINE void coupling(const FourVectors& p, const FourVectors& q, double w
     for (int k = 0; k < 36; ++k) to[k] = block[k];
 }
 
-constexpr int at_once = 512;  // faces, prisms or vertices of one thread
+constexpr int faces_at_once = 512;  // faces, prisms or vertices of one thread
 
 template <class Work>
 void for_lanes(int n, const Work& work) {
-    for_blocks(n, at_once,
+    for_blocks(n, faces_at_once,
                [&](int begin, int end) { run_lanes([&]() __attribute__((always_inline)) { work(begin, end); }); });
 }
 
@@ -140,8 +140,8 @@ struct Wrench {
     }
 };
 
-/// Adds up over all faces: work(face, for_i, for_j) adds to two Sums, those of `sums` where the face's prisms have one
-/// of their own, else nullptr. @param sum_of prism -> its place in `sums`, or -1
+/// Sums over all faces: work(face, for_i, for_j) adds to two Sums, entries of `sums` for prisms that have one, else
+/// nullptr. @param sum_of prism -> position in `sums`, or -1
 template <class Sum, class SumOf, class Work>
 void add_up(const RestState& rest, Sum* sums, const SumOf& sum_of, int threads, const Work& work) {
     const FaceGroups& groups = rest.face_groups;

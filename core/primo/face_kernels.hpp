@@ -1,10 +1,10 @@
 #pragma once
 #include "core/primo/energy.hpp"
 
-/// The loops over all faces and prisms of a shell, four Gauss points at a time; what they compute stands in energy.hpp.
+/// Loops over the faces and prisms of a shell, four Gauss points at a time; energy.hpp defines the results.
 namespace strake {
 
-/// Gaping of the shared faces.
+/// Jumps at the shared faces.
 void face_jumps(const RestState& rest, const Poses& poses, const std::vector<Eigen::Matrix3d>& turn,
                 std::vector<Quad>& jump);
 void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::VectorXd& twist,
@@ -13,7 +13,7 @@ void face_jump_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& 
 void face_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& jump,
                    Wrenches& wrench);
 
-/// What a prism's diagonal block is made of: sums over its own points, of stiffness and of forces f at arms a.
+/// Terms of a prism's diagonal block: sums over its points, of stiffness and of forces f at arms a.
 struct OwnBlock {
     double square[6] = {};  ///< sum w a a^T: xx, yy, zz, xy, yz, zx
     double arm[3] = {};     ///< sum w a
@@ -23,8 +23,8 @@ struct OwnBlock {
     OwnBlock& operator+=(const OwnBlock& other);
     void add_moment(const Eigen::Vector3d& f, const Eigen::Vector3d& a);
 };
-/// Blocks between free prisms that share a face, and what the faces add to their own. @param is_sum two prisms may
-/// share several faces: `below` is added to, else written
+/// Blocks between free prisms that share a face, and the faces' share of their diagonal blocks. @param is_sum adds to
+/// `below`, for prisms that share several faces; false: overwrites it
 void add_face_blocks(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const std::vector<Quad>& stress,
                      bool is_sum, std::vector<OwnBlock>& own, std::vector<Matrix6>& below, const BlockMatrix& pattern);
 

@@ -4,7 +4,7 @@
 #include <numeric>
 
 #include "core/error.hpp"
-#include "core/primo/block_matrix.hpp"
+#include "core/primo/linear/block_matrix.hpp"
 
 namespace strake {
 namespace {
@@ -87,7 +87,7 @@ void check_held(const RestState& rest, const Eigen::VectorXd& spring) {
     }
     if (loose == 0) return;
     const Part& part = parts[first];
-    // Round-off of a centre at the origin says nothing to anybody.
+    // Shows round-off of a centre at the origin as zero.
     const Eigen::Vector3d centre = (part.centre.array().abs() < 1e-9 * part.size).select(0, part.centre);
     throw UnheldPart(text("deform: ", loose, " of ", count,
                           " connected parts of the surface can move freely; the first has ", part.triangles,

@@ -5,30 +5,30 @@
 
 #include "core/error.hpp"
 #include "core/parallel.hpp"
-#include "core/primo/spd_solver.hpp"
+#include "core/primo/linear/spd_solver.hpp"
 
 namespace strake {
 namespace {
 
 constexpr int cg_limit = 20;  // substitutions for one step, above which a new factor is cheaper
-constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: fresh ones, and those of an earlier design
-constexpr double hardly_moved = 0.002;                           // diagonals: fresh cycles would be no better
-constexpr double exact_rate = 1e-3;       // of conjugate gradients on the matrix's own factor, in single precision
-constexpr double loosest = 0.1;           // share of a residual that may be left in any step
-constexpr double first_share = 0.05;      // in the first one
-constexpr double tightest = 0.01;         // in later ones
-constexpr double tightest_at_end = 1e-5;  // beside the exact Hessian, where less is not seen to do
-constexpr double hardly_changed = 0.02;   // steps that shrink by this leave a Hessian that does so once more
-constexpr double usual = 6;               // substitutions of a solve beside a factor that need not be better
-constexpr int clipped_limit = 2;          // indefinite matrices near the end after which the shell is said to buckle
-constexpr double without_doubt = 0.2;     // least stiffness beside that of the design a factor is of
-constexpr double beside_springs = 1e-3;   // the same where it is lumped springs that stiffen the factor
-constexpr double left_at_end = 1e-4;      // of the last step that is allowed: differences of values see it
-constexpr double roughly = 2;             // times as much is good enough, where it was foreseen otherwise
-constexpr double foreseen = 0.5;          // of that step, below which one is foreseen to be the last
-constexpr double surely = 0.8;            // of that step, below which one is seen to be the last
-constexpr double last_but_one = 0.1;      // of that step: what longer ones may leave to the next
-constexpr int few_probes = 40, many_probes = 200;  // cycles of multigrid that show definiteness
+constexpr int multigrid_limit = 150, multigrid_kept_limit = 25;  // cycles: of this design, and of an earlier one
+constexpr double hardly_moved = 0.002;                           // diagonals: below this new cycles would be no better
+constexpr double exact_rate = 1e-3;        // of conjugate gradients on the matrix's own factor, in single precision
+constexpr double loosest = 0.1;            // maximum relative residual of any step
+constexpr double first_share = 0.05;       // in the first one
+constexpr double tightest = 0.01;          // in later ones
+constexpr double tightest_at_end = 1e-5;   // for the exact Hessian, unless a looser one is known to suffice
+constexpr double hardly_changed = 0.02;    // after a step reduced by this, the Hessian serves once more
+constexpr double usual_substitutions = 6;  // substitutions up to which a factor need not be renewed
+constexpr int clipped_limit = 2;           // indefinite matrices near the end that count as buckling
+constexpr double without_gradient_error = 0.2;     // least stiffness relative to the factor's design
+constexpr double beside_springs = 1e-3;            // the same if lumped springs stiffen the factor
+constexpr double left_at_end = 1e-4;               // of the largest allowed last step: finite differences resolve it
+constexpr double roughly = 2;                      // times as much suffices if the prediction was different
+constexpr double foreseen = 0.5;                   // of that step: a smaller predicted one is the last
+constexpr double surely = 0.8;                     // of that step: a smaller actual one is the last
+constexpr double last_but_one = 0.1;               // of that step: residual that longer ones may leave
+constexpr int few_probes = 40, many_probes = 200;  // multigrid cycles that prove definiteness
 constexpr int factor_limit = 300000;               // prisms whose factor takes 2 GB
 constexpr double near_step = 0.02;                 // diagonals: near the end
 
@@ -54,8 +54,7 @@ Iterate iterate(const PrimoShell::Impl& shell, const Loads& loads) {
     for (int f = 0; f < rest.num_free(); ++f) at.gradient.segment<6>(6 * f) = g6.row(rest.free_prisms[f]).transpose();
     at.norm = scaled_norm(rest, g6, false);
     at.scale = scaled_norm(rest, applied_forces(rest, at.turn, loads), false);
-    if (at.scale ==
-        0) {  // strains only: the reactions; for a motion that strains nothing, what it would take if it did
+    if (at.scale == 0) {  // strains only: the reactions; for a rigid motion, those of a comparable strain
         double moved = 0;
         for (int i = 0; i < rest.num_prisms(); ++i)
             if (rest.pin[i] > 0) moved = std::max(moved, shell.poses.displacement.row(i).norm());
@@ -81,20 +80,20 @@ void NewtonSystems::assemble(const Iterate& at, const Jumps& stress, const Loads
     is_assembled_ = true;
 }
 
-/// Whether the Hessian of the design before is there still: all that has changed is the loads, and the little that
-/// these do to it the first step leaves to the next.
+/// Whether the previous design's Hessian is still assembled: only the loads have changed, and the next step corrects
+/// their small effect on it.
 bool NewtonSystems::is_at_hand(const Loads& loads, StressTerm term) const {
     return shell_.has_tangent && term == StressTerm::exact && loads.spring == shell_.loads.spring;
 }
 
-/// Factor of the assembled matrix, with the stress term clipped where it is indefinite.
+/// Factorizes the assembled matrix, with a clipped stress term if indefinite.
 void NewtonSystems::factorize(const Iterate& at, const Jumps& stress, const Loads& loads) {
     ++end_.factorizations;
     moved_ = 0;
     if (!shell_.factorize()) clip(at, stress, loads);
 }
 
-/// For an indefinite matrix the one with its stress term clipped. False where the shell is taken to buckle.
+/// Replaces an indefinite matrix by one with a clipped stress term. False if the shell is considered to buckle.
 bool NewtonSystems::clip(const Iterate& at, const Jumps& stress, const Loads& loads) {
     if (end_.last_step > 0 && end_.last_step < near_step) ++clipped_;
     if (is_buckling()) return false;
@@ -106,11 +105,11 @@ bool NewtonSystems::clip(const Iterate& at, const Jumps& stress, const Loads& lo
     return true;
 }
 
-/// Where failing early is asked for, matrices that stay indefinite near the end are taken for buckling.
+/// Without fallbacks, matrices that stay indefinite near the end count as buckling.
 bool NewtonSystems::is_buckling() const { return !options_.fallbacks && clipped_ >= clipped_limit; }
 
-/// As much of the residual may be left as the nonlinearity will leave anyway, the square of what the last step left;
-/// but no less than a few iterations give, nor than what may be left at the end.
+/// The allowed residual matches the nonlinearity, the square of the last step's residual, but stays above the result of
+/// a few iterations and above the final tolerance.
 void NewtonSystems::adapt(double size, CgOptions& cg) {
     const double left = size_before_ > 0 ? size / size_before_ : 0;  // by the last step
     const double squared = size_before_ > 0 ? left * left : first_share;
@@ -126,7 +125,7 @@ void NewtonSystems::adapt(double size, CgOptions& cg) {
     else if (is_rate_measured_)
         cg.expected_rate = rate_;
     else if (size_before_ > 0)
-        cg.expected_rate = std::min(left, 1.0);  // the linear part of it can be no larger
+        cg.expected_rate = std::min(left, 1.0);  // its linear part cannot be larger
     else if (shell_.rate > 0)
         cg.expected_rate = shell_.rate;
     size_before_ = size;
@@ -138,7 +137,7 @@ CgResult NewtonSystems::solve_inexactly(const Iterate& at) {
                         : moved_ < hardly_moved ? multigrid_limit
                                                 : multigrid_kept_limit;
     if (probe_) cg.beside = &*probe_;
-    // Beside multigrid another system would have its soft modes settle once more: there the step is foreseen instead.
+    // With multigrid the soft modes of another system would have to converge again: predict the step instead.
     if (ends_below_ > 0 && shell_.kept.is_exact())
         cg.is_enough = [this](const Eigen::VectorXd& x, double reduction) {
             const double step = step_size(shell_.rest, x);
@@ -159,7 +158,7 @@ Eigen::VectorXd NewtonSystems::step(const Iterate& at, const Jumps& stress, cons
     const bool is_old = reuse && ((contraction_ < hardly_changed && is_assembled_) || is_at_hand(loads, term));
     if (!is_old) assemble(at, stress, loads, term);
     if (reuse) {
-        if (ends_below_ > 0 && shell_.kept.is_exact() && !probe_) probe_.emplace(shell_, without_doubt);
+        if (ends_below_ > 0 && shell_.kept.is_exact() && !probe_) probe_.emplace(shell_, without_gradient_error);
         const CgResult cg = solve_inexactly(at);
         if (cg.is_positive && cg.is_reached) return cg.x;
     }
@@ -170,36 +169,36 @@ Eigen::VectorXd NewtonSystems::step(const Iterate& at, const Jumps& stress, cons
     if (is_buckling()) return {};
     reuse = true;
     CgResult cg = solve_inexactly(at);
-    if (!cg.is_positive && !shell_.kept.is_exact()) {  // what a factorization would have said
+    if (!cg.is_positive && !shell_.kept.is_exact()) {  // the result of a factorization
         if (!clip(at, stress, loads)) return {};
         cg = solve_inexactly(at);
     }
     return cg.x;
 }
 
-/// The rest of the probe, of a Hessian that has hardly changed since.
+/// The rest of the probe, for a Hessian that has barely changed.
 Definiteness NewtonSystems::probed() {
     while (probe_->is_open()) probe_->advance(shell_, shell_.precondition(probe_->residual()));
     return probe_->found();
 }
 
 bool NewtonSystems::is_minimum(const Iterate& at, const Loads& loads) {
-    shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual);
+    shell_.spent += std::max(0.0, shell_.substitutions - spent_from_ - usual_substitutions);
     spent_from_ = shell_.substitutions;
     const bool pays = options_.keep_factor && shell_.spent > shell_.kept.build_cost();
     const bool is_probed = probe_ && !pays && contraction_ < hardly_changed;
-    Definiteness found = is_probed ? probed() : Definiteness::doubtful;
+    Definiteness found = is_probed ? probed() : Definiteness::uncertain;
     assemble(at, at.jump, loads, StressTerm::exact);
     if (!shell_.kept.is_exact()) return is_minimum_beside_multigrid(pays);
-    if (!pays && !is_probed) found = probe_definiteness(shell_, without_doubt);
+    if (!pays && !is_probed) found = probe_definiteness(shell_, without_gradient_error);
     if (found == Definiteness::yes) return true;
     ++end_.factorizations;
     if (!shell_.factorize()) return false;
     return shell_.spring.size() == 0 || probe_definiteness(shell_, beside_springs) == Definiteness::yes;
 }
 
-/// The softest mode of a shell near to buckling is hard to tell from an indefinite one: then a factorization decides
-/// where it can be afforded, which also proves it of the matrix without springs; else many more cycles do.
+/// The softest mode of a shell close to buckling is hard to distinguish from an indefinite one: a factorization decides
+/// if affordable, which also proves it for the matrix without springs; else many more cycles decide.
 bool NewtonSystems::is_minimum_beside_multigrid(bool renew) {
     const bool is_affordable = shell_.rest.num_free() <= factor_limit;
     if (renew || !is_affordable) {
@@ -207,7 +206,7 @@ bool NewtonSystems::is_minimum_beside_multigrid(bool renew) {
         if (!shell_.factorize()) return false;
     }
     const Definiteness found = probe_definiteness(shell_, beside_springs, is_affordable ? few_probes : many_probes);
-    if (found != Definiteness::doubtful || !is_affordable) return found != Definiteness::no;
+    if (found != Definiteness::uncertain || !is_affordable) return found != Definiteness::no;
     SpdSolver factor;
     factor.analyze(shell_.H);
     ++end_.factorizations;

@@ -6,8 +6,8 @@
 namespace strake {
 namespace {
 
-constexpr int far_apart = 2000;     // prisms: their vectors and blocks fill a processor's own cache
-constexpr double scattered = 0.05;  // share of faces whose prisms are further apart
+constexpr int far_apart = 2000;     // prisms: their vectors and blocks fill a processor's private cache
+constexpr double scattered = 0.05;  // share of faces with prisms farther apart
 
 /// Calls work(i, j) for each face between two free prisms, by their numbers.
 template <class Work>
@@ -33,7 +33,7 @@ IntLists neighbours(const RestState& rest) {
     return lists;
 }
 
-/// Appends all that is connected with `start`, the nearest first. `seen` must not know any of it.
+/// Appends all prisms connected with `start`, nearest first. @pre none of them is in `seen`
 void spread(const IntLists& neighbour, int start, std::vector<char>& seen, std::vector<int>& order) {
     seen[start] = 1;
     order.push_back(start);
@@ -42,7 +42,7 @@ void spread(const IntLists& neighbour, int start, std::vector<char>& seen, std::
             if (!seen[j]) seen[j] = 1, order.push_back(j);
 }
 
-/// Part by part, each in layers from an end of it: from the middle the layers would be twice as wide.
+/// Part by part, each in layers from one end: layers from the middle would be twice as wide.
 std::vector<int> layers(const RestState& rest) {
     const IntLists neighbour = neighbours(rest);
     std::vector<char> seen(rest.num_free(), 0);

@@ -3,9 +3,9 @@
 
 namespace strake {
 
-/// Numbers the free prisms anew, from neighbour to neighbour, where the order of the triangles is scattered, as scanned
-/// surfaces and much edited ones have it: else every product waits for numbers from all over the memory. Sorts the
-/// faces by their prisms. An order that is local is left alone.
+/// Renumbers the free prisms from neighbour to neighbour when the triangles are in scattered order (scanned and heavily
+/// edited surfaces), which would slow down products by random memory access. Sorts the faces by their prisms. Keeps an
+/// order that is already local.
 void order_locally(RestState& rest);
 
 }  // namespace strake

@@ -122,7 +122,8 @@ void add_faces(RestState& rest, const Adjacency& adjacent) {
     }
 }
 
-/// DESIGN section 4, *Vertices*: a fixed prism holds its vertices; else the strain-pinned ones lead; else all share.
+/// DESIGN section 4, *Vertices*: a fixed prism fixes its vertices; otherwise strain-pinned prisms drive them; otherwise
+/// all prisms share.
 void add_vertex_map(RestState& rest, const Adjacency& adjacent) {
     const int n = rest.mesh.num_vertices();
     rest.fixed_vertex.assign(n, 0);
@@ -139,7 +140,7 @@ void add_vertex_map(RestState& rest, const Adjacency& adjacent) {
     }
 }
 
-/// What is listed for each of `rows` rows, in ascending order; `for_all(add)` calls add(row, item) for all, twice.
+/// Lists per row, ascending; `for_all(add)` calls add(row, item) for all items and runs twice.
 template <class ForAll>
 IntLists lists_by_row(int rows, const ForAll& for_all) {
     IntLists lists;
@@ -152,22 +153,8 @@ IntLists lists_by_row(int rows, const ForAll& for_all) {
     return lists;
 }
 
-}  // namespace
-
-const std::array<GaussPoint, 4>& gauss_points() {
-    static const double s = 1 / std::sqrt(3.0);
-    static const std::array<GaussPoint, 4> points{
-        {{0.5 - 0.5 * s, -s}, {0.5 - 0.5 * s, s}, {0.5 + 0.5 * s, -s}, {0.5 + 0.5 * s, s}}};
-    return points;
-}
-
-Eigen::Vector3d corner_normal(const RestState& rest, int v, int i) {
-    if (rest.normal.row(v).squaredNorm() > 0) return rest.normal.row(v).transpose();
-    const Eigen::Vector3d own = area_vector(rest.mesh, i).normalized();
-    return rest.on_plane[v] ? Eigen::Vector3d((rest.plane_projector * own).normalized()) : own;
-}
-
-void list_by_prism(RestState& rest) {
+/// Fills `face_groups` from `faces`.
+void group_faces(RestState& rest) {
     std::vector<int> owner(rest.num_prisms(), -1);
     const IntLists crossing = lists_by_row(rest.num_prisms(), [&](const auto& add) {
         for (int f = 0; f < static_cast<int>(rest.faces.size()); ++f)
@@ -187,6 +174,25 @@ void list_by_prism(RestState& rest) {
         }
     }
     groups.begin.push_back(static_cast<int>(groups.prism.size()));
+}
+
+}  // namespace
+
+const std::array<GaussPoint, 4>& gauss_points() {
+    static const double s = 1 / std::sqrt(3.0);
+    static const std::array<GaussPoint, 4> points{
+        {{0.5 - 0.5 * s, -s}, {0.5 - 0.5 * s, s}, {0.5 + 0.5 * s, -s}, {0.5 + 0.5 * s, s}}};
+    return points;
+}
+
+Eigen::Vector3d corner_normal(const RestState& rest, int v, int i) {
+    if (rest.normal.row(v).squaredNorm() > 0) return rest.normal.row(v).transpose();
+    const Eigen::Vector3d own = area_vector(rest.mesh, i).normalized();
+    return rest.on_plane[v] ? Eigen::Vector3d((rest.plane_projector * own).normalized()) : own;
+}
+
+void list_by_prism(RestState& rest) {
+    group_faces(rest);
     rest.prism_vertices = lists_by_row(rest.num_prisms(), [&](const auto& add) {
         for (int k = 0; k < rest.mesh.num_vertices(); ++k)
             for (const int i : rest.vertex_prisms[k]) add(i, k);

@@ -1,6 +1,6 @@
 #pragma once
 #include "core/mesh/adjacency.hpp"
-#include "core/primo/shell.hpp"
+#include "core/primo/shell_types.hpp"
 
 #include <array>
 
@@ -16,14 +16,14 @@ struct Quad {
 };
 using Arms = Quad;
 
-/// The face that prisms i and j share, Eqs. (3)-(5): E = w/4 sum_g |y_i(g) - y_j(g)|^2. The integrand is biquadratic,
-/// so that four Gauss points are exact (the bilinear mass matrix M_kl gives the same number).
+/// The face that prisms i and j share, Eqs. (3)-(5): E = w/4 sum_g |y_i(g) - y_j(g)|^2. The integrand is biquadratic:
+/// four Gauss points are exact (the bilinear mass matrix M_kl gives the same number).
 struct SharedFace {
     int i, j;
     double weight;  ///< w_ij = |e|^2 / (A_i + A_j)
     Arms arm_i, arm_j;
     std::array<int, 2> vertex;              ///< ends of the edge
-    std::array<Eigen::Vector3d, 2> normal;  ///< along which the face is extruded at either end
+    std::array<Eigen::Vector3d, 2> normal;  ///< direction of extrusion at each end
 };
 
 /// A boundary face on the symmetry plane and its mirror image: E = w/2 sum_g (n . (y(g) - X(g)))^2, half of the pair's
@@ -42,8 +42,9 @@ struct GaussPoint {
 };
 const std::array<GaussPoint, 4>& gauss_points();
 
-/// Who adds up what faces do to prisms, for several threads: groups of consecutive faces, each of which writes to the
-/// prisms that no group before it has a face of. What it adds to others it keeps apart, in the order of the prisms.
+/// Sums of face contributions to prisms on several threads: groups of consecutive faces. A group writes directly to
+/// prisms without a face in an earlier group and stores its contributions to others separately, in the order of the
+/// prisms.
 struct FaceGroups {
     static constexpr int faces = 4096, prisms = 1024;  ///< in a group
     std::vector<std::array<int, 2>> apart;             ///< per face, of its prisms i and j: place in `prism`, or -1
@@ -66,10 +67,10 @@ struct RestState {
     std::vector<SharedFace> faces;
     std::vector<MirroredFace> mirrored;
     FaceGroups face_groups;
-    IntLists prism_vertices;         ///< vertices that follow a prism
-    IntLists vertex_prisms;          ///< prisms that a vertex follows; none: it stays (fixed, or of no triangle)
-    std::vector<char> fixed_vertex;  ///< copied from the start
-    std::vector<char> on_plane;      ///< vertex on the symmetry plane: its motion is projected into it
+    IntLists prism_vertices;                      ///< vertices driven by a prism
+    IntLists vertex_prisms;                       ///< prisms that drive a vertex; none: it stays (fixed, or unused)
+    std::vector<char> fixed_vertex;               ///< copied from the start
+    std::vector<char> on_plane;                   ///< vertex on the symmetry plane: its motion is projected into it
     std::shared_ptr<const Attachments> attached;  ///< null: none
     std::optional<SymmetryPlane> symmetry;
     Eigen::Matrix3d plane_projector = Eigen::Matrix3d::Identity();  ///< I - n n^T
@@ -87,7 +88,7 @@ Eigen::Vector3d corner_normal(const RestState& rest, int v, int i);
 /// Fills `face_groups` and `prism_vertices` from `faces` and `vertex_prisms`.
 void list_by_prism(RestState& rest);
 
-/// @throws InvalidInput as PrimoShell's constructor.
+/// @throws InvalidInput like PrimoShell's constructor.
 RestState rest_state(const TriMesh& mesh, const ShellOptions& options);
 
 }  // namespace strake

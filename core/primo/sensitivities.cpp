@@ -8,7 +8,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double exact = 1e-10;  // of a column's size in energy, down to where round-off decides
+constexpr double exact = 1e-10;  // relative, in the energy norm; limited by round-off
 constexpr int block_width = 16;  // right-hand sides at once: bounds the memory of a block of substitutions
 
 void check_count(const RestState& rest, const Points& field, const char* what) {
@@ -18,8 +18,8 @@ void check_count(const RestState& rest, const Points& field, const char* what) {
     if (!field.allFinite()) throw InvalidInput(text("shell: ", what, " is not finite"));
 }
 
-/// Wrenches on pinned prisms that hold them while the free ones move with `twist`: H_pf twist, m x 6. The cross terms
-/// of the energy are bilinear in the poses, so that these blocks are exact.
+/// Wrenches on the pinned prisms when the free ones move with `twist`: H_pf twist, m x 6. The energy's cross terms are
+/// bilinear in the poses: these blocks are exact.
 Eigen::MatrixXd pinned_wrenches(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn,
                                 const Eigen::VectorXd& twist) {
     Eigen::MatrixXd wrench = Eigen::MatrixXd::Zero(rest.num_prisms(), 6);
@@ -94,10 +94,10 @@ Eigen::VectorXd height_sensitivities(const RestState& rest, const std::vector<Ei
             const Vector3d r = jump.face[f][g], dr = rate.face[f][g];
             for (int k = 0; k < 2; ++k) {
                 const Vector3d dX = 0.5 * z * (k == 0 ? 1 - u : u) * face.normal[k];
-                const Vector3d gape = turn[face.i] * dX - turn[face.j] * dX;
-                const Vector3d gape_rate =
+                const Vector3d jump = turn[face.i] * dX - turn[face.j] * dX;
+                const Vector3d jump_rate =
                     spin(face.i).cross(rotate(face.i, dX)) - spin(face.j).cross(rotate(face.j, dX));
-                dJ_dh[face.vertex[k]] -= face.weight / 2 * (gape.dot(dr) + gape_rate.dot(r));
+                dJ_dh[face.vertex[k]] -= face.weight / 2 * (jump.dot(dr) + jump_rate.dot(r));
             }
         }
     }
@@ -117,7 +117,7 @@ Eigen::VectorXd height_sensitivities(const RestState& rest, const std::vector<Ei
     return dJ_dh;
 }
 
-/// Those of the design before, turned with the prisms: neighbours have nearly the same.
+/// Adjoints of the previous design, rotated with the prisms: neighbouring designs have nearly the same.
 Eigen::MatrixXd last_adjoints(const PrimoShell::Impl& shell) {
     Eigen::MatrixXd Y = shell.adjoints.cast<double>();
     if (Y.cols() == 0) return Y;
@@ -136,6 +136,21 @@ void keep_adjoints(PrimoShell::Impl& shell, const Eigen::MatrixXd& Y) {
     const Eigen::RowVectorXd size = Y.colwise().lpNorm<Eigen::Infinity>().cwiseMax(1e-300);
     shell.adjoints = (Y * size.cwiseInverse().asDiagonal()).cast<float>();
     shell.adjoint_rotation = shell.free_rotations();
+}
+
+/// Velocities of the vertices that follow pinned prisms. @param pinned twist of each prism
+void place_pinned_rates(const RestState& rest, const std::vector<Eigen::Matrix3d>& turn, const Eigen::MatrixXd& pinned,
+                        Points& rate) {
+    for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
+        const auto prisms = rest.vertex_prisms[k];
+        if (prisms.empty() || rest.pin[prisms[0]] == free_prism) continue;
+        Vector3d v = Vector3d::Zero();
+        for (const int i : prisms)
+            v += Vector3d(pinned.row(i).head<3>()).cross(turned(turn[i], rest.vertex_arm(k, i))) +
+                 pinned.row(i).tail<3>().transpose();
+        v /= static_cast<double>(prisms.size());
+        rate.row(k) = rest.on_plane[k] ? Vector3d(rest.plane_projector * v) : v;
+    }
 }
 
 }  // namespace
@@ -201,16 +216,7 @@ std::vector<std::array<Points, 6>> PrimoShell::motion_response() {
                     pinned.row(i) = motion_twist(shell.motions[m], rest.centroid.row(i)).col(c).transpose();
             const Eigen::VectorXd twist = solve_columns(shell, -free_wrenches(rest, turn, pinned), exact);
             Points rate = vertex_rates(rest, turn, twist);
-            for (int k = 0; k < rest.mesh.num_vertices(); ++k) {
-                const auto prisms = rest.vertex_prisms[k];
-                if (prisms.empty() || rest.pin[prisms[0]] == free_prism) continue;
-                Vector3d v = Vector3d::Zero();
-                for (const int i : prisms)
-                    v += Vector3d(pinned.row(i).head<3>()).cross(turned(turn[i], rest.vertex_arm(k, i))) +
-                         pinned.row(i).tail<3>().transpose();
-                v /= static_cast<double>(prisms.size());
-                rate.row(k) = rest.on_plane[k] ? Vector3d(rest.plane_projector * v) : v;
-            }
+            place_pinned_rates(rest, turn, pinned, rate);
             if (rest.attached) rest.attached->place_rates(at, rate);
             rates[m][c] = rate;
         }
@@ -235,6 +241,7 @@ std::vector<ShellSensitivities> PrimoShell::adjoint(const std::vector<Points>& o
     for (std::size_t c = 0; c < dJ_dv.size(); ++c) {
         const Eigen::VectorXd y = Y.col(c);
         ShellSensitivities& s = all[c];
+        s.vertex = of_all[c];
         s.force = vertex_rates(rest, turn, y);
         s.spring = -2 * (jump.vertex.cwiseProduct(s.force)).rowwise().sum();
         if (options.prism_height) s.prism_height = height_sensitivities(rest, turn, jump, y);

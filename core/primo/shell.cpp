@@ -12,7 +12,7 @@
 namespace strake {
 namespace {
 
-constexpr double way_turn = 0.75;     // of a prism's turn in one step: how far its way turns
+constexpr double way_turn = 0.75;     // rotation of a prism's path in a step, relative to its own
 constexpr int prisms_at_once = 1024;  // of one thread
 
 struct Timer {
@@ -34,18 +34,6 @@ std::string to_string(SolveStatus status) {
             return "unstable";
         case SolveStatus::cancelled:
             return "cancelled";
-    }
-    return "unknown";
-}
-
-std::string to_string(LinearSolver solver) {
-    switch (solver) {
-        case LinearSolver::automatic:
-            return "auto";
-        case LinearSolver::direct:
-            return "direct";
-        case LinearSolver::multigrid:
-            return "multigrid";
     }
     return "unknown";
 }
@@ -100,7 +88,7 @@ void check_motions(const RestState& rest, const std::vector<RigidMotion>& motion
             const Eigen::Vector3d x = rest.mesh.vertices.row(k).transpose() - motion.about;
             const Eigen::Vector3d d = rotation_of(motion.rotation) * x - x + motion.translation;
             if (std::abs(rest.symmetry->normal.dot(d)) > 1e-9 * rest.diagonal)
-                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " takes vertex ", k,
+                throw InvalidInput(text("shell: strain ", rest.pin[i] - 1, " moves vertex ", k,
                                         " off the symmetry plane by ", rest.symmetry->normal.dot(d),
                                         "; move it within the plane only"));
         }
@@ -180,7 +168,7 @@ Eigen::MatrixXd PrimoShell::Impl::products(const Eigen::MatrixXd& X) const {
     return Y;
 }
 
-/// X, six rows per free prism, in the frames where `kept` was built, or back from there.
+/// Rotates X, six rows per free prism, into the frames in which `kept` was built, or back.
 void PrimoShell::Impl::turn_to_kept(Eigen::MatrixXd& X, bool back) {
     const bool is_new = turn_since_kept.empty();
     turn_since_kept.resize(rest.num_free());
@@ -221,8 +209,8 @@ std::vector<Eigen::Quaterniond> PrimoShell::Impl::free_rotations() const {
     return rotations;
 }
 
-/// Along straight lines a part that turns by an angle t would stretch by t^2/2, along arcs shrink by as much or half:
-/// what bends from its root keeps its length where the way turns three quarters as far as the prism.
+/// Straight paths would stretch a part that rotates by an angle t by t^2/2; circular arcs would shrink it by as much or
+/// half. A part that bends from its root keeps its length if the path rotates three quarters as far as the prism.
 void PrimoShell::Impl::advance(const Eigen::VectorXd& twist) {
     for_blocks(rest.num_free(), prisms_at_once, [&](int begin, int end) {
         for (int f = begin; f < end; ++f) {

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-/// The edges that are farthest off the input are flipped, or the vertices around them moved, so that they are nearer.
+/// Flips the edges that deviate most from the input, or moves the vertices around them closer.
 namespace strake {
 namespace {
 
@@ -12,8 +12,8 @@ double fourth(double x) { return (x * x) * (x * x); }
 
 class Approach {
 public:
-    Approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold)
-        : mesh_(mesh), guard_(guard), share_(share), cos_fold_(std::cos(most_fold)) {}
+    Approach(WorkingMesh& mesh, const StepGuard& guard, double share, double max_fold)
+        : mesh_(mesh), guard_(guard), share_(share), cos_fold_(std::cos(max_fold)) {}
 
     int run() {
         const std::vector<int> far = farthest_edges();
@@ -57,7 +57,7 @@ private:
         return far;
     }
 
-    /// How far the edge between vertices a and b is off the input; 1: by the share of its wanted length.
+    /// Deviation of the edge between vertices a and b from the input; 1: the share of its target length.
     double deviation(int a, int b) const { return deviation(a, mesh_.pos[a], mesh_.foot[a], b); }
     double deviation(int a, const Vector3d& x, int foot, int b) const {
         const int hint = mesh_.role[a] == VertexRole::free ? foot : mesh_.foot[b];
@@ -108,7 +108,7 @@ private:
         return sum;
     }
 
-    /// The sharpest edge of v's triangles that is no feature, as a cosine.
+    /// Cosine of the sharpest edge of v's triangles that is not a feature.
     double sharpest(int v) const {
         double least = 1;
         mesh_.around(v, [&](int h) {
@@ -121,7 +121,7 @@ private:
         });
         return least;
     }
-    /// No creases may come of it.
+    /// Must not create creases.
     bool sharpens(int v, const VertexPlace& at) {
         const double before = sharpest(v);
         const Vector3d x = mesh_.pos[v];
@@ -133,14 +133,14 @@ private:
 
     WorkingMesh& mesh_;
     const StepGuard& guard_;
-    double share_;  ///< of an edge's wanted length, by which it may be off the input
+    double share_;  ///< allowed deviation of an edge from the input, relative to its target length
     double cos_fold_;
 };
 
 }  // namespace
 
-int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold) {
-    return Approach(mesh, guard, share, most_fold).run();
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double max_fold) {
+    return Approach(mesh, guard, share, max_fold).run();
 }
 
 }  // namespace strake

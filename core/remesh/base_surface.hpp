@@ -6,15 +6,15 @@
 #include <array>
 #include <vector>
 
-/// The input of remeshing, prepared once: cut open where it is no manifold, its features found, ready for projecting
-/// onto it. Internal to core/remesh.
+/// The input of remeshing, prepared once: cut open where it is non-manifold, with its features, ready for projection.
+/// Internal to core/remesh.
 namespace strake {
 
 /// What a vertex may do: move on its patch, slide along its curve, or stay.
 enum class VertexRole : char { free, ridge, fixed };
 
 struct BaseSurface {
-    // A manifold with boundary: vertices at which several fans meet have one copy a fan.
+    // A manifold with boundary: vertices with several fans have one copy per fan.
     std::vector<Eigen::Vector3d> points;
     std::vector<int> origin;              ///< per point: vertex of the input
     std::vector<std::array<int, 3>> tri;  ///< corners
@@ -32,17 +32,12 @@ struct BaseSurface {
     Curves curves;
     TriangleTree tree;
     double diagonal = 0, area = 0, mean_edge = 0;
-    double edge_length = 0;  ///< wanted
+    double edge_length = 0;  ///< target
 
     int next(int h) const { return h % 3 == 2 ? h - 2 : h + 1; }
     int prev(int h) const { return h % 3 == 0 ? h + 2 : h - 1; }
     int from(int h) const { return tri[h / 3][h % 3]; }
 };
-
-/// @param angle radians. @param edge_length wanted; 0: the mean edge length of the input.
-/// @param frozen per triangle of `tri`: it stays as it is; or empty.
-/// @throws InvalidInput where nothing of positive area is there.
-BaseSurface base_surface(const TriMesh& mesh, double angle, double edge_length, const std::vector<char>& frozen);
 
 struct Foot {
     Eigen::Vector3d point;
@@ -56,8 +51,8 @@ std::array<double, 3> weights_at(const BaseSurface& base, int t, const Eigen::Ve
 Eigen::Vector3d normal_at(const BaseSurface& base, int t, const Eigen::Vector3d& x);
 Eigen::Vector3d normal_at(const BaseSurface& base, const Foot& foot);
 
-/// Closest point of the patch of triangle `hint`: downhill from triangle to triangle, by the tree where that leads
-/// further away than `reach` or takes long.
+/// Closest point on the patch of triangle `hint`: by descent from triangle to triangle; by the tree if that ends
+/// farther than `reach` or takes long.
 Foot project(const BaseSurface& base, const Eigen::Vector3d& x, int hint, double reach);
 
 }  // namespace strake

@@ -49,10 +49,24 @@ std::vector<int> inverse(const std::vector<int>& order, int n) {
     return number;
 }
 
+/// Removes the features of no curve and renumbers the vertices of the others. @return their new numbers
+std::vector<int> compact_features(const std::vector<int>& vertex_number, std::vector<FeatureEdge>& features) {
+    std::vector<int> number(features.size(), -1);
+    int k = 0;
+    for (std::size_t f = 0; f < features.size(); ++f) {
+        if (features[f].curve < 0) continue;
+        features[k] = features[f];
+        for (int& v : features[k].v) v = vertex_number[v];
+        number[f] = k++;
+    }
+    features.resize(k);
+    return number;
+}
+
 }  // namespace
 
-/// After many changes, vertices as the triangles of the input that they are at, which are in order of space, and
-/// triangles as their first vertices: what is near is near in memory.
+/// After many changes, sorts vertices by their triangles of the input, which are in spatial order, and triangles by
+/// their first vertices: neighbours in space become neighbours in memory.
 void WorkingMesh::compact(double few) {
     int removed = 0;
     for (int t = 0; t < num_triangles(); ++t) removed += !is_alive(t);
@@ -76,16 +90,7 @@ void WorkingMesh::compact(double few) {
               : in_order(num_triangles(), [&](int t) { return is_alive(t); });
     compact_triangles = static_cast<int>(triangles.size());
     const std::vector<int> triangle_number = inverse(triangles, num_triangles());
-
-    std::vector<int> feature_number(features.size(), -1);
-    int k = 0;
-    for (std::size_t f = 0; f < features.size(); ++f) {
-        if (features[f].curve < 0) continue;
-        features[k] = features[f];
-        for (int& v : features[k].v) v = number[v];
-        feature_number[f] = k++;
-    }
-    features.resize(k);
+    const std::vector<int> feature_number = compact_features(number, features);
 
     std::vector<int> halves;
     halves.reserve(3 * triangles.size());
@@ -100,7 +105,7 @@ void WorkingMesh::compact(double few) {
     take(pos, vertices, !sorts), take(normal, vertices, !sorts), take(foot, vertices, !sorts),
         take(half, vertices, !sorts), take(valence, vertices, !sorts);
     take(origin, vertices, !sorts), take(size, vertices, !sorts), take(limit, vertices, !sorts),
-        take(role, vertices, !sorts), take(calm, vertices, !sorts), take(bent, vertices, !sorts);
+        take(role, vertices, !sorts), take(settled, vertices, !sorts), take(bent, vertices, !sorts);
     for (int& h : half) h = renumber(h);
     mark.assign(n, 0);
     stamp = 0;

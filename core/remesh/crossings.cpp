@@ -39,7 +39,7 @@ std::vector<std::array<int, 2>> Crossings::fresh(const WorkingMesh& mesh) {
     if (crossing_.empty()) look_at_input();
     const auto old =
         std::stable_partition(pairs.begin(), pairs.end(), [&](const auto& pair) { return !is_old(mesh, pair); });
-    // A fold of a few triangles must not become one of many; where bodies pass through each other, numbers differ.
+    // A fold of a few triangles must not grow; where bodies intersect, the number of pairs may differ.
     const int count = static_cast<int>(pairs.end() - old), few = static_cast<int>(base_.tri.size()) / 200;
     if (count <= input_pairs_ || input_pairs_ > few) pairs.erase(old, pairs.end());
     return pairs;

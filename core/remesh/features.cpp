@@ -55,7 +55,7 @@ public:
 
 private:
     double turn(int h) const { return dihedral(base_.normal[h / 3], base_.normal[base_.twin[h] / 3]); }
-    /// Surely no crease, as most edges.
+    /// Certainly no crease, like most edges.
     bool is_flat(int h) const { return base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > cos_flat_; }
     int to(int h) const { return base_.from(base_.next(h)); }
     void set(int h, FeatureKind kind) {
@@ -72,8 +72,8 @@ private:
         kind_[h] = static_cast<int>(kind);
         if (base_.twin[h] >= 0) kind_[base_.twin[h]] = kind_[h];
     }
-    /// Where a crease ends in the open, its last edge is as sharp as the two triangles beside it are turned, and no
-    /// more is known of it: they stay as they are, if they are such as the result may have.
+    /// At an open end of a crease, only the two triangles beside its last edge define its sharpness: they stay
+    /// unchanged if acceptable in the result.
     void hold_ends() {
         std::vector<int> ends;
         for (int h = 0; h < static_cast<int>(kind_.size()); ++h)
@@ -89,11 +89,11 @@ private:
         const auto& [a, b, c] = base_.tri[t];
         const Vector3d &x = base_.points[a], &y = base_.points[b], &z = base_.points[c];
         const auto [shortest, longest] = std::minmax({(y - x).norm(), (z - y).norm(), (x - z).norm()});
-        constexpr double least_quality = 0.7, least_length = 0.6, most_length = 1.5;
-        return shape_quality(x, y, z) > least_quality && shortest > least_length * base_.edge_length &&
-               longest < most_length * base_.edge_length;
+        constexpr double min_quality = 0.7, min_length = 0.6, max_length = 1.5;
+        return shape_quality(x, y, z) > min_quality && shortest > min_length * base_.edge_length &&
+               longest < max_length * base_.edge_length;
     }
-    /// Parts that touch along edges of the same two places, without sharing them, would part or overlap otherwise.
+    /// Parts that touch along coinciding edges, without sharing them, would otherwise separate or overlap.
     void keep_coincident() {
         const std::vector<int> place = places();
         if (place.empty()) return;
@@ -160,7 +160,7 @@ private:
     std::vector<int> kind_, count_;  ///< count_: features at a point
 };
 
-/// Strings features to curves between the points that stay, and closed ones.
+/// Joins features to curves between fixed points, and to closed curves.
 class CurveWalk {
 public:
     CurveWalk(BaseSurface& base, const std::vector<int>& half_of)
@@ -241,8 +241,8 @@ std::vector<int> collect_features(const std::vector<int>& kind, BaseSurface& bas
     return half_of;
 }
 
-/// Corners by the tensor, ends and meetings of features, kinks of curves, and whatever lies at a kept edge or in
-/// several fans stays.
+/// Corners by the tensor, ends and meetings of features, kinks of curves, and vertices at kept edges or with several
+/// fans are fixed.
 void assign_roles(const std::vector<VertexFeature>& tensor, double angle, BaseSurface& base) {
     const std::size_t n = base.points.size();
     base.role.assign(n, VertexRole::free);

@@ -2,7 +2,7 @@
 
 #include <numbers>
 
-/// Flips: towards six edges a vertex, and away from large angles.
+/// Flips: towards six edges per vertex and smaller angles.
 namespace strake {
 namespace {
 
@@ -49,7 +49,7 @@ public:
         });
     }
 
-    /// Looks at all edges first, then again and again at those near a change.
+    /// Visits all edges first, then repeatedly those near a change.
     int run() {
         int count = 0;
         for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h)

@@ -2,16 +2,16 @@
 #include "core/patches/features.hpp"
 #include "core/remesh/vertex_place.hpp"
 
-/// An edge of a crease is as sharp as the two triangles beside it are turned. Where a crease is that of noise, or ends
-/// in the open, the surface is bent no farther than those of the input reach, and triangles of the wanted length
-/// flatten it: their apexes are moved to where the fold is that of the input.
+/// Only the two triangles beside a crease's edge define its sharpness. A crease from noise, or at an open end, is bent
+/// only as far as the input's triangles reach, and larger triangles flatten it: moves their apexes to restore the
+/// input's fold.
 namespace strake {
 namespace {
 
 using Eigen::Vector3d;
 
-constexpr double lost_share = 0.55;  ///< of the angle, below which the fold of a crease is lost
-constexpr double safe_share = 0.6;   ///< of the angle, above which that of a crease beside one that is lost may fall
+constexpr double lost_share = 0.55;  ///< of the angle: a crease with a smaller fold is lost
+constexpr double safe_share = 0.6;   ///< of the angle: folds of creases beside a lost one may decrease to this
 constexpr double weight = 500;       ///< of a fold that is lost, beside 1 / quality^4
 
 class Folds {
@@ -26,7 +26,7 @@ public:
     }
 
 private:
-    /// Where the input is a crease along h: its fold, as far as it is wanted, and the middle of that part.
+    /// The input's crease along h: its target fold, and the middle of that part.
     Curves::Fold wanted(int h) const {
         const int f = mesh_.feature[h];
         if (f < 0 || mesh_.twin[h] < 0) return {-1, 0};
@@ -55,7 +55,7 @@ private:
         return !is_lost(h);
     }
 
-    /// The apex over half-edge h to the best of some places in the input's triangle there.
+    /// Moves the apex over half-edge h to the best of some places in the input's triangle.
     void to_input(int h) {
         const int v = mesh_.apex(h);
         if (mesh_.role[v] != VertexRole::free) return;

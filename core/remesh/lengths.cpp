@@ -1,6 +1,7 @@
 #include "core/remesh/passes.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cstring>
 #include <limits>
 
@@ -14,7 +15,7 @@ bool is_longest(const WorkingMesh& mesh, int h, double length2) {
     return mesh.length2(mesh.next(h)) <= length2 && mesh.length2(mesh.prev(h)) <= length2;
 }
 
-/// Edges of features are cut at a point of the curve; no triangle beside them may turn over by that.
+/// Feature edges are split at a point of the curve, unless a triangle beside them would invert.
 bool may_split(const WorkingMesh& mesh, int h) {
     if (mesh.feature[h] < 0) return true;
     const FeatureEdge& edge = mesh.features[mesh.feature[h]];
@@ -46,7 +47,7 @@ public:
     Collapse(WorkingMesh& mesh, const StepGuard& guard, double longest)
         : mesh_(mesh), guard_(guard), longest_(longest) {}
 
-    /// Removes the end a of edge h if nothing speaks against it.
+    /// Removes the end a of edge h if all tests pass.
     bool attempt(int h, int a) {
         const int b = mesh_.from(h) + mesh_.to(h) - a, f = mesh_.feature[h];
         if (mesh_.role[a] == VertexRole::fixed || (mesh_.role[a] == VertexRole::ridge && f < 0)) return false;
@@ -54,13 +55,13 @@ public:
         if (mesh_.role[a] == VertexRole::free && mesh_.valence[a] + mesh_.valence[b] > 14) return false;
         const bool moves = mesh_.role[a] == VertexRole::free && mesh_.role[b] == VertexRole::free;
         Foot foot{moves ? Vector3d(0.5 * (mesh_.pos[a] + mesh_.pos[b])) : mesh_.pos[b], mesh_.foot[b], 0, 0, 0};
-        if (!keeps_short(a, b, foot.point, moves)) return false;  // most fail here, and it is cheap
+        if (!keeps_short(a, b, foot.point, moves)) return false;  // most fail here, and the test is cheap
         if (!mesh_.can_collapse(h, a)) return false;
         if (f >= 0 && !mesh_.collapse_fits_curve(h, a, guard_.chord_slack)) return false;
         if (moves) foot = project(*mesh_.base, 0.5 * (mesh_.pos[a] + mesh_.pos[b]), mesh_.foot[b], mesh_.size[b]);
         if (!fits_at(a, b, h, foot, moves)) {
-            // Cut out of long needles, vertices lie off the surface by as much as they are apart: at first they join,
-            // and smoothing takes them to it.
+            // Vertices split from long needles are as far from the surface as from each other: they merge first, and
+            // smoothing moves them onto it.
             if (!moves || !(foot.distance2 > 0.25 * mesh_.length2(h))) return false;
             foot.point = 0.5 * (mesh_.pos[a] + mesh_.pos[b]);
             if (!fits_at(a, b, h, foot, moves)) return false;
@@ -80,7 +81,7 @@ private:
     }
     bool vanishes(int t, int h) const { return t == h / 3 || (mesh_.twin[h] >= 0 && t == mesh_.twin[h] / 3); }
 
-    /// No edge of v gets too long when v goes to x, where it is b; or none longer than it was.
+    /// No edge of v becomes too long when v moves to x and becomes b, or longer than before.
     bool shorter(int v, int b, const Vector3d& x) const {
         bool fits = true;
         mesh_.neighbours(v, [&](int n) {
@@ -90,12 +91,17 @@ private:
         return fits;
     }
 
-    /// The apex of a cone: however small its triangles are, they turn as far as there are few of them.
+    /// The apex of a cone: its triangles turn by an angle that depends on their number, not on their size.
     bool is_tip(int v) const {
         if (mesh_.role[v] != VertexRole::fixed) return false;
         bool is_alone = true;
         mesh_.around(v, [&](int h) { return is_alone = mesh_.feature[h] < 0 && mesh_.twin[h] >= 0; });
         return is_alone;
+    }
+
+    /// A triangle that turns only as far as the apex of a cone among its corners makes it.
+    bool is_at_tip(const Facing& made, const std::array<int, 3>& corners) const {
+        return made.dot >= cos_at_tips && std::any_of(corners.begin(), corners.end(), [&](int v) { return is_tip(v); });
     }
 
     /// The triangles left face the way that the input does, and are no worse than those before.
@@ -121,8 +127,7 @@ private:
                 const Facing made = facing(mesh_, b, p, q, foot.point, mesh_.pos[p], mesh_.pos[q]);
                 const Facing& old = old_[next++];
                 after.quality = std::min(after.quality, made.quality);
-                if (has_turned(guard_, old, made) &&
-                    !(made.dot >= cos_at_tips && (is_tip(p) || is_tip(q) || is_tip(b))))
+                if (has_turned(guard_, old, made) && !is_at_tip(made, {p, q, b}))
                     after.dot = std::min(after.dot, made.dot);
                 if (made.dot > 1 && old.quality > no_area && made.normal.dot(old.normal) < guard_.cos_natural)
                     fits = false;
@@ -146,20 +151,20 @@ private:
     WorkingMesh& mesh_;
     const StepGuard& guard_;
     double longest_;
-    std::vector<Facing> old_;  ///< triangles as they are, of the collapse that is looked at
+    std::vector<Facing> old_;  ///< current triangles of the tested collapse
 };
 
 }  // namespace
 
 namespace {
 
-/// The half-edge by which an edge is looked at.
+/// The half-edge that represents an edge.
 int first_half(const WorkingMesh& mesh, int h) {
     const int g = mesh.twin[h];
     return g >= 0 && g < h ? g : h;
 }
 
-/// Edges that are to be looked at again.
+/// Edges to revisit.
 class EdgeMarks {
 public:
     void note(const WorkingMesh& mesh, int h) {
@@ -192,15 +197,15 @@ private:
     std::size_t lowest_ = std::numeric_limits<std::size_t>::max(), highest_ = 0;
 };
 
-/// Looks at all edges, then again and again at those where something has changed, in the order of their numbers.
-/// visit(h, next) marks in `next` what is to be looked at again. @return the sum of what it returns.
+/// Visits all edges, then repeatedly those with a change, in the order of their numbers. visit(h, next) marks edges to
+/// revisit in `next`. @return the sum of its results
 template <class Visit>
-int sweep_edges(const WorkingMesh& mesh, int most_sweeps, const Visit& visit) {
+int sweep_edges(const WorkingMesh& mesh, int max_sweeps, const Visit& visit) {
     EdgeMarks look, next;
     int total = 0;
     for (int h = 0; h < static_cast<int>(mesh.corner.size()); ++h)
         if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);
-    for (int sweep = 1; sweep < most_sweeps && !next.is_empty(); ++sweep) {
+    for (int sweep = 1; sweep < max_sweeps && !next.is_empty(); ++sweep) {
         std::swap(look, next);
         look.take_all([&](int h) {
             if (mesh.corner[h] >= 0 && first_half(mesh, h) == h) total += visit(h, next);

@@ -49,7 +49,7 @@ void find_normals(BaseSurface& base) {
         const double twice_area = n.norm();
         base.area += 0.5 * twice_area;
         base.mean_edge += (b - a).norm() + (c - b).norm() + (a - c).norm();
-        // Thinner than 1e-5 of the diagonal: its normal is noise, and would make a crease of each of its long sides.
+        // Thinner than 1e-5 diagonals: its normal is noise and would make each long side a crease.
         known[t] = twice_area > std::max(1e-9 * longest2, 1e-5 * base.diagonal * std::sqrt(longest2));
         base.normal[t] = twice_area > 0 ? Vector3d(n / twice_area) : Vector3d::Zero();
         if (!known[t]) flat.push_back(t);
@@ -87,8 +87,8 @@ bool is_sliver(const BaseSurface& base, int t) {
     return height < std::min(thin * std::sqrt(longest2), thin_of_wanted * base.edge_length);
 }
 
-/// A sliver that stands off from all triangles beside it by more than these do from each other is noise, as of a scan
-/// or a cut, and makes no crease: it takes the normal of one of them, too.
+/// A sliver that deviates from all neighbours by more than these from each other is noise, for example of a scan or a
+/// cut, and makes no crease: it takes the normal of one of them.
 void level_folded(double angle, BaseSurface& base) {
     const std::vector<char> known(base.tri.size(), 1);
     std::vector<std::pair<int, Vector3d>> taken;
@@ -109,11 +109,11 @@ void level_folded(double angle, BaseSurface& base) {
     for (const auto& [t, normal] : taken) base.normal[t] = normal;
 }
 
-/// Slivers side by side, folded up and down like a bellows, as ruled surfaces that twist are cut: the fold is that of
-/// the cut. Each takes the mean of itself and the two at its long sides.
+/// Slivers side by side, folded up and down like a bellows, as in triangulations of twisted ruled surfaces: the fold is
+/// an artefact. Each takes the mean of its normal and those at its long sides.
 class Bellows {
 public:
-    Bellows(double angle, BaseSurface& base) : least_(0.5 * angle), base_(base) {}
+    Bellows(double angle, BaseSurface& base) : min_turn_(0.5 * angle), base_(base) {}
 
     void level() {
         const int m = static_cast<int>(base_.tri.size());
@@ -148,7 +148,7 @@ private:
         const auto [g, h] = long_sides(t);
         if (base_.twin[g] < 0 || base_.twin[h] < 0) return false;
         const double one = turn_at(g), other = turn_at(h);
-        return one * other < 0 && std::min(std::abs(one), std::abs(other)) >= least_;
+        return one * other < 0 && std::min(std::abs(one), std::abs(other)) >= min_turn_;
     }
     Vector3d area_vector(int t) const {
         const auto& [a, b, c] = base_.tri[t];
@@ -156,7 +156,7 @@ private:
         return twice * base_.normal[t];
     }
 
-    double least_;  ///< turn, radians
+    double min_turn_;  ///< turn, radians
     BaseSurface& base_;
 };
 

@@ -1,13 +1,13 @@
 #pragma once
 #include "core/remesh/base_surface.hpp"
 
-/// Normals of the input's triangles, as far as they mean anything. Internal to core/remesh.
+/// Reliable normals for the input's triangles. Internal to core/remesh.
 namespace strake {
 
-/// Unit normals, area and mean edge; a triangle without a reliable normal has that of one beside it.
+/// Unit normals, area and mean edge; a triangle without a reliable normal takes that of a neighbour.
 void find_normals(BaseSurface& base);
 
-/// Slivers whose folds are no features take normals that fit to what is around them. @param angle of creases, radians
+/// Slivers with folds that are not features take normals from their surroundings. @param angle of creases, radians
 void level_slivers(double angle, BaseSurface& base);
 
 }  // namespace strake

@@ -18,7 +18,7 @@ std::uint64_t spread_bits(std::uint64_t x) {
     return (x | x << 2) & 0x1249249249249249;
 }
 
-/// Good triangles by the places of their centres on the Z-shaped curve (Morton 1966); equal ones as they come.
+/// Valid triangles sorted by their centres on the Z-shaped curve (Morton 1966); stable.
 std::vector<int> order_of_triangles(const TriMesh& mesh) {
     const Eigen::RowVector3d low = mesh.vertices.colwise().minCoeff(), high = mesh.vertices.colwise().maxCoeff();
     const double extent = (high - low).maxCoeff(), scale = extent > 0 ? 2097151 / extent : 0;

@@ -4,8 +4,8 @@
 /// Internal to core/remesh.
 namespace strake {
 
-/// The mesh without triangles that repeat a corner and without unused vertices, numbered along a curve through space:
-/// what is near in space is near in memory, too, whatever order a file has. @pre indices in range, coordinates finite.
+/// The mesh without triangles that repeat a corner and without unused vertices, numbered along a space-filling curve:
+/// neighbours in space are neighbours in memory. @pre indices in range, coordinates finite.
 TriMesh in_order_of_space(const TriMesh& mesh);
 
 }  // namespace strake

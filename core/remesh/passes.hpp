@@ -8,15 +8,15 @@
 /// The four operations of Algorithm 2, each as one pass over the surface. Internal to core/remesh.
 namespace strake {
 
-/// What no operation may break.
+/// Limits that every operation respects.
 struct StepGuard {
-    double chord_slack;         ///< how far the input's curves may leave their chords
-    double cos_natural;         ///< normals may always stand off the input's by this
-    double cos_turn, sin_turn;  ///< and by this more where they already do
+    double chord_slack;         ///< largest distance of the input's curves from their chords
+    double cos_natural;         ///< normals may always deviate from the input's by this
+    double cos_turn, sin_turn;  ///< and by this much more where they already do
     int threads;
 };
 
-/// One triangle against the input.
+/// One triangle compared with the input.
 struct Facing {
     double dot;      ///< smallest cosine between its normal and the input's at its free corners; 2: no free corner
     double quality;  ///< shape_quality
@@ -38,15 +38,15 @@ inline Facing facing(const WorkingMesh& mesh, int a, int b, int c, const Eigen::
 inline Facing facing(const WorkingMesh& mesh, int a, int b, int c) {
     return facing(mesh, a, b, c, mesh.pos[a], mesh.pos[b], mesh.pos[c]);
 }
-/// The smallest cosine allowed where it was `before`. What faces backwards never stays so: it would spread. What
-/// barely faces forwards may: at a rounded edge all triangles do.
+/// The smallest cosine allowed where it was `before`. Backward-facing triangles are never accepted: they would spread.
+/// Barely forward-facing ones are: at a rounded edge all triangles are.
 inline double allowed_dot(const StepGuard& guard, double before) {
     if (before >= guard.cos_natural) return guard.cos_natural;
     const double sine = std::sqrt(std::max(0.0, 1 - before * before));
     return std::clamp(before * guard.cos_turn - sine * guard.sin_turn, before > 0 ? 0.005 : 0.05, guard.cos_natural);
 }
-constexpr double no_area = 1e-6;  ///< quality of triangles whose own normals say nothing
-/// Whether `made` faces another way than `old`, or that way was wrong, or not known.
+constexpr double no_area = 1e-6;  ///< quality below which a triangle's normal is meaningless
+/// Whether `made` faces another direction than `old`, or that direction was wrong or unknown.
 inline bool has_turned(const StepGuard& guard, const Facing& old, const Facing& made) {
     return old.quality < 0.02 || old.dot < 0.05 || made.normal.dot(old.normal) < guard.cos_turn;
 }
@@ -56,20 +56,20 @@ int collapse_short(WorkingMesh& mesh, const StepGuard& guard, double factor, dou
 int flip_edges(WorkingMesh& mesh, const StepGuard& guard);
 /// Centres spread vertices evenly; equilateral triangles are the finish, with the worst of them counting most.
 enum class Towards { centres, equilateral };
-/// Moves vertices along the surface. @return the largest move in wanted lengths.
+/// Moves vertices along the surface. @return the largest move in target lengths.
 double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal);
 
-/// Moves the vertices of triangles of lower quality than `below` to where the worst triangle around each is best.
+/// Moves the vertices of triangles with quality below `below` to maximize the worst quality around each.
 /// @return how many moved.
 int polish(WorkingMesh& mesh, const StepGuard& guard, double below);
 
-/// No edge becomes folded by more than `most_fold`, radians. Brings the edges that are farthest off the input, by more
-/// than `share` of their wanted length, nearer to it.
-/// @return how many flips and moves did that.
-int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double most_fold);
+/// No edge becomes folded by more than `max_fold`, radians. Brings edges that deviate from the input by more than
+/// `share` of their target length closer to it, worst first.
+/// @return number of flips and moves
+int approach(WorkingMesh& mesh, const StepGuard& guard, double share, double max_fold);
 
-/// Gives creases of the input, sharper than `angle`, radians, the fold back that triangles beside them have flattened.
-/// @return how many.
+/// Restores the fold of creases of the input, sharper than `angle`, radians, that adjacent triangles have flattened.
+/// @return their number
 int restore_folds(WorkingMesh& mesh, const StepGuard& guard, double angle);
 
 /// The two features at a ridge: the one that ends there and the one that begins there; -1: none.
@@ -78,8 +78,8 @@ struct RidgeEdges {
 };
 RidgeEdges ridge_edges(const WorkingMesh& mesh, int v);
 
-/// What tells most edges that cannot be far off the input from those that may be. Normals that vary smoothly would hide
-/// a fold between long triangles.
+/// Quickly rules out most edges that cannot be far from the input. Smoothly varying normals would hide a fold between
+/// long triangles.
 inline bool may_be_far(const WorkingMesh& mesh, int h) {
     const int a = mesh.from(h), b = mesh.to(h);
     const bool a_tells = mesh.role[a] == VertexRole::free, b_tells = mesh.role[b] == VertexRole::free;
@@ -87,7 +87,7 @@ inline bool may_be_far(const WorkingMesh& mesh, int h) {
     return mesh.base->normal[mesh.foot[a]].dot(mesh.base->normal[mesh.foot[b]]) < 0.985;
 }
 
-/// Calls f(begin, end) on parts of 0..n. f must not care about the parts.
+/// Calls f(begin, end) on parts of 0..n; results must not depend on the partition.
 template <class Work>
 void in_parts(int n, int threads, const Work& f) {
     for_blocks(n, 500, f, threads);

@@ -2,12 +2,11 @@
 
 #include <algorithm>
 
-/// The finish: what smoothing leaves badly shaped is moved, one vertex after the other, to where the worst triangle
-/// around it is best.
+/// The finish: moves vertices of badly shaped triangles one by one to maximize the worst quality around each.
 namespace strake {
 namespace {
 
-constexpr int most_tries = 12;  ///< of a vertex in a sweep: where hundreds of thin triangles meet, all would ask for it
+constexpr int max_tries = 12;  ///< per vertex and sweep: hundreds of thin triangles at one vertex would all request it
 
 double worst_around(const WorkingMesh& mesh, int v) {
     double quality = 1;
@@ -36,7 +35,7 @@ int polish(WorkingMesh& mesh, const StepGuard& guard, double below) {
         if (mesh.is_alive(t) && mesh.quality(t) < below) look.push_back(t);
     const auto is_hopeless = [&](int t) { return mesh.quality(t) < 0.02; };
     if (4 * std::count_if(look.begin(), look.end(), is_hopeless) > mesh.num_triangles()) return 0;  // wires
-    const std::size_t most = mesh.num_triangles() / 2;  // it is a finish, and takes its time
+    const std::size_t most = mesh.num_triangles() / 2;  // the finish may take time
     if (look.size() > most) {
         std::stable_sort(look.begin(), look.end(), [&](int t, int u) { return mesh.quality(t) > mesh.quality(u); });
         look.resize(most);
@@ -46,7 +45,7 @@ int polish(WorkingMesh& mesh, const StepGuard& guard, double below) {
         for (const int t : look)
             for (int k = 0; k < 3; ++k) {
                 const int v = mesh.corner[3 * t + k];
-                if (++tries[v] <= most_tries) count += improve(mesh, guard, v, below);
+                if (++tries[v] <= max_tries) count += improve(mesh, guard, v, below);
             }
         std::erase_if(look, [&](int t) { return mesh.quality(t) >= below; });
     }

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/remesh/crossings.hpp"
 #include "core/remesh/passes.hpp"
+#include "core/remesh/prepare_base.hpp"
 #include "core/remesh/sizing.hpp"
 
 #include <chrono>
@@ -15,11 +16,11 @@ namespace {
 
 constexpr double radians = std::numbers::pi / 180;
 constexpr double worth_polishing = 0.8;     ///< quality below which a triangle's corners are moved one by one
-constexpr double worth_approaching = 0.03;  ///< share of its length by which an edge may be off the input
-constexpr double evenly_shaped = 0.977;     ///< mean quality from which lengths need no more change
-constexpr double least_finished = 0.97;     ///< mean quality of what need only be finished
-constexpr double least_graded = 0.93;       ///< the same, with edges much shorter where the shape asks for it
-constexpr double few_gaps = 0.02;           ///< share of removed triangles that are just passed over
+constexpr double worth_approaching = 0.03;  ///< allowed deviation of an edge from the input, relative to its length
+constexpr double evenly_shaped = 0.977;     ///< mean quality above which lengths no longer change
+constexpr double min_finished = 0.97;       ///< mean quality above which only the finish is needed
+constexpr double min_graded = 0.93;         ///< the same, with much shorter edges where the shape needs them
+constexpr double few_gaps = 0.02;           ///< share of removed triangles tolerated without compaction
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
 
@@ -27,7 +28,7 @@ void check(bool good, const char* field, double value, const char* limit) {
     if (!good) throw InvalidInput(text("remesh: ", field, " = ", value, " must be ", limit));
 }
 
-/// Of the edges of a surface, in wanted lengths.
+/// Edge lengths of a surface, relative to the target.
 struct Lengths {
     double longer = 0, shorter = 0;  ///< shares of the edges that are so by too much
     double unlimited = 0;            ///< share where the shape asks for nothing shorter
@@ -38,7 +39,7 @@ struct Lengths {
 /// One call of remesh().
 class Remesher {
 public:
-    /// @param frozen triangles of the input, as BaseSurface numbers them, that stay as they are; or empty
+    /// @param frozen triangles of the input, as BaseSurface numbers them, that stay unchanged; empty: none
     Remesher(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress,
              const std::vector<char>& frozen)
         : given_(given),
@@ -50,7 +51,7 @@ public:
         if (!(triangles <= options.max_triangles))
             throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
                                     " triangles, more than ", options.max_triangles, "; choose a longer one"));
-        most_expected_ = std::max(triangles, static_cast<double>(base_.tri.size()));
+        max_expected_ = std::max(triangles, static_cast<double>(base_.tri.size()));
         // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
         const double longest = 0.985 * result_.edge_length;
         const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
@@ -75,7 +76,7 @@ public:
             for (const double factor : {0.01, 0.1, 0.4})
                 if (given.shortest < factor) collapse_short(mesh_, firm_, factor, too_long);
             shorten_needles();
-            if (has_wanted_lengths() && mean_quality_inside() > least_finished) input_ = Input::even;
+            if (has_wanted_lengths() && mean_quality_inside() > min_finished) input_ = Input::even;
         }
         if (is_finished()) accept_lengths();
         for (int i = first_iteration(); i <= options_.iterations && !result_.cancelled; ++i) {
@@ -93,11 +94,11 @@ public:
         return std::move(result_);
     }
 
-    /// Whether the input is what this length has left before, with edges much shorter where the shape asks for it. On
-    /// the way there the iterations would take these away, and not find all of them again.
+    /// Whether the input is an earlier result at this length, with much shorter edges where the shape needs them. The
+    /// iterations would remove these edges and not restore all of them.
     bool is_graded_as_wanted(const Lengths& given) {
         if (options_.chord_error > 0) return false;
-        if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < least_graded) return false;
+        if (given.longer >= 0.015 || given.shorter < 0.15 || find_mean_quality_inside() < min_graded) return false;
         // Bent rims count too, unless so few edges are left then that none tell what length was wanted.
         for (const double slack : {std::numeric_limits<double>::infinity(), firm_.chord_slack}) {
             const std::vector<char> is_tight = tight_places(base_, sizing_.longest, slack);
@@ -113,10 +114,10 @@ public:
     }
 
     bool is_input_as_wanted() {
-        return is_graded_as_wanted(lengths()) || (has_wanted_lengths() && mean_quality_inside() > least_finished);
+        return is_graded_as_wanted(lengths()) || (has_wanted_lengths() && mean_quality_inside() > min_finished);
     }
 
-    /// The input where run() left intersections, and around that. @return how many triangles it has become.
+    /// Restores the input around intersections left by run(). @return number of restored triangles
     int freeze(std::vector<char>& frozen) {
         frozen.resize(base_.tri.size(), 0);
         for (const auto& pair : crossings_.fresh(mesh_))
@@ -135,14 +136,13 @@ private:
         return is_finished() ? std::max(1, options_.iterations - finishing + 1) : 1;
     }
 
-    /// Cut to the wanted length at once, long needles side by side would make far more triangles than the surface
-    /// takes.
+    /// Splitting adjacent long needles to the target length at once would make far too many triangles.
     void shorten_needles() {
         double cuts = 0;
         for (int h = 0; h < static_cast<int>(mesh_.corner.size()); ++h)
             if (mesh_.corner[h] >= 0 && mesh_.twin[h] < h) cuts += std::sqrt(mesh_.length2(h)) / sizing_.longest;
         double scale = 1;
-        while (cuts > 3 * scale * most_expected_) scale *= 2;
+        while (cuts > 3 * scale * max_expected_) scale *= 2;
         for (; scale > 1; scale /= 2) {
             split_long(mesh_, scale * too_long);
             for (int k = 0; k < 2; ++k) collapse_short(mesh_, firm_, too_short, scale * too_long);
@@ -164,7 +164,8 @@ private:
         record.flips = flip_edges(mesh_, loose_);
         const bool is_finish = is_finished() || step + finishing > options_.iterations;
         const Towards goal = is_finish ? Towards::equilateral : Towards::centres;
-        if (is_finish || !(tight < 1)) smooth(mesh_, loose_, goal);  // half of it has been cut or joined: once will do
+        if (is_finish || !(tight < 1))
+            smooth(mesh_, loose_, goal);  // half of it has been split or collapsed: once suffices
         record.largest_move = smooth(mesh_, loose_, goal);
         if (goal == Towards::equilateral) {
             polish(mesh_, loose_, worth_polishing);
@@ -181,8 +182,8 @@ private:
         if (progress_ && !progress_(record)) result_.cancelled = true;
     }
 
-    /// Shrinks the range of lengths that are left alone. Evenly stretched meshes keep within it and would stay as they
-    /// are; what is finished may exceed it.
+    /// Shrinks the range of tolerated lengths. Evenly stretched meshes lie within it and would stay unchanged; a
+    /// finished mesh may exceed it.
     double tightness(int iteration) {
         if (is_finished()) return input_ == Input::graded ? 2 : 1.3;
         if (iteration > 7 || !is_quiet()) return 1;
@@ -209,7 +210,7 @@ private:
         result.longer /= all, result.shorter /= all, result.unlimited /= all;
         return result;
     }
-    /// Nearly all edges of the surface as it is given are as wanted; some may be shorter, where the shape asked for it.
+    /// Nearly all edges of the input have the target length; some may be shorter where the shape needs it.
     bool has_wanted_lengths() const {
         const Lengths found = lengths();
         return found.longer < 0.01 && found.shorter < 0.15;
@@ -219,7 +220,7 @@ private:
         mesh_.neighbours(v, [&](int u) { sum += (mesh_.pos[u] - mesh_.pos[v]).norm(); });
         return sum / mesh_.valence[v];
     }
-    /// A finished surface keeps its lengths, and its vertices move only where something is done to it.
+    /// A finished surface keeps its lengths; its vertices move only near changes.
     void accept_lengths() {
         for (int v = 0; v < mesh_.num_vertices(); ++v) {
             if (mesh_.half[v] < 0) continue;
@@ -230,15 +231,15 @@ private:
         if (input_ == Input::graded)  // its short edges shorten no others
             for (int v = 0; v < mesh_.num_vertices(); ++v)
                 if (mesh_.half[v] >= 0) mesh_.size[v] = std::max(mesh_.size[v], mean_edge_at(v));
-        mesh_.calm.assign(mesh_.calm.size(), 1);
+        mesh_.settled.assign(mesh_.settled.size(), 1);
     }
-    /// Hardly an edge had to be split or collapsed.
+    /// Whether very few edges were split or collapsed.
     bool is_quiet() const {
         if (result_.records.empty()) return false;
         const RemeshRecord& last = result_.records.back();
         return last.splits + last.collapses < 0.08 * last.triangles;
     }
-    /// What is left to do is the finish.
+    /// Whether only the finish remains.
     bool has_converged() {
         const RemeshRecord& last = result_.records.back();
         return last.splits + last.collapses < 0.02 * last.triangles && mean_quality_inside() >= evenly_shaped;
@@ -263,13 +264,13 @@ private:
         return count > 0 ? sum / count : 1;
     }
 
-    /// Where the shape asks for shorter edges than wanted; not before the first ones have found their places, and
-    /// not so late that nothing can follow.
+    /// Shorter edges where the shape needs them; after the first iterations have settled, and early enough for
+    /// iterations to follow.
     void note_limits(int i) {
         if (!takes_limits_) return;
         int count = 0;
         std::vector<double> before = mesh_.limit;
-        const bool is_much = mesh_.num_triangles() > 12 * most_expected_;  // thin places everywhere: it would not end
+        const bool is_much = mesh_.num_triangles() > 12 * max_expected_;  // thin places everywhere: would never end
         if (!is_much && i >= 4 && i + 2 <= options_.iterations) count += note_thin_places(mesh_, sizing_, i >= 6);
         if (!is_much && i % 3 == 1 && i > 1 && i + 2 <= options_.iterations) {
             const double far = std::max(5e-4 * base_.diagonal, 0.1 * sizing_.longest);
@@ -277,13 +278,13 @@ private:
         }
         if (count > 0 || !sizing_.on_base.empty()) update_sizes(mesh_, sizing_);
         constexpr double takes_seconds = 1e5;
-        if (count == 0 || expected_triangles() < std::max(6 * most_expected_, takes_seconds)) return;
+        if (count == 0 || expected_triangles() < std::max(6 * max_expected_, takes_seconds)) return;
         // Wires, thin all over, would become surfaces of a hundred thousand triangles and still be thin.
         mesh_.limit = std::move(before);
         takes_limits_ = false;
         update_sizes(mesh_, sizing_);
     }
-    /// How many it would become at the wanted lengths.
+    /// Expected number of triangles at the target lengths.
     double expected_triangles() const {
         double sum = 0;
         for (int t = 0; t < mesh_.num_triangles(); ++t) {
@@ -299,7 +300,7 @@ private:
         return sum;
     }
 
-    /// Shortens edges where the surface passes through itself and the input does not, as long as that helps.
+    /// Shortens edges at new self-intersections while that helps.
     void disentangle() {
         WorkingMesh best;
         result_.new_intersections = std::numeric_limits<int>::max();
@@ -350,19 +351,19 @@ private:
     const std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
     const BaseSurface base_;
     Sizing sizing_;
-    bool takes_limits_ = true;  ///< thin places may still ask for shorter edges
+    bool takes_limits_ = true;  ///< thin places may still request shorter edges
     Input input_ = Input::raw;
     StepGuard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
     double mean_quality_ = -1;  ///< once it is known
     int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
-    double most_expected_ = 0;  ///< triangles, of the input or at the wanted length
+    double max_expected_ = 0;   ///< triangles, of the input or at the wanted length
     Crossings crossings_{base_};
     RemeshResult result_;
 };
 
 /// Of edges, where most of the area is; 0: hardly longer than their mean, or the triangles are not well shaped.
-double most_common_length(const TriMesh& mesh) {
+double typical_edge_length(const TriMesh& mesh) {
     const int m = mesh.num_triangles();
     if (m == 0 || mesh.triangles.minCoeff() < 0 || mesh.triangles.maxCoeff() >= mesh.num_vertices()) return 0;
     const auto length = [&](int t, int k) {
@@ -398,7 +399,7 @@ double most_common_length(const TriMesh& mesh) {
 /// them, has that one.
 double automatic_length(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     RemeshOptions tried = options;
-    tried.edge_length = most_common_length(given);
+    tried.edge_length = typical_edge_length(given);
     if (!(tried.edge_length > 0) || options.shortest_edge > 0.98 * tried.edge_length) return 0;
     tried.max_triangles = std::numeric_limits<int>::max();
     return Remesher(given, tried, progress, {}).is_input_as_wanted() ? tried.edge_length : 0;
@@ -421,7 +422,7 @@ void validate(const RemeshOptions& o) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
-    // What tangles at one length seldom does at another; what does so everywhere stays as it is in the input.
+    // Intersections at one length rarely occur at another; where they always do, the input stays unchanged.
     constexpr std::array<double, 2> other_lengths{0.98, 1.02};
     RemeshOptions tried = options;
     if (options.edge_length == 0) tried.edge_length = automatic_length(given, options, progress);

@@ -7,27 +7,27 @@
 
 /// Feature-preserving remeshing (Berkenstock & Aftosmis 2008, section V, Algorithm 2): a surface of the same shape made
 /// of nearly equilateral triangles. Split, collapse, flip, smooth along the surface, project back; the quadric metric
-/// tensor and the dihedral angles of the input say what is smooth, ridge or corner.
+/// tensor and the dihedral angles of the input classify vertices as smooth, ridge or corner.
 ///
-/// What stays: corners to the bit; creases, open boundaries and borders between groups as chains of edges whose
-/// vertices lie on the input's chains; every other vertex on the input surface; topology; groups. Edges of other
-/// than two triangles, or of two that disagree, stay as they are, with their vertices.
+/// Preserved: corners exactly; creases, open boundaries and borders between groups as chains of edges whose
+/// vertices lie on the input's chains; every other vertex on the input surface; topology; groups. Edges with other than
+/// two consistently oriented triangles stay unchanged, with their vertices.
 namespace strake {
 
 struct RemeshOptions {
-    /// Wanted; 0: the mean edge length of the input. If it is remeshed already, and has shorter edges where its shape
-    /// asks for them: that of the others.
+    /// Target; 0: the mean edge length of the input. For an already remeshed input with shorter edges where its shape
+    /// needs them: the mean of the others.
     double edge_length = 0;
     double angle_deg = 40;  ///< tau: an edge of at least this dihedral is a crease; in (0, 90]
-    int iterations = 10;    ///< >= 1; fewer are done when nothing is left to do
-    /// > 0: edges shrink where the surface bends so that an edge is at most this far from it (l^2 / 8R); 0: uniform.
+    int iterations = 10;    ///< >= 1; stops early when nothing is left to do
+    /// > 0: largest distance of an edge from the surface (l^2 / 8R): edges shrink where it bends; 0: uniform.
     double chord_error = 0;
-    double shortest_edge = 0;  ///< of sizes that shrink (bends, narrow strips); 0: a tenth of edge_length
-    double gradation = 0.3;    ///< wanted lengths change by at most this times the distance; in (0, 1]
-    double turn_deg = 2;       ///< no operation turns a normal further away from the input's than this, beyond what
-                               ///< edges of the wanted length turn anyway; in (0, 90]
-    int max_triangles = 20'000'000;  ///< more are refused before anything is done
-    int threads = 0;                 ///< 0: STRAKE_NUM_THREADS, else as many as there are; the same result
+    double shortest_edge = 0;  ///< limit where edges shrink (bends, narrow strips); 0: a tenth of edge_length
+    double gradation = 0.3;    ///< target lengths change by at most this times the distance; in (0, 1]
+    double turn_deg = 2;  ///< no operation turns a normal away from the input's by more than this plus the turn over
+                          ///< one target edge length; in (0, 90]
+    int max_triangles = 20'000'000;  ///< more are refused at the start
+    int threads = 0;                 ///< 0: STRAKE_NUM_THREADS, else all processors; the same result for any
 };
 void validate(const RemeshOptions& options);  ///< throws InvalidInput: field, value, limit
 
@@ -39,12 +39,12 @@ struct RemeshRecord {
 
 struct RemeshResult {
     TriMesh mesh;
-    double edge_length = 0;                                      ///< the wanted one, in the surface's unit
-    bool cancelled = false;                                      ///< the mesh is valid all the same
+    double edge_length = 0;                                      ///< the target, in the surface's unit
+    bool cancelled = false;                                      ///< the mesh is valid anyway
     int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
-    int corners = 0, kept_edges = 0;                             ///< vertices and edges that stay as they are
-    int frozen_triangles = 0;   ///< of the input, left as they are: other ones intersected each other there
-    int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; 0 but for rare cases
+    int corners = 0, kept_edges = 0;                             ///< unchanged vertices and edges
+    int frozen_triangles = 0;   ///< of the input, left unchanged near new intersections
+    int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; rarely above 0
     std::vector<RemeshRecord> records;
 };
 using RemeshProgress =

@@ -14,15 +14,16 @@ namespace {
 using Eigen::Vector3d;
 
 constexpr double half_width = 0.1;      ///< of a strip, in wanted edge lengths
-constexpr double least_share = 0.75;    ///< of the turning within twice the width; the rest of a bend is a curved flank
-constexpr double off_middle = 0.42;     ///< of the turning: so far from half a chain may go to stay straight
-constexpr double least_turn = 0.05;     ///< radians; flatter edges are not the middle of anything
-constexpr double surely_flat = 0.9988;  ///< above cos(least_turn), and told without an inverse cosine
-constexpr double most_turn = 1.2 * std::numbers::pi;  ///< within twice the width; what bends more is a tip, not an edge
-constexpr double least_length = 1.0;                  ///< of a chain, in wanted edge lengths
-constexpr int most_steps = 400;                       ///< of a walk; what is finer than that has no middle
+constexpr double min_share = 0.75;      ///< of the turning within twice the width; the rest of a bend is a curved flank
+constexpr double off_middle = 0.42;     ///< of the turning: allowed deviation from half, to keep a chain straight
+constexpr double min_turn = 0.05;       ///< radians; flatter edges are never a middle
+constexpr double surely_flat = 0.9988;  ///< above cos(min_turn), and told without an inverse cosine
+constexpr double max_turn = 1.2 * std::numbers::pi;  ///< within twice the width; larger turns are tips, not edges
+constexpr double min_length = 1.0;                   ///< of a chain, in wanted edge lengths
+constexpr int max_steps = 400;                       ///< of a walk; what is finer than that has no middle
 
-/// What comes first must not depend on the numbering: it is what lies lowest in this direction, square to no symmetry.
+/// The order must not depend on the numbering: lowest first in this direction, which is perpendicular to no symmetry
+/// axis.
 Vector3d order_direction() { return {0.2859, 0.5437, 0.7891}; }
 
 /// A straight walk over the surface away from the middle of an edge, square to it.
@@ -84,12 +85,12 @@ private:
         Vector3d direction = inward(h);
         const double reach = half_width * base_.edge_length;
         double gone = 0;
-        for (int step = 0; step < most_steps; ++step) {
+        for (int step = 0; step < max_steps; ++step) {
             if (gone <= reach) result.triangles.push_back({h / 3, gone});
             double length = 0;
             const int out = exit_of(h, x, direction, length);
             result.ends = out < 0 || gone + length >= 2 * reach || is_feature_[out];
-            if (result.ends || std::abs(result.turn) > most_turn) break;
+            if (result.ends || std::abs(result.turn) > max_turn) break;
             if (gone <= reach) result.crossed.push_back(out);
             gone += length;
             x += length * direction;
@@ -127,20 +128,20 @@ private:
     bool is_middle(int h, double off) const {
         if (base_.normal[h / 3].dot(base_.normal[base_.twin[h] / 3]) > surely_flat) return false;
         const double own = turn_at(h);
-        if (std::abs(own) < least_turn) return false;
+        if (std::abs(own) < min_turn) return false;
         const Vector3d side = order_direction();
         const bool swapped = base_.normal[h / 3].dot(side) < base_.normal[base_.twin[h] / 3].dot(side);
         const Walk first = walk(swapped ? base_.twin[h] : h), second = walk(swapped ? h : base_.twin[h]);
         const double sign = own > 0 ? 1 : -1, bend = sign * own;
         const double before = sign * first.turn, whole = before + bend + sign * second.turn;
         const double inner = bend + sign * (first.inner + second.inner), slack = 1e-6 * whole;
-        return first.ends && second.ends && whole <= most_turn && inner >= angle_ - angle_slack &&
-               inner >= least_share * whole && before < (0.5 + off) * whole - slack &&
+        return first.ends && second.ends && whole <= max_turn && inner >= angle_ - angle_slack &&
+               inner >= min_share * whole && before < (0.5 + off) * whole - slack &&
                before + bend >= (0.5 - off) * whole - slack;
     }
 
-    /// Chains that stay straight while they are near the middle: where it wanders from one row of edges to the next,
-    /// both would be chains, with slivers between them.
+    /// Keeps chains straight near the middle: where the middle drifts from one row of edges to the next, both would be
+    /// chains with slivers between them.
     void trace(std::vector<int>& middles) {
         const Vector3d side = order_direction();
         std::stable_sort(middles.begin(), middles.end(), [&](int g, int h) {
@@ -179,7 +180,7 @@ private:
         return best;
     }
 
-    /// Straight on, another chain runs beside: they are joined by close_gap(), for which there must be room.
+    /// Straight ahead another chain runs alongside: close_gap() joins them and needs room.
     bool leads_beside(int h) const {
         const Vector3d ahead = along(h).normalized();
         bool found = false;
@@ -246,7 +247,7 @@ private:
         }
         std::map<int, double> length;
         for (const int h : chosen_) length[root(to(h))] += along(h).norm();
-        std::erase_if(chosen_, [&](int h) { return length[root(to(h))] < least_length * base_.edge_length; });
+        std::erase_if(chosen_, [&](int h) { return length[root(to(h))] < min_length * base_.edge_length; });
     }
 
     /// The triangles up to the flanks count as parts of them; each belongs to the nearest edge.

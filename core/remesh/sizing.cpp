@@ -44,7 +44,7 @@ Bending bending_at_points(const BaseSurface& base) {
     return sum;
 }
 
-/// Each point and its neighbours together: single edges say little.
+/// Averages each point with its neighbours: single edges are unreliable.
 Bending spread(const BaseSurface& base, const Bending& bending) {
     Bending sum = bending;
     for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
@@ -86,7 +86,7 @@ double size_on_base(const BaseSurface& base, const std::vector<double>& size, in
     return wa * size[base.tri[t][0]] + wb * size[base.tri[t][1]] + wc * size[base.tri[t][2]];
 }
 
-/// Hands shorter lengths on from vertex to vertex, beginning at those listed.
+/// Propagates shorter lengths from vertex to vertex, starting at those listed.
 void grade(WorkingMesh& mesh, double gradation, std::vector<int> queue) {
     std::vector<char> waits(mesh.num_vertices(), 0);
     for (std::size_t i = 0; i < queue.size(); ++i) {
@@ -113,7 +113,7 @@ bool is_acute_tip(const WorkingMesh& mesh, int t) {
     return false;
 }
 
-/// An edge of t joins two features without being one: no vertex between them is free to give way.
+/// An edge of t joins two features without being one: no free vertex lies between them.
 bool spans_a_strip(const WorkingMesh& mesh, int t) {
     for (int h = 3 * t; h < 3 * t + 3; ++h)
         if (mesh.feature[h] < 0 && mesh.role[mesh.from(h)] != VertexRole::free &&
@@ -143,7 +143,7 @@ std::vector<double> curvatures(const BaseSurface& base, double least) {
     return result;
 }
 
-/// Triangles that edges of these lengths make.
+/// Expected number of triangles at these lengths.
 double expected_triangles(const BaseSurface& base, const std::vector<double>& size) {
     double sum = 0;
     for (const auto& [a, b, c] : base.tri) {
@@ -163,17 +163,17 @@ double share_of_area(const BaseSurface& base, const std::vector<char>& marks) {
     return sum / base.area;
 }
 
-/// An edge turns the normal by at most this, radians: triangles cannot follow what bends more sharply.
-constexpr double most_turn = 0.8;
-/// What bends sharply may double the number of triangles, not more: it could be everything.
-constexpr double most_more = 2;
+/// Maximum turn of the normal along an edge, radians: triangles cannot follow sharper bends.
+constexpr double max_turn_per_edge = 0.8;
+/// Sharp bends may at most double the number of triangles: they could be everywhere.
+constexpr double max_more = 2;
 
 }  // namespace
 
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error) {
     Sizing sizing{longest, shortest, gradation, {}, {}};
-    const double least = chord_error > 0 ? std::min(most_turn / longest, 8 * chord_error / (longest * longest))
-                                         : most_turn / longest;  // less does not matter
+    const double least = chord_error > 0 ? std::min(max_turn_per_edge / longest, 8 * chord_error / (longest * longest))
+                                         : max_turn_per_edge / longest;  // less does not matter
     const std::vector<double> curvature = curvatures(base, least);
     if (!(*std::max_element(curvature.begin(), curvature.end()) > least)) return sizing;
     const std::size_t n = base.points.size();
@@ -183,14 +183,14 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
         sizing.bent.assign(n, 0);
         for (std::size_t v = 0; v < n; ++v) {
             if (!(curvature[v] > 0)) continue;
-            sizing.bent[v] = most_turn / curvature[v] < floor;
-            double wanted = std::clamp(most_turn / curvature[v], std::min(floor, longest), longest);
+            sizing.bent[v] = max_turn_per_edge / curvature[v] < floor;
+            double wanted = std::clamp(max_turn_per_edge / curvature[v], std::min(floor, longest), longest);
             if (chord_error > 0) wanted = std::min(wanted, std::sqrt(8 * chord_error / curvature[v]));
             sizing.on_base[v] = std::max(wanted, shortest);
         }
         if (share_of_area(base, sizing.bent) > 0.05) sizing.bent.assign(n, 0);  // no tip: the edges are far too long
         grade_on_base(base, gradation, sizing.on_base);
-        if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= most_more * uniform)
+        if (chord_error > 0 || floor >= longest || expected_triangles(base, sizing.on_base) <= max_more * uniform)
             return sizing;
     }
 }
@@ -222,7 +222,7 @@ std::vector<char> bent_ridges(const BaseSurface& base, double slack) {
 }
 
 std::vector<char> tight_places(const BaseSurface& base, double longest, double slack) {
-    constexpr double own_turn = 0.5 * most_turn, longest_turn = 0.8 * most_turn;
+    constexpr double own_turn = 0.5 * max_turn_per_edge, longest_turn = 0.8 * max_turn_per_edge;
     std::vector<char> marks = bent_ridges(base, slack);
     for (int h = 0; h < static_cast<int>(base.twin.size()); ++h) {
         if (base.barrier[h] || base.twin[h] < h) continue;

@@ -1,7 +1,7 @@
 #include "core/remesh/passes.hpp"
 
-/// Smoothing along the surface and back onto it. Every vertex looks at where the others were before the pass, so that
-/// the order, and the number of threads, do not matter.
+/// Smoothing along the surface and back onto it. Every vertex uses the positions before the pass: order and number of
+/// threads do not matter.
 namespace strake {
 namespace {
 
@@ -44,7 +44,7 @@ Vector3d towards_centre(const WorkingMesh& mesh, int v) {
 }
 
 /// From v to where the triangles around it would be equilateral, weighted by how far they are from it. All vertices
-/// move at once: the whole way would make them swing.
+/// move at once: the full step would oscillate.
 Vector3d towards_equilateral(const WorkingMesh& mesh, int v) {
     constexpr double share = 0.6, of_wanted = 0.2;
     Vector3d sum = Vector3d::Zero();
@@ -95,7 +95,7 @@ void move_ridge(const WorkingMesh& mesh, const StepGuard& guard, int v, Moves& m
     moves.foot[v] = curves.triangle_at(e.curve, e.s[1] + shift);
 }
 
-/// What nearly all triangles are: well shaped, and facing the way that the input does at their free corners.
+/// Whether a triangle is well shaped and faces like the input at its free corners; nearly all are.
 bool is_surely_good(const WorkingMesh& mesh, const StepGuard& guard, int a, int b, int c) {
     const Vector3d u = mesh.pos[b] - mesh.pos[a], w = mesh.pos[c] - mesh.pos[a], normal = u.cross(w);
     const double sum = u.squaredNorm() + w.squaredNorm() + (u - w).squaredNorm(), norm2 = normal.squaredNorm();
@@ -111,7 +111,7 @@ bool is_surely_good(const WorkingMesh& mesh, const StepGuard& guard, int a, int 
     return is_known;
 }
 
-/// Triangles that the moves would spoil; their vertices stay.
+/// Triangles that the moves would damage; their vertices stay.
 bool is_spoilt(const WorkingMesh& mesh, const Moves& before, const StepGuard& guard, int t) {
     const int a = mesh.corner[3 * t], b = mesh.corner[3 * t + 1], c = mesh.corner[3 * t + 2];
     if (mesh.pos[a] == before.pos[a] && mesh.pos[b] == before.pos[b] && mesh.pos[c] == before.pos[c]) return false;
@@ -135,7 +135,7 @@ void shift_features(WorkingMesh& mesh, const std::vector<double>& s) {
             for (int end = 0; end < 2; ++end) edge.s[end] += s[edge.v[end]];
 }
 
-/// Takes back the moves of the triangles that they spoil, and of those that this spoils in turn.
+/// Undoes moves that damage triangles, and moves that this affects in turn.
 void take_back(WorkingMesh& mesh, Moves& before, const StepGuard& guard) {
     const int m = mesh.num_triangles();
     std::vector<char> spoilt(m);
@@ -162,16 +162,16 @@ void take_back(WorkingMesh& mesh, Moves& before, const StepGuard& guard) {
     }
 }
 
-/// Vertices near which nothing moves any more are calm. @return the largest move in wanted lengths.
+/// Vertices near which nothing moves any more are settled. @return the largest move in target lengths.
 double settle(WorkingMesh& mesh, const Moves& before) {
     constexpr double noticeable = 0.01;
     double largest2 = 0;
     std::vector<int> moved;
     for (int v = 0; v < mesh.num_vertices(); ++v) {
-        if (mesh.calm[v]) continue;
+        if (mesh.settled[v]) continue;
         const double move2 = (mesh.pos[v] - before.pos[v]).squaredNorm() / (mesh.size[v] * mesh.size[v]);
         largest2 = std::max(largest2, move2);
-        mesh.calm[v] = 1;
+        mesh.settled[v] = 1;
         if (move2 > noticeable * noticeable && mesh.half[v] >= 0) moved.push_back(v);
     }
     for (const int v : moved) mesh.wake_around(v);
@@ -198,7 +198,7 @@ double smooth(WorkingMesh& mesh, const StepGuard& guard, Towards goal) {
     Moves moves{mesh.pos, mesh.normal, mesh.foot, std::vector<double>(n, 0.0)};
     in_parts(n, guard.threads, [&](int begin, int end) {
         for (int v = begin; v < end; ++v) {
-            if (mesh.half[v] < 0 || mesh.calm[v]) continue;
+            if (mesh.half[v] < 0 || mesh.settled[v]) continue;
             if (mesh.role[v] == VertexRole::free)
                 move_free(mesh, goal, v, moves);
             else if (mesh.role[v] == VertexRole::ridge)

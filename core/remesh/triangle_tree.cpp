@@ -20,7 +20,7 @@ TriangleTree::TriangleTree(const std::vector<Vector3d>& points, const std::vecto
     for (int t = 0; t < static_cast<int>(tri.size()); ++t)
         cut(points[tri[t][0]], points[tri[t][1]], points[tri[t][2]], t, piece, 0);
     nodes_.reserve(pieces_.size());
-    const bool is_in_order = pieces_.size() == tri.size();  // none is long, so halves of the list are near together
+    const bool is_in_order = pieces_.size() == tri.size();  // no piece is long, so halves of the list are compact
     if (!pieces_.empty()) build(0, static_cast<int>(pieces_.size()), is_in_order);
 }
 

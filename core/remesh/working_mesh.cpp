@@ -30,7 +30,7 @@ WorkingMesh working_mesh(const BaseSurface& base) {
     mesh.size.assign(n, 0.0);
     mesh.limit.assign(n, std::numeric_limits<double>::infinity());
     mesh.mark.assign(n, 0);
-    mesh.calm.assign(n, 0);
+    mesh.settled.assign(n, 0);
     mesh.bent.assign(n, 0);
     for (std::size_t v = 0; v < n; ++v) {
         if (mesh.half[v] < 0) continue;
@@ -83,7 +83,7 @@ void WorkingMesh::find_foot(int m, int h) {
         foot[m] = foot[a_tells ? a : b];
         const Vector3d sum = (a_tells ? normal[a] : Vector3d::Zero()) + (b_tells ? normal[b] : Vector3d::Zero());
         normal[m] = sum.squaredNorm() > 0.5 ? Vector3d(sum.normalized()) : base->normal[foot[m]];
-        // Across a bend, or half a wing away, neither end tells what the surface does in the middle.
+        // Across a bend, or half a wing away, neither end describes the surface in the middle.
         const bool both_tell = a_tells && b_tells;
         if (both_tell ? normal[a].dot(normal[b]) > 0.97 : (pos[m] - pos[a]).squaredNorm() < size[m] * size[m]) return;
         const Foot below = project(*base, pos[m], foot[m], size[m]);
@@ -116,7 +116,7 @@ int WorkingMesh::split(int h) {
     role.push_back(f >= 0 ? VertexRole::ridge : VertexRole::free);
     origin.push_back(-1);
     mark.push_back(0);
-    calm.push_back(0);
+    settled.push_back(0);
     bent.push_back(bent[a] || bent[b]);
     for (const int v : {a, b, c}) wake(v);
     valence.push_back(g >= 0 ? 4 : 3);
@@ -211,6 +211,18 @@ bool WorkingMesh::collapse_fits_curve(int h, int gone, double slack) const {
     return base->curves.chord_fits(edge.curve, s0, s1, slack);
 }
 
+void WorkingMesh::set_half(int v, int out) {
+    for (int i = out; true;) {
+        if (twin[i] < 0) {
+            half[v] = i;
+            return;
+        }
+        i = next(twin[i]);
+        if (i == out) break;
+    }
+    half[v] = out;
+}
+
 void WorkingMesh::collapse(int h, int gone) {
     const int a = gone, b = from(h) + to(h) - gone, c = apex(h), g = twin[h], f = feature[h];
     if (f >= 0) {
@@ -236,17 +248,6 @@ void WorkingMesh::collapse(int h, int gone) {
         for (int k = 0; k < 3; ++k) corner[3 * (in / 3) + k] = -1;
         return std::array<int, 2>{x, y};
     };
-    const auto turn_to_boundary = [&](int v, int out) {
-        for (int i = out; true;) {
-            if (twin[i] < 0) {
-                half[v] = i;
-                return;
-            }
-            i = next(twin[i]);
-            if (i == out) break;
-        }
-        half[v] = out;
-    };
     valence[b] += valence[a] - (g >= 0 ? 4 : 3);
     --valence[c];
     int d = -1, out_of_d = -1;
@@ -257,9 +258,9 @@ void WorkingMesh::collapse(int h, int gone) {
         out_of_d = x >= 0 ? x : next(y);
     }
     const auto [x, y] = close(next(h), prev(h));  // x: c to b, y: b (once a) to c
-    turn_to_boundary(c, x >= 0 ? x : next(y));
-    if (d >= 0) turn_to_boundary(d, out_of_d);
-    turn_to_boundary(b, y >= 0 ? y : next(x));
+    set_half(c, x >= 0 ? x : next(y));
+    if (d >= 0) set_half(d, out_of_d);
+    set_half(b, y >= 0 ? y : next(x));
     half[a] = -1;
     wake_around(b);
 }

@@ -22,12 +22,13 @@ struct WorkingMesh {
     std::vector<int> foot;                ///< triangle of the input at or near the vertex
     std::vector<int> half;                ///< a half-edge out of it; on a boundary the one that has no twin
     std::vector<int> valence;             ///< edges
-    std::vector<int> origin;              ///< vertex of the input, of those that stay; else -1
-    std::vector<double> size;             ///< wanted edge length
-    std::vector<double> limit;            ///< what thin places ask for; infinite elsewhere
+    std::vector<int> origin;              ///< vertex of the input, for unchanged vertices; else -1
+    std::vector<double> size;             ///< target edge length
+    std::vector<double> limit;            ///< limit in thin places; infinite elsewhere
     std::vector<VertexRole> role;
-    std::vector<char> bent;  ///< the input bends more sharply here than the shortest edges: its normal says nothing
-    std::vector<char> calm;  ///< smoothing has nothing to do until something changes nearby
+    std::vector<char>
+        bent;  ///< the input bends more sharply than the shortest edges resolve: its normal is meaningless
+    std::vector<char> settled;  ///< nothing to smooth until something changes nearby
     // Per half-edge.
     std::vector<int> corner, twin, feature;  ///< vertex it starts at, -1 removed; other half, -1 none; or -1
     std::vector<int> group;                  ///< per triangle, empty: none
@@ -90,37 +91,38 @@ struct WorkingMesh {
     double quality(int t) const {
         return shape_quality(pos[corner[3 * t]], pos[corner[3 * t + 1]], pos[corner[3 * t + 2]]);
     }
-    void wake(int v) { calm[v] = 0; }
+    void wake(int v) { settled[v] = 0; }
     void wake_around(int v) {
-        calm[v] = 0;
-        neighbours(v, [&](int u) { calm[u] = 0; });
+        settled[v] = 0;
+        neighbours(v, [&](int u) { settled[u] = 0; });
     }
 
-    /// Cuts edge h at a new vertex, which gets what it needs from the edge: half way, on a curve as near as may be.
+    /// Splits edge h at a new vertex at its middle, on a curve as near to it as allowed.
     int split(int h);
     double split_place(int f) const;  ///< where on its curve feature f is cut
     /// Turns edge h (interior, no feature) to join the apexes.
     void flip(int h);
-    /// Removes the end `gone` of edge h, whose triangles go to the other end. @pre can_collapse(h, gone).
+    /// Removes the end `gone` of edge h and connects its triangles to the other end. @pre can_collapse(h, gone).
     void collapse(int h, int gone);
-    /// The link condition, and what roles allow.
+    /// The link condition, and the limits of roles.
     bool can_collapse(int h, int gone);
-    /// Whether the chord that a collapse of feature h would leave stays at the curve (Curves::chord_fits).
+    /// Whether the chord after a collapse of feature h fits the curve (Curves::chord_fits).
     bool collapse_fits_curve(int h, int gone, double slack) const;
 
     /// The feature at ridge v that is not f; -1: none.
     int other_feature(int v, int f) const;
-    /// Puts v where it stands on its curve.
+    /// Places v at its position on its curve.
     void place_on_curve(int v, int curve, double s);
     /// Foot and normal of vertex m, new in the middle of edge h.
     void find_foot(int m, int h);
 
-    /// Renumbers vertices, triangles and features without gaps, unless a share of less than `few` has been removed; in
-    /// order of space, where much has changed.
+    /// Renumbers vertices, triangles and features without gaps, unless the removed share is below `few`; in spatial
+    /// order after many changes.
     void compact(double few = 0);
 
 private:
     int new_triangle(int a, int b, int c, int like);
+    void set_half(int v, int out);           ///< from a half-edge out of v: the one on the boundary, if there is one
     int split_feature(int f, int a, int m);  ///< f keeps its end at a; the number of the rest
     void join(int h, int g) {
         if (h >= 0) twin[h] = g;
@@ -130,7 +132,7 @@ private:
 
 WorkingMesh working_mesh(const BaseSurface& base);
 
-/// The mesh as a value. Copies of a vertex of the input that stayed become one again.
+/// The mesh as a value. Merges copies of unchanged vertices of the input.
 TriMesh as_mesh(const WorkingMesh& mesh, const std::vector<std::string>& group_names);
 
 }  // namespace strake

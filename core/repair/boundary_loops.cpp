@@ -5,8 +5,8 @@
 namespace strake::mending {
 namespace {
 
-/// The open edge on which the boundary goes on behind the corner k + 1 of triangle t, whose side k is open: around that
-/// vertex through the triangles to the open side that starts there. -1: a fault is in the way.
+/// The open edge that continues the boundary after corner k + 1 of triangle t, whose side k is open: found by turning
+/// around that vertex. -1: blocked by a fault.
 int next_side(const TriMesh& mesh, const Adjacency& adjacent, int side) {
     int t = side / 3, k = (side % 3 + 1) % 3;  // the side of t that starts at the vertex
     const int v = mesh.triangles(t, k);
@@ -22,7 +22,7 @@ int next_side(const TriMesh& mesh, const Adjacency& adjacent, int side) {
     return -1;
 }
 
-/// Cuts a closed walk at vertices that it meets twice.
+/// Splits a closed walk at repeated vertices.
 void cut(const OpenLoop& walk, std::vector<OpenLoop>& loops) {
     OpenLoop open;
     std::map<int, std::ptrdiff_t> place;  // in `open`

@@ -7,8 +7,10 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <numbers>
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -22,11 +24,22 @@ void check_input(const TriMesh& mesh) {
                                     ", limits 0 and ", mesh.num_vertices() - 1));
 }
 
-/// All pairs of triangles around a vertex are looked at: seconds up to here, hours for a fan of a million.
-bool pairs_are_affordable(const Adjacency& adjacent) {
-    double pairs = 0;
-    for (int v = 0; v < adjacent.vertex_triangles.size(); ++v)
-        pairs += 0.5 * std::pow(static_cast<double>(adjacent.vertex_triangles[v].size()), 2);
+/// Tests all pairs of triangles around a vertex, or around several at one place: seconds up to this limit, hours for a
+/// fan of a million.
+bool pairs_are_affordable(const TriMesh& mesh, const Adjacency& adjacent) {
+    std::vector<int> order(static_cast<std::size_t>(mesh.num_vertices()));
+    std::iota(order.begin(), order.end(), 0);
+    const auto place = [&](int v) {
+        return std::array<double, 3>{mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2)};
+    };
+    std::sort(order.begin(), order.end(), [&](int a, int b) { return place(a) < place(b); });
+    double pairs = 0, around = 0;
+    for (std::size_t i = 0; i < order.size(); ++i) {
+        if (i > 0 && place(order[i]) != place(order[i - 1])) around = 0;
+        const auto more = static_cast<double>(adjacent.vertex_triangles[order[i]].size());
+        pairs += 0.5 * more * more + around * more;
+        around += more;
+    }
     return pairs <= 1e8;
 }
 
@@ -61,12 +74,18 @@ void suggest_symmetry(const TriMesh& mesh, const Box& box, double diagonal, Boun
     }
 }
 
-/// Vertices at open edges that have another one, or an open edge of others, within the tolerance.
+/// From p to the segment that starts at `from` and runs along `side`.
+double distance_to_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& from, const Eigen::Vector3d& side) {
+    const double along = side.squaredNorm() > 0 ? std::clamp((p - from).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
+    return (p - from - along * side).norm();
+}
+
+/// Vertices at open edges within the tolerance of another one, or of an open edge that is not theirs.
 std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjacent, double tolerance) {
     const mending::OpenVertices open = mending::open_vertices(mesh, adjacent);
     std::vector<char> is_cracked(open.is_open.size());
     std::vector<int> found;
-    // Points at one place stand for each other: a crowd of them would be looked at by each.
+    // Coinciding points are represented by one: a crowd of n would need n^2 tests.
     const std::vector<int> number = equal_points(open.points);
     std::vector<int> crowd(number.size());
     for (const int i : number) ++crowd[i];
@@ -78,7 +97,7 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
     Points places(static_cast<Eigen::Index>(first.size()), 3);
     for (std::size_t i = 0; i < first.size(); ++i) places.row(static_cast<Eigen::Index>(i)) = open.points.row(first[i]);
     const PointTree tree(places);
-    std::size_t left = mending::most_looked_at_for_cracks;
+    std::size_t left = mending::max_looked_at_for_cracks;
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (adjacent.edge_triangles[e].size() != 1) continue;
         const auto [a, b] = adjacent.edges[e];
@@ -90,10 +109,7 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
         for (const int i : found) {
             const int v = open.numbers[first[i]];
             if (v == a || v == b || (mesh.triangles.row(t).array() == v).any()) continue;
-            const Eigen::Vector3d p = mesh.vertices.row(v);
-            const double along =
-                side.squaredNorm() > 0 ? std::clamp((p - pa).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
-            if ((p - pa - along * side).norm() <= tolerance) is_cracked[v] = 1;
+            if (distance_to_segment(mesh.vertices.row(v), pa, side) <= tolerance) is_cracked[v] = 1;
         }
     }
     std::vector<int> cracked;
@@ -187,7 +203,7 @@ Checkup checkup(const TriMesh& mesh) {
     c.triangles = mesh.num_triangles();
     c.adjacent = adjacency(mesh);
     c.facts = topology(mesh, c.adjacent);
-    if (pairs_are_affordable(c.adjacent)) c.pairs = intersections(mesh);
+    if (pairs_are_affordable(mesh, c.adjacent)) c.pairs = intersections(mesh);
     c.box = bounding_box(mesh);
     c.diagonal = box_diagonal(mesh);
     c.area = surface_area(mesh);

@@ -1,6 +1,6 @@
 #pragma once
+#include "core/formats/vtp.hpp"
 #include "core/mesh/topology.hpp"
-#include "core/mesh/vtp.hpp"
 
 #include <array>
 #include <optional>
@@ -48,7 +48,7 @@ struct Checkup {
     /// Folded over: an edge of two agreeing triangles with a dihedral above 170 degrees, and the normal against the sum
     /// of the three vertices' mean normals by more than 0.5. A knife edge is none: its mean normals vanish.
     std::vector<int> inverted_triangles;
-    std::optional<Intersections> pairs;  ///< none: too many pairs around a vertex to look at
+    std::optional<Intersections> pairs;  ///< none: too many pairs around a vertex to test
     Box box{Eigen::Vector3d::Zero(), Eigen::Vector3d::Zero()};
     double diagonal = 0, area = 0, volume = 0;  ///< volume: of closed surfaces
     int inward_components = 0;                  ///< closed components of negative volume
@@ -57,9 +57,9 @@ struct Checkup {
 /// @throws InvalidInput on an index out of range or a coordinate that is not finite.
 Checkup checkup(const TriMesh& mesh);
 
-/// Every defect in a sentence of its own, with the first few numbers.
+/// One sentence per defect, with the first few numbers.
 std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& found);
-/// What to do about them: the options of `strake repair` that would help, and what it cannot mend; empty: nothing.
+/// Advice: helpful options of `strake repair`, and defects that it cannot repair; empty: none.
 std::vector<std::string> advice(const TriMesh& mesh, const Checkup& found);
 
 /// Every defect marked, for ParaView.

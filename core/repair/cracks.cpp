@@ -26,7 +26,7 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
     const PointTree tree(open.points);
     std::vector<int> found;
     Junctions junctions;
-    std::size_t left = most_looked_at_for_cracks;
+    std::size_t left = max_looked_at_for_cracks;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {
             if (adjacent.edge_triangles[adjacent.triangle_edges(t, k)].size() != 1) continue;
@@ -98,8 +98,7 @@ TriMesh with_corners_onto(const TriMesh& mesh, const std::vector<int>& onto) {
     return result;
 }
 
-/// Takes back what would join the two sides of a sheet to one, as of two lids that lie side by side: no orientation
-/// would be left.
+/// Undoes joins that would make a sheet one-sided, for example of two adjacent lids: no orientation would exist.
 void keep_two_sides(const TriMesh& mesh, const Adjacency& adjacent, std::vector<int>& onto) {
     const Joined before(adjacent);
     std::vector<int> parent(static_cast<std::size_t>(mesh.num_triangles()));
@@ -116,7 +115,7 @@ void keep_two_sides(const TriMesh& mesh, const Adjacency& adjacent, std::vector<
     }
 }
 
-/// Open vertices within the tolerance become one, unless an edge joins them: that would take triangles away.
+/// Merges open vertices within the tolerance unless an edge joins them: merging these would remove triangles.
 void merge_vertices(Surface& surface, double tolerance) {
     TriMesh& mesh = surface.mesh;
     const Adjacency adjacent = adjacency(mesh);

@@ -7,7 +7,7 @@
 namespace strake::mending {
 namespace {
 
-/// Takes triangles of no area away one by one; what a removal makes degenerate comes in the next round.
+/// Removes triangles of zero area one by one; triangles that become degenerate follow in the next round.
 class Remover {
 public:
     explicit Remover(Surface& surface)
@@ -25,11 +25,13 @@ public:
         is_gone_.assign(corners_.size(), 0);
     }
 
-    /// In rounds, to and fro, for what is in the way of one triangle may lie before or behind it. First only where
-    /// triangles with an area take over; a heap of degenerate ones is stirred by one of them when all are stuck.
+    /// In rounds, in alternating order, because the obstacle to one triangle may come before or after it. First only
+    /// where triangles of positive area take over; when no such removal is possible, one in a cluster of degenerate
+    /// triangles is removed anyway.
     void run() {
         std::size_t stirs = 10 + 2 * queue_.size();
-        while (!queue_.empty() && work_ < most_work) {
+        max_triangles_ = 2 * corners_.size() + 20 * queue_.size() + 1000;
+        while (!queue_.empty() && work_ < max_work && corners_.size() < max_triangles_) {
             if (round(true)) continue;
             if (stirs-- == 0 || !round(false)) break;
         }
@@ -38,7 +40,7 @@ public:
 
 private:
     Eigen::Vector3d at(int v) const { return points_.row(v); }
-    /// Tries all that wait, or up to the first success. @return whether there was any
+    /// Tries all in the queue, or up to the first success. @return whether there was any
     bool round(bool strict) {
         std::vector<int> now;
         std::swap(now, queue_);
@@ -49,7 +51,7 @@ private:
         bool progress = false;
         for (const int t : now) {
             if (is_gone_[t] || !is_degenerate(t)) continue;
-            const bool is_over = work_ > most_work || (!strict && progress);
+            const bool is_over = work_ > max_work || corners_.size() >= max_triangles_ || (!strict && progress);
             if (!is_over && remove(t, strict))
                 progress = true;
             else
@@ -62,6 +64,9 @@ private:
 
     bool is_degenerate(int t) const {
         const auto& [a, b, c] = corners_[t];
+        return has_no_area(a, b, c);
+    }
+    bool has_no_area(int a, int b, int c) const {
         if (a == b || b == c || c == a) return true;
         const double area = 0.5 * (at(b) - at(a)).cross(at(c) - at(a)).norm();
         return !(area >= 1e-14 * diagonal_ * diagonal_);
@@ -111,7 +116,7 @@ private:
         return false;
     }
 
-    /// Merges the two ends where the surface stays what it is (link condition); an open edge's vertex stays.
+    /// Merges the two ends if the topology stays the same (link condition); an open edge's vertex stays.
     bool collapse(int t, int a, int b) {
         const std::vector<int> faces = at_edge(a, b);
         const bool a_open = is_open(a), b_open = is_open(b);
@@ -164,14 +169,25 @@ private:
                 kill(f);
                 return true;
             }
-        for (const int f : others)
-            if (strict && is_degenerate(f)) return false;
+        if (!is_progress(others, a, b, c, strict)) return false;
         for (const int f : others)
             for (const int d : corners_[f])
                 if (d != a && d != b && !at_edge(c, d).empty()) return false;  // that edge would have more than two
         note(t, others.empty() ? "at an open edge" : "the triangle across its longest edge split at its corner");
         kill(t);
         for (const int f : others) split(f, a, b, c);
+        return true;
+    }
+    /// Without end, triangles that are all nearly on one line could be cut by each other in a circle, more of them
+    /// each time where an edge has more than two. So either fewer of zero area are left, or the edge gets shorter.
+    bool is_progress(const std::vector<int>& others, int a, int b, int c, bool strict) const {
+        for (const int f : others) {
+            if ((strict || others.size() > 1) && is_degenerate(f)) return false;
+            for (const int d : corners_[f])
+                if (d != a && d != b && (has_no_area(a, c, d) || has_no_area(c, b, d)) &&
+                    (others.size() > 1 || !(length(c, d) < length(a, b))))
+                    return false;
+        }
         return true;
     }
     void split(int f, int a, int b, int c) {
@@ -217,7 +233,7 @@ private:
         surface_.remove(is_gone_);
     }
 
-    static constexpr std::size_t most_work = 1'000'000'000;  ///< triangles at vertices looked at: seconds
+    static constexpr std::size_t max_work = 1'000'000'000;  ///< limit of triangles visited: seconds of work
 
     Surface& surface_;
     const Points points_;
@@ -228,7 +244,7 @@ private:
     std::vector<std::vector<int>> at_vertex_;  ///< live triangles
     std::vector<int> queue_;
     bool is_backward_ = true;
-    std::size_t work_ = 0;
+    std::size_t work_ = 0, max_triangles_ = 0;
 };
 
 }  // namespace

@@ -36,7 +36,7 @@ bool runs(const Triangles& triangles, int t, int a, int b) {
     return false;
 }
 
-/// All sets of copies, and how they hang together.
+/// All sets of copies, and their connections.
 class Sheets {
 public:
     Sheets(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<Copies>& sets)
@@ -61,7 +61,7 @@ public:
         return is_back_to_back_[r] && balance_[r] > 0;
     }
 
-    /// Edges at which a triangle agrees with others that are no copies, less those at which it does not.
+    /// Number of edges at which a triangle agrees with others that are no copies, minus those at which it disagrees.
     int agreement(int t) const {
         int agree = 0;
         for (int k = 0; k < 3; ++k) {
@@ -91,7 +91,7 @@ private:
     const Adjacency& adjacent_;
     std::vector<int> set_of_;   ///< per triangle; -1: no copy
     DisjointSets together_;     ///< sets that share edges
-    std::vector<int> balance_;  ///< rim edges that are closed without the copies less those that are open
+    std::vector<int> balance_;  ///< rim edges closed without the copies, minus open ones
     std::vector<char> is_back_to_back_;
 };
 

@@ -1,4 +1,4 @@
-#include "core/mesh/ear_clipping.hpp"
+#include "core/formats/ear_clipping.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <Eigen/Geometry>
@@ -54,7 +54,7 @@ private:
             const Eigen::Vector3d normal = size > 0 ? Eigen::Vector3d(area / size) : area;
             double bend = std::max({left.bend, right.bend, 1 - normal.dot(left.normal), 1 - normal.dot(right.normal)});
             if (is_last) bend = std::max(bend, 1 - normal.dot(normals_.row(n_ - 1)));
-            bend = std::round(bend * 1e6) / 1e6;  // so that the area decides between equal ones
+            bend = std::round(bend * 1e6) / 1e6;  // the area then decides between equal ones
             const double total = left.area + right.area + size;
             if (bend < best.bend || (bend == best.bend && total < best.area)) best = {bend, total, m, normal};
         }
@@ -120,7 +120,7 @@ std::vector<Triple> fill_polygon(const Points& polygon, const Points& normals, d
     const bool is_flat = normal.norm() > 0.5 && ((polygon.rowwise() - center) * normal).cwiseAbs().maxCoeff() <= flat;
     std::vector<Triple> triangles;
     if (is_flat && n <= 5000) triangles = clip_ears(polygon, normal, is_taken);
-    for (Triple& t : triangles) std::swap(t[0], t[2]);  // what fills a loop runs against it
+    for (Triple& t : triangles) std::swap(t[0], t[2]);  // a fill runs opposite to its loop
     if (triangles.empty() && n <= 250) triangles = LeastBending(polygon, normals, is_taken).run();
     if (triangles.empty()) triangles = shortest_diagonals(polygon, is_taken);
     flip_to_delaunay([&](int v) -> Eigen::Vector3d { return polygon.row(v); }, triangles, is_taken);
@@ -148,6 +148,22 @@ Eigen::Vector3d normal_of(const Eigen::Vector3d& a, const Eigen::Vector3d& b, co
     return (b - a).cross(c - a).normalized();
 }
 
+bool runs(const Triple& triangle, int a, int b) {
+    for (int k = 0; k < 3; ++k)
+        if (triangle[k] == a && triangle[(k + 1) % 3] == b) return true;
+    return false;
+}
+
+/// Whether edge cd is better than edge ab of the triangles abc and bad: Delaunay, and without a bend of the normals.
+bool flip_improves(const Eigen::Vector3d& pa, const Eigen::Vector3d& pb, const Eigen::Vector3d& pc,
+                   const Eigen::Vector3d& pd) {
+    if (!(angle_at(pc, pa, pb) + angle_at(pd, pa, pb) > 3.14159265358979 + 1e-9)) return false;
+    const Eigen::Vector3d n1 = normal_of(pa, pb, pc), n2 = normal_of(pb, pa, pd), m1 = normal_of(pc, pa, pd),
+                          m2 = normal_of(pd, pb, pc);
+    const double least = std::min({m1.dot(n1), m1.dot(n2), m2.dot(n1), m2.dot(n2)});
+    return (least > 0.5 || (n1.norm() < 0.5 || n2.norm() < 0.5)) && !(m1.norm() < 0.5) && !(m2.norm() < 0.5);
+}
+
 }  // namespace
 
 void flip_to_delaunay(const std::function<Eigen::Vector3d(int)>& at, std::vector<Triple>& triangles,
@@ -163,21 +179,10 @@ void flip_to_delaunay(const std::function<Eigen::Vector3d(int)>& at, std::vector
         const auto found = sides.find({a, b});
         if (found == sides.end() || found->second.size() != 2) continue;
         const int s = found->second[0], t = found->second[1];
-        // s runs a to b, t back.
-        const auto runs = [&](int f) {
-            for (int k = 0; k < 3; ++k)
-                if (triangles[f][k] == a && triangles[f][(k + 1) % 3] == b) return true;
-            return false;
-        };
-        if (!runs(s)) std::swap(a, b);
+        if (!runs(triangles[s], a, b)) std::swap(a, b);  // s runs a to b, t back
         const int c = apex_of(triangles[s], a, b), d = apex_of(triangles[t], a, b);
         if (c == d || c < 0 || d < 0 || sides.count(sorted(c, d)) || is_taken(c, d)) continue;
-        const Eigen::Vector3d pa = at(a), pb = at(b), pc = at(c), pd = at(d);
-        if (!(angle_at(pc, pa, pb) + angle_at(pd, pa, pb) > 3.14159265358979 + 1e-9)) continue;
-        const Eigen::Vector3d n1 = normal_of(pa, pb, pc), n2 = normal_of(pb, pa, pd), m1 = normal_of(pc, pa, pd),
-                              m2 = normal_of(pd, pb, pc);
-        const double least = std::min({m1.dot(n1), m1.dot(n2), m2.dot(n1), m2.dot(n2)});
-        if (!(least > 0.5 || (n1.norm() < 0.5 || n2.norm() < 0.5)) || m1.norm() < 0.5 || m2.norm() < 0.5) continue;
+        if (!flip_improves(at(a), at(b), at(c), at(d))) continue;
         --allowed;
         sides.erase(found);
         triangles[s] = {c, a, d};

@@ -74,8 +74,8 @@ void fill(const Surface& surface, const Adjacency& adjacent, const OpenLoop& loo
     fills.triangles.insert(fills.triangles.end(), triangles.begin(), triangles.end());
 }
 
-/// Which loops are to be filled.
-/// @param refused is counted up by those around one lone triangle, whose back is no fill.
+/// The loops to fill.
+/// @param refused incremented for loops around a single triangle, whose back is no fill.
 std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacent, const RepairOptions& options,
                                    int& refused) {
     int blocked = 0;
@@ -100,8 +100,8 @@ std::vector<OpenLoop> wanted_loops(const TriMesh& mesh, const Adjacency& adjacen
 
 constexpr double back_to_back = -1 + 1e-8;  ///< cosine between normals: folded by 179.99 degrees
 
-/// Loops, by number, whose fill passes through the surface or another fill, or lies back to back with what is beside
-/// it: the loop around a flat sheet is no hole.
+/// Loops, by number, whose fill passes through the surface or another fill, or lies back to back with its neighbours:
+/// the loop around a flat sheet is no hole.
 std::vector<char> passing_through(const TriMesh& mesh, const std::vector<int>& begin) {
     std::vector<char> is_bad(begin.size());
     const auto note = [&](int t) {
@@ -115,7 +115,7 @@ std::vector<char> passing_through(const TriMesh& mesh, const std::vector<int>& b
         if (adjacent.is_regular(e) && pair[0] < begin[0] && normal.row(pair[0]).dot(normal.row(pair[1])) < back_to_back)
             note(pair[1]);
     }
-    // Those alone at first: they may pass through fills that are good.
+    // Only against the surface first: bad fills may pass through good ones.
     if (std::find(is_bad.begin(), is_bad.end(), 1) != is_bad.end()) return is_bad;
     for (const auto& pair : self_intersections(mesh))
         for (const int t : pair) note(t);
@@ -131,7 +131,7 @@ bool is_costly(const Adjacency& adjacent) {
 }  // namespace
 
 int fill_holes(Surface& surface, const RepairOptions& options) {
-    const Surface rest = surface;  // fills do not look at each other
+    const Surface rest = surface;  // fills are computed independently
     const Adjacency adjacent = adjacency(rest.mesh);
     int refused = 0;
     std::vector<OpenLoop> loops = wanted_loops(rest.mesh, adjacent, options, refused);

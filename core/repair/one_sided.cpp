@@ -23,7 +23,7 @@ Joined::Joined(const Adjacency& before) {
 }
 
 std::vector<int> Joined::one_sided(const Adjacency& after, const std::vector<int>& parent) const {
-    // 2 t: triangle t as it is; 2 t + 1: turned. What is in one class goes together.
+    // 2 t: triangle t as is; 2 t + 1: reversed. Members of a class are consistent.
     DisjointSets sets(2 * static_cast<int>(parent.size()));
     std::vector<int> found;
     for (const bool looks_at_new : {false, true})

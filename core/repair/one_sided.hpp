@@ -3,14 +3,14 @@
 
 namespace strake::mending {
 
-/// What hangs together over edges of two triangles before something is joined.
+/// Connectivity over edges of two triangles, before joining.
 class Joined {
 public:
     explicit Joined(const Adjacency& before);
 
-    /// Edges of `after` that are new between their triangles and that make a surface one-sided which was not: with the
-    /// neighbours on all older edges agreeing, and on the new ones before it, its two triangles cannot. Ascending.
-    /// @param parent per triangle of `after`: the one of `before` that it is, or is a piece of.
+    /// New edges of `after` that make a surface one-sided: with all older edges and earlier new ones consistent, their
+    /// two triangles cannot agree. Ascending.
+    /// @param parent per triangle of `after`: its triangle of `before`.
     std::vector<int> one_sided(const Adjacency& after, const std::vector<int>& parent) const;
 
 private:

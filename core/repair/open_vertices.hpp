@@ -13,7 +13,7 @@ struct OpenVertices {
 };
 OpenVertices open_vertices(const TriMesh& mesh, const Adjacency& adjacent);
 
-/// Vertices near open edges that are looked at for cracks: seconds.
-constexpr std::size_t most_looked_at_for_cracks = 100'000'000;
+/// Limit of vertices near open edges tested for cracks: seconds of work.
+constexpr std::size_t max_looked_at_for_cracks = 100'000'000;
 
 }  // namespace strake::mending

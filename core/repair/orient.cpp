@@ -10,7 +10,7 @@
 namespace strake::mending {
 namespace {
 
-/// A sheet and what it encloses.
+/// A sheet and the volume that it encloses.
 struct MeasuredSheet : Sheet {
     bool has_volume = false;  ///< closed by itself or by flat lids
     double volume = 0;        ///< of its triangles after those of `turned`
@@ -59,7 +59,7 @@ std::vector<std::array<int, 2>> rim_of(const TriMesh& mesh, const MeasuredSheet&
     return rim;
 }
 
-/// Rim sides that hang together, each group in one plane?
+/// Whether each connected group of rim sides is planar.
 bool has_flat_lids(const TriMesh& mesh, const std::vector<std::array<int, 2>>& rim, double tolerance, double& lids) {
     std::vector<int> vertices;
     for (const auto& side : rim) vertices.insert(vertices.end(), side.begin(), side.end());
@@ -151,7 +151,7 @@ public:
     bool holds(const MeasuredSheet& inner) {
         for (const MeasuredSheet* outer : closed_) {
             if (!(size(*outer) > size(inner))) return false;
-            if (looked_at_ > most_looked_at) return true;  // thousands of parts: leave it in the sense it has
+            if (looked_at_ > max_looked_at) return true;  // thousands of parts: keep its orientation
             ++looked_at_;
             if (is_inside(inner, *outer)) return true;
         }
@@ -159,7 +159,7 @@ public:
     }
 
 private:
-    static constexpr std::size_t most_looked_at = 300'000'000;  ///< triangles: seconds
+    static constexpr std::size_t max_looked_at = 300'000'000;  ///< triangles: seconds
 
     static double size(const MeasuredSheet& sheet) { return (sheet.box.max - sheet.box.min).norm(); }
     bool is_inside(const MeasuredSheet& inner, const MeasuredSheet& outer) {
@@ -179,7 +179,7 @@ private:
     std::size_t looked_at_ = 0;
 };
 
-/// Area of the triangles that must be turned less that of the others.
+/// Area of the triangles to reverse minus that of the others.
 double turned_majority(const TriMesh& mesh, const MeasuredSheet& sheet) {
     double sum = 0;
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i)
@@ -187,7 +187,7 @@ double turned_majority(const TriMesh& mesh, const MeasuredSheet& sheet) {
     return sum;
 }
 
-/// Turns what is to be turned; the first corner stays the first.
+/// Reverses the triangles; the first corner stays first.
 void turn(Surface& surface, const MeasuredSheet& sheet, bool all_turned, const std::string& why) {
     RepairItem item{RepairKind::orient, -1, -1, Eigen::Vector3d::Zero(), 0, 0, ""};
     for (std::size_t i = 0; i < sheet.triangles.size(); ++i) {

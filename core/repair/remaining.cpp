@@ -1,5 +1,6 @@
 #include "core/error.hpp"
-#include "core/mesh/formats.hpp"
+#include "core/formats/formats.hpp"
+#include "core/repair/repair.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
@@ -30,11 +31,10 @@ void loops_that_remain(const Checkup& after, const RepairOptions& options, int r
         list.push_back(
             text(larger, " open loop(s): ",
                  options.holes ? text("larger than the limit; --holes ", 1.001 * largest, " would close the largest")
-                               : text("not asked for; --holes SIZE closes them, the largest is ", largest, " across")));
+                               : text("not requested; --holes SIZE closes them, the largest is ", largest, " across")));
     if (refused_fills > 0)
-        list.push_back(
-            text(refused_fills,
-                 " open loop(s): what would close them passes through the surface or lies back to back with it"));
+        list.push_back(text(refused_fills,
+                            " open loop(s): their fill would pass through the surface or lie back to back with it"));
     if (other > refused_fills)
         list.push_back(text(other - refused_fills,
                             " open loop(s): orientation faults or edges of more than two triangles beside them ",
@@ -55,7 +55,8 @@ std::vector<std::string> what_remains(const Checkup& after, const RepairOptions&
     const TopologyFacts& f = after.facts;
     const auto add = [&](std::size_t count, const char* what, bool asked, const char* option, const std::string& why) {
         if (count > 0)
-            list.push_back(text(count, " ", what, ": ", asked ? why : text("not asked for; ", option, " may mend it")));
+            list.push_back(
+                text(count, " ", what, ": ", asked ? why : text("not requested; ", option, " may repair it")));
     };
     loops_that_remain(after, o, refused_fills, list);
     add(after.crack_vertices.size(), "vertices at cracks", o.cracks.has_value(), "--cracks",
@@ -63,7 +64,7 @@ std::vector<std::string> what_remains(const Checkup& after, const RepairOptions&
              o.split ? "--split parted them, " : "", "or joined they would leave no orientation"));
     if (!f.orientable)
         list.push_back(
-            text("not orientable, like a Moebius strip: no way to turn the triangles makes all neighbours "
+            text("not orientable, like a Moebius strip: no orientation of the triangles makes all neighbours "
                  "agree (",
                  f.misoriented_edges.size(), " edges); cut it open or mend it by hand"));
     else if (!f.misoriented_edges.empty())
@@ -71,13 +72,13 @@ std::vector<std::string> what_remains(const Checkup& after, const RepairOptions&
             place(after, f.misoriented_edges));
     if (!f.nonmanifold_edges.empty())
         add(f.nonmanifold_edges.size(), "edges of more than two triangles", o.split, "--split",
-            text("what meets there is connected at both ends, too; ", place(after, f.nonmanifold_edges),
+            text("the parts that meet there are also connected at both ends; ", place(after, f.nonmanifold_edges),
                  "; shell: {nonmanifold: couple} deforms it as it is"));
     add(f.nonmanifold_vertices.size(), "non-manifold vertices", o.split, "--split",
         "their edges have more than two triangles");
     add(f.duplicate_triangles.size(), "duplicate triangles", o.duplicates, "--duplicates", "made by another repair");
-    add(f.degenerate_triangles.size(), "triangles of no area", o.degenerate, "--degenerate",
-        text("taking them away would join parts that are separate, first triangle ",
+    add(f.degenerate_triangles.size(), "triangles of zero area", o.degenerate, "--degenerate",
+        text("removing them would join separate parts, first triangle ",
              f.degenerate_triangles.empty() ? 0 : f.degenerate_triangles[0], "; strake remesh may"));
     add(after.inverted_triangles.size(), "triangles folded over", true, "",
         "no repair unfolds them; strake remesh may");

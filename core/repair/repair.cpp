@@ -55,7 +55,7 @@ std::vector<char> used_vertices(const TriMesh& mesh) {
     return is_used;
 }
 
-/// Vertices that lost their last triangle go; those that had none before only if asked for.
+/// Removes vertices that lost their last triangle; those unused before only on request.
 void leave_out_vertices(Surface& surface, const std::vector<char>& had_triangles, bool isolated) {
     TriMesh& mesh = surface.mesh;
     const std::vector<char> is_used = used_vertices(mesh);
@@ -74,7 +74,7 @@ void leave_out_vertices(Surface& surface, const std::vector<char>& had_triangles
     for (int i = 0; i < mesh.triangles.size(); ++i) mesh.triangles.data()[i] = number[mesh.triangles.data()[i]];
 }
 
-/// Everything that takes no part away and closes nothing larger than a crack.
+/// The repairs that remove no part and close nothing larger than a crack.
 void connect(Surface& surface, const RepairOptions& options) {
     if (options.weld) weld(surface, *options.weld);
     if (options.duplicates) remove_duplicates(surface);
@@ -130,12 +130,12 @@ RepairResult repair(const TriMesh& mesh, const RepairOptions& options) {
                              {}};
     std::iota(surface.source.begin(), surface.source.end(), 0);
     const std::vector<char> had_triangles = mending::used_vertices(mesh);
-    for (int round = 0; round < 5; ++round) {  // one repair may leave work to an earlier one
+    for (int round = 0; round < 5; ++round) {  // one repair may create work for an earlier one
         const std::size_t before = surface.items.size();
         mending::connect(surface, options);
         if (surface.items.size() == before) break;
     }
-    if (options.holes) mending::fill_holes(surface, options);  // loops that touch are holes of their own
+    if (options.holes) mending::fill_holes(surface, options);  // touching loops are separate holes
     if (options.split) mending::split_nonmanifold(surface);
     if (options.split && options.orient) mending::orient(surface);  // parts that are apart now
     mending::drop_components(surface, options);

@@ -11,7 +11,7 @@
 namespace strake::mending {
 namespace {
 
-constexpr std::size_t most_points = 200'000;
+constexpr std::size_t max_points = 200'000;
 
 class SmoothPatch {
 public:
@@ -63,7 +63,7 @@ private:
     bool refine() {
         bool any = false;
         const std::size_t before = patch_.triangles.size();
-        for (std::size_t t = 0; t < before && patch_.points.size() < most_points; ++t) {
+        for (std::size_t t = 0; t < before && patch_.points.size() < max_points; ++t) {
             const auto [a, b, c] = patch_.triangles[t];
             const Eigen::Vector3d center = (at(a) + at(b) + at(c)) / 3;
             const double wanted = (density_[a] + density_[b] + density_[c]) / 3;
@@ -91,7 +91,7 @@ private:
             const int a = t[k], b = t[(k + 1) % 3], c = t[(k + 2) % 3];
             const Eigen::Vector3d u = at(a) - at(c), w = at(b) - at(c);
             const double sine = u.cross(w).norm();
-            // Obtuse corners and slivers would make the plate pull the wrong way.
+            // Obtuse corners and slivers would have weights of the wrong sign.
             const double half_cot = sine > 0 ? std::clamp(0.5 * u.dot(w) / sine, 0.02, 20.0) : 0.02;
             weight[a][b] += half_cot;
             weight[b][a] += half_cot;
@@ -99,8 +99,8 @@ private:
         }
     }
 
-    /// Least integral of the squared Laplacian over new vertices and the loop: a thin plate that goes on in the
-    /// surroundings' tangent planes.
+    /// Least integral of the squared Laplacian over new vertices and the loop: a thin plate that continues the tangent
+    /// planes of its surroundings.
     void fair() {
         std::map<int, std::map<int, double>> weight;
         std::map<int, double> area;
@@ -144,7 +144,7 @@ private:
     const Adjacency& adjacent_;
     const std::vector<int>& loop_;
     int first_new_;
-    std::map<int, double> density_;  ///< mean edge length wanted around a vertex
+    std::map<int, double> density_;  ///< target mean edge length around a vertex
     IsTaken is_taken_;
     Patch patch_;
 };

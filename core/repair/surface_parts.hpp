@@ -1,9 +1,10 @@
 #pragma once
-#include "core/repair/repair.hpp"
+#include "core/repair/checkup.hpp"
+#include "core/repair/repair_options.hpp"
 
 #include <functional>
 
-/// The surface while it is being mended, and the single repairs. Internal to repair.cpp.
+/// The surface under repair, and the individual repairs. Internal to repair.cpp.
 namespace strake::mending {
 
 /// Vertices keep their numbers until the end; new ones are appended.
@@ -35,30 +36,30 @@ void close_cracks(Surface& surface, double tolerance);
 void orient(Surface& surface);
 void split_nonmanifold(Surface& surface);
 void drop_components(Surface& surface, const RepairOptions& options);
-/// Returns the number of loops left open because what fills them would pass through the surface.
+/// Returns the number of loops left open because their fill would pass through the surface.
 int fill_holes(Surface& surface, const RepairOptions& options);
 
-/// Open loops as the triangles run along them, each simple (loops that touch are cut apart where the fans allow).
-/// Empty where orientation faults or non-manifold edges leave no way: `blocked` counts those.
+/// Open loops in the sense of their triangles, each simple (touching loops are separated where the fans allow).
+/// `blocked` counts loops that orientation faults or non-manifold edges make untraversable.
 struct OpenLoop {
     std::vector<int> vertices;   ///< in the sense of the open edges' triangles
     std::vector<int> triangles;  ///< at the edge from vertex i to i + 1
 };
 std::vector<OpenLoop> open_loops(const TriMesh& mesh, const Adjacency& adjacent, int& blocked);
 
-/// Whether an edge from vertex a to b is there already: a fill must not use it.
+/// Whether an edge from vertex a to b exists: a fill must not use it.
 using IsTaken = std::function<bool(int a, int b)>;
 
-/// Triangles that close a polygon of n >= 3 points and run against it: with its flat plane's diagonals where it is flat
-/// (to `flat`), else of least bending, `normals` being those of the faces along its sides, then of least area. Empty
-/// where every way needs an edge that is taken.
+/// Triangles that close a polygon of n >= 3 points, in the opposite sense: planar if it is flat (to `flat`), else of
+/// least bending against `normals`, the faces along its sides, then of least area. Empty when every triangulation needs
+/// an existing edge.
 std::vector<std::array<int, 3>> fill_polygon(const Points& polygon, const Points& normals, double flat,
                                              const IsTaken& is_taken);
-/// Flips inner edges until no two triangles can be better (Delaunay on the surface) without a bend of their normals.
+/// Flips inner edges until the triangulation is Delaunay on the surface, without bending normals.
 void flip_to_delaunay(const std::function<Eigen::Vector3d(int)>& at, std::vector<std::array<int, 3>>& triangles,
                       const IsTaken& is_taken);
 
-/// A fill refined to the density of its surroundings and made smooth.
+/// A smooth fill, refined to the density of its surroundings.
 struct Patch {
     std::vector<Eigen::Vector3d> points;        ///< new vertices
     std::vector<std::array<int, 3>> triangles;  ///< vertex numbers of the mesh, then of the new points

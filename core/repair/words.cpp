@@ -1,10 +1,12 @@
 #include "core/error.hpp"
-#include "core/repair/checkup.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/repair/repair.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
+#include <functional>
 
-/// What was found, in words for people.
+/// Defects in plain text.
 namespace strake {
 namespace {
 
@@ -32,7 +34,7 @@ std::string first_pairs(const TriMesh& mesh, const std::vector<std::array<int, 2
     });
 }
 
-/// Both in one plane, to round-off: they lie on one another and do not pass through each other.
+/// Whether both lie in one plane, to round-off: they overlap instead of crossing.
 bool are_in_one_plane(const TriMesh& mesh, const std::array<int, 2>& pair, double diagonal) {
     constexpr double flat = 1e-9;  // of the diagonal
     const auto corner = [&](int t, int k) -> Eigen::RowVector3d { return mesh.vertices.row(mesh.triangles(t, k)); };
@@ -44,7 +46,7 @@ bool are_in_one_plane(const TriMesh& mesh, const std::array<int, 2>& pair, doubl
     return true;
 }
 
-/// Those that pass through each other, and those that lie on one another.
+/// Crossing pairs and overlapping pairs.
 std::array<std::vector<std::array<int, 2>>, 2> by_kind(const TriMesh& mesh, const Checkup& c) {
     std::array<std::vector<std::array<int, 2>>, 2> kinds;
     if (c.pairs)
@@ -58,7 +60,7 @@ std::string first_loops(const Checkup& c) {
         std::string words = text(loop.vertices.size(), " vertices from ", loop.vertices.front(), ", length ",
                                  loop.length, loop.is_planar ? ", flat" : "");
         if (loop.symmetry_axis >= 0)
-            words += text(", in the plane ", "xyz"[loop.symmetry_axis], " = ", loop.symmetry_at, ": a symmetry plane?");
+            words += text(", in the plane ", "xyz"[loop.symmetry_axis], " = ", loop.symmetry_at);
         return words;
     });
 }
@@ -110,44 +112,165 @@ std::vector<std::string> defects_in_words(const TriMesh& mesh, const Checkup& c)
             "pair(s) of neighbouring triangles are folded onto each other or cross, triangles",
             first_pairs(mesh, c.pairs->adjacent));
     } else {
-        list.push_back(
-            text("self-intersections were not looked for: a vertex has ", c.quality.max_valence, " triangles"));
+        list.push_back(text("self-intersections were not checked: a vertex has ", c.quality.max_valence, " triangles"));
     }
     return list;
 }
 
-std::vector<std::string> advice(const TriMesh& mesh, const Checkup& c) {
+namespace {
+
+using Counts = std::vector<std::pair<const char*, std::size_t>>;
+
+/// Defects by kind, always in this order.
+Counts counts_of(const Checkup& c) {
     const TopologyFacts& f = c.facts;
-    std::string options;
-    int kinds = 0;
-    const auto add = [&](bool helps, const std::string& option) {
-        if (!helps) return;
-        options += " " + option;
-        ++kinds;
+    const auto cuts = std::count_if(c.loops.begin(), c.loops.end(), [](const auto& l) { return l.symmetry_axis >= 0; });
+    return {{"open boundary loops", c.loops.size() - static_cast<std::size_t>(cuts)},
+            {"crack vertices", c.crack_vertices.size()},
+            {"non-manifold edges", f.nonmanifold_edges.size()},
+            {"non-manifold vertices", f.nonmanifold_vertices.size()},
+            {"edges that disagree in orientation", f.misoriented_edges.size()},
+            {"components oriented inward", static_cast<std::size_t>(c.inward_components)},
+            {"duplicate triangles", f.duplicate_triangles.size()},
+            {"degenerate triangles", f.degenerate_triangles.size()},
+            {"inverted triangles", c.inverted_triangles.size()},
+            {"isolated vertices", f.isolated_vertices.size()},
+            {"duplicate vertices", f.duplicate_vertices.size()},
+            {"pairs of triangles that intersect", c.pairs ? c.pairs->apart.size() : 0},
+            {"pairs of neighbours that are folded", c.pairs ? c.pairs->adjacent.size() : 0},
+            {"surfaces of one side", f.orientable ? 0u : 1u}};
+}
+
+/// Repairs as options of the command, tried on copies of the surface.
+class Trials {
+public:
+    Trials(const TriMesh& mesh, const Checkup& before) : mesh_(mesh), before_(counts_of(before)), after_(before_) {}
+
+    void add(bool helps, const std::string& option, std::function<void(RepairOptions&)> set) {
+        if (helps) candidates_.push_back({option, std::move(set)});
+    }
+
+    /// All of them where they make nothing worse together; else each that, with those before it, makes nothing worse
+    /// and something better. @return the command with what it leaves; empty: none helps
+    std::string proposal() {
+        if (candidates_.empty()) return "";
+        if (!take(candidates_)) take_some();
+        if (words_.empty()) return "";
+        std::string left;
+        for (std::size_t i = 0; i < after_.size(); ++i)
+            if (after_[i].second < before_[i].second)
+                left +=
+                    text(left.empty() ? "" : ", ", after_[i].second, " of ", before_[i].second, " ", after_[i].first);
+        return text("strake repair SURFACE --out FILE", words_, " leaves ", left, " (tried on a copy)");
+    }
+
+private:
+    struct Candidate {
+        std::string option;
+        std::function<void(RepairOptions&)> set;
     };
-    add(!f.duplicate_vertices.empty(), "--weld 0");
-    add(!f.duplicate_triangles.empty(), "--duplicates");
-    add(!f.degenerate_triangles.empty(), "--degenerate");
-    add(!c.crack_vertices.empty(), "--cracks 1e-3%");
-    add((!f.misoriented_edges.empty() && f.orientable) || c.inward_components > 0, "--orient");
-    add(!f.nonmanifold_edges.empty() || !f.nonmanifold_vertices.empty(), "--split");
-    if (has_holes(c) && c.diagonal > 0 && f.orientable) {  // what closes a surface of one side passes through it
+
+    void take_some() {
+        constexpr int large = 100'000;  // triangles from which each trial takes seconds
+        std::vector<Candidate> kept;
+        for (const Candidate& one : candidates_) {
+            kept.push_back(one);
+            if (mesh_.num_triangles() < large && !take(kept)) kept.pop_back();
+        }
+        // There the last ones, which close and separate, are left out one after the other.
+        for (int trial = 0; mesh_.num_triangles() >= large && trial < 3 && kept.size() > 1; ++trial) {
+            kept.pop_back();
+            if (take(kept)) return;
+        }
+    }
+
+    bool take(const std::vector<Candidate>& chosen) {
+        RepairOptions options;
+        std::string words;
+        for (const Candidate& one : chosen) one.set(options), words += " " + one.option;
+        try {
+            const Counts counts = counts_of(repair(mesh_, options).after);
+            bool helps = false;
+            for (std::size_t i = 0; i < counts.size(); ++i) {
+                if (counts[i].second > before_[i].second) return false;
+                helps |= counts[i].second < after_[i].second;
+            }
+            if (!helps) return false;
+            after_ = counts;
+            words_ = words;
+            return true;
+        } catch (const InvalidInput&) {  // nothing would be left
+            return false;
+        }
+    }
+
+    const TriMesh& mesh_;
+    Counts before_, after_;
+    std::string words_;
+    std::vector<Candidate> candidates_;
+};
+
+std::string repair_advice(const TriMesh& mesh, const Checkup& c) {
+    const TopologyFacts& f = c.facts;
+    Trials trials(mesh, c);
+    trials.add(!f.duplicate_vertices.empty(), "--weld 0", [](RepairOptions& o) { o.weld = 0; });
+    trials.add(!f.duplicate_triangles.empty(), "--duplicates", [](RepairOptions& o) { o.duplicates = true; });
+    trials.add(!f.degenerate_triangles.empty(), "--degenerate", [](RepairOptions& o) { o.degenerate = true; });
+    if (c.diagonal > 0)
+        trials.add(!c.crack_vertices.empty(), "--cracks 1e-3%",
+                   [&](RepairOptions& o) { o.cracks = 1e-5 * c.diagonal; });
+    trials.add((!f.misoriented_edges.empty() && f.orientable) || c.inward_components > 0, "--orient",
+               [](RepairOptions& o) { o.orient = true; });
+    trials.add(!f.nonmanifold_edges.empty() || !f.nonmanifold_vertices.empty(), "--split",
+               [](RepairOptions& o) { o.split = true; });
+    if (has_holes(c) && c.diagonal > 0 && f.orientable) {  // a fill of a one-sided surface would pass through it
         double largest = 0;
         for (const BoundaryLoop& loop : c.loops)
             if (loop.symmetry_axis < 0) largest = std::max(largest, loop.size);
-        add(true, text("--holes ", std::max(1.0, std::ceil(100 * 1.001 * largest / c.diagonal)), "%"));
+        const double percent = std::max(1.0, std::ceil(100 * 1.001 * largest / c.diagonal));
+        trials.add(true, text("--holes ", percent, "%"),
+                   [&c, percent](RepairOptions& o) { o.holes = percent / 100 * c.diagonal; });
     }
-    add(!f.isolated_vertices.empty(), "--isolated");
+    trials.add(!f.isolated_vertices.empty(), "--isolated", [](RepairOptions& o) { o.isolated = true; });
+    return trials.proposal();
+}
+
+/// The loop at which half a body is cut, or null. All such loops lie in one plane, and the surface meets it at a right
+/// angle, as one that is continued by its mirror image does without a crease.
+const BoundaryLoop* cut_of_half(const TriMesh& mesh, const Checkup& c) {
+    const BoundaryLoop* cut = nullptr;
+    for (const BoundaryLoop& loop : c.loops) {
+        if (loop.symmetry_axis < 0) continue;
+        if (cut && (cut->symmetry_axis != loop.symmetry_axis ||
+                    std::abs(cut->symmetry_at - loop.symmetry_at) > 1e-6 * c.diagonal))
+            return nullptr;  // open at two ends
+        cut = &loop;
+    }
+    if (!cut) return nullptr;
+    std::vector<char> is_at(static_cast<std::size_t>(mesh.num_vertices()));
+    for (const int v : cut->vertices) is_at[v] = 1;
+    double along = 0, length = 0;
+    for (int e = 0; e < c.adjacent.num_edges(); ++e) {
+        const auto [a, b] = c.adjacent.edges[e];
+        if (c.adjacent.edge_triangles[e].size() != 1 || !is_at[a] || !is_at[b]) continue;
+        const double side = (mesh.vertices.row(a) - mesh.vertices.row(b)).norm();
+        const Eigen::Vector3d normal = area_vector(mesh, c.adjacent.edge_triangles[e][0]).normalized();
+        along += side * std::abs(normal[cut->symmetry_axis]);
+        length += side;
+    }
+    constexpr double creased = 0.5;  // sine of 30 degrees
+    return along <= creased * length ? cut : nullptr;
+}
+
+}  // namespace
+
+std::vector<std::string> advice(const TriMesh& mesh, const Checkup& c) {
+    const TopologyFacts& f = c.facts;
     std::vector<std::string> list;
-    if (kinds > 0)
-        list.push_back(text("strake repair SURFACE --out FILE", options, " would mend ", kinds,
-                            kinds == 1 ? " kind of defect" : " kinds of defects"));
-    for (const BoundaryLoop& loop : c.loops)
-        if (loop.symmetry_axis >= 0) {
-            list.push_back(text("half a body? then state in the case symmetry: {plane: ", "xyz"[loop.symmetry_axis],
-                                ", at: ", loop.symmetry_at, "}"));
-            break;
-        }
+    if (const std::string words = repair_advice(mesh, c); !words.empty()) list.push_back(words);
+    if (const BoundaryLoop* cut = cut_of_half(mesh, c))
+        list.push_back(text("half a body? Then add to the case symmetry: {plane: ", "xyz"[cut->symmetry_axis],
+                            ", at: ", cut->symmetry_at, "}"));
     if (!f.orientable)
         list.push_back(
             "no repair makes a surface of one side orientable: cut it across, or use it as it is, without volume");

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <limits>
+#include <map>
 
 namespace strake {
 namespace {
@@ -68,6 +69,17 @@ CellSizes cell_sizes(const VolumeMesh& mesh, const Points& points) {
     return out;
 }
 
+void orient_by_majority(VolumeMesh& mesh, const std::vector<int>& kinds) {
+    const CellSizes sizes = cell_sizes(mesh, mesh.points);
+    std::map<int, int> balance;
+    for (std::size_t c = 0; c < kinds.size(); ++c)
+        balance[kinds[c]] += sizes.volume[static_cast<Eigen::Index>(c)] < 0 ? -1 : 1;
+    for (int f = 0; f < mesh.faces.size(); ++f)
+        if (const auto cell = static_cast<std::size_t>(mesh.owner[f]); cell < kinds.size() && balance[kinds[cell]] < 0)
+            std::reverse(mesh.faces.corners.begin() + mesh.faces.first[f],
+                         mesh.faces.corners.begin() + mesh.faces.first[f + 1]);
+}
+
 CellCheck check_cells(const VolumeMesh& mesh, const Points& before, const Points& after) {
     for (const Points* points : {&before, &after})
         if (points->rows() != mesh.num_points())
@@ -77,7 +89,7 @@ CellCheck check_cells(const VolumeMesh& mesh, const Points& before, const Points
     out.cells = mesh.num_cells;
     bool worst_is_bad = false;
     for (int c = 0; c < mesh.num_cells; ++c) {
-        // Not "<= 0": what is not a number counts as inverted.
+        // Not "<= 0": NaN counts as inverted.
         const bool bad_before = !(was.volume[c] > 0 && was.pyramid[c] > 0);
         const bool inverted = !(is.volume[c] > 0), folded = !inverted && !(is.pyramid[c] > 0);
         out.inverted_before += !(was.volume[c] > 0);

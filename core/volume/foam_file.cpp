@@ -1,9 +1,9 @@
 #include "core/volume/foam_file.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/formats.hpp"
-#include "core/mesh/raw_number.hpp"
+#include "core/formats/formats.hpp"
+#include "core/text/file.hpp"
+#include "core/text/raw_number.hpp"
 
 #include <charconv>
 #include <cmath>
@@ -13,7 +13,7 @@ namespace strake::foam {
 namespace {
 
 constexpr std::string_view blanks = " \t\r\n\v\f", marks = "(){};";
-constexpr std::int64_t most_alike = 10'000'000;  // of entries that are all the same and take no room: 6{0}
+constexpr std::int64_t max_alike = 10'000'000;  // of entries that are all the same and take no room: 6{0}
 
 }  // namespace
 
@@ -103,7 +103,7 @@ std::int64_t File::integer(const char* what) {
 int File::count(std::size_t bytes_each) {
     const std::int64_t n = integer("the length of a list");
     skip_blanks();
-    if (n >= 0 && n <= most_alike && bytes_.substr(at_).starts_with('{')) return static_cast<int>(n);
+    if (n >= 0 && n <= max_alike && bytes_.substr(at_).starts_with('{')) return static_cast<int>(n);
     const auto room = static_cast<std::int64_t>((bytes_.size() - at_) / bytes_each);
     if (n < 0 || n > room || n > std::numeric_limits<int>::max() / 3)
         fail(text("a list of ", n, " entries; the rest of the file has room for ", room));

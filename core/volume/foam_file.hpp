@@ -8,7 +8,7 @@
 /// Internal: programs use volume_file.hpp.
 namespace strake::foam {
 
-/// Where a list stands in the file, and how: what is needed to put another one in its place.
+/// Position and format of a list in the file, to replace it.
 struct ListPlace {
     std::size_t begin = 0, end = 0;  ///< the bytes between its parentheses
     bool is_binary = false;
@@ -27,7 +27,7 @@ public:
     /// The next list of lists: offsets (one more than there are) and entries; text only.
     void label_lists(std::vector<int>& first, std::vector<int>& entries);
 
-    /// Words and marks of a dictionary, one after the other; empty at the end.
+    /// Next word or mark of a dictionary; empty at the end.
     std::string_view token();
     [[noreturn]] void fail(const std::string& what) const;  ///< @throws InputError `NAME: byte N: what`
 
@@ -35,7 +35,7 @@ private:
     void read_header();
     void skip_blanks();
     void expect(char mark);
-    bool meets(char mark);  ///< steps over it where it stands next
+    bool meets(char mark);  ///< consumes it if it is next
     std::int64_t integer(const char* what);
     int count(std::size_t bytes_each);
     std::vector<int> binary_labels(int count);
@@ -47,7 +47,7 @@ private:
     int label_bytes_ = 4, scalar_bytes_ = 8;
 };
 
-/// The points in place of those that are there; all other bytes stay. @param points P x 3, row by row.
+/// Replaces the points; all other bytes stay. @param points P x 3, row by row.
 std::string with_vectors(std::string_view bytes, const ListPlace& place, const double* points, int count);
 
 }  // namespace strake::foam

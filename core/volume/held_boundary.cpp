@@ -2,7 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/closest_point.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 
 namespace strake {
 namespace {

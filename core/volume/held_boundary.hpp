@@ -3,11 +3,11 @@
 
 namespace strake {
 
-/// Per point a factor for its displacement that lets parts of the boundary stay where they are: 0 on them, 1 on the
-/// surface that moves, smoothstep(d / (d + s)) between, d the distance from the parts and s that from the surface. A
-/// point on both goes with the surface.
+/// Per point: a factor for its displacement that keeps parts of the boundary in place. 0 on these parts, 1 on the
+/// moving surface, smoothstep(d / (d + s)) between, d the distance from the parts and s from the surface. A point on
+/// both moves with the surface.
 /// @param distances of the points from the surface, P.
-/// @throws InvalidInput for a name that the mesh has not, with the names that it has.
+/// @throws InvalidInput for an unknown name, listing the known ones.
 Eigen::VectorXd hold_factors(const VolumeMesh& mesh, const std::vector<std::string>& names,
                              const Eigen::VectorXd& distances);
 

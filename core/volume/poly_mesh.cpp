@@ -1,6 +1,6 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/formats.hpp"
+#include "core/formats/formats.hpp"
+#include "core/text/file.hpp"
 #include "core/volume/volume_file.hpp"
 
 #include <algorithm>

@@ -1,11 +1,12 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/text_scanner.hpp"
+#include "core/text/file.hpp"
+#include "core/text/text_scanner.hpp"
+#include "core/volume/cell_check.hpp"
 #include "core/volume/volume_file.hpp"
 
 #include <array>
 
-/// SU2's native mesh with its volume elements. The file is scanned, not built anew: only coordinates are replaced.
+/// SU2's native mesh with its volume elements. Scans the file and replaces only the coordinates.
 namespace strake::volume_formats {
 namespace {
 

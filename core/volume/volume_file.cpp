@@ -1,9 +1,9 @@
 #include "core/volume/volume_file.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/formats.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/formats.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
 
 #include <charconv>
 
@@ -33,7 +33,7 @@ std::string su2_with_points(const VolumeFile& file, const Points& points) {
     for (std::size_t i = 0; i < file.places.size(); ++i) {
         const auto& [begin, end] = file.places[i];
         const auto row = static_cast<Eigen::Index>(i);
-        if (points.row(row) == file.mesh.points.row(row)) continue;  // its very text stays
+        if (points.row(row) == file.mesh.points.row(row)) continue;  // the text stays verbatim
         out.append(file.bytes, done, begin - done);
         formats::append_row(out, "", points.data() + 3 * row);
         out.pop_back();
@@ -42,7 +42,7 @@ std::string su2_with_points(const VolumeFile& file, const Points& points) {
     return out.append(file.bytes, done, file.bytes.npos);
 }
 
-/// The files of the mesh that say nothing about where its points are.
+/// Files of the mesh other than its points.
 void copy_others(const fs::path& from, const fs::path& to) {
     for (const auto& entry : fs::directory_iterator(from)) {
         std::error_code error;

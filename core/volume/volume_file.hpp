@@ -4,7 +4,7 @@
 
 #include <filesystem>
 
-/// Files of volume meshes: their points are read and replaced, everything else stays as it is, byte for byte.
+/// Files of volume meshes: reads and replaces their points; everything else stays, byte for byte.
 namespace strake {
 
 enum class VolumeFormat {
@@ -13,10 +13,10 @@ enum class VolumeFormat {
     vtu         ///< VTK's XML file of an unstructured grid
 };
 
-/// Where the points stand in a VTU file, and how.
+/// Position and format of the points in a VTU file.
 struct VtuPlace {
     std::size_t begin = 0, end = 0;  ///< the element <DataArray>
-    std::size_t raw = 0;             ///< the first number, where numbers can be replaced in place; 0: they cannot
+    std::size_t raw = 0;             ///< offset of the first number, if replaceable in place; else 0
     std::string offset;
     bool is_text = false, is_swapped = false, is_compressed = false;
     std::size_t header_bytes = 4;
@@ -34,7 +34,7 @@ struct VolumeFile {
     VtuPlace array;                                           ///< VTU
 };
 
-/// Does the name, and of .su2 the content, say that this is the mesh of a volume?
+/// Whether the name (for .su2 also the content) is that of a volume mesh.
 bool is_volume(const std::filesystem::path& path);
 
 /// A polyMesh folder (or the folder of a case with constant/polyMesh in it), its file `points`, also packed by gzip;
@@ -42,15 +42,15 @@ bool is_volume(const std::filesystem::path& path);
 /// @throws InputError `FILE: byte N: what` or `FILE:LINE: what`.
 VolumeFile read_volume(const std::filesystem::path& path);
 
-/// The same file with other points (P x 3). Those in single precision are written in double, but for OpenFOAM's
-/// files, whose header says how many bytes a number has.
+/// The same file with other points (P x 3). Single precision becomes double, except in OpenFOAM's files, whose header
+/// fixes the precision.
 std::string with_points(const VolumeFile& file, const Points& points);
 
 /// Writes that. OpenFOAM: a folder gets `points` and copies of the other files of the mesh; a path that ends in
-/// `points` only that file. @throws InvalidInput where kind or extension are others than the input's, or the file that
-/// was read would be overwritten; OutputError.
+/// `points` only that file. @throws InvalidInput when kind or extension differ from the input's, or the input would be
+/// overwritten; OutputError.
 void write_volume(const std::filesystem::path& out, const VolumeFile& file, const Points& points);
-/// Throws what `write_volume` would throw about the name alone.
+/// Checks the name alone; throws like `write_volume`.
 void check_volume_output(const std::filesystem::path& out, const std::filesystem::path& in);
 
 namespace volume_formats {
@@ -59,7 +59,7 @@ VolumeFile read_poly_mesh(const std::filesystem::path& path);
 VolumeFile read_su2(std::string bytes, const std::string& name);
 VolumeFile read_vtu(std::string bytes, const std::string& name);
 std::string vtu_with_points(const VolumeFile& file, const Points& points);
-/// @throws InputError when a face or cell names a point that there is none of.
+/// @throws InputError when a face or cell names a missing point.
 void check_corners(const VolumeMesh& mesh, const std::string& name);
 }  // namespace volume_formats
 

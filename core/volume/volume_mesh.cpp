@@ -1,7 +1,5 @@
 #include "core/volume/volume_mesh.hpp"
 
-#include "core/volume/cell_check.hpp"
-
 #include <algorithm>
 #include <array>
 #include <map>
@@ -48,8 +46,6 @@ bool is_flat(int kind) {
     return std::find(flat.begin(), flat.end(), kind) != flat.end();
 }
 
-void turn(std::vector<int>::iterator begin, std::vector<int>::iterator end) { std::reverse(begin, end); }
-
 }  // namespace
 
 void Polygons::add(std::span<const int> polygon) {
@@ -78,17 +74,6 @@ void add_cell(VolumeMesh& mesh, int kind, std::span<const int> corners, std::vec
     }
     ++mesh.num_cells;
     kinds.push_back(kind);
-}
-
-void orient_by_majority(VolumeMesh& mesh, const std::vector<int>& kinds) {
-    const CellSizes sizes = cell_sizes(mesh, mesh.points);
-    std::map<int, int> balance;
-    for (std::size_t c = 0; c < kinds.size(); ++c)
-        balance[kinds[c]] += sizes.volume[static_cast<Eigen::Index>(c)] < 0 ? -1 : 1;
-    for (int f = 0; f < mesh.faces.size(); ++f)
-        if (const auto cell = static_cast<std::size_t>(mesh.owner[f]); cell < kinds.size() && balance[kinds[cell]] < 0)
-            turn(mesh.faces.corners.begin() + mesh.faces.first[f],
-                 mesh.faces.corners.begin() + mesh.faces.first[f + 1]);
 }
 
 TriMesh triangulated(const Points& points, const Polygons& polygons) {

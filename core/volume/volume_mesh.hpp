@@ -3,7 +3,7 @@
 
 #include <span>
 
-/// The mesh of a volume, as far as it takes to see whether its cells survive when its points move.
+/// A volume mesh, with the data to check its cells after its points have moved.
 namespace strake {
 
 /// Polygons one after the other: polygon f has the points corners[first[f]] .. corners[first[f + 1] - 1].
@@ -26,23 +26,19 @@ struct VolumeMesh {
     Points points;               ///< P x 3
     Polygons faces;              ///< of cells; the normal points out of the owner
     std::vector<int> owner;      ///< per face: its cell
-    std::vector<int> neighbour;  ///< per face: the cell behind it; -1: none, or that cell has a copy of its own
+    std::vector<int> neighbour;  ///< per face: the cell on the other side; -1: none, or that cell has its own copy
     int num_cells = 0;           ///< with a volume
-    int num_unchecked = 0;       ///< of kinds whose faces are not known
+    int num_unchecked = 0;       ///< of unknown kinds
     std::vector<BoundaryPart> boundary;
     int num_points() const { return static_cast<int>(points.rows()); }
 };
 
 /// Adds a cell of one of VTK's kinds: tetrahedron 10, voxel 11, hexahedron 12, wedge 13, pyramid 14, prisms 15 and 16,
-/// and those with nodes within edges and faces, which are taken by their corners: 24, 25, 26, 27, 29, 32, 33, 37.
-/// Points, lines and polygons have no volume and are left out; other kinds are counted as unchecked.
+/// and their higher-order versions, taken by their corners: 24, 25, 26, 27, 29, 32, 33, 37.
+/// Skips points, lines and polygons; counts other kinds as unchecked.
 void add_cell(VolumeMesh& mesh, int kind, std::span<const int> corners, std::vector<int>& kinds);
 /// How many corners a cell of this kind has; 0: not known.
 int num_corners(int kind);
-
-/// Programs disagree on which way round some kinds are numbered: where most cells of a kind have negative volume, all
-/// of that kind are turned. @param kinds per cell, as `add_cell` made it.
-void orient_by_majority(VolumeMesh& mesh, const std::vector<int>& kinds);
 
 /// Triangles of a boundary's polygons, by fans, on all points of the mesh.
 TriMesh triangulated(const Points& points, const Polygons& polygons);

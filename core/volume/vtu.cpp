@@ -1,6 +1,8 @@
 #include "core/error.hpp"
-#include "core/mesh/formats.hpp"
-#include "core/mesh/vtk_document.hpp"
+#include "core/formats/formats.hpp"
+#include "core/formats/vtk_document.hpp"
+#include "core/text/base64.hpp"
+#include "core/volume/cell_check.hpp"
 #include "core/volume/volume_file.hpp"
 
 #include <zlib.h>
@@ -34,8 +36,8 @@ std::vector<int> whole_numbers(const Document& document, const char* name, const
     return out;
 }
 
-/// [number of faces, (number of points, points...)...] up to `end`; faces are turned to look away from the mean of the
-/// cell's points, since not every program does.
+/// [number of faces, (number of points, points...)...] up to `end`; orients faces away from the mean of the cell's
+/// points, since not every program does.
 void add_polyhedron(VolumeMesh& mesh, const std::vector<int>& faces, std::size_t begin, std::size_t end,
                     const XmlScanner& in) {
     const auto next = [&]() -> int {
@@ -109,17 +111,6 @@ void read_cells(VolumeMesh& mesh, const Document& document, const XmlScanner& in
     }
 }
 
-void append_base64(std::string& out, std::string_view bytes) {
-    constexpr char digits[] = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
-    for (std::size_t at = 0; at < bytes.size(); at += 3) {
-        std::uint32_t group = 0;
-        const std::size_t n = std::min<std::size_t>(3, bytes.size() - at);
-        for (std::size_t k = 0; k < 3; ++k)
-            group = (group << 8) | (k < n ? static_cast<unsigned char>(bytes[at + k]) : 0U);
-        for (std::size_t k = 0; k < 4; ++k) out += k <= n ? digits[(group >> (18 - 6 * k)) & 63] : '=';
-    }
-}
-
 template <class Number>
 void append_raw(std::string& out, Number value, bool swap) {
     char raw[sizeof value];
@@ -135,9 +126,9 @@ std::string raw_numbers(const Points& points, bool swap) {
     return out;
 }
 
-/// Lengths as the file has them, then the numbers; a file with a compressor expects one block of zlib.
+/// Lengths in the file's format, then the numbers; a file with a compressor expects one block of zlib.
 std::string encoded(const VtuPlace& place, const Points& points) {
-    std::string data = raw_numbers(points, place.is_swapped), head, out;
+    std::string data = raw_numbers(points, place.is_swapped), head;
     const auto length = [&](std::uint64_t value) {
         if (place.header_bytes == 8) return append_raw(head, value, place.is_swapped);
         if (value > std::numeric_limits<std::uint32_t>::max())
@@ -146,8 +137,7 @@ std::string encoded(const VtuPlace& place, const Points& points) {
     };
     if (!place.is_compressed) {
         length(data.size());
-        append_base64(out, head + data);
-        return out;
+        return base64(head + data);
     }
     uLongf packed = compressBound(data.size());
     std::string block(packed, '\0');
@@ -158,9 +148,7 @@ std::string encoded(const VtuPlace& place, const Points& points) {
     length(data.size());
     length(0);
     length(packed);
-    append_base64(out, head);
-    append_base64(out, std::string_view(block).substr(0, packed));
-    return out;
+    return base64(head) + base64(std::string_view(block).substr(0, packed));
 }
 
 }  // namespace
@@ -191,7 +179,7 @@ std::string vtu_with_points(const VolumeFile& file, const Points& points) {
     const VtuPlace& place = file.array;
     std::string out = file.bytes;
     std::string element = "<DataArray type=\"Float64\" Name=\"Points\" NumberOfComponents=\"3\" format=\"";
-    if (place.raw > 0) {  // without the ranges that some programs note in the element
+    if (place.raw > 0) {  // without the ranges that some programs store in the element
         const std::string numbers = raw_numbers(points, place.is_swapped);
         out.replace(place.raw, numbers.size(), numbers);
         return out.replace(place.begin, place.end - place.begin,

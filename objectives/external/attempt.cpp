@@ -1,9 +1,9 @@
 #include "objectives/external/attempt.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/gradient.hpp"
 #include "objectives/external/hand_over.hpp"
 #include "objectives/external/handed_over.hpp"
@@ -25,10 +25,10 @@ namespace fs = std::filesystem;
 constexpr std::size_t result_limit = std::size_t{16} << 20;
 constexpr double match_rel = 1e-5;  // of the diagonal, DESIGN section 7
 
-/// Own variables by which the values have to be differentiated.
+/// Parameters that the values depend on.
 std::vector<std::string> wanted_variables(const ExternalCommand& command, const QuantityRequest& request) {
     std::vector<std::string> names;
-    for (const auto& [name, value] : request.own)
+    for (const auto& [name, value] : request.parameters)
         if (!command.depends_on ||
             std::find(command.depends_on->begin(), command.depends_on->end(), name) != command.depends_on->end())
             names.push_back(name);
@@ -44,7 +44,7 @@ Points vertex_normals(const TriMesh& surface) {
     return normals;
 }
 
-/// Whose gradients the program gives: the vertices', or those of its own points.
+/// The places of the program's gradients: the vertices, or its own points.
 GradientPlaces places_of(const ExternalCommand& command, const TriMesh& surface) {
     GradientPlaces places = vertices_of(surface, match_rel * command.diagonal);
     if (!command.points) {
@@ -62,7 +62,7 @@ GradientPlaces places_of(const ExternalCommand& command, const TriMesh& surface)
 }  // namespace
 
 std::vector<std::string> value_keys(const ExternalCommand& command) {
-    return command.gives.empty() ? std::vector<std::string>{"value"} : command.gives;
+    return command.outputs.empty() ? std::vector<std::string>{"value"} : command.outputs;
 }
 
 std::string request_text(const Task& task, const Call& call) {
@@ -71,7 +71,7 @@ std::string request_text(const Task& task, const Call& call) {
     const bool want_gradients = task.wanted != Wanted::values;
     using json = nlohmann::ordered_json;
     json variables = json::object();
-    for (const auto* list : {&request.own, &request.variables})
+    for (const auto* list : {&request.parameters, &request.variables})
         for (const auto& [name, value] : *list) {
             if (!std::isfinite(value)) throw InvalidInput(text(command.name, ": variable ", name, " = ", value));
             variables[name] = value;
@@ -131,7 +131,7 @@ QuantityResult read_results(const Task& task, const Call& call) {
     QuantityResult result;
     const std::string name = call.result.filename().string(), bytes = read_handed_over(call.folder, name, result_limit);
     const std::vector<std::string> by = wanted_variables(command, request);
-    const ProgramResult found = parse_result(bytes, command.gives, want_gradients, by, command.may_lack_derivatives,
+    const ProgramResult found = parse_result(bytes, command.outputs, want_gradients, by, command.may_lack_derivatives,
                                              name, task.wanted != Wanted::gradients);
     GradientPlaces places;
     if (want_gradients) places = places_of(command, request.surface);
@@ -143,9 +143,10 @@ QuantityResult read_results(const Task& task, const Call& call) {
         result.dJ_dv.push_back(command.points ? command.points->map.transpose(gradient) : gradient);
     }
     for (const std::vector<double>& derivatives : found.by_variable) {
-        Eigen::VectorXd& all = result.dJ_down.emplace_back(Eigen::VectorXd::Zero(static_cast<int>(request.own.size())));
-        for (std::size_t j = 0, k = 0; j < request.own.size() && k < by.size(); ++j)
-            if (request.own[j].first == by[k]) all[static_cast<int>(j)] = derivatives[k++];
+        Eigen::VectorXd& all =
+            result.dJ_dp.emplace_back(Eigen::VectorXd::Zero(static_cast<int>(request.parameters.size())));
+        for (std::size_t j = 0, k = 0; j < request.parameters.size() && k < by.size(); ++j)
+            if (request.parameters[j].first == by[k]) all[static_cast<int>(j)] = derivatives[k++];
     }
     result.values = found.values;
     return result;

@@ -1,9 +1,9 @@
 #include "objectives/external/by_hand.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
-#include "core/shell_word.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 #include "objectives/external/attempt.hpp"
 #include "objectives/external/handed_over.hpp"
 #include "objectives/external/log.hpp"
@@ -18,7 +18,7 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t words_limit = 1 << 20;
 
-/// Runs the command as `run` would; a failure becomes the file `failed`.
+/// Runs the command like `strake run`; a failure becomes the file `failed`.
 std::string script_of(const Task& task, const Call& call) {
     const std::string running = call.prefix + "running", failed = call.prefix + "failed";
     return text("#!/bin/sh\n# Runs the ", task.wanted == Wanted::gradients ? "gradient_command" : "command",
@@ -31,14 +31,14 @@ std::string script_of(const Task& task, const Call& call) {
 
 void hand_out(const Task& task, const Call& call) {
     hand_over(task, call);
-    // The same name also for gradients: a loop that runs it needs to know no other.
+    // The same name for gradients: a loop that runs it needs only one name.
     write_atomically(call.folder / "command.sh", script_of(task, call));
     ::chmod((call.folder / "command.sh").c_str(), 0755);
     sign(task, call);
-    write_atomically(call.file("awaited"), "");  // the last: now it is complete
+    write_atomically(call.file("awaited"), "");  // last: marks the place as complete
 }
 
-/// The place of the attempt, counting only those that were handed out for this task: a run may have left others.
+/// The place of the attempt among those prepared for this task: a run may have left others.
 Call handed_out(const Task& task, int number) {
     std::error_code ignored;
     for (int k = 1;; ++k) {

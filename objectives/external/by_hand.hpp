@@ -4,10 +4,10 @@
 /// A program that somebody else runs (`strake step`). Internal.
 namespace strake {
 
-/// Looks for the answer to attempt `number` at the task. Its place is made where there is none yet: with surface,
-/// request, `command.sh`, which runs the command as Strake would, and `awaited`. It is answered once the result, or the
-/// file `failed` with some words, is there, and no file `running` (with the call's prefix before these names).
-/// @throws Awaited while it is not; OutputError.
+/// Returns the answer to attempt `number` of the task. Creates its place if necessary: surface, request, `command.sh`,
+/// which runs the command like Strake, and `awaited`. The answer is complete when the result, or the file `failed` with
+/// a message, exists and `running` does not (with the call's prefix before these names). @throws Awaited while pending;
+/// OutputError.
 QuantityResult attempt_by_hand(const Task& task, int number);
 
 }  // namespace strake

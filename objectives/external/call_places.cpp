@@ -1,13 +1,13 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/attempt.hpp"
 #include "objectives/external/hand_over.hpp"
 #include "objectives/external/refused.hpp"
 
 #include <cstdio>
 
-/// Where attempts take place.
+/// Places of attempts.
 namespace strake {
 namespace {
 
@@ -37,7 +37,7 @@ bool holds(const fs::path& file, const std::string& bytes) {
     }
 }
 
-/// The command has ended there, with values: in whatever way it was run.
+/// Whether the command has ended there with values, however it was run.
 bool has_values(const Task& task, const Call& call) {
     for (const char* name : {"running", "failed", "job.sh.ended"})
         if (is_there(call.file(name))) return false;

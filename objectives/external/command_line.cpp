@@ -1,16 +1,16 @@
 #include "core/error.hpp"
-#include "core/shell_word.hpp"
+#include "core/text/shell_word.hpp"
 #include "objectives/external/attempt.hpp"
 
 #include <algorithm>
 
-/// What is run: arguments with their words replaced, and lines for a shell.
+/// Command lines: arguments with placeholders replaced, and shell lines.
 namespace strake {
 namespace {
 
 namespace fs = std::filesystem;
 
-/// Each word in braces replaced within its own argument, once: what is put in is not looked at again.
+/// Replaces each placeholder once within its own argument; replaced text is not scanned again.
 std::string replaced(const std::string& argument, const Call& call, const ExternalCommand& command) {
     const std::array<std::string, 5> values{call.surface.string(), call.request.string(), call.result.string(),
                                             call.folder.string(), fs::absolute(command.case_dir).string()};

@@ -1,13 +1,13 @@
 #include "objectives/external/external.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/hand_over.hpp"
 #include "objectives/external/handed_over.hpp"
 #include "objectives/external/process.hpp"
 #include "objectives/external/refused.hpp"
 #include "objectives/external/run_attempts.hpp"
-#include "objectives/finite.hpp"
+#include "objectives/quantity/finite.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -17,7 +17,7 @@
 namespace strake {
 namespace {
 
-/// The words between braces in one argument.
+/// Placeholders in one argument.
 std::vector<std::string> words_in_braces(const std::string& argument) {
     std::vector<std::string> words;
     for (std::size_t open = argument.find('{'); open != std::string::npos; open = argument.find('{', open + 1)) {
@@ -28,7 +28,7 @@ std::vector<std::string> words_in_braces(const std::string& argument) {
     return words;
 }
 
-/// Braces mean something to other programs too, so only what looks like a misspelt word of ours is refused.
+/// Other programs use braces too: refuses only likely misspellings of our placeholders.
 void check_replaced_words(const ExternalCommand& command, const std::vector<std::string>& words) {
     for (const std::string& argument : words)
         for (const std::string& word : words_in_braces(argument))
@@ -39,37 +39,58 @@ void check_replaced_words(const ExternalCommand& command, const std::vector<std:
                                             "'; did you mean {", known, "}?"));
 }
 
-void validate(const ExternalCommand& command) {
-    const auto refuse = [&](const auto&... parts) { throw InvalidInput(text(command.name, ": ", parts...)); };
-    if (command.name.empty()) throw InvalidInput("an external quantity needs a name");
-    if (command.own_folder &&
-        (command.name == "." || command.name == ".." || command.name.find('/') != std::string::npos))
-        refuse("the name cannot be that of a folder");
+/// Throws InvalidInput with the command's name before the message.
+struct Refusal {
+    const std::string& name;
+    template <class... T>
+    [[noreturn]] void operator()(const T&... parts) const {
+        throw InvalidInput(text(name, ": ", parts...));
+    }
+    void unless_positive(const char* what, double value, const char* unit = "") const {
+        if (!(value > 0) || !std::isfinite(value)) (*this)(what, " = ", value, unit, " must be > 0");
+    }
+    void unless_nonnegative(const char* what, double value, const char* unit = "") const {
+        if (!(value >= 0) || !std::isfinite(value)) (*this)(what, " = ", value, unit, " must be >= 0");
+    }
+};
+
+void validate_arguments(const ExternalCommand& command, const Refusal& refuse) {
     if (command.command.empty() || command.command.front().empty()) refuse("command is empty, must name a program");
     if (!command.gradient_command.empty() && command.gradient_command.front().empty())
         refuse("gradient_command must name a program");
     for (const auto* words : {&command.command, &command.gradient_command})
         for (const std::string& argument : *words)
             if (argument.find('\0') != std::string::npos) refuse("an argument of the command holds a NUL byte");
-    if (command.gradient_timeout_s &&
-        (!(*command.gradient_timeout_s > 0) || !std::isfinite(*command.gradient_timeout_s)))
-        refuse("gradient_timeout = ", *command.gradient_timeout_s, " s must be > 0");
-    if (!(command.timeout_s > 0) || !std::isfinite(command.timeout_s))
-        refuse("timeout = ", command.timeout_s, " s must be > 0");
-    if (!(command.grace_s >= 0) || !std::isfinite(command.grace_s))
-        refuse("grace = ", command.grace_s, " s must be >= 0");
-    if (!(command.diagonal > 0) || !std::isfinite(command.diagonal))
-        refuse("diagonal = ", command.diagonal, " must be > 0");
+}
+
+void validate_numbers(const ExternalCommand& command, const Refusal& refuse) {
+    if (command.gradient_timeout_s) refuse.unless_positive("gradient_timeout", *command.gradient_timeout_s, " s");
+    refuse.unless_positive("timeout", command.timeout_s, " s");
+    refuse.unless_nonnegative("grace", command.grace_s, " s");
+    refuse.unless_positive("diagonal", command.diagonal);
     if (command.retries < 0) refuse("retries = ", command.retries, " must be >= 0");
-    if (!(command.pause_s >= 0) || !std::isfinite(command.pause_s))
-        refuse("pause = ", command.pause_s, " s must be >= 0");
+    refuse.unless_nonnegative("pause", command.pause_s, " s");
+}
+
+void validate_values(const ExternalCommand& command, const Refusal& refuse) {
     if (command.value_after_failure && !std::isfinite(*command.value_after_failure))
         refuse("on_failure.value = ", *command.value_after_failure, " must be finite");
     if (command.value_after_failure && command.has_gradients)
-        refuse("on_failure.value has no gradient, so that it goes only with a program that gives none");
+        refuse("on_failure.value has no gradient; use it only with a program that gives none");
     std::set<std::string> seen;
-    for (const std::string& name : command.gives)
-        if (name.empty() || !seen.insert(name).second) refuse("gives names '", name, "' twice or without letters");
+    for (const std::string& name : command.outputs)
+        if (name.empty() || !seen.insert(name).second) refuse("outputs names '", name, "' twice or without letters");
+}
+
+void validate(const ExternalCommand& command) {
+    const Refusal refuse{command.name};
+    if (command.name.empty()) throw InvalidInput("an external quantity needs a name");
+    if (command.own_folder &&
+        (command.name == "." || command.name == ".." || command.name.find('/') != std::string::npos))
+        refuse("the name cannot be that of a folder");
+    validate_arguments(command, refuse);
+    validate_numbers(command, refuse);
+    validate_values(command, refuse);
     check_hand_over_format(command.format);
     if (command.parallel < 1) refuse("parallel = ", command.parallel, " must be >= 1");
     if (!(command.poll_s > 0)) refuse("poll = ", command.poll_s, " s must be > 0");
@@ -85,10 +106,11 @@ QuantityResult evaluate(const ExternalCommand& command, SlurmQueue* queue, const
     QuantityResult result =
         run_attempts({command, request, gradients && !apart ? Wanted::values_and_gradients : Wanted::values}, queue);
     if (result.failure && command.value_after_failure) {
-        result.remarks.push_back(text(headline(*result.failure), "; ", *command.value_after_failure, " stands for it"));
+        result.remarks.push_back(
+            text(headline(*result.failure), "; ", *command.value_after_failure, " is used instead"));
         result.failure.reset();
         result.values.assign(value_keys(command).size(), *command.value_after_failure);
-        result.stands_for_failure = true;
+        result.is_substitute = true;
     }
     if (result.failure || !apart) return result;
     QuantityResult found = gradients_of(command, queue, request);
@@ -97,7 +119,7 @@ QuantityResult evaluate(const ExternalCommand& command, SlurmQueue* queue, const
     return found;
 }
 
-/// Its arguments as they are written in the case.
+/// The arguments as written in the case.
 std::string identity(const ExternalCommand& command) {
     std::string words = command.format;
     for (const std::string& argument : command.command) words.append(1, '\0').append(argument);
@@ -105,10 +127,11 @@ std::string identity(const ExternalCommand& command) {
     return words;
 }
 
-/// The same with all that decides what it answers: names, and what the program and the named files hold now.
+/// The same plus everything that determines the answers: names, and the current contents of the program and the named
+/// files.
 std::string cache_key(const ExternalCommand& command) {
     std::string key = identity(command) + '\0' + command.units;
-    for (const std::string& name : command.gives) key += '\0' + name;
+    for (const std::string& name : command.outputs) key += '\0' + name;
     if (command.depends_on)
         for (const std::string& name : *command.depends_on) key += '\0' + ("by " + name);
     if (command.points) key += '\0' + command.points->origin;
@@ -138,7 +161,7 @@ std::optional<Failure> check_program(const ExternalCommand& command) {
         if (words.empty()) continue;
         const std::string& written = words.front();
         if (!words_in_braces(written).empty() && written.find("{case_dir}") == std::string::npos)
-            continue;  // a program in the evaluation's folder: there is none yet
+            continue;  // a program in the evaluation's folder, which does not exist yet
         try {
             find_program(arguments_of(command, Call{wanted}).front());
             if (command.slurm)
@@ -154,10 +177,10 @@ std::optional<Failure> check_program(const ExternalCommand& command) {
 Quantity external(const ExternalCommand& command) {
     validate(command);
     Quantity quantity;
-    if (command.gives.empty())
+    if (command.outputs.empty())
         quantity.names = {command.name};
     else
-        for (const std::string& value : command.gives) quantity.names.push_back(command.name + "." + value);
+        for (const std::string& value : command.outputs) quantity.names.push_back(command.name + "." + value);
     std::shared_ptr<SlurmQueue> queue;
     if (command.slurm) queue = std::make_shared<SlurmQueue>(command.poll_s);
     quantity.evaluate = [command, queue](const QuantityRequest& request) {

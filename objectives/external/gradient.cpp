@@ -1,9 +1,9 @@
 #include "objectives/external/gradient.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/npy.hpp"
-#include "core/mesh/vtp_reader.hpp"
+#include "core/formats/npy.hpp"
+#include "core/formats/vtp_reader.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/gradient_rows.hpp"
 #include "objectives/external/handed_over.hpp"
 #include "objectives/external/refused.hpp"
@@ -49,7 +49,7 @@ int GradientRows::with_id(double id) {
 }
 
 int GradientRows::near(const Eigen::RowVector3d& x) {
-    // In the order of the places, rows need no search, and places that coincide are told apart.
+    // Rows in the order of the places need no search, and coinciding places stay distinct.
     const bool is_free = rows_ < places_.at.rows() && row_of_[static_cast<std::size_t>(rows_)] < 0;
     const double in_order = is_free ? (places_.at.row(rows_) - x).norm() : places_.tolerance;
     if (is_free && in_order == 0) return rows_;
@@ -65,9 +65,8 @@ int GradientRows::near(const Eigen::RowVector3d& x) {
 void GradientRows::put(int place, const Eigen::RowVector3d& gradient) {
     if (!gradient.allFinite()) refuse("not_finite", text("the gradient ", gradient, " is not finite"));
     if (row_of_[place] >= 0)
-        refuse("wrong_count",
-               text(places_.one, " ", place, " for the second time, first in ", is_line_ ? "line " : "row ",
-                    row_of_[place], "; want each ", places_.one, " exactly once"));
+        refuse("wrong_count", text(places_.one, " ", place, " appears twice, first in ", is_line_ ? "line " : "row ",
+                                   row_of_[place], "; want each ", places_.one, " exactly once"));
     row_of_[place] = row_;
     rows_of_.row(place) = gradient;
     ++rows_;

@@ -1,6 +1,6 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "objectives/csv_columns.hpp"
+#include "core/text/csv_columns.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/gradient_rows.hpp"
 #include "objectives/external/handed_over.hpp"
 
@@ -15,7 +15,7 @@ using Fields = std::vector<std::string_view>;
 
 constexpr int none = -1;
 
-/// Where in a row is what; columns without a header mean what their number says.
+/// Columns of a row; without a header, their number decides.
 struct Columns {
     std::size_t count = 0;
     int id = none;
@@ -54,7 +54,7 @@ private:
         put(fields);
     }
 
-    /// Columns by the names of a header; nothing where it names none of ours.
+    /// Columns by the names of a header; empty if it names none of ours.
     std::optional<Columns> named(const Fields& header) {
         const auto column = [&](const std::string& name) { return column_named(header, name); };
         Columns c;
@@ -118,7 +118,7 @@ private:
                           is == NumberIs::not_finite ? "' is not finite" : "' is not a number"));
     }
 
-    /// By its own number where the places have such, else by coordinates, else counted from 0.
+    /// By the place's own number if there are such, else by coordinates, else counted from 0.
     int place_of(const Fields& fields) {
         const bool has_place = columns_->place[0] != none;
         if (!has_place || (columns_->id != none && !rows_.places().ids.empty())) {

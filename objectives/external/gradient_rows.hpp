@@ -1,19 +1,19 @@
 #pragma once
 #include "core/mesh/point_tree.hpp"
-#include "objectives/external/gradient.hpp"
+#include "objectives/external/gradient_places.hpp"
 
 #include <memory>
 #include <string_view>
 
-/// What the readers of gradient files share. Internal.
+/// Shared by the readers of gradient files. Internal.
 namespace strake {
 
-/// Takes rows in any order and sees that each place has exactly one.
+/// Collects rows in any order and checks that each place has exactly one.
 class GradientRows {
 public:
     GradientRows(const std::string& name, const GradientPlaces& places);
 
-    /// "FILE:LINE: …", or "FILE: row N: …" where `is_line` is false.
+    /// "FILE:LINE: …", or "FILE: row N: …" if `is_line` is false.
     [[noreturn]] void refuse(const char* kind, const std::string& what) const;
     void next_row(long row) { row_ = row; }
     void rows_are_lines() { is_line_ = true; }
@@ -23,7 +23,7 @@ public:
     void put(int place, const Eigen::RowVector3d& gradient);
     int count() const { return rows_; }
     const GradientPlaces& places() const { return places_; }
-    Points finish() const;  ///< refuses where a place has no row
+    Points finish() const;  ///< refuses when a place has no row
 
 private:
     std::string name_;
@@ -37,7 +37,7 @@ private:
     bool is_line_ = false;
 };
 
-/// Rows of text into `rows`.
+/// Reads rows of text into `rows`.
 void read_gradient_csv(std::string_view bytes, const std::string& field, GradientRows& rows);
 
 }  // namespace strake

@@ -1,8 +1,8 @@
 #include "objectives/external/hand_over.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/formats.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/formats.hpp"
+#include "core/formats/io.hpp"
 
 namespace strake {
 namespace {

@@ -1,6 +1,7 @@
 #include "objectives/external/handed_over.hpp"
 
 #include "core/error.hpp"
+#include "core/text/edit_distance.hpp"
 #include "objectives/external/log.hpp"
 #include "objectives/external/refused.hpp"
 
@@ -24,15 +25,15 @@ void require_inside(const std::filesystem::path& folder, const std::string& name
     const std::filesystem::path file(name);
     const bool climbs = std::any_of(file.begin(), file.end(), [](const auto& part) { return part == ".."; });
     if (file.is_absolute() || climbs)
-        refuse("unreadable", text("file name '", printable(name), "' must be relative to the evaluation's folder",
+        refuse("unreadable", text("file name '", printable_line(name), "' must be relative to the evaluation's folder",
                                   " and stay in it"));
     std::error_code error;
     const auto home = std::filesystem::canonical(folder, error);
     if (error) refuse("no_result", text("the evaluation's folder is gone: ", error.message()));
     const auto parent = std::filesystem::canonical((folder / file).parent_path(), error);
-    if (error) refuse("no_result", text("'", printable(name), "' was not written"));
+    if (error) refuse("no_result", text("'", printable_line(name), "' was not written"));
     if (std::mismatch(home.begin(), home.end(), parent.begin(), parent.end()).first != home.end())
-        refuse("unreadable", text("'", printable(name), "' leads out of the evaluation's folder"));
+        refuse("unreadable", text("'", printable_line(name), "' leads out of the evaluation's folder"));
 }
 
 const char* kind_of_file(mode_t mode) {
@@ -57,13 +58,13 @@ std::string read_all(int fd, const std::string& name, std::size_t size) {
 
 void require_text(const std::string& bytes, const std::string& name) {
     if (bytes.find('\0') != std::string::npos || bytes.rfind("\xFF\xFE", 0) == 0 || bytes.rfind("\xFE\xFF", 0) == 0)
-        refuse("unreadable", text("'", printable(name), "' is not text (binary, or UTF-16?); write UTF-8"));
+        refuse("unreadable", text("'", printable_line(name), "' is not text (binary, or UTF-16?); write UTF-8"));
 }
 
 std::string read_handed_over(const std::filesystem::path& folder, const std::string& name, std::size_t limit,
                              bool may_be_binary) {
     require_inside(folder, name);
-    const std::string shown = printable(name);
+    const std::string shown = printable_line(name);
     // O_NONBLOCK: opening a FIFO must not wait for its writer.
     const int fd = ::open((folder / name).c_str(), O_RDONLY | O_NONBLOCK | O_NOFOLLOW | O_CLOEXEC);
     if (fd < 0 && errno == ENOENT)
@@ -95,7 +96,7 @@ NumberIs parse_number(std::string_view text, double& value) {
     while (!text.empty() && blank(text.front())) text.remove_prefix(1);
     while (!text.empty() && blank(text.back())) text.remove_suffix(1);
     if (text.size() > 1 && text.front() == '+' && text[1] != '-') text.remove_prefix(1);
-    // Nearly every number is plain; only others are copied.
+    // Most numbers are plain; only others are copied.
     if (const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), value);
         error == std::errc() && end == text.data() + text.size())
         return std::isfinite(value) ? NumberIs::finite : NumberIs::not_finite;
@@ -105,7 +106,7 @@ NumberIs parse_number(std::string_view text, double& value) {
     const auto [end, error] = std::from_chars(number.data(), number.data() + number.size(), value);
     if (error == std::errc::invalid_argument || end != number.data() + number.size()) return NumberIs::not_a_number;
     if (error == std::errc::result_out_of_range) {
-        // Too small reads as zero; from_chars tells both by the same code, so look at the exponent's sign.
+        // Underflow reads as zero; from_chars reports it like overflow, so check the exponent's sign.
         value = 0;
         return number.find("e-") != std::string::npos || number.find("E-") != std::string::npos ? NumberIs::finite
                                                                                                 : NumberIs::not_finite;
@@ -115,15 +116,8 @@ NumberIs parse_number(std::string_view text, double& value) {
 
 bool similar(const std::string& wanted, const std::string& candidate) {
     if (wanted.size() > 64 || candidate.size() > 64) return false;
-    std::vector<std::size_t> before(candidate.size() + 1), now(candidate.size() + 1);
-    for (std::size_t j = 0; j <= candidate.size(); ++j) before[j] = j;
-    for (std::size_t i = 1; i <= wanted.size(); ++i) {
-        now[0] = i;
-        for (std::size_t j = 1; j <= candidate.size(); ++j)
-            now[j] = std::min({before[j] + 1, now[j - 1] + 1, before[j - 1] + (wanted[i - 1] != candidate[j - 1])});
-        std::swap(before, now);
-    }
-    return before.back() <= std::max<std::size_t>(2, wanted.size() / 3) && before.back() < wanted.size();
+    const auto distance = static_cast<std::size_t>(edit_distance(wanted, candidate));
+    return distance <= std::max<std::size_t>(2, wanted.size() / 3) && distance < wanted.size();
 }
 
 }  // namespace strake

@@ -1,16 +1,18 @@
 #include "objectives/external/job.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
-#include "core/shell_word.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
 #include "objectives/external/attempt.hpp"
 #include "objectives/external/refused.hpp"
 #include "objectives/external/slurm_client.hpp"
 
 #include <sys/stat.h>
 #include <algorithm>
+#include <charconv>
 #include <cstring>
+#include <string_view>
 #include <thread>
 
 namespace strake {
@@ -19,10 +21,10 @@ namespace {
 namespace fs = std::filesystem;
 using Clock = std::chrono::steady_clock;
 
-constexpr double settle_polls = 5;  ///< a network disk may show the exit file that much later than the job's end
-constexpr double patience_s = 600;  ///< without an answer of squeue
+constexpr double settle_polls = 5;  ///< delay of the exit file on a network disk after the job's end, in polls
+constexpr double patience_s = 600;  ///< limit without an answer of squeue
 
-/// Reasons for which a pending job never starts, as it was submitted.
+/// Reasons why a pending job can never start as submitted.
 bool is_hopeless(const std::string& reason) {
     for (const char* known :
          {"PartitionConfig", "PartitionNodeLimit", "PartitionTimeLimit", "BadConstraints", "AccountNotAllowed",
@@ -50,7 +52,7 @@ public:
             return read_results(task_, call_);
         } catch (const Refused& refused) {
             std::error_code ignored;
-            fs::rename(call_.file("job.sh"), call_.file("job.sh.ended"), ignored);  // not to be followed again
+            fs::rename(call_.file("job.sh"), call_.file("job.sh.ended"), ignored);  // so it is not resumed again
             return failed(task_, call_, refused.failure, last_lines_in(call_));
         }
     }
@@ -70,7 +72,7 @@ private:
             text("#!/bin/sh\ncd ", shell_word(call_.folder.string()), " || exit 1\necho \"$SLURM_JOB_ID\" > ",
                  call_.prefix, "job.started\n", shell_line(command_, call_), "\nstatus=$?\necho $status > ", exit,
                  ".new && mv ", exit, ".new ", exit, "\nexit $status\n");
-        write_atomically(call_.file("job.sh"), script);  // the last: now it is complete
+        write_atomically(call_.file("job.sh"), script);  // last: marks the place as complete
     }
 
     void submit() {
@@ -91,12 +93,12 @@ private:
         id_ = output.words.substr(0, output.words.find_first_of(";\n"));  // with several clusters: id;cluster
         if (!output.is_done) throw Refused{{"submit", output.words}};
         if (id_.empty() || id_.find_first_not_of("0123456789") != std::string::npos)
-            throw Refused{{"submit", text("sbatch gave no number of a job, but '", printable(output.words, 200), "'")}};
+            throw Refused{{"submit", text("sbatch returned no job number, but '", printable(output.words, 200), "'")}};
         write_atomically(call_.file("job"), id_ + "\n");
         submitted_ = Clock::now();
     }
 
-    /// The job that an earlier start submitted for this task, if there is one that has not failed.
+    /// The job of an earlier start for this task, unless failed.
     bool adopt() {
         std::error_code ignored;
         int last = 0;
@@ -111,8 +113,7 @@ private:
         return false;
     }
 
-    /// From the file that we wrote, the one that the job wrote, or the queue: a start may have been killed just after
-    /// it had submitted.
+    /// From our file, the job's file, or the queue: an earlier start may have been killed just after submission.
     bool find_number() {
         for (const char* name : {"job", "job.started"}) {
             std::error_code ignored;
@@ -124,9 +125,9 @@ private:
             return true;
         }
         for (int look = 0; look < 2; ++look) {
-            pause(command_.poll_s);  // a client that was killed may just have been heard
+            pause(command_.poll_s);  // a killed client's request may still arrive
             const SlurmQueue::View view = queue_.view(call_.folder);
-            if (!view.is_known) throw Refused{{"submit", text("it is not known whether it was: ", view.words)}};
+            if (!view.is_known) throw Refused{{"submit", text("whether it was submitted is unknown: ", view.words)}};
             for (const auto& [id, job] : view.jobs)
                 if (job.name == name_of(call_)) {
                     id_ = id;
@@ -146,7 +147,7 @@ private:
     }
 
     [[noreturn]] void stop() {
-        if (request_.is_given_up && request_.is_given_up()) {
+        if (request_.is_cancelled && request_.is_cancelled()) {
             cancel();
             throw Interrupted{};
         }
@@ -159,9 +160,11 @@ private:
         fs::rename(call_.file("job.sh"), call_.file("job.sh.ended"), ignored);
     }
 
+    /// On a network disk, or a full one, the file may be there before its number, or for ever without it.
     bool has_ended() const {
         std::error_code ignored;
-        return fs::exists(call_.file("exit"), ignored);
+        const auto size = fs::file_size(call_.file("exit"), ignored);
+        return !ignored && size > 0;
     }
 
     double waited() const {  // in all starts together
@@ -180,7 +183,7 @@ private:
             if (view.asked <= std::max(submitted_, looked_)) continue;  // nothing new
             if (!view.is_known) {
                 if (Clock::now() - known > std::chrono::duration<double>(patience_s))
-                    throw Refused{{"vanished", text("job ", id_, ": nothing is known of it; ", view.words)}};
+                    throw Refused{{"vanished", text("job ", id_, ": its state is unknown; ", view.words)}};
                 continue;
             }
             known = looked_ = view.asked;
@@ -192,13 +195,13 @@ private:
         }
     }
 
-    /// Short at first; a job of hours is not asked for every other second.
+    /// Short at first, longer for jobs of hours.
     double interval() {
         const double age = std::chrono::duration<double>(Clock::now() - submitted_).count();
         return std::clamp(age / 20, 0.25, std::max(10.0, command_.poll_s));
     }
 
-    /// True: it waits for what cannot come. @throws Refused at the limits.
+    /// Whether it waits in vain. @throws Refused at the limits.
     bool judge(const SlurmQueue::Job& job) {
         if (job.state == "PENDING") {
             if (waited() > command_.queue_s) {
@@ -218,14 +221,18 @@ private:
 
     [[noreturn]] void give_up(const SlurmQueue::Job& job) {
         cancel();
-        throw Refused{{"never_starts", text("job ", id_, " can never start as it was submitted (", job.reason,
-                                            "); it was cancelled: see scheduler.slurm")}};
+        throw Refused{{"never_starts", text("job ", id_, " can never start as submitted (", job.reason,
+                                            "); it was cancelled; change scheduler.slurm")}};
     }
 
     void wait_for_late_exit() {
         const auto until = Clock::now() + std::chrono::duration<double>(settle_polls * command_.poll_s);
         while (!has_ended() && Clock::now() < until) pause(0.2);
         if (has_ended()) return;
+        std::error_code ignored;
+        if (fs::exists(call_.file("exit"), ignored))
+            throw Refused{{"vanished", text("job ", id_, " is gone, and its file ", call_.prefix,
+                                            "exit is empty: is the disk full?", accounting())}};
         throw Refused{{"vanished", text("job ", id_, " is gone, and its command has not ended: cancelled, or its node ",
                                         "failed", accounting())}};
     }
@@ -240,7 +247,12 @@ private:
 
     int exit_status() const {
         const std::string words = read_bytes(call_.file("exit"));
-        return std::atoi(words.c_str());
+        int status = 0;
+        const auto [end, error] = std::from_chars(words.data(), words.data() + words.size(), status);
+        if (error != std::errc() || std::string_view(end, words.data() + words.size()) != "\n")
+            throw Refused{{"exit", text("its file ", call_.prefix, "exit holds '", printable(words, 40),
+                                        "' and no exit status")}};
+        return status;
     }
 
     static Failure failure_of(int status) {

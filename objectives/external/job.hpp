@@ -5,24 +5,24 @@
 #include <map>
 #include <mutex>
 
-/// Programs as jobs of Slurm. Internal.
+/// Programs as Slurm jobs. Internal.
 namespace strake {
 
-/// The user's jobs as squeue tells them, asked at most once in `poll_s` however many calls follow theirs.
+/// The user's jobs from squeue, queried at most once per `poll_s` for all calls.
 class SlurmQueue {
 public:
     explicit SlurmQueue(double poll_s) : poll_(poll_s) {}
     struct Job {
         std::string name, state, reason;  ///< PENDING, PartitionConfig
-        double seconds = 0;               ///< that it has run
+        double seconds = 0;               ///< running time so far
     };
     struct View {
         std::chrono::steady_clock::time_point asked;
-        bool is_known = false;  ///< squeue answered
-        std::string words;      ///< why not
+        bool is_known = false;  ///< squeue has answered
+        std::string words;      ///< reason if not
         std::map<std::string, Job> jobs;
     };
-    /// Not older than `poll_s`. @param scratch folder in which files may be made meanwhile. @throws OutputError.
+    /// A view not older than `poll_s`. @param scratch folder for temporary files @throws OutputError.
     View view(const std::filesystem::path& scratch);
 
 private:
@@ -31,12 +31,12 @@ private:
     View last_;
 };
 
-/// Attempt `number` at the task as a job: `job.sh` in its folder is submitted with sbatch; its number is kept in the
-/// file `job`, its exit status comes in `exit` (with the call's prefix before these names). The first attempt of a
-/// later start follows the job that an earlier one submitted for the same task. The job is cancelled at the timeout,
-/// when it can never start, and when the request is given up; else it goes on when the run is interrupted. Failures:
-/// submit, never_starts, vanished, timeout and those of any program.
-/// @throws Interrupted (naming the job where it goes on); OutputError.
+/// Attempt `number` of the task as a job: submits `job.sh` in its folder with sbatch; the file `job` keeps its number,
+/// the file `exit` its exit status (with the call's prefix before these names). The first attempt of a later start
+/// resumes the job of an earlier start for the same task. The job is cancelled at the timeout, when it can never start,
+/// and when the request is cancelled; if the run is interrupted, it stays in the queue. Failures: submit, never_starts,
+/// vanished, timeout and those of any program.
+/// @throws Interrupted (naming the pending job); OutputError.
 QuantityResult attempt_as_job(const Task& task, SlurmQueue& queue, int number);
 
 }  // namespace strake

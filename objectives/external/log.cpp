@@ -1,6 +1,7 @@
 #include "objectives/external/log.hpp"
 
 #include "core/error.hpp"
+#include "core/text/utf8.hpp"
 
 #include <fcntl.h>
 #include <unistd.h>
@@ -28,31 +29,17 @@ std::size_t escape_length(std::string_view bytes, std::size_t i) {
     return std::min(end + 1, bytes.size()) - i;
 }
 
-/// Length of the UTF-8 character at bytes[i], or 0 where it is broken, a C1 control or one that reorders text.
+/// Length of the character at bytes[i]; 0 for what is not UTF-8, controls, and characters that reorder text.
 std::size_t character_length(std::string_view bytes, std::size_t i) {
-    const auto byte = [&](std::size_t k) { return static_cast<unsigned char>(bytes[k]); };
-    const unsigned char lead = byte(i);
-    if (lead < 0x80) return lead >= 0x20 && lead != 0x7f ? 1 : 0;
-    const std::size_t length = lead >= 0xf0 && lead <= 0xf4   ? 4
-                               : lead >= 0xe0 && lead <= 0xef ? 3
-                               : lead >= 0xc2 && lead <= 0xdf ? 2
-                                                              : 0;
-    if (length == 0 || i + length > bytes.size()) return 0;
-    unsigned code = lead & (0x7fu >> length);
-    for (std::size_t k = 1; k < length; ++k) {
-        if ((byte(i + k) & 0xc0) != 0x80) return 0;
-        code = code << 6 | (byte(i + k) & 0x3fu);
-    }
-    const bool overlong = code < (length == 2 ? 0x80u : length == 3 ? 0x800u : 0x10000u);
+    const auto [length, code] = utf8_at(bytes, i);
     const bool reorders =
         (code >= 0x200e && code <= 0x200f) || (code >= 0x2028 && code <= 0x202e) || (code >= 0x2066 && code <= 0x2069);
-    const bool surrogate = code >= 0xd800 && code <= 0xdfff;
-    return overlong || reorders || surrogate || code < 0xa0 || code > 0x10ffff ? 0 : length;
+    return reorders || is_control(code) ? 0 : length;
 }
 
 }  // namespace
 
-std::string printable(std::string_view line) {
+std::string printable_line(std::string_view line) {
     std::string shown;
     for (std::size_t i = 0; i < line.size() && shown.size() < line_bytes;) {
         if (line[i] == '\x1b') {
@@ -76,7 +63,7 @@ std::string printable_tail(std::string_view bytes, int count) {
     while (!bytes.empty() && static_cast<int>(lines.size()) < count) {
         const std::size_t at = bytes.find_last_of("\n\r");
         const std::string_view line = at == std::string_view::npos ? bytes : bytes.substr(at + 1);
-        std::string shown = printable(line);
+        std::string shown = printable_line(line);
         if (shown.find_first_not_of(' ') != std::string::npos) lines.push_back("    " + shown);
         bytes = at == std::string_view::npos ? std::string_view() : bytes.substr(0, at);
     }
@@ -119,7 +106,7 @@ void CappedLog::close() {
     if (fd_ < 0) return;
     if (seen_ > written_) {
         const std::size_t kept = std::min({seen_ - written_, tail_.size(), tail_bytes});
-        write(text("\n[strake: ", seen_ - written_ - kept, " bytes left out]\n"));
+        write(text("\n[strake: ", seen_ - written_ - kept, " bytes omitted]\n"));
         write(std::string_view(tail_).substr(tail_.size() - kept));
     }
     if (::close(fd_) != 0 && error_ == 0) error_ = errno;

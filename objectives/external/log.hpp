@@ -4,11 +4,11 @@
 #include <string>
 #include <string_view>
 
-/// What a program prints: kept within bounds, and made harmless before we show it.
+/// Output of programs: bounded in size and sanitized for display.
 namespace strake {
 
-/// A new file that takes at most `limit` bytes and, after a line that says how much was left out, the end
-/// (64 KiB). Memory is bounded too.
+/// A new file of at most `limit` bytes plus, after a line with the omitted size, the last 64 KiB. Memory is bounded
+/// too.
 class CappedLog {
 public:
     CappedLog(const std::filesystem::path& file, std::size_t limit);  ///< @throws OutputError; the file must not exist
@@ -31,6 +31,6 @@ private:
 /// The last `count` lines that are not blank, each indented and cut to 200 bytes; terminal escapes, control characters
 /// and broken UTF-8 removed or shown as '?'.
 std::string printable_tail(std::string_view bytes, int count);
-std::string printable(std::string_view line);  ///< one line of that
+std::string printable_line(std::string_view line);  ///< one line of that
 
 }  // namespace strake

@@ -1,5 +1,5 @@
 #pragma once
-#include "objectives/quantity.hpp"
+#include "objectives/quantity/quantity.hpp"
 
 #include <filesystem>
 
@@ -7,17 +7,17 @@
 namespace strake {
 
 struct PluginLibrary {
-    std::string name;               ///< of the quantity; values are called as those of an ExternalCommand
+    std::string name;               ///< of the quantity; values are named like those of an ExternalCommand
     std::filesystem::path library;  ///< file
-    std::string options;            ///< handed to the library as it is; without NUL
-    std::vector<std::string> gives;
+    std::string options;            ///< passed to the library verbatim; without NUL
+    std::vector<std::string> outputs;
     bool has_gradients = true;
-    std::optional<std::vector<std::string>> depends_on;  ///< own variables; without it all
-    bool may_lack_derivatives = false;                   ///< by own variables: NaN then; else their lack is a failure
+    std::optional<std::vector<std::string>> depends_on;  ///< parameters that the values depend on; default: all
+    bool may_lack_derivatives = false;  ///< by parameters: NaN if missing; false: a missing one is a failure
 };
 
-/// Loads the library now and keeps it until the program ends. What it does wrong in an evaluation is the result's
-/// failure: `plugin` (its own words), not_finite, exception.
+/// Loads the library now and keeps it until the program ends. Its errors in an evaluation become the result's failure:
+/// `plugin` (its own message), not_finite, exception.
 /// @throws InvalidInput: it cannot be loaded, lacks a symbol, is of another version, or refuses the options.
 Quantity plugin(const PluginLibrary& plugin);
 

@@ -1,6 +1,7 @@
 #include "objectives/external/process.hpp"
 
 #include "core/error.hpp"
+#include "objectives/external/kill_programs.hpp"
 #include "objectives/external/log.hpp"
 #include "objectives/external/refused.hpp"
 
@@ -11,6 +12,7 @@
 #include <unistd.h>
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cerrno>
 #include <chrono>
 #include <csignal>
@@ -22,16 +24,16 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr double drain_s = 0.5;  // how long output may still come after the program itself has ended
-constexpr double kill_s = 5;     // how long we wait for a program to go away after KILL (a hung network disk)
+constexpr double drain_s = 0.5;  // wait for late output after the program has ended
+constexpr double kill_s = 5;     // wait for a program to disappear after KILL (a hung network disk)
 
-Clock::time_point after(double seconds) {
+Clock::time_point time_after(double seconds) {
     return Clock::now() +
            std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(std::min(seconds, 1e9)));
 }
 
-/// A descriptor that is closed at the end. Numbers start at 10, so that dup2 to 0…3 in the child cannot hit one,
-/// also where our own 0-2 are closed.
+/// A descriptor that is closed at the end. Numbers start at 10, beyond the targets 0…3 of dup2 in the child, even if
+/// our own 0-2 are closed.
 class Descriptor {
 public:
     Descriptor() = default;
@@ -109,6 +111,32 @@ struct Start {
     fail_in_child();
 }
 
+/// Process groups of the programs that run now, for a signal handler; 0: free.
+constexpr std::size_t most_at_once = 1024;
+std::array<std::atomic<pid_t>, most_at_once> groups{};
+static_assert(std::atomic<pid_t>::is_always_lock_free);
+
+/// Keeps a child in that list until it has been reaped. More than fit are run, too, but not ended by the handler.
+class Listed {
+public:
+    explicit Listed(pid_t child) {
+        for (std::atomic<pid_t>& place : groups) {
+            pid_t none = 0;
+            if (!place.compare_exchange_strong(none, child)) continue;
+            place_ = &place;
+            return;
+        }
+    }
+    Listed(const Listed&) = delete;
+    Listed& operator=(const Listed&) = delete;
+    ~Listed() {
+        if (place_) *place_ = 0;
+    }
+
+private:
+    std::atomic<pid_t>* place_ = nullptr;
+};
+
 /// Forks and executes. @throws Refused (kind spawn) with the system's reason.
 pid_t spawn(const ProcessCommand& command, const Descriptor& out, const Descriptor& err) {
     const std::filesystem::path program = find_program(command.arguments.front());
@@ -134,7 +162,7 @@ pid_t spawn(const ProcessCommand& command, const Descriptor& out, const Descript
     throw Refused{{"spawn", spawn_reason(program, error)}};
 }
 
-/// The two pipes of a running program, poured into its logs.
+/// Copies the two pipes of a running program into its logs.
 class Outputs {
 public:
     Outputs(Pipe& out, Pipe& err, CappedLog& out_log, CappedLog& err_log) : logs_{&out_log, &err_log} {
@@ -143,7 +171,7 @@ public:
         for (const auto& fd : fds_) ::fcntl(fd.fd, F_SETFL, O_NONBLOCK);
     }
     bool open() const { return fds_[0].fd >= 0 || fds_[1].fd >= 0; }
-    /// Takes what is there within `milliseconds`; at most one buffer of each, so that a flood cannot hold us.
+    /// Copies output that arrives within `milliseconds`; at most one buffer per pipe, against floods.
     void take(int milliseconds) {
         if (::poll(fds_.data(), fds_.size(), milliseconds) <= 0) return;
         for (std::size_t k = 0; k < fds_.size(); ++k) {
@@ -162,14 +190,14 @@ private:
     std::array<char, 65536> buffer_{};
 };
 
-/// True when the program itself has ended; it stays a zombie, so that its number still names its process group.
+/// Whether the program has ended; it stays a zombie to keep its process group's number.
 bool has_ended(pid_t child) {
     siginfo_t info{};
     const int status = ::waitid(P_PID, static_cast<id_t>(child), &info, WEXITED | WNOHANG | WNOWAIT);
     return (status == 0 && info.si_pid == child) || (status != 0 && errno == ECHILD);
 }
 
-/// Pours output until the program has ended, `until`, or until the user wants to stop; true when it has ended.
+/// Copies output until the program ends, until `until`, or until the user stops; true if it has ended.
 bool wait_until(pid_t child, Outputs& outputs, Clock::time_point until, const std::function<bool()>& stop_wanted = {}) {
     int pause_ms = 1;
     while (!has_ended(child)) {
@@ -180,9 +208,9 @@ bool wait_until(pid_t child, Outputs& outputs, Clock::time_point until, const st
     return true;
 }
 
-/// After the end: the rest of the output, then an end to whatever is left of the group, then the zombie.
+/// After the end: drains the output, kills the rest of the group, reaps the zombie.
 int finish(pid_t child, Outputs& outputs) {
-    const auto until = after(drain_s);
+    const auto until = time_after(drain_s);
     while (outputs.open() && Clock::now() < until) outputs.take(10);
     ::kill(-child, SIGKILL);
     int status = -1;
@@ -192,7 +220,7 @@ int finish(pid_t child, Outputs& outputs) {
     return reaped == child ? status : -1;
 }
 
-/// Ends the process group, after the timeout or because the user wants to stop.
+/// Ends the process group, after the timeout or at the user's stop.
 Failure end_group(pid_t child, Outputs& outputs, const ProcessCommand& command) {
     const bool is_interrupt = command.stop_wanted && command.stop_wanted();
     const auto message = [&](const char* how) {
@@ -201,14 +229,14 @@ Failure end_group(pid_t child, Outputs& outputs, const ProcessCommand& command) 
     };
     ::kill(-child, SIGTERM);
     ::kill(-child, SIGCONT);  // a stopped program would not see it
-    bool ended = wait_until(child, outputs, after(command.grace_s));
+    bool ended = wait_until(child, outputs, time_after(command.grace_s));
     const Failure failure = message(ended ? "its process group was ended with SIGTERM"
                                           : "its process group ignored SIGTERM and was killed");
     if (!ended) {
         ::kill(-child, SIGKILL);
-        ended = wait_until(child, outputs, after(kill_s));
+        ended = wait_until(child, outputs, time_after(kill_s));
     }
-    if (!ended) return message("it does not go away even after SIGKILL (waiting for a disk or a network?)");
+    if (!ended) return message("it survives SIGKILL (waiting for a disk or a network?)");
     finish(child, outputs);
     return failure;
 }
@@ -222,13 +250,18 @@ std::optional<Failure> how_it_ended(int status) {
     }
     if (!WIFEXITED(status)) return Failure{"exit", "its exit status was lost (SIGCHLD is ignored by this program)"};
     if (WEXITSTATUS(status) == 0) return {};
-    const char* hint = WEXITSTATUS(status) == 127   ? " (a shell says so when it does not find a program)"
-                       : WEXITSTATUS(status) == 126 ? " (a shell says so when it may not execute a program)"
+    const char* hint = WEXITSTATUS(status) == 127   ? " (a shell reports this when it cannot find a program)"
+                       : WEXITSTATUS(status) == 126 ? " (a shell reports this when it may not execute a program)"
                                                     : "";
     return Failure{"exit", text("exit status ", WEXITSTATUS(status), hint)};
 }
 
 }  // namespace
+
+void kill_programs() {
+    for (const std::atomic<pid_t>& group : groups)
+        if (const pid_t child = group.load(); child > 0) ::kill(-child, SIGKILL);
+}
 
 ProcessEnd run_process(const ProcessCommand& command) {
     CappedLog out_log(command.folder / (command.log_prefix + "stdout.log"), command.log_bytes);
@@ -237,18 +270,22 @@ ProcessEnd run_process(const ProcessCommand& command) {
     try {
         Pipe out, err;
         const pid_t child = spawn(command, out.write, err.write);
+        const Listed while_it_runs(child);
         out.write.close();
         err.write.close();
         Outputs outputs(out, err, out_log, err_log);
-        if (wait_until(child, outputs, after(command.timeout_s), command.stop_wanted))
+        if (wait_until(child, outputs, time_after(command.timeout_s), command.stop_wanted))
             end.failure = how_it_ended(finish(child, outputs));
         else
             end.failure = end_group(child, outputs, command);
     } catch (const Refused& refused) {
         end.failure = refused.failure;
     }
-    out_log.close();
-    err_log.close();
+    for (CappedLog* log : {&out_log, &err_log}) try {
+            log->close();
+        } catch (const OutputError&) {  // of a full disk; what the program has answered counts all the same
+            if (end.failure) throw;
+        }
     constexpr int lines = 10;
     end.last_lines = err_log.last_lines(lines);
     if (end.last_lines.empty()) end.last_lines = out_log.last_lines(lines);

@@ -12,7 +12,7 @@
 namespace strake {
 namespace {
 
-/// 0 when `path` is a file that may be executed, else the reason as errno (EISDIR for a directory).
+/// 0 if `path` is an executable file, else the reason as errno (EISDIR for a directory).
 int executable_error(const std::filesystem::path& path) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0) return errno;
@@ -21,7 +21,7 @@ int executable_error(const std::filesystem::path& path) {
     return ::access(path.c_str(), X_OK) == 0 ? 0 : EACCES;
 }
 
-/// " (mode 644)", or "" where there is no file.
+/// " (mode 644)", or "" without a file.
 std::string mode_of(const std::filesystem::path& path) {
     struct stat info {};
     if (::stat(path.c_str(), &info) != 0) return "";
@@ -30,12 +30,12 @@ std::string mode_of(const std::filesystem::path& path) {
     return words.str();
 }
 
-[[noreturn]] void refuse(const std::string& message) { throw Refused{{"spawn", message}}; }
+[[noreturn]] void refuse_program(const std::string& message) { throw Refused{{"spawn", message}}; }
 
 }  // namespace
 
 std::string spawn_reason(const std::filesystem::path& program, int error) {
-    const std::string name = text("'", printable(program.string()), "'");
+    const std::string name = text("'", printable_line(program.string()), "'");
     switch (error) {
         case EISDIR:
             return text(name, " is a directory, not a program");
@@ -43,7 +43,8 @@ std::string spawn_reason(const std::filesystem::path& program, int error) {
             return text(name, " may not be executed", mode_of(program),
                         "; chmod +x it, or name its interpreter first: [python3, ...]");
         case ENOEXEC:
-            return text(name, " is no program of this machine; does its first line say #!/bin/sh or the like?");
+            return text(name,
+                        " is not a program for this machine; does its first line name an interpreter (#!/bin/sh)?");
         case E2BIG:
             return text(name, ": the argument list is too long");
         case ENOENT:
@@ -58,23 +59,23 @@ std::string spawn_reason(const std::filesystem::path& program, int error) {
 
 std::filesystem::path find_program(const std::string& program) {
     if (program.find('/') != std::string::npos) {
-        if (const int error = executable_error(program); error != 0) refuse(spawn_reason(program, error));
+        if (const int error = executable_error(program); error != 0) refuse_program(spawn_reason(program, error));
         return program;
     }
     const char* variable = std::getenv("PATH");
     std::string_view rest = variable != nullptr ? variable : "/usr/local/bin:/usr/bin:/bin";
     while (!rest.empty()) {
         const std::size_t colon = rest.find(':');
-        // An empty entry would mean the working directory, which is a folder that we have just made.
+        // An empty entry would mean the working directory, a folder that we have just created.
         if (const std::string_view folder = rest.substr(0, colon); !folder.empty()) {
             const auto path = std::filesystem::absolute(std::filesystem::path(folder) / program);
             if (executable_error(path) == 0) return path;
         }
         rest = colon == std::string_view::npos ? std::string_view() : rest.substr(colon + 1);
     }
-    refuse(text("program '", printable(program), "' is not on PATH (searched: ",
-                printable(variable != nullptr ? variable : "/usr/local/bin:/usr/bin:/bin"), "); write ./",
-                printable(program), " for one beside the case file"));
+    refuse_program(text("program '", printable_line(program), "' is not on PATH (searched: ",
+                        printable_line(variable != nullptr ? variable : "/usr/local/bin:/usr/bin:/bin"), "); write ./",
+                        printable_line(program), " for one beside the case file"));
 }
 
 }  // namespace strake

@@ -1,5 +1,5 @@
 #pragma once
-#include "objectives/quantity.hpp"
+#include "objectives/quantity/quantity.hpp"
 
 namespace strake {
 

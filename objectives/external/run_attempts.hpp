@@ -1,15 +1,14 @@
 #pragma once
 #include "objectives/external/job.hpp"
 
-/// How a command is run: in which way, and how often. Internal.
+/// Runs a command with retries: as a process, by hand or as a job. Internal.
 namespace strake {
 
-/// Attempts up to 1 + retries until one succeeds, with pauses; the failed ones become remarks.
-/// @param queue of the command's jobs; null where it has none. @throws as `external`.
+/// Up to 1 + retries attempts until one succeeds, with pauses; failed ones become log messages.
+/// @param queue of the command's jobs; null: it has none. @throws like `external`.
 QuantityResult run_attempts(const Task& task, SlurmQueue* queue);
 
-/// Gradients by `gradient_command`, in the folder in which the command gave the values of this request; where there is
-/// none any more, the command runs once more.
+/// Gradients by `gradient_command`, in the folder of this request's values; if that is gone, the command runs again.
 QuantityResult gradients_of(const ExternalCommand& command, SlurmQueue* queue, const QuantityRequest& request);
 
 }  // namespace strake

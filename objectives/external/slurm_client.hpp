@@ -3,13 +3,13 @@
 
 namespace strake {
 
-/// What a client of Slurm printed, or why it did not end well.
+/// Output of a Slurm client, or why it failed.
 struct ClientOutput {
     bool is_done = false;
     std::string words;
 };
 
-/// Runs it within a minute. @param scratch folder in which files may be made meanwhile. @throws OutputError.
+/// Runs it for at most a minute. @param scratch folder for temporary files @throws OutputError.
 ClientOutput slurm_client(const std::vector<std::string>& arguments, const std::filesystem::path& scratch);
 
 }  // namespace strake

@@ -1,5 +1,5 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
+#include "core/text/file.hpp"
 #include "objectives/external/job.hpp"
 #include "objectives/external/slurm_client.hpp"
 
@@ -64,7 +64,7 @@ SlurmQueue::View SlurmQueue::view(const fs::path& scratch) {
     const std::lock_guard lock(busy_);
     if (last_.asked != Clock::time_point() && Clock::now() - last_.asked < poll_) return last_;
     last_.asked = Clock::now();
-    // All jobs of ours: a single one that is gone would be an error like any other.
+    // Queries all our jobs: a query for a single missing job would look like any other error.
     const ClientOutput output =
         slurm_client({"squeue", "--noheader", text("--user=", ::geteuid()), "--format=%i|%T|%r|%M|%j"}, scratch);
     last_.is_known = output.is_done;

@@ -1,9 +1,5 @@
-"""A design space as an explicit component in the manner of OpenMDAO: inputs x, outputs vertices, and products with the
-Jacobian in both directions, never the matrix. Nothing of OpenMDAO is needed; `ShapeComponent` has its methods, so that
-
-    class Shape(ShapeComponent, openmdao.api.ExplicitComponent): ...
-
-is a component of it.
+"""A design space as an explicit component of OpenMDAO: inputs x, outputs vertices, and products with the Jacobian in both
+directions, never the matrix. Without OpenMDAO a stand-in takes its place, with the two methods that are called here.
 
     explicit_component.py SURFACE
 """
@@ -13,18 +9,32 @@ import numpy as np
 
 import strake
 
+try:
+    from openmdao.api import ExplicitComponent
+except ImportError:
+    class ExplicitComponent:
+        """What this file uses of OpenMDAO's."""
 
-class ShapeComponent:
-    """x -> vertices of the equilibrium of the skin."""
+        def __init__(self):
+            self.declared = {}
 
-    def __init__(self, space):
+        def add_input(self, name, val):
+            self.declared[name] = val
+
+        add_output = add_input
+
+
+class ShapeComponent(ExplicitComponent):
+    """x -> vertices of the equilibrium of the shell."""
+
+    def __init__(self, space, **options):
+        super().__init__(**options)
         self.space = space
         self.at = None
 
     def setup(self):
-        """Names, shapes and values at the start; OpenMDAO's add_input and add_output take the same."""
-        self.inputs = {"x": np.zeros(len(self.space))}
-        self.outputs = {"vertices": np.array(self.space.surface.vertices)}
+        self.add_input("x", val=np.zeros(len(self.space)))
+        self.add_output("vertices", val=np.array(self.space.surface.vertices))
 
     def compute(self, inputs, outputs):
         outputs["vertices"] = self.space.shape(inputs["x"])
@@ -32,6 +42,8 @@ class ShapeComponent:
 
     def compute_jacvec_product(self, inputs, d_inputs, d_outputs, mode):
         """mode "rev": d_inputs += J^T d_outputs, one adjoint solve; "fwd": d_outputs += J d_inputs."""
+        if "x" not in d_inputs or "vertices" not in d_outputs:
+            return
         if self.at is None or not np.array_equal(inputs["x"], self.at):
             self.compute(inputs, {})
         if mode == "rev":
@@ -43,7 +55,7 @@ class ShapeComponent:
 def check(component, x, seed=1):
     """<w, J v> = <J^T w, v>, and J v by differences: the largest relative errors of both."""
     random = np.random.default_rng(seed)
-    v, w = random.standard_normal(len(x)), random.standard_normal(component.outputs["vertices"].shape)
+    v, w = random.standard_normal(len(x)), random.standard_normal(component.space.surface.vertices.shape)
     inputs, outputs = {"x": x}, {}
     component.compute(inputs, outputs)
     forward, back = {"vertices": np.zeros_like(w)}, {"x": np.zeros_like(x)}
@@ -66,5 +78,5 @@ if __name__ == "__main__":
     shape = ShapeComponent(strake.DesignSpace(problem))
     shape.setup()
     transposed, by_differences = check(shape, np.full(len(shape.space), 0.1))
-    print(f"{len(shape.space)} inputs, {shape.outputs['vertices'].size} outputs; transpose to {transposed:.1e}, "
+    print(f"{len(shape.space)} inputs, {surface.vertices.size} outputs; transpose to {transposed:.1e}, "
           f"differences to {by_differences:.1e}")

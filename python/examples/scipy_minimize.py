@@ -1,4 +1,4 @@
-"""An optimizer of one's own: scipy.optimize.minimize makes a body slimmer at fixed volume, by exact gradients.
+"""Your own optimizer: scipy.optimize.minimize makes a body slimmer at fixed volume, with exact gradients.
 
     scipy_minimize.py SURFACE [OUT]
 """
@@ -11,7 +11,7 @@ import strake
 
 
 def volume(vertices, triangles):
-    """Enclosed volume and its derivative by the vertices (n x 3)."""
+    """Enclosed volume and its derivative with respect to the vertices (n x 3)."""
     a, b, c = (vertices[triangles[:, k]] for k in range(3))
     gradient = np.zeros_like(vertices)
     for k, (p, q) in enumerate([(b, c), (c, a), (a, b)]):
@@ -20,15 +20,15 @@ def volume(vertices, triangles):
 
 
 def height(vertices):
-    """Mean square of z: what is to become small."""
+    """Mean square of z, to be minimized."""
     gradient = np.zeros_like(vertices)
     gradient[:, 2] = 2 * vertices[:, 2] / len(vertices)
     return np.mean(vertices[:, 2] ** 2), gradient
 
 
 class Shapes:
-    """The last shape is kept: scipy asks for value and gradient one after the other. Where there is no valid
-    shape it is given a value so bad that it goes back on its line."""
+    """Keeps the last shape: scipy asks for value and gradient one after the other. If there is no valid shape it gets a
+    value so bad that its line search backtracks."""
 
     def __init__(self, space):
         self.space, self.x, self.vertices = space, None, None
@@ -52,7 +52,7 @@ def optimize(surface, iterations=8):
     (low, _, _), (high, _, _) = surface.box
     along = (surface.centroids()[:, 0] - low) / (high - low)
     ends = np.nonzero((along < 0.15) | (along > 0.85))[0]
-    problem = strake.Problem(surface, fixed=ends, variables=["load_normal"], max_displacement=0.02,
+    problem = strake.Problem(surface, fixed=ends, variables=["normal"], max_displacement=0.02,
                              tree=strake.patches(surface, patches_per_level=[6]))
     space = strake.DesignSpace(problem, level=1)
     shapes = Shapes(space)
@@ -69,6 +69,8 @@ def optimize(surface, iterations=8):
 
 if __name__ == "__main__":
     start_surface = strake.read_surface(sys.argv[1])
+    if not start_surface.is_closed:
+        sys.exit(f"{sys.argv[1]}: the surface is open, for example half a body: it has no volume to keep. Give a closed one.")
     found, best = optimize(start_surface)
     print(f"height {found.fun:.4f} of that at the start, volume {best.volume / start_surface.volume:.6f}; {found.message}")
     if len(sys.argv) > 2:

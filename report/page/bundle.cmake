@@ -1,7 +1,7 @@
-# The page of `strake report`: page/src with the libraries of package-lock.json, bundled and put into the library.
-# Node and npm are needed while Strake is built, not afterwards. Where they or npm's packages are missing Strake is
-# built all the same, and `strake report` says what it lacks; -DSTRAKE_REPORT_PAGE=ON makes that an error.
-set(STRAKE_REPORT_PAGE AUTO CACHE STRING "the page of strake report: AUTO (where node and npm are at hand), ON or OFF")
+# The page of `strake report`: page/src with the libraries of package-lock.json, bundled and embedded in the library.
+# Node and npm are needed only to build Strake. If they or npm's packages are missing, Strake is built without the page
+# and `strake report` says what is missing; -DSTRAKE_REPORT_PAGE=ON makes that an error.
+set(STRAKE_REPORT_PAGE AUTO CACHE STRING "the page of strake report: AUTO (if node and npm are available), ON or OFF")
 if(STRAKE_REPORT_PAGE STREQUAL "OFF")
   return()
 endif()
@@ -26,7 +26,7 @@ if(NOT STRAKE_PAGE_NODE OR NOT STRAKE_PAGE_NPM)
   return()
 endif()
 
-# Once for every change of the lock file. No script of a package is run.
+# Once for each change of the lock file. No package scripts are run.
 file(SHA256 ${page}/package-lock.json locked)
 set(fetched "")
 if(EXISTS ${built}/fetched)

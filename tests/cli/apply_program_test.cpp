@@ -1,7 +1,7 @@
 #include "cli/run_strake.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/npy.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/npy.hpp"
 #include "core/volume/volume_file.hpp"
 #include "surfaces.hpp"
 
@@ -25,7 +25,7 @@ protected:
                 ->write("case.yaml",
                         "case: t\nsurface: {file: s.obj}\nregions: {a: {box: [[-2, -1, -1], [-0.6, 1, 1]]}}\n"
                         "fixed: [a]\nshell: {thickness: 5%}\nobjective: {maximize: volume}\n"
-                        "parameters: {levels: auto, patches_per_level: [2], variables: [load_normal]}\n"
+                        "parameters: {levels: auto, patches_per_level: [2], variables: [normal]}\n"
                         "optimize: {budget: {evaluations: 4}}\n")
                 .string();
         run = (*folder / "run").string();
@@ -203,12 +203,12 @@ TEST_F(ApplyProgram, HoldSaysWhatIsWrongAndWhatToDo) {
         EXPECT_FALSE(std::filesystem::exists(path(out)));
     };
     refused("v.su2", "n.su2", {"--hold", "fra"},
-            {"--hold fra", "v.su2 has no boundary", "did you mean 'far'?", "There are: far"});
-    refused("v.su2", "n.su2", {"--hold", "far", "--hold", "inlet"}, {"--hold inlet", "There are: far"});
-    refused("v.su2", "n.su2", {"--hold", "far", "--undo"}, {"--undo cannot bring back", "leave out both"});
-    refused("v.su2", "n.obj", {"--hold", "far"}, {"no .su2", "write an .su2"});
-    refused("s.obj", "n.obj", {"--hold", "far"}, {"s.obj is a surface", "leave out --hold"});
-    refused("probes.csv", "n.csv", {"--hold", "far"}, {"probes.csv is a list of points", "leave out --hold"});
+            {"--hold fra", "v.su2 has no boundary", "did you mean 'far'?", "Boundaries: far"});
+    refused("v.su2", "n.su2", {"--hold", "far", "--hold", "inlet"}, {"--hold inlet", "Boundaries: far"});
+    refused("v.su2", "n.su2", {"--hold", "far", "--undo"}, {"--undo cannot restore", "omit both"});
+    refused("v.su2", "n.obj", {"--hold", "far"}, {"is not an .su2", "write an .su2"});
+    refused("s.obj", "n.obj", {"--hold", "far"}, {"s.obj is a surface", "omit --hold"});
+    refused("probes.csv", "n.csv", {"--hold", "far"}, {"probes.csv is a list of points", "omit --hold"});
     refused("probes.csv", "n.csv", {"--hold", "far", "--sensitivities", path("g.csv")}, {"is a list of points"});
     refused("one.vtu", "n.vtu", {"--hold", "far"}, {"one.vtu names no boundaries", "--reach"});
 }
@@ -227,12 +227,28 @@ TEST_F(ApplyProgram, WarnsWhereNothingMoves) {
     const std::string far = warned("far.csv", {});
     EXPECT_NE(far.find("warning: nothing of"), std::string::npos) << far;
     EXPECT_NE(far.find("899 away"), std::string::npos) << far;
-    EXPECT_NE(far.find("unit and place"), std::string::npos) << far;
+    EXPECT_NE(far.find("unit and position"), std::string::npos) << far;
     const std::string start = warned("near.csv", {"--evaluation", "1"});
-    EXPECT_NE(start.find("the start shape itself; choose another by --evaluation"), std::string::npos) << start;
+    EXPECT_NE(start.find("the start shape itself; choose another with --evaluation"), std::string::npos) << start;
     const std::string held = warned("held.csv", {});
-    EXPECT_NE(held.find("the design moves other parts of the surface"), std::string::npos) << held;
+    EXPECT_NE(held.find("the design moves only parts of the surface that are too far away"), std::string::npos) << held;
     EXPECT_EQ(warned("near.csv", {}).find("nothing of"), std::string::npos);
+}
+
+/// The surface of another run, or in another unit: it would be moved without meaning.
+TEST_F(ApplyProgram, ASurfaceOfAnotherBodyIsRefused) {
+    TriMesh other = ellipsoid({1, 0.6, 0.4}, 2);
+    other.vertices *= 1.2;
+    write_surface(*folder / "other.obj", other, SurfaceFormat::obj);
+    const std::vector<std::string> arguments{"apply", run, path("other.obj"), "-o", path("n.obj")};
+    const ProgramRun refused = run_strake(arguments);
+    EXPECT_EQ(refused.status, 2) << refused.err;
+    EXPECT_NE(refused.err.find("none of its 162 vertices lies on the start surface"), std::string::npos) << refused.err;
+    EXPECT_NE(refused.err.find("--force"), std::string::npos) << refused.err;
+    EXPECT_FALSE(std::filesystem::exists(path("n.obj")));
+    std::vector<std::string> forced = arguments;
+    forced.push_back("--force");
+    EXPECT_EQ(run_strake(forced).status, 0);
 }
 
 TEST_F(ApplyProgram, ColumnsOfAListStayAsTheyAre) {
@@ -249,7 +265,7 @@ TEST_F(ApplyProgram, ColumnsOfAListStayAsTheyAre) {
     folder->write("plain.npy", npy_bytes((Points(2, 3) << 0, 0, 0.5, 0.2, 0.1, 0.6).finished()));
     ASSERT_EQ(run_strake({"apply", run, path("plain.npy"), "-o", path("plain_moved.npy")}).status, 0);
     const ProgramRun lost = run_strake({"apply", run, path("rows.csv"), "-o", path("rows_moved.npy")});
-    EXPECT_NE(lost.err.find("left out are the columns name, \"p\""), std::string::npos) << lost.err;
+    EXPECT_NE(lost.err.find("the columns name, \"p\" are lost"), std::string::npos) << lost.err;
     const Points moved = parse_npy(bytes_of(path("rows_moved.npy")));
     EXPECT_EQ(moved, parse_npy(bytes_of(path("plain_moved.npy")))) << "the columns are taken by their names";
     ASSERT_EQ(run_strake({"apply", run, path("rows_moved.csv"), "--undo", "-o", path("back.npy")}).status, 0);
@@ -331,7 +347,7 @@ TEST_F(ApplyProgram, MixIsAnEquilibriumBetweenDesigns) {
     write_surface(*folder / "few.obj", few, SurfaceFormat::obj);
     const ProgramRun unlike = run_strake({"mix", run, path("few.obj"), "-o", path("m.obj")});
     EXPECT_EQ(unlike.status, 2);
-    EXPECT_NE(unlike.err.find("other triangles"), std::string::npos) << unlike.err;
+    EXPECT_NE(unlike.err.find("have different triangles"), std::string::npos) << unlike.err;
 }
 
 TEST_F(ApplyProgram, SaysWhatCannotBe) {
@@ -342,7 +358,7 @@ TEST_F(ApplyProgram, SaysWhatCannotBe) {
     };
     folder->write("bad.csv", "x,y,z\n1,2,3\n1,nan,3\n");
     folder->write("p.csv", "1,2,3\n");
-    refused({"apply", path("nowhere"), path("p.csv"), "-o", path("o.csv")}, 2, "holds no run");
+    refused({"apply", path("nowhere"), path("p.csv"), "-o", path("o.csv")}, 2, "is not a run folder");
     refused({"apply", run, path("missing.csv"), "-o", path("o.csv")}, 3, "missing.csv");
     refused({"apply", run, path("bad.csv"), "-o", path("o.csv")}, 3, "bad.csv:3");
     refused({"apply", run, path("p.csv"), "-o", path("o.obj")}, 2, "not a surface");

@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/formats.hpp"
+#include "core/formats/formats.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>

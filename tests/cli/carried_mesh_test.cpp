@@ -4,9 +4,9 @@
 #include "cases/geometry/wing.hpp"
 #include "cli/run_strake.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -25,7 +25,7 @@ protected:
                    "fixed: [a]\nshell: {thickness: 5%}\nquantities: {bulk: " +
                        quantity +
                        "}\nobjective: {maximize: bulk}\nconstraints: {area: {max: 1, relative: true}}\n"
-                       "parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal], "
+                       "parameters: {levels: auto, patches_per_level: [2, 4], variables: [normal], "
                        "max_displacement: 40%}\n" +
                        more)
             .string();

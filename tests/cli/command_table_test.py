@@ -70,8 +70,8 @@ if shutil.which("man"):
 
 keys = [row["key"] for row in json.loads(said("explain", "--json").stdout)]
 expect("optimize.method" in keys and len(keys) > 150, "keys: %d" % len(keys))
-for wanted, has in (("optimize.method", "default  slsqp"), ("regions.tip.box", "Two opposite corners"),
-                    ("loads[0].region", "it has to be there"), ("budget.evaluations", "optimize.budget.evaluations"),
+for wanted, has in (("optimize.method", "default  sqp"), ("regions.tip.box", "Two opposite corners"),
+                    ("loads[0].region", "the key is required"), ("budget.evaluations", "optimize.budget.evaluations"),
                     ("cobyla", "is a value of optimize.method"), ("repair.holes", "all")):
     expect(has in said("explain", wanted).stdout, "explain %s: %s" % (wanted, said("explain", wanted).stdout))
 expect(all(len(line) < 200 for line in said("explain").stdout.splitlines()), "explain: long lines")

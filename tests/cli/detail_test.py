@@ -16,7 +16,7 @@ surface: {file: wing.obj}
 regions: {root: {box: [[-1, -1, -1], [3, 0.2, 1]]}}
 fixed: [root]
 symmetry: {plane: y, at: 0}
-parameters: {levels: auto, patches_per_level: [2], variables: [load_normal], max_displacement: 2%}
+parameters: {levels: auto, patches_per_level: [2], variables: [normal], max_displacement: 2%}
 objective: {maximize: volume}
 constraints: {area: {max: 1.001, relative: true}}
 optimize: {budget: {evaluations: 2}}
@@ -59,7 +59,7 @@ class Detail(unittest.TestCase):
             self.assertEqual(more.returncode, 0)
             steps = more.stderr[len(plain.stderr):] if more.stderr.startswith(plain.stderr) else more.stderr
             self.assertRegex(steps, r"(?m)^strake: +\d+\.\d\d s  strake \d+\.\d+", arguments)
-            self.assertRegex(steps, r"(?m)^strake: .* ends with status 0: [\d.]+ s, [\d.]+ s of processors", arguments)
+            self.assertRegex(steps, r"(?m)^strake: .* ends with status 0: [\d.]+ s, [\d.]+ s of CPU time", arguments)
             self.assertNotIn("\x1b", more.stderr)
             if arguments[0] == "info":
                 self.assertRegex(more.stderr, r"wing\.obj: \d+ vertices, \d+ triangles")

@@ -1,6 +1,6 @@
 #include "cli/errors.hpp"
 
-#include "cases/diagnostics.hpp"
+#include "casefile/yaml/diagnostics.hpp"
 #include "cli/commands.hpp"
 #include "core/primo/shell.hpp"
 

@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -52,7 +52,7 @@ with open("g.csv", "w") as out:
 )");
     ::chmod(program.c_str(), 0700);
     const std::string goal =
-        "quantities: {q: {command: [./height.py, '{surface}', '{result}'], gives: [height], format: obj}}\n"
+        "quantities: {q: {command: [./height.py, '{surface}', '{result}'], outputs: [height], format: obj}}\n"
         "objective: {minimize: q.height}\n";
     const ProgramRun run = run_strake(
         {"gradient-check", yaml(goal), "--json", "--seed", "3", "--level", "1", "--out", (folder / "w").string()});

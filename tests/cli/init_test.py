@@ -182,7 +182,7 @@ def odd_names():
 def main():
     one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^  root: ", r"^objective: \{maximize: volume\}",
                                               r"^  change: \{type: displacement\}", r"^  change: \{max: .*5 % of the mean thickness",
-                                              "^# REPLACE", r"^  # Creases alone"], True)
+                                              "^# REPLACE", r"^  # Number of patches from creases alone"], True)
     one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true"], True)
     one("torn body", made("lifting_body", 1500, "body.obj", torn), ["duplicates: true", "orient: true", r"holes: \d+%"], True)
     what_will_hardly_move_is_said()

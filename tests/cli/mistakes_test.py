@@ -45,7 +45,7 @@ regions:
   nose: {box: [[-2, -1, -1], [-0.7, 1, 1]]}
 fixed: [nose]
 shell: {thickness: 10%}
-parameters: {patches_per_level: [2], variables: [load_normal]}
+parameters: {patches_per_level: [2], variables: [normal]}
 objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 optimize: {budget: {evaluations: 2}}
@@ -78,7 +78,7 @@ MISTAKES = [
     ("a misspelled method", {"case.yaml": case(("optimize: {", "optimize: {method: slqsp, "))}, CHECK, 2),
     ("a key twice", {"case.yaml": case("fixed: []")}, CHECK, 2),
     ("a tab", {"case.yaml": case(("  nose:", "\tnose:"))}, CHECK, 2),
-    ("a decimal comma", {"case.yaml": case(("parameters: {patches_per_level: [2], variables: [load_normal]}", "parameters:\n  max_displacement: 1,5%"))}, CHECK, 2),
+    ("a decimal comma", {"case.yaml": case(("parameters: {patches_per_level: [2], variables: [normal]}", "parameters:\n  max_displacement: 1,5%"))}, CHECK, 2),
     ("an angle without its unit", {"case.yaml": case(("patches_per_level: [2]", "levels: [20, 10]"))}, CHECK, 2),
     ("a length in millimetres of nobody knows what",
      {"case.yaml": case(("variables:", "max_displacement: 5 mm, variables:"))}, CHECK, 2),

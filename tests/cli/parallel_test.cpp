@@ -80,9 +80,8 @@ TEST_F(Parallel, AKilledRunPaysForNothingTwiceAndAnInterruptedOneLeavesNothingRu
     while (ended.size() < 4) {
         pause_ms(5);
         for (const int number : calls())
-            if (fs::exists(folder / text("a/evaluations/00000", number, "/result.json"))) ended.insert(number);
+            if (fs::exists(folder / text("a/evaluations/00000", number, "/answered"))) ended.insert(number);
     }
-    pause_ms(1000);  // for the run to take note of them
     run.send(SIGKILL);
     run.wait();
     fs::remove(folder / "sleep-3");
@@ -95,7 +94,6 @@ TEST_F(Parallel, AKilledRunPaysForNothingTwiceAndAnInterruptedOneLeavesNothingRu
     fs::remove(folder / "sleeping");
     const Started other(folder, {"run", file, "--out", path("b"), "-q"});
     while (!fs::exists(folder / "sleeping")) pause_ms(5);
-    pause_ms(200);
     const auto begin = std::chrono::steady_clock::now();
     other.send(SIGTERM);
     EXPECT_EQ(other.wait(), 75) << other.messages();

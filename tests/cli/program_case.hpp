@@ -1,6 +1,6 @@
 #pragma once
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -76,7 +76,7 @@ if asked("sleep"):
     open(here + "/sleeping", "w").close()
     time.sleep(30 if asked("long") else 4)
 if os.path.exists(here + "/jitter"):
-    time.sleep(int.from_bytes(os.urandom(1), "little") / 1500)
+    time.sleep(int.from_bytes(os.urandom(1), "little") / 10000)
 if asked("fail"):
     sys.exit("licence server is down")
 if asked("once"):

@@ -1,4 +1,4 @@
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "run_strake.hpp"
 #include "surfaces.hpp"
 
@@ -39,7 +39,7 @@ TEST(RemeshOfACase, IsEndedByTheFirstSignalWithNothingWritten) {
     }
     EXPECT_EQ(status, 75);
     EXPECT_EQ(bytes_of((folder / "err").string()),
-              "strake: interrupted by SIGINT while remeshing; nothing is written\n");
+              "strake: interrupted by SIGINT while remeshing; nothing was written\n");
     EXPECT_FALSE(std::filesystem::exists(out));
 }
 

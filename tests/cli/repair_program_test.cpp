@@ -1,6 +1,6 @@
 #include "cli/run_strake.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "core/repair/defective.hpp"
 
 #include <gtest/gtest.h>
@@ -51,11 +51,11 @@ TEST(RepairProgram, WordsNameWhatWasDoneAndWhatIsStillThere) {
     ASSERT_EQ(run.status, 0) << run.err;
     for (const char* words :
          {"orient: 1\n", "1 of 319 connected triangles turned, the first is 7", "misoriented_edges              3 -> 0",
-          "still there: 1 open loop(s): not asked for; --holes", ": open\n"})
+          "remaining: 1 open loop(s): not requested; --holes", ": open\n"})
         EXPECT_NE(run.out.find(words), std::string::npos) << words << "\nnot in\n" << run.out;
     const ProgramRun idle =
         run_strake({"repair", torn_sphere(folder).string(), "-o", (folder / "o.stl").string(), "--degenerate"});
-    EXPECT_NE(idle.out.find("nothing to mend of what was asked for"), std::string::npos) << idle.out;
+    EXPECT_NE(idle.out.find("none of the requested repairs was needed"), std::string::npos) << idle.out;
     EXPECT_EQ(
         run_strake({"repair", torn_sphere(folder).string(), "-o", (folder / "o.stl").string(), "--all", "-q"}).out, "");
 }
@@ -176,7 +176,7 @@ TEST(RepairProgram, NamesOfPartsAreKeptOrTheirLossIsTold) {
         const ProgramRun run = repaired(name);
         EXPECT_EQ(run.status, 0);
         EXPECT_EQ(run.err, "strake: note: " + (folder / name).string() +
-                               ": this format has no names of parts; those of 2 part(s) are not in it\n");
+                               ": this format has no part names; the names of 2 part(s) are lost\n");
     }
 }
 
@@ -187,7 +187,7 @@ TEST(RepairProgram, ALoneTriangleIsNotClosedByItsBack) {
     const ProgramRun run = run_strake(
         {"repair", (folder / "one.off").string(), "-o", (folder / "o.off").string(), "--holes", "all", "--orient"});
     EXPECT_EQ(run.status, 0) << run.err;
-    EXPECT_NE(run.out.find("1 open loop(s): what would close them passes through the surface or lies back to back"),
+    EXPECT_NE(run.out.find("1 open loop(s): their fill would pass through the surface or lie back to back"),
               std::string::npos)
         << run.out;
     EXPECT_EQ(run.out.find("orientation faults"), std::string::npos) << run.out;

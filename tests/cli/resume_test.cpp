@@ -1,6 +1,9 @@
 #include "cli/program_case.hpp"
+#include "core/error.hpp"
 
 #include <sys/resource.h>
+#include <fstream>
+#include <iterator>
 #include <random>
 
 /// Runs that are killed, interrupted, or shut out, and what `resume` makes of them.
@@ -17,14 +20,12 @@ protected:
         std::mt19937 random(static_cast<unsigned>(seed));
         int kills = 0;
         for (int status = -1; status != 0 && kills < 200;) {
-            const bool begun = fs::exists(folder / out / "journal.sqlite");
+            // Whatever a kill leaves, one of the two takes it.
+            const bool begun = fs::exists(folder / out / "case.yaml");
             const std::set<int> paid = begun ? recorded(out) : std::set<int>();
             folder.write("calls", "");
             std::vector<std::string> arguments{"resume", path(out), "-q"};
-            if (!begun) {
-                fs::remove_all(folder / out);
-                arguments = {"run", file, "--out", path(out), "-q"};
-            }
+            if (!begun) arguments = {"run", file, "--out", path(out), "-q"};
             const Started run(folder, arguments);
             // Later starts are given longer, so that there is an end.
             pause_ms(static_cast<int>(random() % static_cast<unsigned>(most_ms + 40 * kills)));
@@ -33,8 +34,6 @@ protected:
             for (const int number : calls()) EXPECT_FALSE(paid.contains(number)) << number << " was paid again";
             if (status == 128 + SIGKILL) {
                 ++kills;
-            } else if (status == 3 && run.messages().find("holds nothing") != std::string::npos) {
-                fs::remove_all(folder / out);  // killed before the first word was written
             } else {
                 EXPECT_EQ(status, 0) << run.messages();
                 if (status != 0) return kills;
@@ -218,7 +217,7 @@ TEST_F(Resume, AFailureCanBeAStepTooFarOrAValue) {
         {"run", external_case(", gradients: false, on_failure: {value: 0.125}", cobyla), "--out", path("b")});
     EXPECT_EQ(replaced.status, 0) << replaced.err;
     EXPECT_NE(bytes_of(folder / "b/history.csv").find("\n3,1,ok,1.2500000000000000e-01"), std::string::npos);
-    EXPECT_NE(replaced.err.find("0.125 stands for it"), std::string::npos) << replaced.err;
+    EXPECT_NE(replaced.err.find("0.125 is used instead"), std::string::npos) << replaced.err;
     const ProgramRun refused = run_strake({"check", external_case(", on_failure: {value: 0.125}")});
     EXPECT_EQ(refused.status, 2);
     EXPECT_NE(refused.err.find("gradients: false"), std::string::npos) << refused.err;
@@ -266,6 +265,128 @@ TEST_F(Resume, AFullDiskLosesNothing) {
     EXPECT_GT(recorded("a").size(), 0u);
     EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
     expect_same("whole", "a");
+}
+
+/// A kill in the first moments: a lone lock, or a case with a journal that holds nothing yet.
+TEST_F(Resume, ARunThatEndedBeforeItBeganCanBeStarted) {
+    const std::string file = external_case();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("whole"), "-q"}).status, 0);
+    fs::create_directory(folder / "lone");
+    folder.write("lone/lock", "99999999 elsewhere\n");
+    const ProgramRun asked = run_strake({"resume", path("lone"), "-q"});
+    EXPECT_EQ(asked.status, 2);
+    EXPECT_NE(asked.err.find("`strake run CASE --out "), std::string::npos) << asked.err;
+    EXPECT_EQ(run_strake({"run", file, "--out", path("lone"), "-q"}).status, 0);
+    expect_same("whole", "lone");
+    for (const bool has_file : {false, true}) {
+        const std::string out = has_file ? "empty" : "none";
+        fs::create_directory(folder / out);
+        fs::copy_file(folder / "whole/case.yaml", folder / out / "case.yaml");
+        const std::string yaml = bytes_of(folder / out / "case.yaml");
+        ASSERT_TRUE(yaml.starts_with("# run of a case in ")) << yaml.substr(0, 80);
+        if (has_file) folder.write(out + "/journal.sqlite", "");
+        const ProgramRun refused = run_strake({"run", file, "--out", path(out), "-q"});
+        EXPECT_EQ(refused.status, 4);
+        EXPECT_NE(refused.err.find("ended before its first evaluation; `strake resume "), std::string::npos)
+            << refused.err;
+        const ProgramRun started = run_strake({"resume", path(out)});
+        EXPECT_EQ(started.status, 0) << started.err;
+        EXPECT_NE(started.err.find("it starts now"), std::string::npos) << started.err;
+        EXPECT_EQ(bytes_of(folder / "whole/history.csv"), bytes_of(folder / out / "history.csv"));
+    }
+}
+
+/// What a program has answered, and what of the journal can still be read, is paid for once.
+TEST_F(Resume, ADamagedJournalIsRebuiltFromWhatIsThere) {
+    ASSERT_EQ(run_strake({"run", external_case(), "--out", path("whole"), "-q"}).status, 0);
+    const std::string bytes = bytes_of(folder / "whole/journal.sqlite");
+    const std::string history = bytes_of(folder / "whole/history.csv");
+    const auto rows = std::count(history.begin(), history.end(), '\n') - 1;
+    ASSERT_GT(rows, 5);
+    for (const std::string damage : {"lost", "emptied", "cut", "flipped"}) {
+        fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
+        const std::string name = damage + "/journal.sqlite";
+        if (damage == "lost") fs::remove(folder / name);
+        if (damage == "emptied") folder.write(name, "");
+        if (damage == "cut") folder.write(name, bytes.substr(0, bytes.size() / 2));
+        if (damage == "flipped") {
+            std::string flipped = bytes;
+            flipped[flipped.find("bulk", flipped.size() / 2)] ^= 4;  // in a row of calls
+            folder.write(name, flipped);
+        }
+        fs::remove(folder / "calls");
+        const ProgramRun refused = run_strake({"resume", path(damage), "-q"});
+        EXPECT_EQ(refused.status, 3) << damage;
+        EXPECT_NE(refused.err.find(" --rebuild` makes a new journal"), std::string::npos) << refused.err;
+        EXPECT_NE(refused.err.find(text("history.csv lists ", rows, " evaluations")), std::string::npos) << refused.err;
+        EXPECT_EQ(refused.err.find("remove"), std::string::npos) << refused.err;
+        const ProgramRun rebuilt = run_strake({"resume", path(damage), "--rebuild"});
+        EXPECT_EQ(rebuilt.status, 0) << damage << ": " << rebuilt.err;
+        EXPECT_NE(rebuilt.err.find("rebuilt the journal: "), std::string::npos) << rebuilt.err;
+        EXPECT_TRUE(calls().empty()) << damage << ": " << calls().size() << " calls were paid again";
+        expect_same("whole", damage);
+        EXPECT_EQ(fs::exists(folder / damage / "journal.damaged.sqlite"), damage != "lost");
+    }
+}
+
+/// The program has run, and there is no room for what it said.
+TEST_F(Resume, AnAnswerThatFoundNoRoomInTheJournalIsNotPaidAgain) {
+    const std::string file = external_case();
+    undisturbed();
+    int lost = 0;
+    for (const rlim_t room : {60'000, 100'000, 140'000, 180'000}) {
+        const std::string out = "full" + std::to_string(room);
+        fs::remove(folder / "calls");
+        const Started full(folder, {"run", file, "--out", path(out), "-q"}, [room] {
+            signal(SIGXFSZ, SIG_IGN);
+            const rlimit limit{room, room};
+            setrlimit(RLIMIT_FSIZE, &limit);
+        });
+        if (full.wait() == 0) continue;
+        ++lost;
+        EXPECT_EQ(run_strake({"resume", path(out), "-q"}).status, 0) << room;
+        for (const int number : calls()) EXPECT_EQ(calls().count(number), 1u) << room << ": evaluation " << number;
+        expect_same("whole", out);
+    }
+    EXPECT_GT(lost, 1);
+}
+
+/// A reader that goes away ends nothing.
+TEST_F(Resume, ARunWhoseOutputNobodyReadsGoesOn) {
+    const std::string file = folder.write("case.yaml", body + built_in + budget).string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("whole"), "-q"}).status, 0);
+    const int status = std::system(text("( '", STRAKE_PROGRAM, "' run '", file, "' --out '", path("a"),
+                                        "' 2>&1; echo $? > '", path("status"), "' ) | head -2 > /dev/null")
+                                       .c_str());
+    EXPECT_EQ(status, 0);
+    EXPECT_EQ(bytes_of(folder / "status"), "4\n") << "done; what was printed is lost";
+    expect_same("whole", "a");
+}
+
+/// The second signal ends the program at once: nothing that it has started stays behind.
+TEST_F(Resume, ASecondSignalKillsAProgramThatIgnoresTheFirst) {
+    const std::string file = external_case();
+    mark("sleep-4");
+    mark("deaf-4");
+    mark("long-4");
+    const Started asked(folder, {"run", file, "--out", path("a"), "-q"});
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    const auto runs = [&] {
+        for (const auto& entry : fs::directory_iterator("/proc")) {
+            std::ifstream line(entry.path() / "cmdline", std::ios::binary);
+            const std::string words{std::istreambuf_iterator<char>(line), {}};
+            if (words.starts_with("python3") && words.find(folder.path().filename().string()) != std::string::npos)
+                return true;
+        }
+        return false;
+    };
+    EXPECT_TRUE(runs());
+    asked.send(SIGINT);
+    pause_ms(100);
+    asked.send(SIGINT);
+    EXPECT_EQ(asked.wait(), 128 + SIGINT);
+    for (int k = 0; k < 200 && runs(); ++k) pause_ms(5);
+    EXPECT_FALSE(runs());
 }
 
 TEST_F(Resume, AFolderThatMayNotBeWrittenIsToldAndCanStillBeLookedAt) {

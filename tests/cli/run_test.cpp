@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -12,7 +12,7 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-const char* one_patch = "parameters: {levels: [80deg], variables: [load_normal]}\n";
+const char* one_patch = "parameters: {levels: [80deg], variables: [normal]}\n";
 
 class Run : public testing::Test {
 protected:
@@ -114,7 +114,7 @@ TEST_F(Run, DeformRefusesASurfaceThatPassesThroughItself) {
     EXPECT_FALSE(fs::exists(folder / "o.obj"));
     const ProgramRun linear = run_strake({"deform", file, "--linear", "--json", "-o", path("o.obj")});
     EXPECT_EQ(linear.status, 0) << linear.err;
-    EXPECT_NE(linear.err.find("warning: the linear answer is not a valid surface"), std::string::npos) << linear.err;
+    EXPECT_NE(linear.err.find("warning: the linear response is not a valid surface"), std::string::npos) << linear.err;
     EXPECT_TRUE(fs::exists(folder / "o.obj"));
 }
 

@@ -1,6 +1,6 @@
 #include "cases/geometry/wing.hpp"
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 
 #include <gtest/gtest.h>
 

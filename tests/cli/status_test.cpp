@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -45,8 +45,7 @@ protected:
     }
 };
 
-const std::string volume =
-    "parameters: {patches_per_level: [2], variables: [load_normal]}\nobjective: {maximize: volume}\n";
+const std::string volume = "parameters: {patches_per_level: [2], variables: [normal]}\nobjective: {maximize: volume}\n";
 
 TEST_F(Status, ConvergedAndLimitsAreSuccess) {
     Ended e = ended(volume + "constraints: {area: {max: 1.01, relative: true}}\n");
@@ -77,15 +76,16 @@ TEST_F(Status, AFolderWithoutARunIsToldSo) {
             EXPECT_EQ(told.out, "");
             EXPECT_NE(told.err.find(words), std::string::npos) << command << ": " << told.err;
         };
-        refused("nowhere", "nowhere: there is no such folder");
-        refused("a.txt", "a.txt: is no folder; give that of a run");
-        refused("my runs", "my runs: holds no run (there is no journal.sqlite)\n");
+        refused("nowhere", "nowhere: no such folder");
+        refused("a.txt", "a.txt: is not a folder; give the run folder");
+        refused("my runs", "my runs: is not a run folder (it has no journal.sqlite)\n");
     }
     ended(volume + "optimize: {budget: {evaluations: 2}}\n");
     std::filesystem::rename(folder / "1", folder / "my runs/first");
     const ProgramRun above = run_strake({"history", (folder / "my runs").string()});
     EXPECT_EQ(above.status, 3);
-    EXPECT_NE(above.err.find("; runs are in '" + (folder / "my runs/first").string() + "'"), std::string::npos)
+    EXPECT_NE(above.err.find("; run folders below it: '" + (folder / "my runs/first").string() + "'"),
+              std::string::npos)
         << above.err;
 }
 
@@ -155,7 +155,7 @@ TEST_F(Status, AFlatObjectiveIsConvergedOnlyWithANote) {
     // Points on the part that is held do not move.
     folder.write("points.csv", "-1.2,0,0\n");
     const Ended e = ended(
-        "parameters: {patches_per_level: [2], variables: [load_normal]}\nquantities: {p: {type: measured_points, file: "
+        "parameters: {patches_per_level: [2], variables: [normal]}\nquantities: {p: {type: measured_points, file: "
         "points.csv}}\nobjective: {minimize: p}\n");
     EXPECT_EQ(e.status, 0) << e.err;
     EXPECT_NE(e.reason.find("did not change with any variable"), std::string::npos) << e.reason;
@@ -164,7 +164,7 @@ TEST_F(Status, AFlatObjectiveIsConvergedOnlyWithANote) {
 TEST_F(Status, AFitEndsInItsOwnWord) {
     write_surface(folder / "t.obj", ellipsoid({1, 0.62, 0.38}, 2), SurfaceFormat::obj);
     const Ended e = ended(
-        "parameters: {patches_per_level: [2], variables: [load_normal]}\nquantities: {t: {type: target_shape, file: "
+        "parameters: {patches_per_level: [2], variables: [normal]}\nquantities: {t: {type: target_shape, file: "
         "t.obj}}\nfit: [t]\n",
         "fit");
     EXPECT_EQ(e.status, 0) << e.err;

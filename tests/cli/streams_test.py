@@ -19,7 +19,7 @@ case: streams
 surface: {file: body.obj}
 regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}}
 fixed: [root]
-parameters: {levels: auto, patches_per_level: [2], variables: [load_normal], max_displacement: 2%}
+parameters: {levels: auto, patches_per_level: [2], variables: [normal], max_displacement: 2%}
 objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 optimize: {budget: {evaluations: 4}}
@@ -28,7 +28,7 @@ FIT = """case: fit
 surface: {file: body.obj}
 fixed: [root]
 regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}}
-parameters: {levels: auto, patches_per_level: [2], variables: [load_normal], max_displacement: 2%}
+parameters: {levels: auto, patches_per_level: [2], variables: [normal], max_displacement: 2%}
 quantities: {match: {type: target_shape, file: moved.obj, match: same}}
 fit: [match]
 optimize: {budget: {evaluations: 2}}
@@ -149,7 +149,7 @@ class Streams(unittest.TestCase):
         done = said("run", "case.yaml", "--out", "told")
         self.assertEqual(done.returncode, 0, done.stderr)
         for row in (r"^status +\w+$", r"^reason +\S", r"^evaluations +\d+, on 1 levels", r"^volume +[\d.e+-]+ -> [\d.e+-]+ \(",
-                    r"^area +[\d.e+-]+ -> ", r"^moved +[\d.]+ % of the diagonal", r"^files +told: .*best\.obj",
+                    r"^area +[\d.e+-]+ -> ", r"^moved +at most [\d.e+-]+ % of the diagonal", r"^files +told: .*best\.obj",
                     r"^view +paraview told/series\.pvd"):
             self.assertRegex(done.stdout, re.compile(row, re.M))
         copy = json.loads((FOLDER / "told/run.json").read_text())

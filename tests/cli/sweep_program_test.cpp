@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ protected:
                    .write("case.yaml",
                           "case: t\nsurface: {file: s.obj}\nregions: {a: {box: [[-2, -1, -1], [-0.6, 1, 1]]}}\n"
                           "fixed: [a]\nshell: {thickness: 5%}\nobjective: {maximize: volume}\n"
-                          "parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal]}\n")
+                          "parameters: {levels: auto, patches_per_level: [2, 4], variables: [normal]}\n")
                    .string();
     }
     /// The first variable of a level, from the message about one that does not exist.

@@ -138,7 +138,7 @@ def a_repair_is_interrupted():
         child.send_signal(signal.SIGINT)
         _, words = child.communicate(timeout=60)
         if ended is None and child.returncode != 0:  # a fast machine may be done
-            expect(child.returncode == 75 and "nothing is written" in words, "%d: %s" % (child.returncode, words))
+            expect(child.returncode == 75 and "nothing was written" in words, "%d: %s" % (child.returncode, words))
             expect(not (folder / "new.obj").exists() and len(list(folder.iterdir())) == 1, "it has left something")
 
 

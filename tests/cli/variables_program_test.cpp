@@ -1,5 +1,5 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -25,11 +25,11 @@ protected:
             .write(name,
                    "case: t\nsurface: {file: s.obj}\nregions: {a: {box: [[-2, -1, -1], [-0.6, 1, 1]]}}\n"
                    "fixed: [a]\nshell: {thickness: 5%}\n"
-                   "parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal]}\n"
+                   "parameters: {levels: auto, patches_per_level: [2, 4], variables: [normal]}\n"
                    "variables: {alpha: " +
                        alpha +
                        "}\nquantities:\n  aero: {command: [" EXAMPLE_DIR
-                       "/newton.py, \"{request}\", \"{result}\"], gives: [drag, lift]}\n"
+                       "/newton.py, \"{request}\", \"{result}\"], outputs: [drag, lift]}\n"
                        "objective: {minimize: aero.drag}\n"
                        "constraints: {aero.lift: {min: 1, relative: true}, volume: {min: 1, relative: true}}\n"
                        "optimize: {" +
@@ -93,9 +93,9 @@ TEST_F(VariablesProgram, CheckGradientCheckAndSweepKnowThem) {
         return run_strake(
             {"sweep", file, "--variable", "alpha", "--from", from, "--to", to, "--steps", "3", "--json", "-q"});
     };
-    const ProgramRun swept = sweep("0deg", "12deg");
-    ASSERT_EQ(swept.status, 0) << swept.err;
-    const Json points = Json::parse(swept.out)["points"];
+    const ProgramRun work_integrals = sweep("0deg", "12deg");
+    ASSERT_EQ(work_integrals.status, 0) << work_integrals.err;
+    const Json points = Json::parse(work_integrals.out)["points"];
     EXPECT_DOUBLE_EQ(points[1]["physical"][0].get<double>(), std::numbers::pi / 30);
     EXPECT_LT(points[0]["values"][1].get<double>(), points[2]["values"][1].get<double>()) << "lift rises with alpha";
     EXPECT_NE(sweep("0", "12").err.find("--to of alpha = 12 must be an angle"), std::string::npos);

@@ -12,7 +12,7 @@ import unicodedata
 ROOT = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else __file__).resolve()
 ROOT = ROOT if len(sys.argv) > 1 else ROOT.parents[2]
 LINK = re.compile(r"!?\[(?:[^\[\]]|\[[^\]]*\])*\]\(\s*<?([^)\s>]+)>?(?:\s+\"[^\"]*\")?\s*\)")
-SOURCE = re.compile(r"`((?:core|objectives|optimize|cases|report|cli|python|include|scripts|tests|bench)/[\w./-]+\.\w+)")
+SOURCE = re.compile(r"`((?:core|objectives|optimize|casefile|cases|viewer|report|cli|python|include|scripts|tests|bench)/[\w./-]+\.\w+)")
 MADE = re.compile(r"/generated/|NAME")  # by scripts/examples.sh; stands for any
 
 

@@ -1,5 +1,7 @@
-#include "cases/case.hpp"
-#include "tests/cases/folder.hpp"
+#include "casefile/load_case.hpp"
+#include "casefile/model/case.hpp"
+#include "casefile/read/resolved_case.hpp"
+#include "tests/casefile/folder.hpp"
 
 /// Whatever the text is, the loader of cases ends in a case or in a CaseError; a case that it takes is resolved to one
 /// that it takes, too.

@@ -1,8 +1,8 @@
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
-#include "core/mesh/npy.hpp"
-#include "core/mesh/vtp.hpp"
+#include "core/formats/io.hpp"
+#include "core/formats/npy.hpp"
+#include "core/formats/vtp.hpp"
+#include "core/text/file.hpp"
 #include "surfaces.hpp"
 
 #include <zlib.h>

@@ -1,7 +1,7 @@
 #pragma once
 #include "core/error.hpp"
 #include "derivatives.hpp"
-#include "objectives/quantity.hpp"
+#include "objectives/quantity/quantity.hpp"
 
 #include <unistd.h>
 #include <filesystem>

@@ -2,6 +2,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <unistd.h>
 
 #include "strake/plugin.h"
 
@@ -15,6 +16,7 @@ int strake_plugin_open(const char* options, void** state, char* error, size_t er
         snprintf(error, error_size, "no licence for %s", options);
         return 7;
     }
+    if (strcmp(options, "wander") == 0 && chdir("/") != 0) return 8;
     *state = strdup(options);
     return 0;
 }
@@ -27,6 +29,8 @@ int strake_plugin_evaluate(void* state, const strake_plugin_request* request, st
         return 1;
     }
     if (strcmp(role, "silent") == 0) return 2;
+    if (strcmp(role, "wander") == 0 && chdir("/") != 0) return 3;
+    if (strcmp(role, "exit") == 0) exit(0);
     for (size_t i = 0; i < request->num_values; ++i) {
         result->values[i] = request->vertices[0] + (double)i;
         if (strcmp(role, "forget") == 0 && i == 1) result->values[i] = 0.0 / 0.0;

@@ -1,4 +1,5 @@
 #pragma once
+#include "ask.hpp"
 #include "core/mesh/geometry.hpp"
 #include "objectives/external/external.hpp"
 #include "surfaces.hpp"
@@ -11,8 +12,6 @@
 #include <string>
 
 namespace strake {
-
-inline bool has(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
 inline std::string contents(const std::filesystem::path& file) {
     std::ifstream in(file, std::ios::binary);

@@ -2,7 +2,7 @@
 
 #include "core/error.hpp"
 #include "external_fixture.hpp"
-#include "objectives/measures.hpp"
+#include "objectives/geometry/measures.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -39,7 +39,7 @@ TEST_F(External, CoordinatesOfAWeldedStlFindTheirVertices) {
 
 TEST_F(External, SeveralValuesAreNamedAndOthersLeftAlone) {
     ExternalCommand command = fake("two_values");
-    command.gives = {"drag", "lift"};
+    command.outputs = {"drag", "lift"};
     EXPECT_EQ(external(command).names, (std::vector<std::string>{"aero.drag", "aero.lift"}));
     const QuantityResult result = ask(command, true);
     ASSERT_FALSE(result.failure) << result.failure->message;
@@ -51,14 +51,14 @@ TEST_F(External, SeveralValuesAreNamedAndOthersLeftAlone) {
 TEST_F(External, OneNamedValueMayUseTheShortForm) {
     ExternalCommand command = fake("ok");
     EXPECT_EQ(external(command).names, std::vector<std::string>{"aero"});
-    command.gives = {"drag"};
+    command.outputs = {"drag"};
     EXPECT_EQ(external(command).names, std::vector<std::string>{"aero.drag"});
     EXPECT_FALSE(ask(command, true, 1).failure);
-    command.gives = {"drag", "lift"};
+    command.outputs = {"drag", "lift"};
     const QuantityResult result = ask(command, true, 2);
     ASSERT_TRUE(result.failure);
     EXPECT_EQ(result.failure->kind, "missing_key");
-    EXPECT_TRUE(has(result.failure->message, "for a command that gives one value")) << result.failure->message;
+    EXPECT_TRUE(has(result.failure->message, "for a command that outputs one value")) << result.failure->message;
 }
 
 TEST_F(External, EachEvaluationHasAFreshNumberedFolder) {
@@ -118,6 +118,7 @@ TEST_F(External, EveryWrongResultIsAFailureOfItsKind) {
         {"array", "wrong_type", "must be an object"},
         {"deep", "unreadable", "nested deeper"},
         {"missing_key", "missing_key", "did you mean 'value'?"},
+        {"key_twice", "unreadable", "has the key 'value' twice"},
         {"both_forms", "wrong_type", "both"},
         {"no_gradient", "missing_key", "no 'gradient'"},
         {"bad_variables", "wrong_type", "variables.drag"},
@@ -130,7 +131,7 @@ TEST_F(External, EveryWrongResultIsAFailureOfItsKind) {
         {"deletes_folder", "no_result", "folder is gone"},
         {"gradient_short", "wrong_count", "161 rows, the surface has 162 vertices"},
         {"gradient_short", "wrong_count", "first without: 161"},
-        {"gradient_twice", "wrong_count", "gradient.csv:163: vertex 0 for the second time, first in line 1"},
+        {"gradient_twice", "wrong_count", "gradient.csv:163: vertex 0 appears twice, first in line 1"},
         {"gradient_nan", "not_finite", "gradient.csv:3: column 3: 'nan'"},
         {"gradient_columns", "unreadable", "gradient.csv:3: 3 columns, expected 4"},
         {"gradient_word", "unreadable", "gradient.csv:3: column 3: 'one' is not a number"},
@@ -207,7 +208,7 @@ TEST_F(External, WrongOptionsAreRefused) {
     command.diagonal = 0;
     refused(command, "diagonal");
     command = fake("ok");
-    command.gives = {"drag", "drag"};
+    command.outputs = {"drag", "drag"};
     refused(command, "drag");
     command = fake("ok");
     command.command.push_back("--in={sruface}");

@@ -30,8 +30,8 @@ TEST_F(ExternalVariables, AreHandedOverAndDifferentiated) {
         const QuantityResult result = ask_about(fake(role));
         ASSERT_FALSE(result.failure) << role << ": " << result.failure->message;
         EXPECT_NEAR(result.values.at(0), mesh.vertices.sum() + 0.5, 1e-12);
-        ASSERT_EQ(result.dJ_down.size(), 1u);
-        EXPECT_EQ(result.dJ_down[0], Eigen::Vector2d(2, -1));
+        ASSERT_EQ(result.dJ_dp.size(), 1u);
+        EXPECT_EQ(result.dJ_dp[0], Eigen::Vector2d(2, -1));
         EXPECT_EQ(request()["variables"]["alpha"], 0.25);
         EXPECT_EQ(request()["variables"]["tip.load_x"], -2);
         EXPECT_EQ(request()["wanted"]["variables"], (std::vector<std::string>{"alpha", "speed"}));
@@ -54,8 +54,8 @@ TEST_F(ExternalVariables, MayBeMissingWhereDifferencesAreAllowed) {
     command.may_lack_derivatives = true;
     const QuantityResult result = ask_about(command);
     ASSERT_FALSE(result.failure) << result.failure->message;
-    EXPECT_EQ(result.dJ_down.at(0)[0], 2);
-    EXPECT_TRUE(std::isnan(result.dJ_down.at(0)[1]));
+    EXPECT_EQ(result.dJ_dp.at(0)[0], 2);
+    EXPECT_TRUE(std::isnan(result.dJ_dp.at(0)[1]));
     command = fake("by_alhpa");
     command.may_lack_derivatives = true;
     ASSERT_TRUE(ask_about(command).failure) << "a slip of the pen is one all the same";
@@ -66,12 +66,12 @@ TEST_F(ExternalVariables, ThatItDoesNotDependOnAreZero) {
     command.depends_on = {"alpha"};
     const QuantityResult result = ask_about(command);
     ASSERT_FALSE(result.failure) << result.failure->message;
-    EXPECT_EQ(result.dJ_down.at(0), Eigen::Vector2d(2, 0));
+    EXPECT_EQ(result.dJ_dp.at(0), Eigen::Vector2d(2, 0));
     EXPECT_EQ(request()["wanted"]["variables"], std::vector<std::string>{"alpha"});
     EXPECT_EQ(request()["variables"]["speed"], 3) << "told all the same";
     command = fake("ok");
     command.depends_on.emplace();
     const QuantityResult shape_only = ask_about(command);
     ASSERT_FALSE(shape_only.failure) << shape_only.failure->message;
-    EXPECT_TRUE(shape_only.dJ_down.at(0).isZero(0));
+    EXPECT_TRUE(shape_only.dJ_dp.at(0).isZero(0));
 }

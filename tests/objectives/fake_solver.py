@@ -257,6 +257,7 @@ ROLES = {
     "array": lambda: write_text("[1.0]"),
     "deep": lambda: write_text('{"value": ' + "[" * 1000000 + "]" * 1000000 + "}"),
     "missing_key": lambda: write_text('{"valeu": 1.0}'),
+    "key_twice": lambda: write_text('{"value": 1.0, "value": 2.0}'),
     "both_forms": lambda: write_text('{"value": 1.0, "values": {"value": 1.0}}'),
     "no_gradient": lambda: write_text('{"value": 1.0}'),
     "bad_variables": lambda: write_text('{"value": 1.0, "variables": {"drag": {"alpha": "x"}}}'),

@@ -1,6 +1,6 @@
 #include "core/error.hpp"
-#include "core/mesh/npy.hpp"
-#include "core/mesh/vtp.hpp"
+#include "core/formats/npy.hpp"
+#include "core/formats/vtp.hpp"
 #include "objectives/external/gradient.hpp"
 #include "objectives/external/refused.hpp"
 #include "surfaces.hpp"

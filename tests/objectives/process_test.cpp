@@ -55,7 +55,7 @@ TEST_F(Process, EverySpawnFailureIsNamed) {
                           {"./directory", "is a directory"},
                           {"./plain", "may not be executed (mode 644); chmod +x"},
                           {"./shebang", "interpreter"},
-                          {"./nothing", "no program of this machine"},
+                          {"./nothing", "not a program for this machine"},
                           {"no-such-program-anywhere", "not on PATH"}};
     int evaluation = 0;
     for (const Case& c : cases) {
@@ -225,7 +225,7 @@ TEST_F(Process, FloodOfOutputIsCutInTheMiddleAndCostsNoMemory) {
         EXPECT_LE(std::filesystem::file_size(home / name), (10u << 20) + 70000);
     }
     const std::string log = contents(home / "stderr.log");
-    EXPECT_TRUE(has(log, "bytes left out]"));
+    EXPECT_TRUE(has(log, "bytes omitted]"));
     EXPECT_EQ(log.substr(log.size() - 14), "the last line\n");
 }
 
@@ -244,9 +244,9 @@ TEST_F(Process, EveryCallReturnsItsDescriptors) {
 }
 
 TEST(Log, WhatAProgramPrintsIsMadeHarmless) {
-    EXPECT_EQ(printable("\x1b[1;31mred\x1b[0m \x1b]0;title\x07 end\x07"), "red  end?");
-    EXPECT_EQ(printable("caf\xc3\xa9 \xff \xc2\x9b \xe2\x80\xae \xed\xa0\x80 \xc3"), "caf\xc3\xa9 ? ?? ??? ??? ?");
-    EXPECT_EQ(printable(std::string(1000, 'x')).size(), 204u);
+    EXPECT_EQ(printable_line("\x1b[1;31mred\x1b[0m \x1b]0;title\x07 end\x07"), "red  end?");
+    EXPECT_EQ(printable_line("caf\xc3\xa9 \xff \xc2\x9b \xe2\x80\xae \xed\xa0\x80 \xc3"), "caf\xc3\xa9 ? ?? ??? ??? ?");
+    EXPECT_EQ(printable_line(std::string(1000, 'x')).size(), 204u);
     EXPECT_EQ(printable_tail("1\n2\n\n  \n3\r4\n", 3), "    2\n    3\n    4");
     EXPECT_EQ(printable_tail("", 3), "");
 }

@@ -1,8 +1,8 @@
 #include "brute_force.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/evaluation.hpp"
+#include "core/formats/io.hpp"
+#include "optimize/evaluate/evaluation.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
 #include "problems.hpp"
 #include "report/run_folder.hpp"
 
@@ -183,7 +183,7 @@ protected:
         for (int t = 0; t < p.surface.num_triangles(); ++t) {
             V3 way = p.given_traction.rows() ? V3(p.given_traction.row(t)) : V3::Zero();
             if (way.norm() > 1e-9) way.normalize();
-            for (const GivenStrain& s : p.strains)
+            for (const PrescribedStrain& s : p.strains)
                 if (std::find(s.triangles.begin(), s.triangles.end(), t) != s.triangles.end())
                     way += s.motion.translation + s.motion.rotation.cross(V3(c.row(t)) - s.motion.about);
             for (int k = 0; k < 3; ++k) pull.row(p.surface.triangles(t, k)) += way;

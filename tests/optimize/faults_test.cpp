@@ -1,5 +1,5 @@
 #include "derivatives.hpp"
-#include "optimize/guard.hpp"
+#include "optimize/nlp/program/guard.hpp"
 #include "programs.hpp"
 
 #include <gtest/gtest.h>
@@ -32,7 +32,7 @@ Faulty with_fault(const NonlinearProgram& sound, Fault fault) {
     Faulty f;
     f.program = sound;
     f.program.evaluate = [=, calls = f.calls, struck = f.struck](const VectorXd& x) {
-        Sample s = sound.evaluate(x);
+        Evaluation s = sound.evaluate(x);
         if (fault == Fault::gradient || !is_struck(++*calls)) return s;
         ++*struck;
         if (fault == Fault::not_a_number) s.objective = std::numeric_limits<double>::quiet_NaN();
@@ -47,7 +47,7 @@ Faulty with_fault(const NonlinearProgram& sound, Fault fault) {
         }
         return s;
     };
-    f.program.differentiate = [=, calls = f.calls, struck = f.struck](const VectorXd& x, Sample& s) {
+    f.program.differentiate = [=, calls = f.calls, struck = f.struck](const VectorXd& x, Evaluation& s) {
         sound.differentiate(x, s);
         if (fault != Fault::gradient || !is_struck(++*calls)) return;
         ++*struck;
@@ -83,12 +83,11 @@ TEST_P(EveryMethodFaulty, RightOptimumOrAClearVerdict) {
         // Where the best valley was struck out of a global search, the bottom of another is what can be had.
         NonlinearProgram from_there = known.program;
         from_there.start = r.x;
-        const bool is_bottom =
-            method.is_global &&
-            r.best.objective - minimize(from_there, tight_options(Method::slsqp, 200)).best.objective <
-                1e-4 * std::abs(r.best.objective);
+        const bool is_bottom = method.is_global &&
+                               r.best.objective - minimize(from_there, tight_options(Method::sqp, 200)).best.objective <
+                                   1e-4 * std::abs(r.best.objective);
         const bool right = r.is_feasible && (best_of_all || is_bottom);
-        const bool says_failing = r.stop == MinimizeStop::blocked || r.stop == MinimizeStop::failed ||
+        const bool says_failing = r.stop == MinimizeStop::no_valid_step || r.stop == MinimizeStop::failed ||
                                   r.reason.find("evaluations failed") != std::string::npos;
         EXPECT_TRUE(says_failing || *f.struck == 0) << r.reason;
         EXPECT_TRUE(right || r.stop != MinimizeStop::converged) << r.best.objective << " " << r.reason;
@@ -123,12 +122,12 @@ TEST(Faults, WhereOnlyGradientsFailTheBestPointStands) {
         if (!method.needs_gradients && !method.is_global) continue;
         SCOPED_TRACE(method.name);
         NonlinearProgram p = bowl().program;
-        p.differentiate = [sound = p.differentiate](const VectorXd& x, Sample& s) {
+        p.differentiate = [sound = p.differentiate](const VectorXd& x, Evaluation& s) {
             sound(x, s);
             if (x[0] > 0) s.failure = "the adjoint diverges";
         };
         const MinimizeResult r = minimize(p, tight_options(method.method, 400));
-        EXPECT_EQ(r.stop, MinimizeStop::blocked) << r.reason;
+        EXPECT_EQ(r.stop, MinimizeStop::no_valid_step) << r.reason;
         EXPECT_NE(r.reason.find("the adjoint diverges"), std::string::npos) << r.reason;
         EXPECT_LT(r.best.objective, p.evaluate(p.start).objective);
     }
@@ -143,7 +142,7 @@ TEST(Faults, BadLuckDoesNotEndASearchWithoutGradients) {
             int calls = 0;
             p.differentiate = nullptr;
             p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
-                Sample s = sound(x);
+                Evaluation s = sound(x);
                 if (calls++ > 0 && random_vector(1, seed * 1000 + calls)[0] > 0.8) s.failure = "bad luck";
                 return s;
             };
@@ -152,7 +151,7 @@ TEST(Faults, BadLuckDoesNotEndASearchWithoutGradients) {
         }
 }
 
-/// slsqp begins along the border where the method without gradients has its best point: that is not paid again.
+/// sqp begins along the border where the method without gradients has its best point: that is not paid again.
 TEST(Faults, NoPointIsPaidTwiceAlongABorder) {
     for (const Method method : {Method::cobyla, Method::bobyqa}) {
         SCOPED_TRACE(method_facts(method).name);
@@ -162,12 +161,12 @@ TEST(Faults, NoPointIsPaidTwiceAlongABorder) {
         p.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
             for (const VectorXd& y : paid) EXPECT_NE(x, y) << x.transpose();
             paid.push_back(x);
-            Sample s = sound(x);
+            Evaluation s = sound(x);
             if (x[0] - x[1] + x[2] > 0.2) s.failure = "the flow separates";
             return s;
         };
         const MinimizeResult r = minimize(p, tight_options(method, 300));
-        EXPECT_NE(r.reason.find("slsqp went on"), std::string::npos) << r.reason;
+        EXPECT_NE(r.reason.find("sqp went on"), std::string::npos) << r.reason;
     }
 }
 
@@ -214,7 +213,7 @@ TEST(Faults, AFatalFailureEndsEveryMethodAtOnce) {
         int calls = 0;
         NonlinearProgram p = bowl().program;
         p.evaluate = [&](const VectorXd& x) {
-            Sample s = bowl().program.evaluate(x);
+            Evaluation s = bowl().program.evaluate(x);
             if (++calls == 6) s.failure = "no licence", s.is_fatal = true;
             return s;
         };
@@ -253,9 +252,9 @@ TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
             return g;
         });
     const double start = sound.evaluate(sound.start).objective;
-    const double least = minimize(sound, tight_options(Method::slsqp, 1000)).best.objective;
-    for (const auto& [method, is_of_step] : std::vector<std::pair<Method, bool>>{{Method::slsqp, false},
-                                                                                 {Method::slsqp, true},
+    const double least = minimize(sound, tight_options(Method::sqp, 1000)).best.objective;
+    for (const auto& [method, is_of_step] : std::vector<std::pair<Method, bool>>{{Method::sqp, false},
+                                                                                 {Method::sqp, true},
                                                                                  {Method::mma, false},
                                                                                  {Method::ccsaq, false},
                                                                                  {Method::lbfgs, false},
@@ -266,7 +265,7 @@ TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
         VectorXd best = p.start;
         double lowest = start;
         p.evaluate = [&, of_step = is_of_step](const VectorXd& x) {
-            Sample s = sound.evaluate(x);
+            Evaluation s = sound.evaluate(x);
             s.is_of_step = of_step;
             if ((x - best).norm() > 0.5)
                 s.failure = "buckled";
@@ -300,7 +299,7 @@ TEST(Guard, NotANumberIsNeverEvaluatedAndBoundsHold) {
     for (const double wrong : {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()}) {
         Guard guard(p, options);
         EXPECT_THROW(guard.at_all(vec({0, wrong, 0}), false), nlopt::forced_stop);
-        EXPECT_EQ(guard.cause, Cause::asked_nonfinite);
+        EXPECT_EQ(guard.cause, StopCause::nonfinite_point);
         EXPECT_TRUE(asked.empty());
     }
     Guard guard(p, options);

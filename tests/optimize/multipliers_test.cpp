@@ -1,8 +1,10 @@
-#include "optimize/first_order.hpp"
+#include "optimize/nlp/program/first_order.hpp"
 
 #include "programs.hpp"
 
 #include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
 
 using namespace strake;
 using Eigen::MatrixXd;
@@ -10,8 +12,8 @@ using Eigen::VectorXd;
 
 namespace {
 
-Sample sample_at(const NonlinearProgram& p, const VectorXd& x) {
-    Sample s = p.evaluate(x);
+Evaluation evaluation_at(const NonlinearProgram& p, const VectorXd& x) {
+    Evaluation s = p.evaluate(x);
     p.differentiate(x, s);
     return s;
 }
@@ -65,7 +67,7 @@ struct Swelling {
 /// scaled constraints 25 and 40 times as much; its first variable is at its bound.
 TEST(Multipliers, AreThoseOfTheLiteratureWhereABoundIsActive) {
     const KnownProgram hs71 = hock_schittkowski_71();
-    const Sample s = sample_at(hs71.program, hs71.optimum);
+    const Evaluation s = evaluation_at(hs71.program, hs71.optimum);
     const VectorXd lambda = multipliers(hs71.program, hs71.optimum, s);
     ASSERT_EQ(lambda.size(), 2);
     EXPECT_NEAR(lambda[0], 25 * 0.55229366, 1e-5);  // the optimum is known to eight digits
@@ -84,7 +86,7 @@ TEST(Multipliers, AConstraintIsNearWhereAShortStepLeads) {
     // A hundredth away, but farther than any step leads: no multiplier; the active one has all of it.
     VectorXd x = Swelling().metric.llt().solve(Swelling().gain);
     x *= std::sqrt(Swelling().limit / x.dot(Swelling().metric * x));
-    const Sample s = sample_at(p, x);
+    const Evaluation s = evaluation_at(p, x);
     EXPECT_NEAR(s.constraints[1], 0, 1e-12);
     EXPECT_GT(s.constraints[0], -0.0101);
     const VectorXd lambda = multipliers(p, x, s);

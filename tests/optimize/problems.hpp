@@ -1,9 +1,9 @@
 #pragma once
 #include "core/mesh/geometry.hpp"
 #include "derivatives.hpp"
-#include "objectives/measures.hpp"
-#include "objectives/target_shape.hpp"
-#include "optimize/problem.hpp"
+#include "objectives/fit/target_shape.hpp"
+#include "objectives/geometry/measures.hpp"
+#include "optimize/problem/problem.hpp"
 #include "surfaces.hpp"
 
 #include <map>

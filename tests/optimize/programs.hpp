@@ -1,7 +1,8 @@
 #pragma once
 #include "core/error.hpp"
-#include "optimize/methods.hpp"
-#include "optimize/minimizer.hpp"
+#include "optimize/nlp/minimizer.hpp"
+#include "optimize/nlp/program/finite_differences.hpp"
+#include "optimize/nlp/program/methods.hpp"
 
 #include <memory>
 
@@ -33,12 +34,12 @@ inline NonlinearProgram program_of(const Eigen::VectorXd& start, const Eigen::Ve
     p.num_equalities = equalities;
     p.evaluate = [=](const Eigen::VectorXd& x) {
         const Eigen::VectorXd v = values(x);
-        Sample s;
+        Evaluation s;
         s.objective = v[0];
         s.constraints = v.tail(v.size() - 1);
         return s;
     };
-    p.differentiate = [=](const Eigen::VectorXd& x, Sample& s) {
+    p.differentiate = [=](const Eigen::VectorXd& x, Evaluation& s) {
         const Eigen::MatrixXd all = slopes(x);
         s.gradient = all.row(0).transpose();
         s.jacobian = all.bottomRows(all.rows() - 1);

@@ -1,9 +1,9 @@
 #include "core/mesh/temp_folder.hpp"
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/fit.hpp"
-#include "optimize/history.hpp"
-#include "optimize/journal.hpp"
-#include "optimize/methods.hpp"
+#include "optimize/journal/journal.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/fit.hpp"
+#include "optimize/run/history.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -80,7 +80,7 @@ void expect_survives(const Problem& problem, std::vector<int>& calls, int step =
 /// As much volume as little more area can hold.
 Problem small(std::vector<int>& calls) {
     Problem problem = ellipsoid_problem(1, 2);
-    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.kinds = {VariableKind::normal_load};
     problem.quantities.push_back(counted_volume(problem.surface, calls));
     maximize_volume(problem);
     problem.objective = "bulk";
@@ -131,7 +131,7 @@ TEST(Replay, OfGradientsThatAreInheritedAndPartlyGuessed) {
 TEST(Replay, OfStartsDifferencesAndFailuresThatShortenSteps) {
     std::vector<int> calls;
     Problem problem = ellipsoid_problem(1, 2);
-    problem.parameters.kinds = {VariableKind::load_normal};
+    problem.parameters.kinds = {VariableKind::normal_load};
     Quantity failing = counted_volume(problem.surface, calls);
     failing.has_sensitivities = false;
     failing.failing_shortens_step = true;

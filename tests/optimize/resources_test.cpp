@@ -1,4 +1,4 @@
-#include "optimize/coarse_to_fine.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>

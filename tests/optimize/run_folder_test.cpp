@@ -1,7 +1,7 @@
 #include "report/run_folder.hpp"
 
 #include "core/error.hpp"
-#include "optimize/coarse_to_fine.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -65,6 +65,38 @@ TEST(RunFolder, HoldsTheRunAndEqualRunsGiveEqualBytes) {
               "evaluation,level,status,objective,volume,area,max_violation,accepted");
     EXPECT_EQ(std::count(history.begin(), history.end(), '\n'), result.evaluations + 1);
     EXPECT_NE(contents(temporary.path / "a" / "run.json").find("\"max_violation\""), std::string::npos);
+}
+
+/// A callback that changes the working directory must not redirect what is written.
+TEST(RunFolder, ARelativeFolderStaysWhereItIs) {
+    TemporaryFolder temporary;
+    fs::create_directories(temporary.path / "elsewhere");
+    const fs::path before = fs::current_path();
+    fs::current_path(temporary.path);
+    {
+        RunFolder folder("run");
+        fs::current_path(temporary.path / "elsewhere");
+        folder.write_case("case: a\n");
+    }
+    fs::current_path(before);
+    EXPECT_EQ(contents(temporary.path / "run" / "case.yaml"), "case: a\n");
+    EXPECT_TRUE(fs::is_empty(temporary.path / "elsewhere"));
+    EXPECT_FALSE(fs::exists(temporary.path / "run" / "lock"));
+}
+
+TEST(RunFolder, WhatEndedBeforeItBeganIsNoObstacleOrSaid) {
+    TemporaryFolder temporary;
+    fs::create_directories(temporary.path);
+    std::ofstream(temporary.path / "lock") << "12345 elsewhere\n";
+    EXPECT_NO_THROW(check_run_folder(temporary.path));
+    { const RunFolder folder(temporary.path); }
+    std::ofstream(temporary.path / "case.yaml") << "# run of a case in /cases\n";
+    try {
+        check_run_folder(temporary.path);
+        ADD_FAILURE() << "was accepted";
+    } catch (const OutputError& begun) {
+        EXPECT_NE(std::string(begun.what()).find("`strake resume "), std::string::npos) << begun.what();
+    }
 }
 
 TEST(RunFolder, NeverOverwrites) {

@@ -1,4 +1,5 @@
-#include "optimize/multistart.hpp"
+#include "optimize/nlp/multistart.hpp"
+#include "optimize/nlp/program/finite_differences.hpp"
 #include "programs.hpp"
 
 #include <gtest/gtest.h>
@@ -8,7 +9,7 @@ using Eigen::VectorXd;
 
 TEST(Starts, ManyFindTheLowestMinimumAndShareTheBudget) {
     const KnownProgram known = rastrigin();
-    MinimizeOptions o = tight_options(Method::slsqp, 4000);
+    MinimizeOptions o = tight_options(Method::sqp, 4000);
     EXPECT_GT(minimize(known.program, o).best.objective, known.value + 0.9);
     o.starts = 200;
     std::vector<std::string> events;
@@ -20,8 +21,8 @@ TEST(Starts, ManyFindTheLowestMinimumAndShareTheBudget) {
     o.on_step = [&](const MinimizeStep& s) {
         ++calls;
         best_calls += s.is_best;
-        EXPECT_EQ(s.is_best, s.sample.objective < lowest);
-        lowest = std::min(lowest, s.sample.objective);
+        EXPECT_EQ(s.is_best, s.evaluation.objective < lowest);
+        lowest = std::min(lowest, s.evaluation.objective);
         return true;
     };
     const MinimizeResult r = minimize(known.program, o);
@@ -51,11 +52,11 @@ TEST(Starts, AreSeededAndWithinTheBounds) {
 TEST(Starts, AFailingStartDoesNotEndTheOthers) {
     NonlinearProgram p = bowl().program;
     p.evaluate = [start = p.start](const VectorXd& x) {
-        Sample s = bowl().program.evaluate(x);
+        Evaluation s = bowl().program.evaluate(x);
         if (x == start) s.failure = "folded";
         return s;
     };
-    MinimizeOptions o = tight_options(Method::slsqp, 300);
+    MinimizeOptions o = tight_options(Method::sqp, 300);
     o.starts = 3;
     const MinimizeResult r = minimize(p, o);
     EXPECT_NE(r.stop, MinimizeStop::failed) << r.reason;
@@ -77,7 +78,7 @@ TEST(Differences, ReachTheOptimumAndCount) {
             Differences how;
             how.central = central;
             how.step = central ? 1e-4 : 1e-6;
-            MinimizeOptions o = tight_options(Method::slsqp, 2000);
+            MinimizeOptions o = tight_options(Method::sqp, 2000);
             o.objective_tolerance = 1e-8;
             const MinimizeResult r = minimize(with_differences(p, how), o);
             EXPECT_NEAR(r.best.objective, known.value, 1e-5 * known.value) << r.reason;
@@ -95,13 +96,13 @@ TEST(Differences, ReachTheOptimumAndCount) {
 TEST(Differences, AreExactToTheirOrder) {
     const KnownProgram known = hock_schittkowski_71();
     const VectorXd x = vec({1, 4.2, 3.3, 5});  // at two bounds
-    Sample right = known.program.evaluate(x);
+    Evaluation right = known.program.evaluate(x);
     known.program.differentiate(x, right);
     const auto error = [&](double step, bool central) {
         Differences how;
         how.step = step;
         how.central = central;
-        Sample s = known.program.evaluate(x);
+        Evaluation s = known.program.evaluate(x);
         EXPECT_TRUE(differentiate_by_differences(with_differences(known.program, how), x, s, known.program.evaluate));
         return std::pair{(s.gradient - right.gradient).norm(), (s.jacobian - right.jacobian).norm()};
     };
@@ -115,7 +116,7 @@ TEST(Differences, OnlyWhatIsNamedIsReplaced) {
     Differences how;
     how.objective = false;
     how.rows = {0, 1};
-    Sample s = known.program.evaluate(known.optimum);
+    Evaluation s = known.program.evaluate(known.optimum);
     s.gradient = VectorXd::Constant(4, 7);
     s.jacobian = Eigen::MatrixXd::Constant(2, 4, 7);
     ASSERT_TRUE(
@@ -129,20 +130,20 @@ TEST(Differences, AFailingPointIsReplacedByTheOtherSide) {
     NonlinearProgram p = bowl().program;
     const VectorXd x = vec({0.1, 0.1, 0.1});
     const auto fails_above = [&](const VectorXd& at) {
-        Sample s = bowl().program.evaluate(at);
+        Evaluation s = bowl().program.evaluate(at);
         if (at[1] > x[1]) s.failure = "folded";
         return s;
     };
-    Sample s = p.evaluate(x), right = s;
+    Evaluation s = p.evaluate(x), right = s;
     p.differentiate(x, right);
     ASSERT_TRUE(differentiate_by_differences(with_differences(p, {}), x, s, fails_above));
     EXPECT_LT((s.gradient - right.gradient).norm(), 1e-2);
     const auto fails_beside = [&](const VectorXd& at) {
-        Sample there = bowl().program.evaluate(at);
+        Evaluation there = bowl().program.evaluate(at);
         if (at[1] != x[1]) there.failure = "folded";
         return there;
     };
-    Sample t = p.evaluate(x);
+    Evaluation t = p.evaluate(x);
     EXPECT_FALSE(differentiate_by_differences(with_differences(p, {}), x, t, fails_beside));
     EXPECT_EQ(t.gradient.size(), 0);
     Differences wrong;
@@ -158,7 +159,7 @@ TEST(Differences, AWideStepSeesThroughNoise) {
     NonlinearProgram p = known.program;
     p.differentiate = nullptr;
     p.evaluate = [&](const VectorXd& x) {
-        Sample s = known.program.evaluate(x);
+        Evaluation s = known.program.evaluate(x);
         s.objective += 1e-6 * std::sin(1e9 * x.sum());
         return s;
     };
@@ -173,10 +174,19 @@ TEST(Differences, AWideStepSeesThroughNoise) {
 }
 
 TEST(Methods, AreNamedInTheTable) {
-    EXPECT_EQ(all_methods().size(), 16u);
+    EXPECT_EQ(all_methods().size(), 17u);
     for (const MethodFacts& facts : all_methods()) {
         EXPECT_EQ(method_named(facts.name), &method_facts(facts.method));
         EXPECT_EQ(&facts - all_methods().data(), static_cast<int>(facts.method));
     }
     EXPECT_EQ(method_named("newton"), nullptr);
+}
+
+TEST(Methods, AliasesAreUnderstood) {
+    for (const char* name : {"sqp", "SQP", "slsqp", "SLSQP", "LD_SLSQP", "NLOPT_LD_SLSQP", "nlopt_ld_slsqp"})
+        EXPECT_EQ(method_named(name), &method_facts(Method::sqp)) << name;
+    for (const char* name : {"nlopt_slsqp", "NLOPT_SLSQP"})
+        EXPECT_EQ(method_named(name), &method_facts(Method::nlopt_slsqp)) << name;
+    for (const char* name : {"lbfgs", "L-BFGS", "NLOPT_LD_LBFGS"})
+        EXPECT_EQ(method_named(name), &method_facts(Method::lbfgs)) << name;
 }

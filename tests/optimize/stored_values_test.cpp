@@ -1,4 +1,4 @@
-#include "optimize/evaluation.hpp"
+#include "optimize/evaluate/evaluation.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>

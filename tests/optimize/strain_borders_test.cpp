@@ -1,6 +1,6 @@
 #include "cases/geometry/wing.hpp"
 #include "core/patches/automatic.hpp"
-#include "optimize/evaluation.hpp"
+#include "optimize/evaluate/evaluation.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -20,7 +20,7 @@ Problem wing_problem(double core) {
     for (int t = 0; t < problem.surface.num_triangles(); ++t)
         if (c(t, 1) < 0.05) problem.fixed.push_back(t);
     problem.parameters.kinds = {VariableKind::strain};
-    problem.parameters.core = core;
+    problem.parameters.free_border = core;
     problem.quantities = {area()};
     return problem;
 }

@@ -1,6 +1,6 @@
-#include "optimize/coarse_to_fine.hpp"
-#include "optimize/evaluation.hpp"
-#include "optimize/refinement.hpp"
+#include "optimize/evaluate/evaluation.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/space/refinement.hpp"
 #include "problems.hpp"
 #include "programs.hpp"
 
@@ -36,7 +36,7 @@ struct Bowl {
         p.lower = VectorXd::Constant(bottom.size(), -2);
         p.upper = VectorXd::Constant(bottom.size(), 2);
         p.evaluate = [this](const VectorXd& x) {
-            Sample s;
+            Evaluation s;
             s.objective = at(x);
             return s;
         };
@@ -112,11 +112,11 @@ TEST(Noise, IsNotHandedOnAsCurvature) {
         int call = 0;
         p.evaluate = [&](const VectorXd& x) {
             ++call;
-            Sample s;
+            Evaluation s;
             s.objective = 1 + bowl.at(x) + 1e-3 * std::sin(37.0 * call * call);
             return s;
         };
-        p.differentiate = [&](const VectorXd& x, Sample& s) {
+        p.differentiate = [&](const VectorXd& x, Evaluation& s) {
             s.gradient = exact * (x - bowl.bottom) + wrong;
             s.jacobian.resize(0, 6);
         };
@@ -150,7 +150,7 @@ Problem values_only(Method method) {
 }
 
 TEST(ValuesOnly, ALevelStartsFromTheBestShapeThatWasSeen) {
-    for (const Method method : {Method::slsqp, Method::mma, Method::cobyla}) {
+    for (const Method method : {Method::sqp, Method::mma, Method::cobyla}) {
         const RunResult r = optimize(values_only(method));
         ASSERT_EQ(r.levels.size(), 2u) << method_facts(method).name;
         EXPECT_LT(r.levels[1].inherited_shape_change, 1e-10) << method_facts(method).name;
@@ -160,10 +160,10 @@ TEST(ValuesOnly, ALevelStartsFromTheBestShapeThatWasSeen) {
 }
 
 TEST(ValuesOnly, CoarseLevelsAreLeftWhileThereIsBudget) {
-    const RunResult r = optimize(values_only(Method::slsqp));
+    const RunResult r = optimize(values_only(Method::sqp));
     ASSERT_EQ(r.levels.size(), 2u) << r.reason;
     EXPECT_LT(r.levels[0].evaluations, 100);
-    EXPECT_EQ(r.levels[0].stop, "finer details promise more");
+    EXPECT_EQ(r.levels[0].stop, "finer details are expected to gain more");
 }
 
 }  // namespace
@@ -173,7 +173,7 @@ TEST(CoarseToFine, ABudgetIsNotLeftOverWhereRefiningPromisesNothing) {
     Problem problem = ellipsoid_problem(2, 3);
     maximize_volume(problem);
     problem.parameters.split = SplitRule::sensitivity;
-    problem.optimize.promise_below = 1e3;
+    problem.optimize.min_expected_gain = 1e3;
     problem.optimize.progress_below = 0;
     problem.optimize.max_evaluations = 9;
     problem.constraints.clear();
@@ -202,7 +202,7 @@ TEST(Refinement, WhatABoundForbidsIsPromisedByTheParts) {
     const auto promised = [&](double at) {
         VectorXd x = VectorXd::Zero(space.size());
         x[steepest] = at;
-        return promised_decrease({space, x, e.sensitivities[0], 1, e.dJ_dv[0]}, *below);
+        return expected_decrease_of({space, x, e.sensitivities[0], 1, e.dJ_dv[0]}, *below);
     };
     const double inward = g[steepest] > 0 ? space.upper[steepest] : space.lower[steepest];
     const double outward = g[steepest] > 0 ? space.lower[steepest] : space.upper[steepest];

@@ -1,5 +1,7 @@
 import json
+import os
 import subprocess
+import sys
 
 import numpy as np
 import pytest
@@ -14,7 +16,7 @@ surface: {file: body.obj}
 regions: {nose: {box: [[-2, -2, -2], [-0.6, 2, 2]]}}
 fixed: [nose]
 shell: {thickness: 5%}
-parameters: {levels: auto, patches_per_level: [2, 4], variables: [load_normal]}
+parameters: {levels: auto, patches_per_level: [2, 4], variables: [normal]}
 objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 optimize: {budget: {evaluations: 8}}
@@ -23,7 +25,7 @@ optimize: {budget: {evaluations: 8}}
 
 def problem_of(body):
     problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=strake.patches(body, patches_per_level=[2, 4]),
-                             variables=["load_normal"])
+                             variables=["normal"])
     problem.maximize("volume")
     problem.constrain("area", max=1.01, relative=True)
     problem.options(max_evaluations=8)
@@ -148,7 +150,7 @@ def test_what_a_folder_cannot_hold_is_refused(body, tmp_path):
 
 def test_a_quantity_in_python_is_as_good_as_a_built_in_one(body):
     built_in = problem_of(body)
-    own = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=built_in.tree, variables=["load_normal"])
+    own = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=built_in.tree, variables=["normal"])
     asked = []
 
     def room(surface, want_gradient):
@@ -210,16 +212,57 @@ def test_a_failed_evaluation_shortens_the_step(body):
     assert start < result.objective <= 1.02 * start
 
 
-@pytest.mark.parametrize("value", [float("nan"), None, "three", (1.0,), (1.0, np.zeros((2, 3)))])
-def test_nonsense_from_a_quantity_is_no_number(body, value):
+def test_not_a_number_from_a_quantity_is_no_value(body):
     problem = problem_of(body)
-    problem.add_quantity("odd", lambda surface, want_gradient: value)
+    problem.add_quantity("odd", lambda surface, want_gradient: float("nan"))
     problem.minimize("odd")
     try:
         result = strake.run(problem)
-    except (strake.Error, TypeError, RuntimeError):
+    except (strake.Error, RuntimeError):
         return
     assert not result.done
+
+
+FLAT = "flat"
+
+
+@pytest.mark.parametrize("value, words", [
+    (None, r"returned None \(NoneType\)"), ("three", r"returned 'three' \(str\)"), ((1.0,), "returned 1 things"),
+    (1 + 2j, r"returned \(1\+2j\) \(complex\)"), (10**400, r"\(int\), which is too large for a float"),
+    ([1.0], r"returned \[1.0\] \(list\)"), ((1.0, "steep"), "is not an array of floats"),
+    ((1.0, np.zeros((2, 3))), r"gradient has shape \(2, 3\), must be \(\d+, 3\)"),
+    (FLAT, r"has shape \(\d+,\), must be \(\d+, 3\).*reshape\(-1, 3\)")])
+def test_nonsense_from_a_quantity_is_refused_with_its_name(body, value, words):
+    if value is FLAT:
+        value = (1.0, np.zeros(3 * body.num_vertices))
+    problem = problem_of(body)
+    problem.add_quantity("odd", lambda surface, want_gradient: value)
+    problem.minimize("odd")
+    with pytest.raises(strake.InvalidInput, match="quantity 'odd': the .*" + words):
+        strake.run(problem)
+
+
+def test_old_names_are_read_with_a_warning(body):
+    with pytest.warns(DeprecationWarning, match="'load_normal' is now 'normal'; the old name goes at 1.0"):
+        strake.Problem(body, fixed=nose(body), variables=["load_normal"])
+    with pytest.warns(DeprecationWarning, match="'slsqp' is now 'sqp'"):
+        problem_of(body).options(method="slsqp")
+
+
+def test_half_a_body_is_refused_before_the_optimization(body, tmp_path):
+    open_body = strake.Surface(body.vertices, body.triangles[1:])
+    strake.write_surface(tmp_path / "open.obj", open_body)
+    ended = subprocess.run([sys.executable, scipy_minimize.__file__, tmp_path / "open.obj"], text=True, timeout=60,
+                           stdout=subprocess.PIPE, stderr=subprocess.STDOUT, check=False)
+    assert ended.returncode == 1 and "the surface is open" in ended.stdout and "Traceback" not in ended.stdout
+
+
+def test_the_import_asks_for_numpy(tmp_path):
+    (tmp_path / "numpy.py").write_text("raise ImportError('hidden')")
+    ended = subprocess.run([sys.executable, "-c", "import strake"], text=True, timeout=60, stdout=subprocess.PIPE,
+                           stderr=subprocess.STDOUT, check=False,
+                           env={**os.environ, "PYTHONPATH": os.pathsep.join([str(tmp_path), os.environ["PYTHONPATH"]])})
+    assert ended.returncode == 1 and "ImportError: strake needs numpy: install it" in ended.stdout
 
 
 def test_design_space_gradients(body):
@@ -249,7 +292,7 @@ def test_scipy_drives_it(body):
 def test_fit_recovers_a_known_shape(body):
     space = strake.DesignSpace(problem_of(body), level=1)
     target = body.with_vertices(space.shape(np.full(len(space), 0.4)))
-    problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=problem_of(body).tree, variables=["load_normal"])
+    problem = strake.Problem(body, thickness=0.05, fixed=nose(body), tree=problem_of(body).tree, variables=["normal"])
     problem.add_target("match", target, same_triangles=True)
     result = strake.fit(problem, ["match"])
     assert np.abs(result.vertices - target.vertices).max() < 1e-5

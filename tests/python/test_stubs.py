@@ -148,7 +148,7 @@ def test_no_docstring_speaks_cplusplus():
 
 def test_help_reads_well():
     text = pydoc.render_doc(strake, renderer=pydoc.plaintext)
-    assert "Shape optimization of surface triangulations" in text
+    assert "Shape optimization of triangulated surfaces" in text
     assert "_core" not in text.split("DATA")[0].split("PACKAGE CONTENTS")[-1].replace("\n    _core\n", "\n")
     assert not re.findall(r"(?<![_\w])(?!add_note|with_traceback)[a-z]\w*\(\.\.\.\)", text)  # signatures that cannot be shown
     assert "PyCapsule" not in text and "    run(problem, callback=None, output=None)\n" in text
@@ -157,7 +157,7 @@ def test_help_reads_well():
 
 
 def test_the_example_of_the_module_runs(body, tmp_path, monkeypatch, capsys):
-    example = re.search(r"\n    import numpy as np\n.*?(?=\n\nWhat there is)", strake.__doc__, re.S)[0]
+    example = re.search(r"\n    import numpy as np\n.*?(?=\n\nContents, from)", strake.__doc__, re.S)[0]
     wing = body.with_vertices(body.vertices + [0, 0.6, 0])
     strake.write_surface(tmp_path / "wing.stl", wing)
     monkeypatch.chdir(tmp_path)

@@ -34,7 +34,7 @@ def test_files_keep_bits(body, tmp_path):
 @pytest.mark.parametrize("make, kinds, words", [
     (lambda: strake.Surface([[0, 0, 0]], np.zeros((1, 3), dtype=np.int32) + 1), (strake.InvalidInput, ValueError), "vertex 1"),
     (lambda: strake.Surface([[0, np.nan, 0]], np.zeros((0, 3), dtype=np.int32)), (strake.InvalidInput,), "row 0"),
-    (lambda: strake.Surface(np.eye(3), [[0, 1, 2.9]]), (strake.InvalidInput,), "Surface: triangles: 0.0 (float64) is no whole number"),
+    (lambda: strake.Surface(np.eye(3), [[0, 1, 2.9]]), (strake.InvalidInput,), "Surface: triangles: 0.0 (float64) is not a whole number"),
     (lambda: strake.Surface(np.eye(3), np.array([[0, 1.5, 2]], dtype=np.float32)), (strake.InvalidInput,), "triangles"),
     (lambda: strake.Surface(np.eye(3), [[False, True, True]]), (strake.InvalidInput,), "False (bool)"),
     (lambda: strake.Surface(np.eye(3), [[0, 1, 2**40]]), (strake.InvalidInput,), "vertex 1099511627776, limits 0 and 2"),

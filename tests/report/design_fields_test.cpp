@@ -2,7 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/temp_folder.hpp"
-#include "objectives/target_shape.hpp"
+#include "objectives/fit/target_shape.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
@@ -69,7 +69,7 @@ TEST_F(DesignFields, OfAProgramByRowsAndFromVtp) {
 TEST_F(DesignFields, WhatIsNoFieldIsLeftOutAndNamed) {
     const std::string cp = "\"cp\": \"cp.csv\"", good = rows();
     EXPECT_NE(problem_of(cp, "0,1\n1,nan\n").find("line 2: expected index,value"), std::string::npos);
-    EXPECT_NE(problem_of(cp, "0,1\n0,1\n").find("line 2: vertex 0 a second time"), std::string::npos);
+    EXPECT_NE(problem_of(cp, "0,1\n0,1\n").find("line 2: vertex 0 appears twice"), std::string::npos);
     EXPECT_NE(problem_of(cp, "0,1\n-1,1\n").find("index -1, limits 0"), std::string::npos);
     EXPECT_NE(problem_of(cp, "0,1\n1.5,1\n").find("index 1.5"), std::string::npos);
     EXPECT_NE(problem_of(cp, "0,1\n1e300,1\n").find("limits 0"), std::string::npos);
@@ -95,7 +95,7 @@ TEST_F(DesignFields, OfBuiltInQuantitiesAtTheDesignsOwnVariables) {
     Quantity aero;
     aero.names = {"aero.drag"};
     aero.fields = [](const QuantityRequest& request) {
-        return std::vector<SurfaceField>{{"aero.cp", request.own.at(0).second * request.surface.vertices.col(0)},
+        return std::vector<SurfaceField>{{"aero.cp", request.parameters.at(0).second * request.surface.vertices.col(0)},
                                          {"short", Eigen::VectorXd::Zero(1)},
                                          {"bad", Eigen::VectorXd::Constant(request.surface.num_vertices(), NAN)}};
     };
@@ -109,7 +109,7 @@ TEST_F(DesignFields, OfBuiltInQuantitiesAtTheDesignsOwnVariables) {
     EXPECT_EQ(found[0].name, "aero.cp");
     EXPECT_EQ(std::get<Eigen::VectorXd>(found[0].values), Eigen::VectorXd(3 * problem.surface.vertices.col(0)));
     ASSERT_EQ(problems.size(), 3U);
-    EXPECT_NE(problems[2].find("fields of broken are left out: no such flow"), std::string::npos);
+    EXPECT_NE(problems[2].find("fields of broken are ignored: no such flow"), std::string::npos);
 }
 
 TEST_F(DesignFields, OfAFolderThatHasGoneAreThoseOfTheDataSet) {

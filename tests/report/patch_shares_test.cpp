@@ -61,7 +61,7 @@ TEST_F(Shares, AddUpToTheChangeAndGoToWhatMoved) {
     EXPECT_NEAR(shares.explained(), shares.change(), 1e-12);  // the volume is linear in this motion
     EXPECT_NEAR(of[0].contribution + of[1].contribution, shares.explained(), 1e-12);
     EXPECT_GT(of[1].contribution, 0.95 * shares.change());
-    EXPECT_NEAR(of[1].most_moved, 0.3 * 0.5, 1e-12);
+    EXPECT_NEAR(of[1].max_displacement, 0.3 * 0.5, 1e-12);
     EXPECT_GT(of[1].mean_outward, 0.02);
     EXPECT_NEAR(of[0].area, of[1].area, 0.15 * of[0].area);
 }
@@ -72,7 +72,7 @@ TEST_F(Shares, AreNotKnownWithoutSensitivities) {
     add(shares, 0.2, false);
     EXPECT_TRUE(std::isnan(shares.explained()));
     EXPECT_TRUE(std::isnan(shares.of(level)[1].contribution));
-    EXPECT_GT(shares.of(level)[1].most_moved, 0.09);
+    EXPECT_GT(shares.of(level)[1].max_displacement, 0.09);
 }
 
 TEST_F(Shares, OneEndStandsForBoth) {
@@ -85,7 +85,7 @@ TEST_F(Shares, OneEndStandsForBoth) {
 TEST_F(Shares, WithoutADesignNothingHasMoved) {
     const PatchShares shares(mesh);
     EXPECT_TRUE(std::isnan(shares.of(level)[0].contribution));
-    EXPECT_EQ(shares.of(level)[0].most_moved, 0);
+    EXPECT_EQ(shares.of(level)[0].max_displacement, 0);
     EXPECT_GT(shares.of(level)[0].area, 1);
 }
 

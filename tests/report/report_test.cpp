@@ -11,7 +11,7 @@ protected:
     void SetUp() override {
         ProgramCase::SetUp();
         const ProgramRun none = run_strake({"report", path("nothing")});
-        if (none.err.find("built without the page") != std::string::npos)
+        if (none.err.find("built without the report page") != std::string::npos)
             GTEST_SKIP() << "this build has no page: node, npm or npm's packages were missing";
     }
     /// Of a page: what its element `data` holds.
@@ -153,7 +153,7 @@ TEST_F(Report, TheAdviceNamesTheFolderAsItIsTyped) {
 TEST_F(Report, NeedsARunAndAPlace) {
     const ProgramRun none = run_strake({"report", path("nothing")});
     EXPECT_EQ(none.status, 2);
-    EXPECT_NE(none.err.find("holds no run"), std::string::npos) << none.err;
+    EXPECT_NE(none.err.find("is not a run folder"), std::string::npos) << none.err;
     ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
     EXPECT_EQ(run_strake({"report", path("run"), "-o", path("no/such/folder/r.html")}).status, 4);
     EXPECT_EQ(run_strake({"report", path("run"), "-o", path("run/journal.sqlite")}).status, 2);

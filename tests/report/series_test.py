@@ -17,7 +17,7 @@ case: body
 surface: {file: body.obj}
 regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}}
 fixed: [root]
-parameters: {levels: auto, patches_per_level: [3, 8], variables: [load_normal], max_displacement: 4%}
+parameters: {levels: auto, patches_per_level: [3, 8], variables: [normal], max_displacement: 4%}
 objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 optimize: {budget: {evaluations: 8}}

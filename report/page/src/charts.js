@@ -1,9 +1,9 @@
-// Objective, values and variables over the evaluations, with the levels marked.
+// Objective, values and variables over the evaluations, with levels marked.
 
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
 import { h, section, choice } from './dom.js';
-import { number, ownValue } from './format.js';
+import { number, parameterValue } from './format.js';
 import { scaleOf, colorAt, gradient } from './colors.js';
 
 const colours = { seen: '#7a7a7a', best: '#0072b2', limit: '#d55e00', band: '#f2f4f7', failed: '#a3350c' };
@@ -105,7 +105,7 @@ function objectiveChart(run) {
   const best = bestSoFar(run, values), known = values.filter((v) => v !== null);
   const log = known.length > 0 && Math.min(...known) > 0 && Math.max(...known) / Math.min(...known) > 50;
   const last = best[best.length - 1];
-  return chart(run, `${run.is_fit ? 'Distance left' : `Objective (${run.maximize ? 'maximized' : 'minimized'})`}${log ? ', logarithmic' : ''}`,
+  return chart(run, `${run.is_fit ? 'Remaining distance' : `Objective (${run.maximize ? 'maximized' : 'minimized'})`}${log ? ', logarithmic' : ''}`,
     [{ words: name, values, kind: 'seen' }, { words: 'best so far', values: best, kind: 'best' }],
     { log, summary: `${name} over evaluations, from ${number(known[0])} to ${number(last)} at best` });
 }
@@ -119,12 +119,12 @@ function valueChart(run, k) {
   return chart(run, `${value.name}${value.limit ? ` (${value.limit})` : ''}`, lines);
 }
 
-function ownChart(run, k) {
-  const own = run.quantities.own[k];
-  const values = clean(run.history.own.map((row) => row[k]));
-  return chart(run, own.unit === 'rad' ? `${own.name}, degrees` : own.name,
-    [{ words: own.name, values, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, values), kind: 'best' }],
-    { words: (v) => ownValue(v, own.unit) });
+function parameterChart(run, k) {
+  const parameter = run.quantities.parameters[k];
+  const values = clean(run.history.parameters.map((row) => row[k]));
+  return chart(run, parameter.unit === 'rad' ? `${parameter.name}, degrees` : parameter.name,
+    [{ words: parameter.name, values, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, values), kind: 'best' }],
+    { words: (v) => parameterValue(v, parameter.unit) });
 }
 
 /** Scaled variables of one level, a row each, an evaluation a column. */
@@ -144,13 +144,13 @@ function heat(run, level) {
     }
   });
   canvas.getContext('2d').putImageData(image, 0, 0);
-  const told = h('p', { class: 'told', 'aria-live': 'polite' }, 'Point at a cell for its value.');
+  const told = h('p', { class: 'told', 'aria-live': 'polite' }, 'Point at a cell to see its value.');
   canvas.addEventListener('pointermove', (e) => {
     const box = canvas.getBoundingClientRect();
     const c = Math.min(columns.length - 1, Math.max(0, Math.floor(((e.clientX - box.left) / box.width) * columns.length)));
     const r = Math.min(rows - 1, Math.max(0, Math.floor(((e.clientY - box.top) / box.height) * rows)));
     told.textContent = `${names[r]}, evaluation ${run.history.evaluation[columns[c]]}: ${number(run.history.x[columns[c]][r], 3)}`
-      + ` within ${number(lower[r], 3)} and ${number(upper[r], 3)}`;
+      + ` in [${number(lower[r], 3)}, ${number(upper[r], 3)}]`;
   });
   const labels = tall >= 12 ? h('ol', { class: 'heat-names', style: `line-height: ${tall}px` }, names.map((n) => h('li', {}, n))) : null;
   return h('figure', { class: 'plot' }, h('figcaption', {}, `Level ${level.level}: ${rows} variables over ${columns.length} evaluations`),
@@ -159,18 +159,18 @@ function heat(run, level) {
 }
 
 export function progress(run) {
-  if (run.history.evaluation.length === 0) return section('progress', 'Progress', h('p', {}, 'There is no evaluation yet.'));
-  const { values, own } = run.quantities;
+  if (run.history.evaluation.length === 0) return section('progress', 'Progress', h('p', {}, 'No evaluation yet.'));
+  const { values, parameters } = run.quantities;
   const limited = values.map((_, k) => k).filter((k) => values[k].limit).slice(0, 8);
   const others = values.map((_, k) => k).filter((k) => !limited.includes(k));
-  const shown = [objectiveChart(run), ...limited.map((k) => valueChart(run, k)), ...own.slice(0, 6).map((_, k) => ownChart(run, k))];
+  const shown = [objectiveChart(run), ...limited.map((k) => valueChart(run, k)), ...parameters.slice(0, 6).map((_, k) => parameterChart(run, k))];
   if (run.history.violation.some((v) => v > 0)) {
     const violation = clean(run.history.violation);
     shown.push(chart(run, 'Largest violation of a constraint, scaled',
       [{ words: 'violation', values: violation, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, violation), kind: 'best' }]));
   }
   const grid = h('div', { class: 'grid' }, shown);
-  const parts = [h('p', { class: 'hint' }, 'Bands are levels; a cross at the foot is an evaluation that failed. Drag across a chart to look closer, double click to see all.'), grid];
+  const parts = [h('p', { class: 'hint' }, 'Bands mark levels; a cross at the bottom marks a failed evaluation. Drag across a chart to zoom in, double-click to zoom out.'), grid];
   if (others.length > 0) {
     const place = h('div', {}, valueChart(run, others[0]));
     parts.push(h('div', { class: 'controls' }, choice('Other values', others.map((k) => [String(k), values[k].name]), String(others[0]),

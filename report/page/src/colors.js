@@ -1,4 +1,4 @@
-// Colours that readers with any colour vision tell apart: light against dark, blue against orange.
+// Colours that are distinguishable with any colour vision: light and dark, blue and orange.
 
 const hex = (word) => [1, 3, 5].map((k) => parseInt(word.slice(k, k + 2), 16));
 // cividis (Nunez, Anderton, Renslow 2018), and blue - white - brown after ColorBrewer's PuOr and RdBu.
@@ -21,11 +21,11 @@ const tableOf = (map) => {
 };
 const tables = { sequential: tableOf(sequential), diverging: tableOf(diverging) };
 
-/** What a colour stands for: {low, high, map}. Signed values are centred on zero. */
+/** The range of a colour scale: {low, high, map}. Signed values are centred on zero. */
 export function scaleOf(values, signed, robust) {
   let low = Infinity, high = -Infinity;
   let seen = values;
-  if (robust && values.length > 50) {  // a few extreme vertices would leave the rest without colour
+  if (robust && values.length > 50) {  // a few extreme vertices would leave the rest without contrast
     const sorted = Float32Array.from(values).sort();
     seen = [sorted[Math.floor(0.01 * (sorted.length - 1))], sorted[Math.ceil(0.99 * (sorted.length - 1))]];
   }

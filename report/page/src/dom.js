@@ -19,7 +19,7 @@ export function section(id, heading, ...children) {
   return h('section', { id, 'aria-labelledby': `${id}-heading` }, h('h2', { id: `${id}-heading` }, heading), ...children);
 }
 
-/** A labelled drop-down. choices: [value, words][]; `changed` is given the value. */
+/** A labelled drop-down. choices: [value, words][]; `changed` receives the value. */
 export function choice(words, choices, value, changed) {
   const select = h('select', { onchange: () => changed(select.value) },
     choices.map(([v, w]) => h('option', { value: v, selected: v === value }, w)));

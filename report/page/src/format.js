@@ -1,4 +1,4 @@
-// Numbers as people read them. What is not known is a dash, never NaN.
+// Numbers for people. An unknown value is a dash, never NaN.
 
 const dash = '–';
 const minus = (words) => words.replace(/-/g, '\u2212');
@@ -32,8 +32,8 @@ export function duration(seconds) {
   return hours > 0 ? `${hours} h ${minutes} min` : `${minutes} min ${whole % 60} s`;
 }
 
-/** An own variable; angles in degrees. */
-export const ownValue = (value, unit) =>
+/** A parameter of the program; angles in degrees. */
+export const parameterValue = (value, unit) =>
   (unit === 'rad' && typeof value === 'number' ? `${number((value * 180) / Math.PI)}°` : number(value));
 
 export const plural = (count, word) => `${count} ${word}${count === 1 ? '' : 's'}`;

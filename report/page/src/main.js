@@ -1,4 +1,4 @@
-// The page of `strake report`. Its data stand in the element `data`, arrays in the elements blob-*.
+// The page of `strake report`. Its data are in the element `data`, its arrays in the elements blob-*.
 
 import './page.css';
 import { h } from './dom.js';

@@ -1,4 +1,4 @@
-// The other end of report/packed_array.cpp.
+// Decodes what report/packed_array.cpp writes.
 
 async function inflated(text) {
   const letters = atob(text);

@@ -1,4 +1,4 @@
-// Start and design where a plane cuts them, to the same scale.
+// Start and design in a section plane, to the same scale.
 
 import { h } from './dom.js';
 import { number } from './format.js';
@@ -24,7 +24,7 @@ export class SectionPlot {
 
   show(start, design, { names, center, units }) {
     const all = [...start, ...design];
-    this.words.textContent = all.length === 0 ? 'The plane misses both.' : '';
+    this.words.textContent = all.length === 0 ? 'The plane does not cut the surface.' : '';
     if (all.length === 0) return this.drawing.replaceChildren();
     const low = [Infinity, Infinity], high = [-Infinity, -Infinity];
     for (const point of all.flat())
@@ -35,7 +35,7 @@ export class SectionPlot {
     this.drawing.style.aspectRatio = `${width} / ${Math.max(height, 0.05 * width)}`;
     this.drawing.replaceChildren(
       svg('path', { d: path(start), class: 'start' }), svg('path', { d: path(design), class: 'design' }));
-    const step = 10 ** (Math.floor(Math.log10(size)) - 3);  // what is far below the size is noise
+    const step = 10 ** (Math.floor(Math.log10(size)) - 3);  // values far below the size are noise
     const tidy = (v) => number(Math.round(v / step) * step, 6);
     this.words.textContent = `${names[0]} from ${tidy(low[0] + center[0])} to ${tidy(high[0] + center[0])}, `
       + `${names[1]} from ${tidy(low[1] + center[1])} to ${tidy(high[1] + center[1])} ${units}`;

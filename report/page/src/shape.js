@@ -1,4 +1,4 @@
-// The surface and what the designs do to it, as arrays.
+// The surface and the displacements of the designs, as arrays.
 
 import { unpacked } from './packed.js';
 

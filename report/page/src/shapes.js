@@ -1,4 +1,4 @@
-// The section with the shapes: 3D, sections, designs to step through, and the colours.
+// The section with the shapes: 3D view, sections, a slider through the designs, and the colours.
 
 import { h, section, choice, slider, tick, newId } from './dom.js';
 import { number, change } from './format.js';
@@ -9,17 +9,17 @@ import { SectionPlot } from './section_plot.js';
 
 const axes = ['x', 'y', 'z'];
 
-/** What may be shown as colour: [value, words][]. */
+/** The choices for colour: [value, words][]. */
 function colourChoices(data) {
   const list = [['plain', 'nothing']];
   data.tree.forEach((level, k) => { if (k > 0) list.push([`patches:${k}`, `patches of level ${k}`]); });
-  if (data.frames.length > 0) list.push(['outward', 'displacement, outward'], ['size', 'displacement, size']);
+  if (data.frames.length > 0) list.push(['outward', 'displacement, outward'], ['size', 'displacement, magnitude']);
   const names = new Set(data.frames.flatMap((frame) => Object.keys(frame.fields)));
   for (const name of names) list.push([`field:${name}`, name === 'sensitivity' ? 'sensitivity of the objective' : name]);
   return list;
 }
 
-/// Across y; of what is flat there (a wing that lies in x and z) across its length, where a section shows its profile.
+/// Normal to y; for a body flat in y (a wing in the x-z plane) along its length, where a section shows its profile.
 function tellingAxis(size) {
   const largest = Math.max(...size);
   return size[1] < 0.3 * largest && size[1] === Math.min(...size) ? size.indexOf(largest) : 1;
@@ -42,7 +42,7 @@ class Panel {
     this.canvas = h('canvas', { class: 'view', tabindex: 0, role: 'img', 'aria-describedby': 'view-keys',
       'aria-label': 'The surface in three dimensions: start and design' });
     this.names = h('div', { class: 'names', 'aria-hidden': 'true' });
-    this.picked = h('p', { class: 'picked', 'aria-live': 'polite' }, 'Click the surface to see which patch it is.');
+    this.picked = h('p', { class: 'picked', 'aria-live': 'polite' }, 'Click the surface to identify a patch.');
     this.legend = h('div', { class: 'legend' });
     this.told = h('output', { class: 'told', id: newId('told') });
     this.plot = new SectionPlot();
@@ -51,7 +51,7 @@ class Panel {
       h('div', { class: 'stage' }, this.canvas, this.names),
       this.legend, this.designs(), this.told, this.picked,
       h('p', { class: 'hint', id: 'view-keys' },
-        'Drag to turn, wheel or pinch to come nearer, right button to move. With the keyboard: arrow keys turn, + and \u2212 come nearer and go away, Home starts again.'),
+        'Drag to rotate, scroll or pinch to zoom, right button to pan. Keyboard: arrow keys rotate, + and \u2212 zoom, Home resets the view.'),
       this.sections(),
     ];
   }
@@ -60,7 +60,7 @@ class Panel {
     const views = [['iso', 'Oblique'], ['front', 'Front'], ['side', 'Side'], ['top', 'Top'], ['back', 'Back'], ['below', 'Below']];
     return [
       choice('Colour', colourChoices(this.data), this.colour, (v) => { this.colour = v; this.repaint(); }),
-      choice('Show', [['both', 'start and design'], ['one', 'design alone'], ['over', 'design, start as a net']], 'both', (v) => {
+      choice('Show', [['both', 'start and design'], ['one', 'design alone'], ['over', 'design, start as wireframe']], 'both', (v) => {
         this.viewer.both = v === 'both';
         this.viewer.overlay = v === 'over';
         this.nameViews();
@@ -68,22 +68,22 @@ class Panel {
       }),
       choice('Exaggerate', ['1', '2', '5', '10', '20'].map((v) => [v, `${v} ×`]), '1', (v) => { this.factor = Number(v); this.move(); }),
       choice('Up', axes.map((a, k) => [String(k), a]), String(likelyUp(this.shape.size)), (v) => this.viewer.setUp(Number(v))),
-      h('span', { class: 'buttons', role: 'group', 'aria-label': 'Look from' },
+      h('span', { class: 'buttons', role: 'group', 'aria-label': 'View from' },
         views.map(([v, words]) => h('button', { type: 'button', onclick: () => this.viewer.look(v) }, words))),
     ];
   }
 
   designs() {
     const { frames } = this.data;
-    if (frames.length === 0) return h('p', {}, 'No design has been accepted: this is the surface at the start.');
+    if (frames.length === 0) return h('p', {}, 'No design has been accepted: this is the start surface.');
     const { label, input } = slider('Accepted design', { min: 0, max: frames.length - 1, step: 1, value: this.frame, id: 'design' },
       (v) => this.show(v));
     this.input = input;
     const step = (d) => { input.value = Math.min(frames.length - 1, Math.max(0, this.frame + d)); this.show(Number(input.value)); };
     this.playing = h('button', { type: 'button', onclick: () => this.play() }, 'Play');
     return h('div', { class: 'controls' }, label,
-      h('span', { class: 'buttons' }, h('button', { type: 'button', onclick: () => step(-1) }, 'Before'),
-        h('button', { type: 'button', onclick: () => step(1) }, 'After'), this.playing));
+      h('span', { class: 'buttons' }, h('button', { type: 'button', onclick: () => step(-1) }, 'Previous'),
+        h('button', { type: 'button', onclick: () => step(1) }, 'Next'), this.playing));
   }
 
   play() {
@@ -111,8 +111,8 @@ class Panel {
           this.plane.at = 0;
           this.cut();
         }), range.label, this.sectionAt,
-        tick('Plane in the view', false, (v) => { this.plane.shown = v; this.cut(); }),
-        tick('Cut the view there', false, (v) => { this.plane.cut = v; this.cut(); })),
+        tick('Show the plane', false, (v) => { this.plane.shown = v; this.cut(); }),
+        tick('Clip the view at the plane', false, (v) => { this.plane.cut = v; this.cut(); })),
       this.plot.element);
   }
 
@@ -228,16 +228,16 @@ class Panel {
     const words = {
       outward: `displacement along the normals, outward positive, ${this.run.units || 'length of the surface'}`,
       size: `displacement, ${this.run.units || 'length of the surface'}`,
-      'field:sensitivity': 'change of the objective by moving outward, per area and length (the outermost hundredth at each end shares its colour)',
+      'field:sensitivity': 'change of the objective per outward displacement and area (colours saturate at the 1st and 99th percentile)',
     }[this.colour] || this.colour.slice('field:'.length);
     this.legend.replaceChildren(
       h('span', {}, number(scale.low, 3)),
       h('span', { class: 'bar', style: `background: ${gradient(scale.map)}` }),
       h('span', {}, number(scale.high, 3)), h('span', { class: 'what' }, words),
-      isKnown ? '' : h('span', {}, 'Grey: not known of this design.'));
+      isKnown ? '' : h('span', {}, 'Grey: unknown for this design.'));
   }
 
-  /** Marks a patch, or none. */
+  /** Highlights a patch, or none. */
   select(level, id) {
     this.selected = level > 0 ? { level, id } : null;
     if (this.onselect) this.onselect(this.selected);
@@ -274,7 +274,7 @@ class Panel {
 export async function shapes(run, place) {
   const body = h('div', {});
   place.append(section('shapes', 'Shape', body));
-  if (!run.shapes) { body.append(h('p', {}, 'This page has no shapes: the folder holds none (output.paraview: none), or they could not be read.')); return null; }
+  if (!run.shapes) { body.append(h('p', {}, 'This page has no shapes: the folder contains none (output.paraview: none), or they could not be read.')); return null; }
   try {
     const panel = new Panel(await Shape.load(run.shapes), run);
     body.append(...panel.build());

@@ -1,10 +1,10 @@
-// The tree of patches with what each has brought.
+// The patch tree with the contribution of each patch.
 
 import { h, section } from './dom.js';
 import { number, percent } from './format.js';
 
 const byName = ([a], [b]) => a.name.localeCompare(b.name, 'en', { numeric: true });
-const deepest = 400;  // rows that are made at once
+const deepest = 400;  // rows created at once
 
 /** Share of the whole change; positive: the patch helped. */
 function helped(run, contribution) {
@@ -22,13 +22,13 @@ function bar(share) {
 
 export function tree(run, panel) {
   if (!run.shapes || run.shapes.tree.length < 2)
-    return section('patches', 'Patches', h('p', {}, 'The tree of patches is not known: the folder holds no design yet.'));
+    return section('patches', 'Patches', h('p', {}, 'The patch tree is unknown: the folder has no design yet.'));
   const levels = run.shapes.tree, { diagonal } = run.shapes.surface;
   const body = h('tbody', {});
   const told = h('p', { class: 'told', 'aria-live': 'polite' });
   let selected = null;
   const children = (k, id) => (k + 1 < levels.length ? levels[k + 1].patches.map((p, i) => [p, i]).filter(([p]) => p.parent === id).sort(byName) : []);
-  /** A patch that is carried over has one child of its own name: it is shown once. */
+  /** A patch that is not split has a single child of the same name: it is shown once. */
   const ends = (k, id) => {
     const below = children(k, id);
     return below.length === 1 ? ends(k + 1, below[0][1]) : { level: k, id, below };
@@ -71,7 +71,7 @@ export function tree(run, panel) {
     selected = again ? null : { button };
     if (!again) button.setAttribute('aria-pressed', 'true');
     const patch = levels[level].patches[id];
-    told.textContent = again ? 'No patch is marked.' : `${patch.name} is marked in the view above.`;
+    told.textContent = again ? 'No patch is highlighted.' : `${patch.name} is highlighted in the view above.`;
     if (panel) panel.select(again ? 0 : level, id);
   }
 
@@ -100,13 +100,13 @@ export function tree(run, panel) {
   const { explained, change } = run.shapes;
   const known = Number.isFinite(explained) && Number.isFinite(change);
   return section('patches', 'Patches',
-    h('p', {}, 'What each patch brought: the sensitivity of the objective times its motion, added up along the accepted designs. ',
-      known ? `Shares add up to ${number(explained, 4)} of the whole change of ${number(change, 4)}; the rest is the error of this sum, and what variables other than shape did.`
-        : 'It is not known here: sensitivities were not at hand for enough designs.'),
-    h('p', { class: 'hint' }, 'A name marks the patch in the view; ● has variables in the best design. Arrow keys go through the tree.'),
+    h('p', {}, 'The contribution of each patch: the sensitivity of the objective times its motion, summed along the accepted designs. ',
+      known ? `The contributions add up to ${number(explained, 4)} of the total change of ${number(change, 4)}; the rest is the error of this sum and the effect of variables other than shape.`
+        : 'It is unknown here: too few designs have sensitivities.'),
+    h('p', { class: 'hint' }, 'Click a name to highlight the patch in the view; ● marks patches with variables in the best design. Arrow keys navigate the tree.'),
     h('div', { class: 'controls' }, all),
-    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Tree of patches' },
-      h('table', { class: 'tree' }, h('caption', {}, 'Tree of patches'),
-        h('thead', {}, h('tr', {}, [['patch'], ['area', 1], ['triangles', 1], ['moved outward, mean', 1], ['moved at most', 1], ['contribution', 1], ['share of the change']]
+    h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Patch tree' },
+      h('table', { class: 'tree' }, h('caption', {}, 'Patch tree'),
+        h('thead', {}, h('tr', {}, [['patch'], ['area', 1], ['triangles', 1], ['mean outward displacement', 1], ['largest displacement', 1], ['contribution', 1], ['share of the change']]
           .map(([words, isNumber]) => h('th', { scope: 'col', class: isNumber && 'number' }, words)))), body)), told);
 }

@@ -58,20 +58,20 @@ class Model {
   }
 }
 
-/** The axis across which the body is flat, else z: what is taken for up until the reader says otherwise. */
+/** The axis along which the body is flat, otherwise z: the default for up. */
 export function likelyUp(size) {
   const order = [0, 1, 2].sort((a, b) => size[a] - size[b]);
   return size[order[0]] < 0.5 * size[order[1]] ? order[0] : 2;
 }
 
-/** A direction that is told for z up, for another axis. */
+/** A direction given for z up, for another axis. */
 function turned([x, y, z], up) {
   if (up === 1) return [x, z, -y];
   return up === 0 ? [z, y, -x] : [x, y, z];
 }
 
 export class Viewer {
-  /** @throws where there is no WebGL. */
+  /** @throws if there is no WebGL. */
   constructor(canvas, shape) {
     this.canvas = canvas;
     this.shape = shape;
@@ -97,7 +97,7 @@ export class Viewer {
     this.up = axis;
     this.camera.up.set(...turned([0, 0, 1], axis));
     if (this.controls) this.controls.dispose();
-    this.controls = new OrbitControls(this.camera, this.canvas);  // they keep what was up when they were made
+    this.controls = new OrbitControls(this.camera, this.canvas);  // they keep the `up` of their creation
     this.controls.enableDamping = false;
     this.controls.addEventListener('change', () => this.draw());
     this.look('iso');
@@ -152,7 +152,7 @@ export class Viewer {
     this.resize();
   }
 
-  /** Puts the start into the middle, and notes what has to fit in: half the width and half the height. */
+  /** Centres the start and stores the half width and half height that must fit. */
   fit() {
     this.camera.updateMatrixWorld();
     const right = new Vector3().setFromMatrixColumn(this.camera.matrix, 0), up = new Vector3().setFromMatrixColumn(this.camera.matrix, 1);
@@ -176,7 +176,7 @@ export class Viewer {
   /** Length per pixel at which the start fits into a pane. */
   lengthPerPixel(w, h) { return Math.max((2.3 * this.span[1]) / h, (2.15 * this.span[0]) / w); }
 
-  /** Arrow keys turn, plus and minus come nearer and go away. */
+  /** Arrow keys rotate, plus and minus zoom. */
   key(event) {
     const turn = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key];
     const zoom = { '+': 1.2, '=': 1.2, '-': 1 / 1.2 }[event.key];
@@ -242,7 +242,7 @@ export class Viewer {
     }
   }
 
-  /** The start as a net over the design. */
+  /** The start as a wireframe over the design. */
   showGhost() {
     if (!this.ghost) {
       const material = new MeshLambertMaterial({ color: 0x000000, wireframe: true, transparent: true, opacity: 0.18 });

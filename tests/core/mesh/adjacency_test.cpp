@@ -3,6 +3,8 @@
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
+#include <algorithm>
+#include <chrono>
 #include <numbers>
 
 using namespace strake;
@@ -21,6 +23,22 @@ TEST(Adjacency, FlippedTriangleIsMisorientedAtItsThreeEdges) {
     int count = 0;
     for (const char m : adjacent.misoriented) count += m;
     EXPECT_EQ(count, 3);
+}
+
+/// Walking over an edge from each of its triangles to each other one takes a minute here.
+TEST(Adjacency, ComponentsOfManyTrianglesAtOneEdgeTakeNoTime) {
+    const int n = 200'000;
+    TriMesh book;
+    book.vertices = Points::Zero(n + 5, 3);
+    book.triangles.resize(n + 1, 3);
+    for (int t = 0; t < n; ++t) book.triangles.row(t) << 0, 1, t + 2;
+    book.triangles.row(n) << n + 2, n + 3, n + 4;  // apart
+    const Adjacency adjacent = adjacency(book);
+    const auto begin = std::chrono::steady_clock::now();
+    const std::vector<int> component = edge_components(book, adjacent);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 2);
+    EXPECT_EQ(std::count(component.begin(), component.end(), 0), n);
+    EXPECT_EQ(component[n], 1);
 }
 
 TEST(Geometry, VolumesAndAreasOfTheTestSurfaces) {

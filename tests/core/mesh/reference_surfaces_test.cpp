@@ -1,4 +1,4 @@
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/topology.hpp"
 #include "core/mesh/weld.hpp"
 

@@ -1,8 +1,8 @@
+#include "core/patches/automatic.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
-#include "core/mesh/io.hpp"
-#include "core/patches/hierarchy.hpp"
 #include "shapes.hpp"
 #include "surfaces.hpp"
 
@@ -55,7 +55,7 @@ bool edge_connected(const TriMesh& mesh, const Adjacency& adjacent, const Patch&
 }
 
 /// The promises of every automatic hierarchy of three levels of a connected surface.
-void expect_promises(const TriMesh& mesh, const PatchHierarchy& tree, const std::string& name) {
+void expect_decreases(const TriMesh& mesh, const PatchHierarchy& tree, const std::string& name) {
     const Adjacency adjacent = adjacency(mesh);
     const double area = surface_area(mesh), share[] = {0.5, 0.25, 0.12};
     EXPECT_EQ(broken_rule(tree), "") << name;
@@ -91,7 +91,7 @@ TriMesh lopsided() { return bumpy(ellipsoid({3, 2, 1.2}, 5), 0.07); }
 TEST(AutomaticLevels, CubeAndBoxAreCutAlongTheirEdges) {
     for (const TriMesh& mesh : {box_surface({1, 1, 1}, 12), box_surface({1.3, 1, 0.8}, 12)}) {
         const PatchHierarchy tree = automatic(mesh);
-        expect_promises(mesh, tree, "box");
+        expect_decreases(mesh, tree, "box");
         EXPECT_EQ(tree.levels[1].patches.size(), 6u);
         const Points normals = triangle_normals(mesh);
         for (const Patch& p : tree.levels[3].patches)
@@ -103,7 +103,7 @@ TEST(AutomaticLevels, UpperAndLowerSurfaceOfAWingArePartedAtTheFirstLevel) {
     const int panels = 24;
     const TriMesh mesh = naca0012_wing(panels, 48, 4);
     const PatchHierarchy tree = automatic(mesh);
-    expect_promises(mesh, tree, "wing");
+    expect_decreases(mesh, tree, "wing");
     std::set<int> upper, lower;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         (t / 2 % (2 * panels) < panels ? upper : lower).insert(tree.levels[1].label[t]);
@@ -112,8 +112,8 @@ TEST(AutomaticLevels, UpperAndLowerSurfaceOfAWingArePartedAtTheFirstLevel) {
 }
 
 TEST(AutomaticLevels, SmoothBodiesNeverGetStuck) {
-    expect_promises(icosphere(4), automatic(icosphere(4)), "sphere");
-    expect_promises(lopsided(), automatic(lopsided()), "lopsided");
+    expect_decreases(icosphere(4), automatic(icosphere(4)), "sphere");
+    expect_decreases(lopsided(), automatic(lopsided()), "lopsided");
 }
 
 TEST(AutomaticLevels, DoNotDependOnNumberingOrRigidMotion) {
@@ -185,7 +185,7 @@ TEST(AutomaticLevels, RealSurfacesKeepThePromises) {
                              "supersonic_wing_body_pypan.stl", "turbineblade_vtkdata.ply"}) {
         const TriMesh mesh = read_surface(std::filesystem::path(folder) / file).mesh;
         const PatchHierarchy tree = automatic(mesh);
-        expect_promises(mesh, tree, file);
+        expect_decreases(mesh, tree, file);
         if (mesh.num_triangles() > 80000) continue;  // the others are large enough for the time a test may take
         expect_unmoved(mesh, file);
         const TriMesh fine = refined(mesh);

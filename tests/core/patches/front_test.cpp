@@ -2,6 +2,8 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/automatic.hpp"
+#include "core/patches/segmentation.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>

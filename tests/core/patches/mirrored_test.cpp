@@ -3,6 +3,7 @@
 #include "cases/geometry/lifting_body.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/automatic.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>

@@ -1,7 +1,7 @@
 #include "cli/run_strake.hpp"
 #include "core/error.hpp"
-#include "core/mesh/io.hpp"
-#include "core/patches/hierarchy.hpp"
+#include "core/formats/io.hpp"
+#include "core/patches/segmentation.hpp"
 #include "shapes.hpp"
 #include "surfaces.hpp"
 
@@ -82,7 +82,7 @@ TEST_F(PatchesProgram, WrongOptionsExitWith2AndSayValueAndLimit) {
         {{"--angle", "91"}, "91"},
         {{"--angle", "nan"}, "nan"},
         {{"--angle", "steep"}, "steep"},
-        {{"--angle", "10", "--angle", "20"}, "must be below"},
+        {{"--angle", "10", "--angle", "20"}, "must be less than"},
         {{"--angle", "auto", "--angle", "20"}, "auto"},
         {{"--angle", "20", "--min-size", "100%"}, "[0, 100)"},
         {{"--angle", "20", "--min-size", "few"}, "few"},

@@ -4,8 +4,8 @@
 
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/wing.hpp"
-#include "core/primo/spd_solver.hpp"
-#include "core/primo/vectors.hpp"
+#include "core/primo/linear/spd_solver.hpp"
+#include "core/primo/linear/vectors.hpp"
 #include "shells.hpp"
 
 /// Lanczos' method beside multigrid calls nothing definite that a factorization does not, however near to buckling, and

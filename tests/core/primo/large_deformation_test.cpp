@@ -4,7 +4,7 @@
 #include <filesystem>
 
 #include "cases/geometry/wing.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "shells.hpp"
 
 using namespace strake;

@@ -1,10 +1,11 @@
 #include <gtest/gtest.h>
 
+#include "casefile/read/resolved_case.hpp"
 #include "cases/geometry/closed_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/waverider.hpp"
 #include "cases/geometry/wing.hpp"
-#include "core/primo/preconditioner.hpp"
+#include "core/primo/linear/preconditioner.hpp"
 #include "core/primo/shell_impl.hpp"
 #include "shells.hpp"
 
@@ -144,8 +145,8 @@ TEST(MultigridShell, IsChosenBySizeAndNumberOfSolves) {
     EXPECT_EQ(Preconditioner::choose(LinearSolver::multigrid, 10, 0.1, 1000), LinearSolver::multigrid);
 }
 
-// Cells that crowd towards sharp edges: small clusters, dear cycles.
-TEST(MultigridShell, DearCyclesGoOverToAFactor) {
+// Cells that crowd towards sharp edges: small clusters, expensive cycles.
+TEST(MultigridShell, ExpensiveCyclesChangeToAFactor) {
     example::WaveriderShape shape;
     shape.crowding = 30;
     const TriMesh mesh = example::waverider(12'000, shape);

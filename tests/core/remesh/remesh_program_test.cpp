@@ -1,8 +1,9 @@
 #include "cli/run_strake.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
+#include <chrono>
 #include <csignal>
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -25,7 +26,9 @@ struct RemeshProgram : testing::Test {
 }  // namespace
 
 TEST_F(RemeshProgram, WritesTheSurfaceAndTellsAboutIt) {
+    const auto begin = std::chrono::steady_clock::now();
     const ProgramRun r = run({surface, "-o", out, "--edge-length", "5%", "--angle", "30", "--json"});
+    const std::chrono::duration<double> elapsed = std::chrono::steady_clock::now() - begin;
     ASSERT_EQ(r.status, 0) << r.err;
     EXPECT_EQ(r.err, "");
     const auto json = nlohmann::json::parse(r.out);
@@ -35,6 +38,8 @@ TEST_F(RemeshProgram, WritesTheSurfaceAndTellsAboutIt) {
     EXPECT_NEAR(json["edge_length"].get<double>(), 0.05 * std::sqrt(14.0), 1e-9);
     EXPECT_GT(json["quality"]["mean"].get<double>(), 0.9);
     EXPECT_EQ(json["new_intersections"], 0);
+    EXPECT_GT(json["seconds"].get<double>(), 0);
+    EXPECT_LT(json["seconds"].get<double>(), elapsed.count()) << "of the whole command";
     const ProgramRun words = run({surface, "-o", out});
     ASSERT_EQ(words.status, 0);
     EXPECT_EQ(words.err, "");

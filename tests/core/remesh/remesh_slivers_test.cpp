@@ -1,4 +1,4 @@
-#include "core/remesh/base_surface.hpp"
+#include "core/remesh/prepare_base.hpp"
 #include "core/remesh/remesh.hpp"
 
 #include "measure.hpp"

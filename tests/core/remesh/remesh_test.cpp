@@ -228,7 +228,7 @@ TEST(Remesh, CanBeCancelledAfterEveryPassWithAValidSurface) {
 TEST(Remesh, DegenerateAndRepeatedCornersDoNotHarm) {
     TriMesh mesh = icosphere(3);
     const int n = mesh.num_vertices(), m = mesh.num_triangles();
-    // An edge gets a vertex on it with two triangles of no area; one triangle repeats a corner.
+    // An edge gets a vertex on it with two triangles of zero area; one triangle repeats a corner.
     const int a = mesh.triangles(0, 0), b = mesh.triangles(0, 1), c = mesh.triangles(0, 2);
     mesh.vertices.conservativeResize(n + 1, 3);
     mesh.vertices.row(n) = 0.5 * (mesh.vertices.row(a) + mesh.vertices.row(b));

@@ -1,4 +1,6 @@
 #include "core/repair/checkup.hpp"
+#include "core/error.hpp"
+#include "core/repair/repair.hpp"
 
 #include "defective.hpp"
 
@@ -83,10 +85,58 @@ TEST(Checkup, AdviceNamesTheOptions) {
     EXPECT_TRUE(advised(icosphere(1)).empty());
     const auto flipped = advised(turned(icosphere(1), [](int t) { return t == 0; }));
     ASSERT_EQ(flipped.size(), 1u);
-    EXPECT_NE(flipped[0].find("--orient would mend 1 kind of defect"), std::string::npos) << flipped[0];
+    EXPECT_EQ(flipped[0],
+              "strake repair SURFACE --out FILE --orient leaves 0 of 3 edges that disagree in orientation (tried on a "
+              "copy)");
     const auto moebius = advised(twisted_band(24, 1));
     ASSERT_EQ(moebius.size(), 1u);  // nothing that would close it
     EXPECT_NE(moebius.back().find("orientable: cut it across"), std::string::npos);
+}
+
+/// A repair that makes anything worse is not proposed, and the numbers are those of a trial.
+TEST(Checkup, AdviceIsTriedOnACopy) {
+    const auto advised = [](const TriMesh& mesh) { return advice(mesh, checkup(mesh)); };
+    // A fin on a sphere, with one triangle turned: apart from the sphere it would be a loop more.
+    TriMesh fin = turned(icosphere(2), [](int t) { return t == 200; });
+    const int v = fin.num_vertices();
+    add_vertex(fin, {3, 0, 0});
+    add_triangle(fin, fin.triangles(0, 0), fin.triangles(0, 1), v);
+    const Checkup before = checkup(fin);
+    ASSERT_EQ(before.facts.nonmanifold_edges.size(), 1u);
+    for (const std::string& words : advised(fin)) {
+        if (words.find("strake repair") == std::string::npos) continue;
+        RepairOptions options;
+        options.orient = words.find("--orient") != std::string::npos;
+        options.split = words.find("--split") != std::string::npos;
+        if (words.find("--holes") != std::string::npos) continue;
+        const Checkup after = repair(fin, options).after;
+        EXPECT_LE(after.facts.boundary_loops.size(), before.facts.boundary_loops.size()) << words;
+        EXPECT_LE(after.facts.misoriented_edges.size(), before.facts.misoriented_edges.size()) << words;
+        EXPECT_NE(words.find(text(after.facts.misoriented_edges.size(), " of ", before.facts.misoriented_edges.size(),
+                                  " edges that disagree in orientation")),
+                  std::string::npos)
+            << words;
+    }
+    EXPECT_TRUE(advised(fin).size() >= 1);
+}
+
+TEST(Checkup, HalfABodyIsAskedOnceAndOnlyOfHalves) {
+    const auto asked = [](const TriMesh& mesh) {
+        const Checkup found = checkup(mesh);
+        int count = 0;
+        for (const auto& list : {advice(mesh, found), defects_in_words(mesh, found)})
+            for (const std::string& words : list)
+                count +=
+                    words.find("half a ") != std::string::npos || words.find("symmetry plane?") != std::string::npos;
+        return count;
+    };
+    const TriMesh box = box_surface({1, 2, 3}, 4);
+    EXPECT_EQ(asked(without(box, [&](int t) { return centroid(box, t).y() < 1e-12; })), 1);
+    EXPECT_EQ(asked(icosphere(2)), 0);
+    EXPECT_EQ(asked(strip(1, 1, 4, 4)), 0) << "a flat sheet";
+    const TriMesh tube =
+        without(box, [&](int t) { return centroid(box, t).y() < 1e-12 || centroid(box, t).y() > 2 - 1e-12; });
+    EXPECT_EQ(asked(tube), 0);
 }
 
 }  // namespace

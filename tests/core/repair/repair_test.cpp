@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <chrono>
 #include <limits>
 #include <numeric>
 
@@ -182,7 +183,7 @@ TEST(Repair, AFlatSheetIsNotClosedByItsOwnBack) {
         const RepairResult result = repair(sheet, options);
         expect_same_bits(result.mesh, sheet);
         ASSERT_FALSE(result.remaining.empty());
-        EXPECT_NE(result.remaining[0].find("lies back to back"), std::string::npos) << result.remaining[0];
+        EXPECT_NE(result.remaining[0].find("lie back to back"), std::string::npos) << result.remaining[0];
         // A hole inside of it is one.
         const Eigen::Vector3d inside(2.5 / 3, 0.375, 0);
         const RepairResult framed =
@@ -252,7 +253,7 @@ TEST(Repair, AStatedPlaneOfSymmetryIsNeitherClosedNorTold) {
         for (const std::string& words : repair(half, options).remaining) all += words + "\n";
         return all;
     };
-    EXPECT_NE(told().find("1 open loop(s): not asked for"), std::string::npos);
+    EXPECT_NE(told().find("1 open loop(s): not requested"), std::string::npos);
     for (const double sign : {1.0, -1.0}) {
         options.symmetry = SymmetryPlane{sign * Eigen::Vector3d::Unit(cut.symmetry_axis), sign * cut.symmetry_at};
         options.holes.reset();
@@ -316,6 +317,56 @@ TEST(Repair, AFanOfThousandsOfDegenerateTrianglesTakesNoTime) {
     EXPECT_TRUE(result.after.facts.degenerate_triangles.empty());
     EXPECT_EQ(result.mesh.num_triangles(), 3000);  // the last one, cut at each of the others' corners
     EXPECT_NEAR(result.after.area, result.before.area, 1e-12);
+}
+
+/// Each cut the others, and their parts, without end: memory ran out.
+TEST(Repair, TrianglesOnOneLineThatShareAnEdgeComeToAnEnd) {
+    TriMesh lines;
+    lines.vertices.resize(5, 3);
+    lines.vertices << 0, 0, 0, 1, 0, 0, -0.22335410130890199, 1.3111809646109797e-14, 2.8082907309268793e-14,
+        0.30815780337343401, -1.6473486515965887e-14, 3.3499888698871065e-15, 0.51992625456752994,
+        -2.0729181703706456e-14, -1.353088795218628e-14;
+    lines.triangles.resize(3, 3);
+    lines.triangles << 0, 1, 2, 0, 1, 3, 0, 1, 4;
+    // With a body beside them: something is left in any case.
+    TriMesh both = box_surface();
+    const int n = both.num_vertices(), m = both.num_triangles();
+    both.vertices.conservativeResize(n + 5, 3);
+    both.vertices.bottomRows(5) = lines.vertices.rowwise() + Eigen::RowVector3d(0, 3, 0);
+    both.triangles.conservativeResize(m + 3, 3);
+    both.triangles.bottomRows(3) = lines.triangles.array() + n;
+    for (const TriMesh& mesh : {lines, both}) {
+        RepairOptions options;
+        options.degenerate = true;
+        try {
+            const RepairResult result = repair(mesh, options);
+            EXPECT_LE(result.mesh.num_triangles(), mesh.num_triangles() + 9);
+            EXPECT_LE(result.after.facts.degenerate_triangles.size(), 9u);
+            EXPECT_LE(result.items.size(), 30u);
+        } catch (const InvalidInput& none_left) {
+            EXPECT_EQ(mesh.num_triangles(), 3) << none_left.what();
+        }
+    }
+}
+
+/// All pairs of so many triangles at an edge are too many.
+TEST(Repair, ABookOfThousandsOfPagesTakesNoTime) {
+    const int n = 20'000;
+    TriMesh book;
+    book.vertices.resize(n + 2, 3);
+    book.vertices.topRows(2) << 0, 0, 0, 0, 0, 1;
+    book.triangles.resize(n, 3);
+    for (int t = 0; t < n; ++t) {
+        const double angle = 0.7 + 6.2831 * t / n;
+        book.vertices.row(t + 2) << std::cos(angle), std::sin(angle), 0.5;
+        book.triangles.row(t) << (t % 3 ? 0 : 1), (t % 3 ? 1 : 0), t + 2;
+    }
+    RepairOptions options;
+    options.split = true;
+    const auto begin = std::chrono::steady_clock::now();
+    const RepairResult result = repair(book, options);
+    EXPECT_LT(std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count(), 20);
+    EXPECT_TRUE(result.after.facts.nonmanifold_edges.empty());
 }
 
 TEST(Repair, BadOptionsAndSurfacesAreRefused) {

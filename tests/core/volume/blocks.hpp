@@ -1,5 +1,5 @@
 #pragma once
-#include "core/volume/volume_mesh.hpp"
+#include "core/volume/cell_check.hpp"
 
 #include <array>
 

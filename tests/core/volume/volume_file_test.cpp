@@ -1,9 +1,9 @@
 #include "core/volume/volume_file.hpp"
 
 #include "core/error.hpp"
-#include "core/mesh/file.hpp"
-#include "core/mesh/io.hpp"
+#include "core/formats/io.hpp"
 #include "core/mesh/temp_folder.hpp"
+#include "core/text/file.hpp"
 #include "core/volume/blocks.hpp"
 #include "core/volume/cell_check.hpp"
 

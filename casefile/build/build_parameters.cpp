@@ -1,0 +1,117 @@
+#include "casefile/build/problem_builder.hpp"
+#include "optimize/space/mirror.hpp"
+#include "optimize/space/motion_limit.hpp"
+
+namespace strake {
+namespace {
+
+constexpr double beyond_reason = 0.5;  ///< diagonals
+constexpr double no_limit_yet = std::numeric_limits<double>::infinity();
+
+}  // namespace
+
+void ProblemBuilder::set_parameters() {
+    const ParameterEntry& entry = case_.parameters;
+    Parameters& p = out_.problem.parameters;
+    p.kinds = entry.variables;
+    p.strain_rotates = entry.strain_rotates;
+    p.strain_translates = entry.strain_translates;
+    p.load_directions = entry.directions;
+    p.free_border = entry.free_border;
+    set_motion_limits();
+    if (entry.split.kind == SplitEntry::Kind::sensitivity) p.split = SplitRule::sensitivity;
+    if (entry.split.kind == SplitEntry::Kind::gradient) p.split = SplitRule::gradient;
+    p.marking_fraction = entry.marking_fraction;
+    p.max_variable_ratio = entry.max_variable_ratio;
+    p.mirror = entry.mirror;
+    if (purpose_ == Purpose::deform) return;
+    p.variables_on = marked("parameters.variables_on", entry.variables_on);
+    if (!out_.problem.attached.empty()) {  // variables have nothing to move there
+        if (p.variables_on.empty()) p.variables_on.assign(start_.mesh.num_triangles(), 1);
+        for (const AttachedPart& part : out_.problem.attached)
+            for (const int t : part.triangles) p.variables_on[t] = 0;
+    }
+    p.frozen = marked("parameters.frozen", entry.frozen);
+    for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
+    set_user_values();
+    if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
+    const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
+    if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
+        errors_.add(entry.mirror_place,
+                    "parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
+    if (is_search && errors_.empty() && !p.kinds.empty()) check_dof();
+}
+
+void ProblemBuilder::set_motion_limits() {
+    const ParameterEntry& entry = case_.parameters;
+    Parameters& p = out_.problem.parameters;
+    const auto share = [&](const Length& length) {
+        return length.is_relative_to_diagonal ? length.value : length.value / start_.diagonal;
+    };
+    p.max_displacement = share(entry.max_displacement);
+    p.is_limit_stated = entry.is_limit_stated;
+    p.limits_variables = entry.limits_variables;
+    if (entry.variable_scale) p.variable_scale = share(*entry.variable_scale);
+    if (purpose_ == Purpose::deform) return;
+    if (!entry.max_displacement_by_region.empty())
+        p.max_outward = p.max_inward = Eigen::VectorXd::Constant(start_.mesh.num_vertices(), no_limit_yet);
+    for (const MotionLimitEntry& limit : entry.max_displacement_by_region) {
+        const double outward = limit.outward ? share(*limit.outward) : p.max_displacement;
+        const double inward = limit.inward ? share(*limit.inward) : p.max_displacement;
+        for (const int t : triangles(limit.region))
+            for (int k = 0; k < 3; ++k) {
+                const int v = start_.mesh.triangles(t, k);
+                p.max_outward[v] = std::min(p.max_outward[v], outward);
+                p.max_inward[v] = std::min(p.max_inward[v], inward);
+            }
+    }
+    for (Eigen::VectorXd* limits : {&p.max_outward, &p.max_inward})
+        for (double& limit : *limits)
+            if (limit == no_limit_yet) limit = p.max_displacement;
+    if (const double largest = largest_limit(p); !p.limits_variables && largest > beyond_reason)
+        out_.warnings.push_back(text("parameters.max_displacement = ", largest * start_.diagonal, " is ",
+                                     std::round(100 * largest), " % of the diagonal of the surface (", start_.diagonal,
+                                     "): that limits next to nothing; 5% is the default"));
+}
+
+void ProblemBuilder::check_dof() {
+    const Parameters& p = out_.problem.parameters;
+    if (!p.user_variables.empty() || !twists_.empty()) return;
+    std::vector<char> held(start_.mesh.num_triangles(), 0);
+    for (const int t : out_.problem.fixed) held[t] = 1;
+    for (const PrescribedStrain& strain : out_.problem.strains)
+        for (const int t : strain.triangles) held[t] = 1;
+    for (int t = 0; t < start_.mesh.num_triangles(); ++t)
+        if (!held[t] && (p.variables_on.empty() || p.variables_on[t]) && (p.frozen.empty() || !p.frozen[t])) return;
+    errors_.add(case_.parameters_place,
+                text("parameters: no triangle is left for design variables; ",
+                     p.variables_on.empty() ? "all" : "all of parameters.variables_on", " are under fixed",
+                     p.frozen.empty() ? " or strains" : ", strains or parameters.frozen"));
+}
+
+std::vector<char> ProblemBuilder::marked(const std::string& key, const std::vector<Reference>& names) {
+    if (names.empty()) return {};
+    std::vector<char> marks(start_.mesh.num_triangles(), 0);
+    for (const Reference& name : names)
+        for (const int t : region_or_patch(key, name)) marks[t] = 1;
+    return marks;
+}
+
+std::vector<int> ProblemBuilder::region_or_patch(const std::string& key, const Reference& reference) {
+    if (const auto found = region_index_.find(reference.name); found != region_index_.end())
+        return out_.regions[found->second].triangles;
+    try {
+        const PatchPlace place = find_patch(out_.problem.tree, reference.name);
+        return out_.problem.tree.levels[place.level].patches[place.id].triangles;
+    } catch (const InvalidInput& e) {
+        std::vector<std::string> names;
+        for (const RegionTriangles& region : out_.regions) names.push_back(region.name);
+        const std::string near = nearest(reference.name, names);
+        errors_.add(reference.place,
+                    text(key, ": '", printable(reference.name), "' is not a declared region",
+                         near.empty() ? "" : text(" (did you mean '", near, "'?)"), ", and ", e.what()));
+    }
+    return {};
+}
+
+}  // namespace strake

@@ -1,0 +1,36 @@
+#include "casefile/build/problem_builder.hpp"
+#include "optimize/run/stored_design.hpp"
+
+namespace strake {
+
+BuiltProblem ProblemBuilder::build() {
+    read_start();
+    at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
+    read_stored();
+    errors_.throw_if_any();
+    evaluate_regions();
+    errors_.throw_if_any();
+    Problem& problem = out_.problem;
+    problem.name = case_.name;
+    problem.symmetry = case_.symmetry;
+    problem.couple_nonmanifold = case_.couple_nonmanifold;
+    problem.solver = case_.solver;
+    set_heights();
+    set_pins();
+    set_attached();
+    set_parameters();
+    errors_.throw_if_any();
+    set_springs();
+    set_twists();
+    if (!case_.loads.empty()) set_tractions();
+    if (purpose_ != Purpose::deform) set_goals();
+    errors_.throw_if_any();
+    problem.surface = std::move(start_.mesh);
+    if (stored_) at(case_.start_place, "optimize.start_from: ", [&] { start_from(problem, stored_); });
+    errors_.throw_if_any();
+    return std::move(out_);
+}
+
+BuiltProblem build_problem(const Case& the_case, Purpose purpose) { return ProblemBuilder(the_case, purpose).build(); }
+
+}  // namespace strake

@@ -1,0 +1,155 @@
+#include "casefile/build/prepare_surface.hpp"
+#include "casefile/build/problem_builder.hpp"
+#include "casefile/build/surface_check.hpp"
+#include "core/mesh/closest_point.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/patches/automatic.hpp"
+#include "core/patches/mirrored.hpp"
+#include "core/patches/segmentation.hpp"
+#include "optimize/run/stored_design.hpp"
+#include "optimize/space/mirror.hpp"
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+Box triangle_box(const TriMesh& mesh, const std::vector<int>& triangles) {
+    Box box{mesh.vertices.row(mesh.triangles(triangles.front(), 0)),
+            mesh.vertices.row(mesh.triangles(triangles.front(), 0))};
+    for (const int t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            box.min = box.min.cwiseMin(mesh.vertices.row(mesh.triangles(t, k)).transpose());
+            box.max = box.max.cwiseMax(mesh.vertices.row(mesh.triangles(t, k)).transpose());
+        }
+    return box;
+}
+
+}  // namespace
+
+void ProblemBuilder::read_start() {
+    PreparedSurface prepared = prepare_surface(case_);
+    out_.format = prepared.format;
+    out_.is_prepared = prepared.is_changed;
+    out_.repairs_csv = std::move(prepared.repairs_csv);
+    out_.notes = std::move(prepared.notes);
+    for (std::string& words : prepared.warnings) out_.warnings.push_back(std::move(words));
+    start_.mesh = std::move(prepared.mesh);
+    start_.file_triangles = prepared.file_triangles;
+    start_.is_remeshed = prepared.is_remeshed;
+    start_.source_triangle = std::move(prepared.source_triangle);
+    start_.adjacent = adjacency(start_.mesh);
+    start_.area = triangle_areas(start_.mesh);
+    start_.diagonal = box_diagonal(start_.mesh);
+    check_symmetry_plane();
+    errors_.throw_if_any();
+    SurfaceDemands demands{case_.couple_nonmanifold, false, case_.symmetry};
+    if (purpose_ != Purpose::deform)
+        for (const QuantityEntry& quantity : case_.quantities)
+            demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
+    check_surface(case_.surface, start_, demands);
+}
+
+/// A half model ends on the plane, with open edges.
+void ProblemBuilder::check_symmetry_plane() {
+    if (!case_.symmetry) return;
+    const SymmetryPlane& plane = *case_.symmetry;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    for (int e = 0; e < start_.adjacent.num_edges(); ++e) {
+        if (start_.adjacent.edge_triangles[e].size() != 1) continue;
+        const auto [a, b] = start_.adjacent.edges[e];
+        const double one = plane.normal.dot(start_.mesh.vertices.row(a)) - plane.offset,
+                     other = plane.normal.dot(start_.mesh.vertices.row(b)) - plane.offset;
+        if (std::max(std::abs(one), std::abs(other)) <= 1e-6 * start_.diagonal) return;
+        lowest = std::min({lowest, one, other});
+        highest = std::max({highest, one, other});
+    }
+    const Eigen::Vector3d& n = plane.normal;
+    const std::string shown = text("symmetry: no open edge on the symmetry plane with normal (", n[0], ", ", n[1], ", ",
+                                   n[2], ") at ", plane.offset, " (both ends within 1e-6 of the diagonal)");
+    if (highest < lowest)
+        errors_.add(case_.symmetry_place, shown + ": the surface is closed; remove symmetry for a full model");
+    else
+        errors_.add(case_.symmetry_place,
+                    text(shown, ": the open edges of the half lie between ", plane.offset + lowest, " and ",
+                         plane.offset + highest, " along that normal"));
+}
+
+Split ProblemBuilder::split() {
+    const SplitEntry& entry = case_.parameters.split;
+    if (entry.kind == SplitEntry::Kind::largest) return SplitLargest{entry.largest};
+    if (entry.kind != SplitEntry::Kind::containing) return SplitAll{};  // by sensitivity: the run chooses among all
+    SplitContaining containing;
+    const ClosestPointTree closest(start_.mesh);
+    for (const auto& [what, place] : entry.containing) {
+        const int* number = std::get_if<int>(&what);
+        const int t = number ? *number : closest.find(std::get<NearPoint>(what).point).triangle;
+        if (t < start_.mesh.num_triangles())
+            containing.triangles.push_back(t);
+        else
+            errors_.add(place, text("parameters.split.containing: triangle ", t, " must be below ",
+                                    start_.mesh.num_triangles()));
+    }
+    return containing;
+}
+
+/// Before the tree is used: regions may name its patches.
+void ProblemBuilder::read_stored() {
+    if (!case_.start_from || purpose_ == Purpose::deform) return;
+    const std::string shown = text("optimize.start_from = ", printable(case_.start_from->string(), 400), ": ");
+    const std::filesystem::path file = *case_.start_from / "levels" / "best.design";
+    std::error_code ignored;
+    if (!std::filesystem::exists(file, ignored)) {
+        const bool is_folder = std::filesystem::is_directory(*case_.start_from, ignored);
+        errors_.add(case_.start_place, shown + (is_folder ? "no design is stored there (levels/best.design): not the "
+                                                            "folder of a run, or of one that found no design"
+                                                          : "there is no such folder"));
+        return;
+    }
+    try {
+        auto design = std::make_shared<StoredDesign>(read_design(file));
+        check_surface(*design, start_.mesh);
+        stored_ = std::move(design);
+        if (!has_levels_of(out_.problem.tree, *stored_)) out_.problem.tree = stored_->tree;
+    } catch (const InputError& refused) {
+        errors_.add(case_.start_place, text("optimize.start_from: ", refused.what()));
+    } catch (const InvalidInput& refused) {
+        errors_.add(case_.start_place, shown + refused.what());
+    }
+}
+
+void ProblemBuilder::build_tree() {
+    if (purpose_ == Purpose::deform && !needs_patches(case_.regions, start_.mesh)) return;
+    const ParameterEntry& p = case_.parameters;
+    PatchHierarchy& tree = out_.problem.tree;
+    if (!p.levels_deg.empty()) {
+        tree = segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
+    } else {
+        AutomaticLevels automatic;
+        if (!p.patches_per_level.empty()) automatic.patches_per_level = p.patches_per_level;
+        automatic.sharp_angle_deg = p.sharp_angle_deg;
+        automatic.split = split();
+        tree = segment_automatically(start_.mesh, start_.adjacent, automatic);
+    }
+    if (!p.mirror) return;
+    if (const auto plane = plane_of_symmetry(start_.mesh))
+        tree =
+            mirrored(tree, start_.mesh, start_.adjacent, *plane);  // without a plane `set_parameters` reports an error
+}
+
+void ProblemBuilder::evaluate_regions() {
+    RegionSets sets(case_.regions, start_, out_.problem.tree);
+    for (std::size_t k = 0; k < case_.regions.size(); ++k)
+        at(case_.regions[k].shape_place, "", [&] {
+            const Region& region = case_.regions[k];
+            RegionTriangles found;
+            found.name = region.name;
+            found.triangles = sets.triangles(static_cast<int>(k));
+            for (const int t : found.triangles) found.area += start_.area[t];
+            found.box = triangle_box(start_.mesh, found.triangles);
+            region_index_[region.name] = static_cast<int>(out_.regions.size());
+            out_.regions.push_back(std::move(found));
+        });
+}
+
+}  // namespace strake

@@ -1,0 +1,88 @@
+#include "casefile/build/prepare_surface.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+
+namespace strake {
+namespace {
+
+double length_in(const std::optional<Length>& length, double diagonal) { return length ? length->in(diagonal) : 0; }
+
+RepairOptions options_of(const RepairEntry& entry, double diagonal) {
+    RepairOptions options = entry.options;
+    if (entry.all) {
+        options = all_repairs(diagonal);
+        options.fill = entry.options.fill;
+        options.keep_largest = entry.options.keep_largest;
+        options.min_area_share = entry.options.min_area_share;
+        options.min_triangles = entry.options.min_triangles;
+    }
+    if (entry.weld) options.weld = entry.weld->in(diagonal);
+    if (entry.cracks) options.cracks = entry.cracks->in(diagonal);
+    if (entry.holes) {
+        options.holes = entry.holes->in(diagonal);
+        options.keep_symmetry_loops = false;
+    }
+    return options;
+}
+
+void repair_start(const RepairEntry& entry, const std::optional<SymmetryPlane>& symmetry, PreparedSurface& surface) {
+    RepairOptions options = options_of(entry, box_diagonal(surface.mesh));
+    options.symmetry = symmetry;
+    RepairResult result = repair(surface.mesh, options);
+    std::string counts;
+    for (int k = 0; k <= static_cast<int>(RepairKind::isolated); ++k)
+        if (const int count = result.count(static_cast<RepairKind>(k)); count > 0)
+            counts += text(counts.empty() ? "" : ", ", count, " ", name_of(static_cast<RepairKind>(k)));
+    surface.notes.push_back("repair: " + (counts.empty() ? "nothing to repair" : counts));
+    for (const std::string& words : result.remaining) surface.warnings.push_back("repair: remaining: " + words);
+    surface.repairs_csv = repair_csv(result);
+    surface.mesh = std::move(result.mesh);
+    surface.source_triangle = std::move(result.source_triangle);
+}
+
+void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, PreparedSurface& surface) {
+    RemeshOptions options = entry.options;
+    const double diagonal = box_diagonal(surface.mesh);
+    options.edge_length = length_in(entry.edge_length, diagonal);
+    options.chord_error = length_in(entry.chord_error, diagonal);
+    options.shortest_edge = length_in(entry.shortest_edge, diagonal);
+    const int before = surface.mesh.num_triangles();
+    RemeshResult result =
+        remesh(surface.mesh, options, [&](const RemeshRecord&) { return !stop_wanted || !stop_wanted(); });
+    if (result.cancelled) throw Interrupted{};
+    surface.mesh = std::move(result.mesh);
+    surface.source_triangle.clear();
+    surface.is_remeshed = true;
+    surface.notes.push_back(text("remesh: ", before, " triangles replaced by ", surface.mesh.num_triangles(),
+                                 " with edge length ", result.edge_length));
+    if (result.new_intersections > 0)
+        surface.warnings.push_back(text("remesh: ", result.new_intersections, " new pairs of intersecting triangles"));
+}
+
+}  // namespace
+
+PreparedSurface prepare_surface(const Case& the_case) {
+    SurfaceFile file = read_surface(the_case.surface);
+    check_coordinates(the_case.surface, file.mesh);
+    PreparedSurface surface;
+    surface.mesh = std::move(file.mesh);
+    surface.format = file.format;
+    surface.file_triangles = surface.mesh.num_triangles();
+    Diagnostics errors = diagnostics_of(the_case);
+    const auto at = [&](const Place& place, const auto& work) {
+        try {
+            work();
+        } catch (const InvalidInput& refused) {
+            errors.add(place, refused.what());
+        }
+        errors.throw_if_any();
+    };
+    if (the_case.repair)
+        at(the_case.repair->place, [&] { repair_start(*the_case.repair, the_case.symmetry, surface); });
+    if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, the_case.stop_wanted, surface); });
+    surface.is_changed = the_case.repair || the_case.remesh;
+    return surface;
+}
+
+}  // namespace strake

@@ -1,0 +1,97 @@
+#pragma once
+#include "casefile/build/build_problem.hpp"
+#include "casefile/build/regions.hpp"
+#include "optimize/space/twist.hpp"
+
+#include <map>
+#include <memory>
+
+/// From the checked case to the problem, topic by topic. Between the builder's files; not for others.
+namespace strake {
+
+struct ShellSetup;
+struct ProgramPoints;
+struct StoredDesign;
+
+class ProblemBuilder {
+public:
+    ProblemBuilder(const Case& the_case, Purpose purpose)
+        : case_(the_case), purpose_(purpose), errors_(diagnostics_of(the_case)) {}
+    BuiltProblem build();
+
+private:
+    const Case& case_;
+    Purpose purpose_;
+    Diagnostics errors_;
+    StartSurface start_;
+    BuiltProblem out_;
+    std::map<std::string, int> region_index_;
+    std::shared_ptr<const StoredDesign> stored_;  ///< that `start_from` names
+    std::vector<std::pair<TwistSpec, Place>> twists_;
+
+    /// Runs `work`; what it refuses becomes an error at `place`.
+    template <class Work>
+    void at(const Place& place, const std::string& prefix, const Work& work) {
+        try {
+            work();
+        } catch (const InvalidInput& e) {
+            errors_.add(place, prefix + e.what());
+        }
+    }
+    const std::vector<int>& triangles(const Reference& region) const {
+        return out_.regions[region_index_.at(region.name)].triangles;
+    }
+
+    // build_surface.cpp
+    void read_start();
+    void check_symmetry_plane();
+    Split split();
+    void build_tree();
+    void read_stored();
+    void evaluate_regions();
+    // build_shell.cpp
+    void set_heights();
+    void set_pins();
+    /// @param shown what is said to leave the plane: "strains: region 'x'".
+    void check_symmetry(const Place& place, const std::string& shown, const PrescribedStrain& given);
+    void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
+                              const std::vector<char>& is_fixed);
+    // build_attach.cpp
+    void set_attached();
+    std::vector<int> part_triangles(const Reference& reference);
+    void check_loaded();
+    // build_loads.cpp
+    void set_springs();
+    void set_tractions();
+    void make_shell(std::optional<PrimoShell>& shell, ShellSetup& setup);
+    Eigen::Vector3d scaled_traction(const LoadEntry& load, PrimoShell& shell, const ShellSetup& setup);
+    // build_parameters.cpp
+    void set_parameters();
+    void set_motion_limits();
+    void check_dof();
+    void set_fields();  // build_fields.cpp
+    /// Per triangle: lies in one of these regions or patches; empty without names.
+    std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
+    std::vector<int> region_or_patch(const std::string& key, const Reference& reference);
+    // build_user_variables.cpp
+    void set_user_values();
+    void set_twists();
+    UserVariable user_load(const UserVariableEntry& entry, const std::vector<int>& where) const;
+    UserVariable user_motion(const UserVariableEntry& entry, const std::vector<int>& where);
+    bool may_be_user_defined(const UserVariableEntry& entry, const std::vector<int>& where);
+    // build_goals.cpp
+    void set_goals();
+    Quantity make(const QuantityEntry& entry, const VolumeEntry& what);
+    Quantity make(const QuantityEntry& entry, const AreaEntry& what);
+    Quantity make(const QuantityEntry& entry, const TargetShapeEntry& target);
+    Quantity make(const QuantityEntry& entry, const MeasuredPointsEntry& measured);
+    Quantity make(const QuantityEntry& entry, const LineThicknessEntry& along);
+    Quantity make(const QuantityEntry& entry, const SectionAreaEntry& area);
+    Quantity make(const QuantityEntry& entry, const ExternalEntry& program);
+    Quantity make(const QuantityEntry& entry, const BuiltInEntry& made);
+    Quantity make(const QuantityEntry& entry, const FormulaEntry& formula);
+    Quantity make_plugin(const QuantityEntry& entry, const ExternalEntry& program) const;
+    std::shared_ptr<const ProgramPoints> program_points(const ExternalEntry& program) const;
+};
+
+}  // namespace strake

@@ -1,0 +1,54 @@
+#pragma once
+#include "casefile/model/case.hpp"
+#include "core/mesh/adjacency.hpp"
+
+/// Which triangles the regions of a case hold.
+namespace strake {
+
+/// The start surface, and what is known about it.
+struct StartSurface {
+    TriMesh mesh;
+    Adjacency adjacent;
+    Eigen::VectorXd area;  ///< m
+    double diagonal = 0;
+    int file_triangles = 0;            ///< of the surface file
+    bool is_remeshed = false;          ///< numbers in the file mean nothing any more
+    std::vector<int> source_triangle;  ///< number in the file, -1: new; empty: as in the file
+};
+
+/// The triangles of declared regions. Regions may be made of others, wherever these are declared.
+class RegionSets {
+public:
+    /// Keeps references. @param tree may be empty unless `needs_patches`.
+    RegionSets(const std::vector<Region>& regions, const StartSurface& start, const PatchHierarchy& tree)
+        : regions_(regions), start_(start), tree_(tree), known_(regions.size()) {}
+
+    /// Triangles of region k, ascending, never empty. Box, sphere and half space hold the triangles whose three
+    /// vertices (or one, where the region says so) lie inside, borders included (1e-9 of the diagonal).
+    /// @throws InvalidInput: nothing inside, unknown solid, component, patch or name, wrong triangle file, a region
+    /// made of itself (with its path).
+    const std::vector<int>& triangles(int k);
+
+    /// What a text of names and signs holds, of which a single name is the simplest.
+    std::vector<char> marks_of(const std::string& formula);
+
+private:
+    struct Evaluate;
+    struct Known {
+        std::vector<int> triangles;
+        enum class State { unknown, open, known, refused } state = State::unknown;
+    };
+    std::vector<char> marks_named(const std::string& name);
+    [[noreturn]] void refuse_circle(int k) const;
+
+    const std::vector<Region>& regions_;
+    const StartSurface& start_;
+    const PatchHierarchy& tree_;
+    std::vector<Known> known_;
+    std::vector<int> path_;  ///< regions that are being evaluated
+};
+
+/// Some region names a patch: the tree is needed before them.
+bool needs_patches(const std::vector<Region>& regions, const TriMesh& mesh);
+
+}  // namespace strake

@@ -1,0 +1,87 @@
+#include "casefile/load_case.hpp"
+
+#include <algorithm>
+
+#include "casefile/check/cross_check.hpp"
+#include "casefile/read/read_case.hpp"
+#include "casefile/schema/renamed.hpp"
+#include "casefile/schema/schema.hpp"
+
+namespace strake {
+namespace {
+
+/// Built-in quantities that are used without an entry get one.
+void add_built_in(Case& c) {
+    const auto used = [&](const std::string& name) {
+        const auto holds = [&](const QuantityEntry& quantity) {
+            const auto* formula = std::get_if<FormulaEntry>(&quantity.what);
+            return formula && std::find(formula->of.begin(), formula->of.end(), name) != formula->of.end();
+        };
+        return c.objective.name == name || std::any_of(c.quantities.begin(), c.quantities.end(), holds) ||
+               std::any_of(c.constraints.begin(), c.constraints.end(),
+                           [&](const auto& entry) { return entry.constraint.quantity == name; });
+    };
+    const auto declared = [&](const std::string& name) {
+        return std::any_of(c.quantities.begin(), c.quantities.end(), [&](const auto& q) { return q.name == name; });
+    };
+    const auto place = [&](const std::string& name) {
+        for (const ConstraintEntry& entry : c.constraints)
+            if (entry.constraint.quantity == name) return entry.place;
+        return c.objective.place;
+    };
+    // Before the formulas, which may hold them.
+    const auto add = [&](const std::string& name, auto entry) {
+        if (!used(name) || declared(name)) return;
+        const auto formula = std::find_if(c.quantities.begin(), c.quantities.end(), [](const QuantityEntry& quantity) {
+            return std::holds_alternative<FormulaEntry>(quantity.what);
+        });
+        c.quantities.insert(formula, {name, place(name), entry});
+    };
+    add("volume", VolumeEntry{});
+    add("area", AreaEntry{});
+}
+
+/// A case without a name is named after its file.
+void name_after_file(Value& root, const std::filesystem::path& file) {
+    const auto is_name = [](const Entry& entry) { return entry.key == "case"; };
+    if (root.form != Value::Form::map || std::any_of(root.entries.begin(), root.entries.end(), is_name)) return;
+    std::string name = file.stem().string().substr(0, 100);
+    const auto is_legal = [](char c) {
+        return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
+    };
+    for (char& c : name)
+        if (!is_legal(c)) c = '_';
+    Entry entry{"case", root.place, {}};
+    entry.value.text = name;
+    entry.value.place = root.place;
+    entry.value.from_default = true;
+    root.entries.insert(root.entries.begin(), std::move(entry));
+}
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& file, Purpose purpose) { return load_case(file, purpose, {}); }
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
+    const std::string bytes = read_case_file(file.string());
+    auto source = std::make_shared<Case::Source>();
+    source->root = parse_yaml(bytes, file.string());
+    source->lines = split_lines(bytes);
+    Diagnostics errors(file.string(), source->lines);
+    Case the_case;
+    the_case.file = file;
+    the_case.command_dir = command_dir;
+    name_after_file(source->root, file);
+    rename_old(source->root, errors);
+    validate(source->root, file.parent_path(), errors);
+    read_case(source->root, file.parent_path(), the_case, errors);
+    set_formulas(the_case, errors);
+    cross_check(source->root, purpose, the_case, errors);
+    errors.throw_if_any();
+    add_built_in(the_case);
+    if (command_dir.empty()) the_case.notes = errors.notes();
+    the_case.source = std::move(source);
+    return the_case;
+}
+
+}  // namespace strake

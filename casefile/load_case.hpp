@@ -1,0 +1,12 @@
+#pragma once
+#include "casefile/model/case.hpp"
+
+namespace strake {
+
+/// Reads and checks a case file without reading the surface. @throws CaseError with all that is wrong.
+Case load_case(const std::filesystem::path& file, Purpose purpose = Purpose::any);
+/// The same, where {case_dir} of commands stays another folder than the file's: a run that continues; without notes
+/// about old names, which its user did not write.
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir);
+
+}  // namespace strake

@@ -1,0 +1,33 @@
+#include "casefile/model/case.hpp"
+
+#include <algorithm>
+
+#include "casefile/model/case_source.hpp"
+
+namespace strake {
+
+std::vector<std::string> known_values(const Case& the_case) {
+    std::vector<std::string> known;
+    for (const QuantityEntry& quantity : the_case.quantities)
+        for (const std::string& name : quantity.value_names()) known.push_back(name);
+    for (const char* built_in : {"volume", "area"})
+        if (std::find(known.begin(), known.end(), built_in) == known.end()) known.push_back(built_in);
+    return known;
+}
+
+std::vector<std::string> QuantityEntry::value_names() const {
+    std::vector<std::string> names;
+    if (const auto* external = std::get_if<ExternalEntry>(&what))
+        for (const std::string& value : external->outputs) names.push_back(name + "." + value);
+    if (const auto* made = std::get_if<BuiltInEntry>(&what))
+        for (const std::string& value : made->outputs) names.push_back(name + "." + value);
+    const auto* along = std::get_if<LineThicknessEntry>(&what);
+    if (along && along->values == ThicknessValues::each)
+        for (std::size_t i = 1; i <= along->lines.size(); ++i) names.push_back(text(name, ".", i));
+    if (names.empty()) names.push_back(name);
+    return names;
+}
+
+Diagnostics diagnostics_of(const Case& the_case) { return {the_case.file.string(), the_case.source->lines}; }
+
+}  // namespace strake

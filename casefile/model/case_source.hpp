@@ -1,0 +1,13 @@
+#pragma once
+#include "casefile/model/case.hpp"
+#include "casefile/yaml/value.hpp"
+
+namespace strake {
+
+/// The file that the case was read from.
+struct Case::Source {
+    Value root;  ///< checked, defaults filled in
+    std::vector<std::string> lines;
+};
+
+}  // namespace strake

@@ -1,0 +1,235 @@
+#include "casefile/propose/propose.hpp"
+
+#include "casefile/propose/propose_parts.hpp"
+#include "casefile/yaml/diagnostics.hpp"
+#include "core/error.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/shell_word.hpp"
+#include "optimize/space/mirror.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using namespace proposing;
+
+/// A path or name as a YAML scalar. @throws InputError: bytes that cannot stand in one line of UTF-8 text.
+std::string yaml_text(const std::string& words) {
+    if (printable(words, words.size() + 1) != words)
+        throw InputError(
+            text(printable(words, 400), ": this name cannot be written in a case file; rename or link the file"));
+    const bool is_plain = !words.empty() && std::all_of(words.begin(), words.end(), [](unsigned char c) {
+        return std::isalnum(c) || c == '_' || c == '-' || c == '.' || c == '/';
+    }) && (std::isalpha(static_cast<unsigned char>(words[0])) || words[0] == '.' || words[0] == '/');
+    if (is_plain) return words;
+    std::string out = "'";
+    for (const char c : words) out += c == '\'' ? "''" : std::string(1, c);
+    return out + "'";
+}
+
+std::string name_of_case(const std::filesystem::path& file) {
+    std::string name = file.filename().string();
+    name = name.substr(0, name.find('.', 1));
+    for (char& c : name)
+        if (!std::isalnum(static_cast<unsigned char>(c)) && c != '-') c = '_';
+    return name.empty() ? "surface" : name.substr(0, 100);
+}
+
+std::string path_from(const std::filesystem::path& file, const std::filesystem::path& case_file) {
+    const auto whole = [](const std::filesystem::path& p) {
+        return std::filesystem::weakly_canonical(std::filesystem::absolute(p));
+    };
+    const std::filesystem::path folder = whole(case_file).parent_path();
+    // The name as it was given, links and all, where it is near; far away an absolute one reads better.
+    const std::filesystem::path given = std::filesystem::absolute(file).lexically_normal();
+    const std::filesystem::path relative = given.lexically_relative(folder);
+    const auto ups = std::count(relative.begin(), relative.end(), "..");
+    return relative.empty() || ups > 3 ? given.string() : relative.string();
+}
+
+/// A row with its comment, the comments aligned.
+std::string padded(const std::string& row, const std::string& why) {
+    return row + std::string(row.size() < 62 ? 62 - row.size() : 1, ' ') + "# " + why + "\n";
+}
+
+std::string surface_text(const std::string& path, const std::string& units, const Checkup& c) {
+    std::string out = "surface:\n  file: " + yaml_text(path) + "\n";
+    if (!units.empty()) return out + padded("  units: " + units, "as the file says");
+    return out +
+           "  # units: m     the file does not say; needed only if a length in this case has a unit\n"
+           "  #              (the body is " +
+           text(c.box.max.x() - c.box.min.x()) + " x " + text(c.box.max.y() - c.box.min.y()) + " x " +
+           text(c.box.max.z() - c.box.min.z()) + " in the file's unit)\n";
+}
+
+std::string repair_text(const RepairedSurface& surface) {
+    if (surface.keys.empty()) return "";
+    std::string out =
+        "\n# Repairs that the surface needs before it can be deformed; the run folder gets a list of them."
+        "\nrepair:\n";
+    for (std::size_t i = 0; i < surface.keys.size(); ++i) out += padded("  " + surface.keys[i], surface.why[i]);
+    return out;
+}
+
+std::string regions_text(const std::vector<ProposedRegion>& regions) {
+    std::string out =
+                    "\n# Regions that do not move. Look at the picture, and move their borders to where your part "
+                    "is held.\nregions:\n",
+                names;
+    for (const ProposedRegion& region : regions) {
+        out += padded("  " + region.name + ": {" + region.shape + "}", region.why);
+        names += (names.empty() ? "" : ", ") + region.name;
+    }
+    return out + "fixed: [" + names + "]\n";
+}
+
+std::string symmetry_text(const SymmetryPlane& plane) {
+    const char axis = axis_letter(plane.normal);
+    return "\n# Half model: the open edges lie on this plane, and the mirror image is accounted for. If this "
+           "opening\n"
+           "# is not a symmetry plane, delete this line.\nsymmetry: {plane: " +
+           std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + "}\n";
+}
+
+std::string angles_text(const CreaseAngles& angles) {
+    std::string out = "  # Edges by dihedral angle:";
+    for (std::size_t k = 0; k < angles.shares.size(); ++k)
+        if (angles.shares[k] >= 0.0005)
+            out += text(" ", angles.limits_deg[k], "-", angles.limits_deg[k + 1], "deg ",
+                        std::round(1000 * angles.shares[k]) / 10, "%,");
+    out.back() = '\n';
+    out += "  # Number of patches from creases alone:";
+    for (const auto& [angle, count] : angles.patches) out += text(" ", count, " patches at ", angle, "deg,");
+    out.back() = '.';
+    return out + "\n";
+}
+
+std::string parameters_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& mirror) {
+    const CreaseAngles angles = crease_angles(surface.mesh, surface.checkup.adjacent);
+    const int triangles = surface.mesh.num_triangles();
+    const char* counts = triangles < 2000 ? "[2, 6]" : triangles < 10000 ? "[4, 12]" : "[4, 12, 32]";
+    std::string out =
+        "\n# The design variables: each patch moves along its normals, and no point of the surface farther than "
+        "max_displacement; patches get finer from level to level.\nparameters:\n";
+    out += angles_text(angles);
+    out += padded("  levels: auto", "or crease angles, for example [40deg, 20deg]");
+    out += padded(text("  patches_per_level: ", counts), "approximate number, level by level");
+    out += padded(text("  sharp_angle: ", angles.sharp_deg, "deg"),
+                  "edges with larger angles are creases; few are near it");
+    out += padded("  variables: [normal]", "or load, strain, stiffness: strake explain variables");
+    out += padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
+    if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
+    return out;
+}
+
+/// Twice the enclosed volume by the area: the mean thickness of a thin body.
+double mean_thickness(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half) {
+    const Eigen::RowVector3d origin =
+        half ? Eigen::RowVector3d(half->offset * half->normal.transpose()) : surface.mesh.vertices.row(0);
+    const auto corner = [&](int t, int k) {
+        return Eigen::RowVector3d(surface.mesh.vertices.row(surface.mesh.triangles(t, k)) - origin);
+    };
+    double volume = 0;
+    for (int t = 0; t < surface.mesh.num_triangles(); ++t)
+        volume += corner(t, 0).dot(corner(t, 1).cross(corner(t, 2))) / 6;
+    return 2 * std::abs(volume) / surface.checkup.area;
+}
+
+/// A limit on the root-mean-square motion for thin and stout bodies alike, with which any objective ends in a
+/// shape that is still that body.
+std::string change_text(double rms, const std::string& of) {
+    std::ostringstream value, shown;
+    value.imbue(std::locale::classic()), shown.imbue(std::locale::classic());
+    shown.precision(2), value.precision(4);
+    shown << rms;
+    const double rounded = std::strtod(shown.str().c_str(), nullptr);
+    value << rounded * rounded;
+    return padded(text("  change: {max: ", value.str(), "}"),
+                  text("(", shown.str(), ")^2: mean square displacement, ", of));
+}
+
+std::string goal_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half, bool has_volume) {
+    const double diagonal = surface.checkup.diagonal;
+    std::string out =
+        "\n# REPLACE THIS by your objective: a built-in quantity (docs/objectives.md) or your own program "
+        "(docs/external.md).\n"
+        "# This one only makes the case run as it is.\n";
+    const std::string stays =
+        "quantities:\n" + padded("  change: {type: displacement}", "distance from the start shape; optional");
+    if (!has_volume)
+        return out + padded("objective: {minimize: area}", "the surface encloses no volume") + stays +
+               "constraints:\n" + change_text(0.005 * diagonal, "0.5 % of the diagonal");
+    const double thickness = mean_thickness(surface, half), rms = std::min(0.05 * thickness, 0.01 * diagonal);
+    return out + "objective: {maximize: volume}\n" + stays + "constraints:\n" +
+           padded("  area: {max: 1.01, relative: true}", "at most 1 % more than at the start") +
+           change_text(rms, rms < 0.01 * diagonal ? "5 % of the mean thickness" : "1 % of the diagonal");
+}
+
+/// Slivers invert at the smallest motion.
+bool has_slivers(const Checkup& c) { return c.quality.fifth_percentile < 1e-4; }
+
+double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
+
+std::vector<std::string> sentences(const RepairedSurface& surface, const std::vector<ProposedRegion>& regions,
+                                   const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
+                                   bool has_volume) {
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < surface.keys.size(); ++i)
+        found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
+    if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
+    if (mirror) found.push_back("the body is symmetric; so are the variables");
+    std::size_t parts = 0;
+    for (const ProposedRegion& region : regions)
+        if (region.name.starts_with("part_"))
+            ++parts;
+        else
+            found.push_back(text("held: ", region.name, ", ", region.why));
+    if (parts > 0) found.push_back(text("held: ", parts, " separate parts"));
+    if (has_slivers(surface.checkup))
+        found.push_back(
+            "note: 5 % of the triangles or more are slivers, which invert at small motions: a better "
+            "triangulation (strake remesh, or your mesher) allows larger ones");
+    const auto& pairs = surface.checkup.pairs;
+    if (const std::size_t crossing = pairs ? pairs->apart.size() + pairs->adjacent.size() : 0; crossing > 0)
+        found.push_back(text("note: ", crossing,
+                             " pairs of triangles intersect; steps that add more are refused, so few may be "
+                             "possible: unite the parts in a CAD system first"));
+    if (surface.couple) found.push_back("edges with more than two triangles are left; their sheets are coupled");
+    found.push_back(has_volume ? "objective: the volume; replace it"
+                               : "objective: the area (the surface encloses no volume); replace it");
+    return found;
+}
+
+}  // namespace
+
+ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
+                          const ProposalOptions& options) {
+    if (options.evaluations < 1) throw InvalidInput(text("evaluations = ", options.evaluations, " must be >= 1"));
+    SurfaceFile read = read_surface(file);
+    check_coordinates(file, read.mesh);
+    const RepairedSurface surface = repaired(file, std::move(read.mesh));
+    const auto half = half_plane(surface.checkup);
+    const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
+    const auto mirror = whole && surface.checkup.facts.components == 1 ? whole : std::nullopt;
+    ProposedCase proposal;
+    const auto regions = held_regions(surface, half, mirror, proposal.down);
+    proposal.has_volume = encloses_volume(surface, half);
+    proposal.plane = half ? half : mirror;
+    proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume);
+    const std::string shown = case_file.filename().string();
+    proposal.yaml =
+        "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
+        typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
+        surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
+        regions_text(regions) + (half ? symmetry_text(*half) : "") +
+        "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
+        padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
+        (surface.couple ? padded("  nonmanifold: couple", "edges with more than two triangles") : "") +
+        parameters_text(surface, mirror) + goal_text(surface, half, proposal.has_volume) + "\noptimize:\n" +
+        padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
+    return proposal;
+}
+
+}  // namespace strake

@@ -1,0 +1,39 @@
+#pragma once
+#include "core/mesh/symmetry_plane.hpp"
+#include "core/repair/checkup.hpp"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// The case that `strake init` writes for a surface.
+namespace strake {
+
+struct ProposalOptions {
+    int evaluations = 60;  ///< budget, >= 1
+};
+
+/// A guess, with the reason that is written beside it.
+struct ProposedRegion {
+    std::string name, shape, why;  ///< shape as YAML: "plane: {...}, side: below"
+};
+
+struct ProposedCase {
+    std::string yaml;                                ///< the whole file, with comments
+    std::vector<std::string> found;                  ///< the guesses, one sentence each
+    std::optional<SymmetryPlane> plane;              ///< of the half model, or of the whole one
+    Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< toward the ground, if the body seems to stand; zero: unknown
+    bool has_volume = false;
+};
+
+/// Proposes a case for the surface in `file`: its repairs (only what it needs), symmetry (of a half model with an open
+/// plane, or mirrored variables of a whole one), something to hold every part (the band beside the symmetry plane, a
+/// flat end, a border, else the end of the longest axis), crease angle and number of patches, a thickness, and
+/// volume as the objective (area where nothing encloses a volume).
+/// @param case_file where the text will stand: paths in it are relative to its folder.
+/// @throws InputError: the surface cannot be read, or no repair makes it usable; the text says what to do.
+ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
+                          const ProposalOptions& options = {});
+
+}  // namespace strake

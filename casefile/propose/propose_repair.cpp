@@ -1,0 +1,134 @@
+#include "casefile/propose/propose_parts.hpp"
+#include "casefile/yaml/diagnostics.hpp"
+#include "core/error.hpp"
+#include "core/repair/repair.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace strake::proposing {
+namespace {
+
+constexpr double largest_hole = 0.35;  ///< of the diagonal: larger ones are intended openings
+
+class Needs {
+public:
+    explicit Needs(double diagonal) : diagonal_(diagonal) {}
+
+    void add(const std::string& key, const std::string& why) {
+        if (std::find(result.keys.begin(), result.keys.end(), key) != result.keys.end()) return;
+        result.keys.push_back(key);
+        result.why.push_back(why);
+    }
+    void topology(const Checkup& c) {
+        const TopologyFacts& f = c.facts;
+        if (!f.duplicate_vertices.empty() && !f.boundary_loops.empty()) {
+            add("weld: 0", text(f.duplicate_vertices.size(), " vertices coincide with others"));
+            options.weld = 0.0;
+        }
+        if (!f.duplicate_triangles.empty()) {
+            add("duplicates: true", text(f.duplicate_triangles.size(), " triangles are duplicated"));
+            options.duplicates = true;
+        }
+        if (!f.degenerate_triangles.empty()) {
+            add("degenerate: true", text(f.degenerate_triangles.size(), " triangles have zero area"));
+            options.degenerate = true;
+        }
+        if (!c.crack_vertices.empty()) {
+            add("cracks: 1e-3%", text(c.crack_vertices.size(), " open vertices nearly coincide with others"));
+            options.cracks = 1e-5 * diagonal_;
+        }
+        if (!f.misoriented_edges.empty() || c.inward_components > 0) {
+            add("orient: true", f.misoriented_edges.empty()
+                                    ? text(c.inward_components, " closed parts face inward")
+                                    : text("at ", f.misoriented_edges.size(), " edges the orientation changes"));
+            options.orient = true;
+        }
+        if (!f.nonmanifold_edges.empty()) {
+            add("split: true", text(f.nonmanifold_edges.size(), " edges have more than two triangles"));
+            options.split = true;
+        }
+    }
+    void holes(const Checkup& c) {
+        double largest = 0, smallest_cut = 1;
+        int count = 0;
+        for (const BoundaryLoop& loop : c.loops) {
+            const double size = loop.size / diagonal_;
+            if (loop.symmetry_axis >= 0)
+                smallest_cut = std::min(smallest_cut, size);
+            else if (size <= largest_hole)
+                largest = std::max(largest, size), ++count;
+        }
+        const double percent = std::ceil(100 * largest + 0.5);
+        if (count == 0 || percent / 100 >= smallest_cut) return;  // it would close the symmetry plane, too
+        add(text("holes: ", percent, "%"),
+            text(count, " holes up to ", text(std::round(1000 * largest) / 10), "% of the diagonal across"));
+        options.holes = percent / 100 * diagonal_;
+    }
+
+    RepairOptions options;
+    RepairedSurface result;
+
+private:
+    double diagonal_;
+};
+
+[[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what, const std::string& remedy) {
+    throw InputError(text(printable(file.string(), 400), ": ", what, "; ", remedy));
+}
+
+}  // namespace
+
+RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh) {
+    if (mesh.num_triangles() == 0) refuse(file, "the surface has no triangles", "give a surface that has some");
+    Checkup found = checkup(mesh);
+    if (!(found.diagonal > 0) || !(found.area > 0))
+        refuse(file, "the surface has no area", "give a surface, not points or lines");
+    Needs needs(found.diagonal);
+    needs.topology(found);
+    needs.holes(found);
+    RepairedSurface& result = needs.result;
+    // A repair may expose defects that need another one: then all start over from the original.
+    TriMesh before = std::move(mesh);
+    mesh = before;
+    for (std::size_t asked = 0; asked < result.keys.size();) {
+        asked = result.keys.size();
+        RepairResult done = repair(before, needs.options);
+        mesh = std::move(done.mesh);
+        found = std::move(done.after);
+        needs.topology(found);
+    }
+    const TopologyFacts& left = found.facts;
+    if (!left.degenerate_triangles.empty() || !left.duplicate_triangles.empty())
+        refuse(file,
+               text(left.degenerate_triangles.size(), " triangles of zero area and ", left.duplicate_triangles.size(),
+                    " duplicates remain after repair"),
+               "`strake info` shows where; try `strake remesh`");
+    result.couple = !left.nonmanifold_edges.empty();
+    result.mesh = std::move(mesh);
+    result.checkup = std::move(found);
+    return result;
+}
+
+std::optional<SymmetryPlane> half_plane(const Checkup& checkup) {
+    const BoundaryLoop* best = nullptr;
+    for (const BoundaryLoop& loop : checkup.loops)
+        if (loop.symmetry_axis >= 0 && (!best || loop.size > best->size)) best = &loop;
+    if (!best) return std::nullopt;
+    return SymmetryPlane{Eigen::Vector3d::Unit(best->symmetry_axis), best->symmetry_at};
+}
+
+bool encloses_volume(const RepairedSurface& surface, const std::optional<SymmetryPlane>& plane) {
+    const Checkup& c = surface.checkup;
+    if (!c.facts.misoriented_edges.empty() || surface.couple) return false;
+    for (int e = 0; e < c.adjacent.num_edges(); ++e) {
+        if (c.adjacent.edge_triangles[e].size() != 1) continue;
+        if (!plane) return false;
+        for (const int v : c.adjacent.edges[e])
+            if (std::abs(plane->normal.dot(surface.mesh.vertices.row(v)) - plane->offset) > 1e-6 * c.diagonal)
+                return false;
+    }
+    return true;
+}
+
+}  // namespace strake::proposing

@@ -1,0 +1,175 @@
+#include "casefile/schema/schema_parts.hpp"
+#include "optimize/nlp/program/methods.hpp"
+
+#include <utility>
+
+namespace strake {
+namespace {
+
+std::vector<std::string> method_words() {
+    std::vector<std::string> words;
+    for (const MethodFacts& method : all_methods()) words.push_back(method.name);
+    return words;
+}
+
+std::vector<std::string> nlopt_words() {
+    std::vector<std::string> words;
+    for (const MethodFacts& method : all_methods()) words.push_back(method.algorithm);
+    return words;
+}
+
+std::string method_doc() {
+    std::string doc = "With gradients: ", without = " Derivative-free: ", global = " Global, within the bounds: ";
+    std::string* const lists[] = {&doc, &without, &global};
+    std::string between[] = {"", "", ""};
+    for (const MethodFacts& method : all_methods()) {
+        const int k = method.is_global ? 2 : method.needs_gradients ? 0 : 1;
+        *lists[k] += text(std::exchange(between[k], ", "), method.name, " (", method.summary, ")");
+    }
+    return doc + "." + without + "." + global + ". The names of NLopt are accepted, too. Not for fit.";
+}
+
+std::vector<Key> method_keys() {
+    return {
+        {.path = "optimize", .doc = "Optimization method and stopping criteria.", .fallback = "{}"},
+        {.path = "optimize.method",
+         .type = Type::word,
+         .doc = method_doc(),
+         .fallback = all_methods().front().name,
+         .words = method_words(),
+         .aliases = nlopt_words(),
+         .loose_word = true},
+        {.path = "optimize.finite_differences",
+         .type = Type::flag,
+         .doc = "Finite-difference gradients for programs that return none, at one more evaluation per variable; for "
+                "programs that return gradients per vertex only, the derivatives with respect to `variables`. Not for "
+                "fit.",
+         .fallback = "false"},
+        {.path = "optimize.difference_step",
+         .type = Type::number,
+         .doc = "Step of the finite differences, as a share of the scale of a variable (max_displacement, or half of "
+                "the range of one of `variables`). Choose it well above the noise of the program. Not for fit.",
+         .fallback = "1e-4",
+         .limits = {1e-9, 1, false, false}},
+        {.path = "optimize.starts",
+         .type = Type::integer,
+         .doc = "Number of starting points on the first level: the start shape, then random ones within the bounds. "
+                "Not for fit.",
+         .fallback = "1",
+         .limits = at_least_one},
+        {.path = "optimize.seed",
+         .type = Type::integer,
+         .doc = "Seed of the random numbers. Not for fit.",
+         .fallback = "1",
+         .limits = not_negative},
+        {.path = "optimize.start_from",
+         .type = Type::path,
+         .doc = "Folder of an earlier run or fit on the same surface. This one starts at its best design: with its "
+                "patches (and the deeper ones of this case if the levels agree), shape and values of `variables`. "
+                "Default: the start shape."},
+    };
+}
+
+std::vector<Key> fit_keys() {
+    return {
+        {.path = "optimize.loss",
+         .type = Type::word,
+         .doc = "Robust loss that reduces the weight of outliers: none, huber (linear beyond loss_scale), soft_l1 (the "
+                "same, smooth), cauchy (logarithmic). Only for fit.",
+         .fallback = "none",
+         .words = {"none", "huber", "cauchy", "soft_l1"}},
+        {.path = "optimize.loss_scale",
+         .type = Type::length,
+         .doc = "Distance beyond which a point counts as an outlier; three standard deviations of good points is a "
+                "reasonable choice.",
+         .fallback = "0.1%",
+         .limits = positive,
+         .when = "loss=huber|cauchy|soft_l1"},
+        {.path = "optimize.icp_iterations",
+         .type = Type::integer,
+         .doc = "Updates of the closest points. 0: at every evaluation; n: a level has at most n solves, each with "
+                "fixed closest points. Only for fit.",
+         .fallback = "0",
+         .limits = not_negative},
+    };
+}
+
+std::vector<Key> stopping_keys() {
+    return {
+        {.path = "optimize.budget", .doc = "Limits of the whole run.", .fallback = "{}"},
+        {.path = "optimize.budget.evaluations",
+         .type = Type::integer,
+         .doc = "Maximum number of evaluations.",
+         .fallback = "60",
+         .limits = at_least_one},
+        {.path = "optimize.budget.time",
+         .type = Type::duration,
+         .doc = "Maximum time. Default: no limit.",
+         .limits = positive},
+        {.path = "optimize.refine_when", .doc = "When the next level starts.", .fallback = "{}"},
+        {.path = "optimize.refine_when.progress_below",
+         .type = Type::fraction,
+         .doc = "Refine when the decrease per evaluation falls below this share of the level's best, or when finer "
+                "patches are expected to bring a larger decrease than the level itself; 0: only when the search on the "
+                "level ends.",
+         .fallback = "1%",
+         .limits = {0, 1, false, true}},
+        {.path = "optimize.refine_when.min_expected_gain",
+         .type = Type::fraction,
+         .doc = "With `split: sensitivity`: minimum expected decrease per ten new variables, as a share of the total "
+                "decrease of the run. Patches below it are not split, and the run ends when no patch reaches it (fewer "
+                "than ten variables count as ten). Smaller values give finer trees.",
+         .fallback = "0.2%",
+         .limits = {0, 1, false, true}},
+        {.path = "optimize.tolerances", .doc = "Convergence criteria of a level.", .fallback = "{}"},
+        {.path = "optimize.tolerances.objective",
+         .type = Type::number,
+         .doc = "Relative change of the objective.",
+         .fallback = "1e-6",
+         .limits = positive},
+        {.path = "optimize.tolerances.step",
+         .type = Type::number,
+         .doc = "Change of the scaled variables.",
+         .fallback = "1e-6",
+         .limits = positive},
+        {.path = "optimize.tolerances.constraint",
+         .type = Type::number,
+         .doc = "Violation of a scaled constraint that still counts as feasible. Not for fit.",
+         .fallback = "1e-6",
+         .limits = positive},
+    };
+}
+
+std::vector<Key> output_keys() {
+    return {
+        {.path = "output", .doc = "What is written, and where.", .fallback = "{}"},
+        {.path = "output.dir",
+         .type = Type::path,
+         .doc = "Run folder; in the default, {case} is the name of the case.",
+         .fallback = "runs/{case}"},
+        {.path = "output.paraview",
+         .type = Type::word,
+         .doc = "Shapes written for ParaView.",
+         .fallback = "every_accepted",
+         .words = {"every_accepted", "best", "none"}},
+        {.path = "output.keep",
+         .type = Type::word,
+         .doc = "Evaluation folders of programs (evaluations/000012) to keep: all; failed: those without a value; "
+                "best: these and the best design; none. The others are removed once their results are in the journal, "
+                "so `strake resume` repeats nothing. With gradient_command, the folders of the last and the best "
+                "evaluation stay while a gradient may still be requested.",
+         .fallback = "all",
+         .words = {"all", "failed", "best", "none"}},
+        {.path = "output.report",
+         .type = Type::flag,
+         .doc = "Write report.html, a page for the browser, when the run ends for any reason (`strake report` writes "
+                "it at any time).",
+         .fallback = "false"},
+    };
+}
+
+}  // namespace
+
+std::vector<Key> run_keys() { return in_order({method_keys(), fit_keys(), stopping_keys(), output_keys()}); }
+
+}  // namespace strake

@@ -1,0 +1,111 @@
+#include "casefile/schema/schema_parts.hpp"
+
+namespace strake {
+
+namespace {
+
+std::vector<Key> field_keys() {
+    return {
+        {.path = "parameters.fields",
+         .type = Type::integer,
+         .doc = "Displacement fields as level 0 of the design space: smooth motions of the whole body, zero on what is "
+                "fixed, in front of the patches. auto: 27; or a number. They sweep, taper, thicken, flatten and swell, "
+                "which a shell resists.",
+         .fallback = "none",
+         .limits = {1, 600},
+         .words = {"none", "auto"}},
+        {.path = "parameters.fields", .doc = "Displacement fields with what they act on."},
+        {.path = "parameters.fields.number",
+         .type = Type::integer,
+         .doc = "Number of fields: 6, 12, 27, 60 or any other; the first of a larger number. auto: 27.",
+         .fallback = "auto",
+         .limits = {1, 600},
+         .words = {"auto"}},
+        {.path = "parameters.fields.on",
+         .type = Type::text,
+         .doc = "Region or patch that they move; the rest stays as if it were fixed. Default: parameters.variables_on, "
+                "or the whole surface."},
+        {.path = "parameters.fields.axis",
+         .type = Type::word,
+         .doc = "Axis of the sections. Default: the longest principal axis.",
+         .words = {"x", "y", "z"}},
+        {.path = "parameters.fields.axis",
+         .type = Type::list,
+         .doc = "An axis of any direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+    };
+}
+
+std::vector<Key> given_keys() {
+    return {
+        {.path = "parameters.given",
+         .type = Type::list,
+         .doc = "User-defined shape variables, in addition to those of the patches. They exist on every level and are "
+                "never split.",
+         .element = Type::map,
+         .may_be_empty = true},
+        {.path = "parameters.given[]", .doc = "A variable: exactly one of load, translate, rotate, twist."},
+        {.path = "parameters.given[].name", .type = Type::name, .doc = "Name of the variable.", .required = true},
+        {.path = "parameters.given[].region",
+         .type = Type::text,
+         .doc = "Region or patch on which it acts. Required except for a twist, which acts on the whole surface "
+                "without it."},
+        {.path = "parameters.given[].load",
+         .type = Type::word,
+         .doc = "Traction along the normal of each triangle.",
+         .words = {"normal"}},
+        {.path = "parameters.given[].load",
+         .type = Type::list,
+         .doc = "Uniform traction in this direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "parameters.given[].translate",
+         .type = Type::list,
+         .doc = "The region moves rigidly in this direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "parameters.given[].rotate",
+         .type = Type::list,
+         .doc = "The region rotates rigidly about an axis of this direction.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "parameters.given[].twist",
+         .type = Type::list,
+         .doc = "Twist distribution about an axis of this direction: one variable per station (name.1, name.2, ...). "
+                "Each is a load whose linear response rotates the section at one station and none at the others, "
+                "linear in between.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "parameters.given[].about",
+         .type = Type::list,
+         .doc = "A point on the axis of a rotation (default: the area centroid of the region) or a twist (required).",
+         .element = Type::coordinate,
+         .count = 3},
+        {.path = "parameters.given[].stations",
+         .type = Type::integer,
+         .doc = "Number of stations of a twist, evenly spaced from end to end. Default: 3. A station on a held section "
+                "gets no variable.",
+         .limits = {2, no_limit, false, false}},
+        {.path = "parameters.given[].stations",
+         .type = Type::list,
+         .doc = "Positions of the stations along the axis of a twist, measured from `about`, ascending.",
+         .element = Type::coordinate},
+        {.path = "parameters.given[].max_displacement",
+         .type = Type::length,
+         .doc = "Maximum displacement by this variable alone, in its linear response. Default: none of its own; the "
+                "motion "
+                "limit holds in any case.",
+         .limits = positive},
+        {.path = "parameters.given[].max_angle",
+         .type = Type::angle,
+         .doc = "Maximum angle of a twist (default: 5deg) or a rotation, in place of max_displacement.",
+         .limits = {0, 180, true, false}},
+    };
+}
+
+}  // namespace
+
+std::vector<Key> user_variable_keys() { return in_order({field_keys(), given_keys()}); }
+
+}  // namespace strake

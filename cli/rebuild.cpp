@@ -1,0 +1,143 @@
+#include "cli/rebuild.hpp"
+
+#include "casefile/load_case.hpp"
+#include "casefile/read/resolved_case.hpp"
+#include "cli/say.hpp"
+#include "core/error.hpp"
+#include "core/text/file.hpp"
+#include "core/text/shell_word.hpp"
+#include "optimize/journal/salvage.hpp"
+#include "report/recorded_run.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <sstream>
+
+namespace strake::cli {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr const char* journal_files[] = {"journal.sqlite", "journal.sqlite-wal", "journal.sqlite-shm"};
+
+std::string text_of(const fs::path& file) {
+    std::error_code ignored;
+    return fs::is_regular_file(file, ignored) ? read_bytes(file) : std::string();
+}
+
+/// Evaluations that history.csv lists.
+int history_rows(const fs::path& dir) {
+    const std::string history = text_of(dir / "history.csv");
+    return std::max(0, static_cast<int>(std::count(history.begin(), history.end(), '\n')) - 1);
+}
+
+/// Folders of evaluations.
+int evaluation_folders(const fs::path& dir) {
+    int count = 0;
+    std::error_code why;
+    for (fs::directory_iterator at(dir / "evaluations", why), end; !why && at != end; at.increment(why)) ++count;
+    return count;
+}
+
+/// The names in the header of history.csv: of the values, then of the parameters.
+void names_of_history(const fs::path& dir, JournalFacts& facts) {
+    const std::string history = text_of(dir / "history.csv");
+    std::istringstream header(history.substr(0, history.find('\n')));
+    constexpr int before_values = 4;  // evaluation, level, status, objective
+    int column = 0;
+    bool is_parameter = false;
+    for (std::string name; std::getline(header, name, ','); ++column) {
+        if (column < before_values || name == "max_violation") continue;
+        if (name == "accepted")
+            is_parameter = true;
+        else
+            (is_parameter ? facts.parameters : facts.values).push_back(name);
+    }
+}
+
+std::optional<Beginning> beginning_in(const fs::path& dir) {
+    const std::string yaml = text_of(dir / "case.yaml"), line = yaml.substr(0, yaml.find('\n'));
+    for (const bool is_fit : {false, true}) {
+        const std::string lead = text("# ", is_fit ? "fit" : "run", " of a case in ");
+        if (line.starts_with(lead)) return Beginning{is_fit, line.substr(lead.size())};
+    }
+    return {};
+}
+
+std::string typed(const fs::path& dir) { return typed_path(dir.string()); }
+
+}  // namespace
+
+bool has_evaluated_nothing(const fs::path& dir) { return history_rows(dir) == 0 && evaluation_folders(dir) == 0; }
+
+bool says_how_it_began(const fs::path& dir) { return beginning_in(dir).has_value(); }
+
+Beginning beginning_of(const fs::path& dir) {
+    if (const auto began = beginning_in(dir)) return *began;
+    throw InvalidInput(text(printable(dir.string(), 400),
+                            ": the run in it ended before it had written its case; `strake run CASE --out ", typed(dir),
+                            "` starts it"));
+}
+
+void clear_journal(const fs::path& dir) {
+    std::error_code why;
+    for (const char* name : journal_files)
+        if (!fs::remove(dir / name, why) && why) throw OutputError(text((dir / name).string(), ": ", why.message()));
+}
+
+std::string rebuild_words(const fs::path& dir) {
+    return text("; history.csv lists ", history_rows(dir), " evaluations, and ", evaluation_folders(dir),
+                " folders of evaluations are there: `strake resume ", typed(dir),
+                " --rebuild` makes a new journal from what can still be read, and takes the programs' answers from "
+                "these folders");
+}
+
+void check_against_history(const Journal& journal, const fs::path& dir) {
+    const int has = static_cast<int>(journal.evaluations().size()), rows = history_rows(dir);
+    // One more where the last evaluation was a failure that is asked again.
+    if (rows > has + 1)
+        throw InputError(text((dir / "journal.sqlite").string(), ": holds ", has,
+                              " evaluations: the journal's log is lost or damaged", rebuild_words(dir)));
+}
+
+std::unique_ptr<Journal> rebuilt_journal(const fs::path& dir) {
+    const fs::path kept = dir / "journal.damaged.sqlite";
+    std::error_code why;
+    if (fs::exists(kept, why))
+        throw InvalidInput(text(kept.string(), ": is there already; rename it first, so that nothing is overwritten"));
+    const int rows = history_rows(dir), folders = evaluation_folders(dir);
+    constexpr int more = 1000;  // parallel evaluations ahead of the history's last one
+    const SalvagedJournal saved = salvaged_journal(dir / "journal.sqlite", rows + more);
+    JournalFacts facts;
+    if (saved.facts) facts = *saved.facts;
+    const Beginning began = saved.facts ? Beginning{facts.is_fit, facts.case_dir} : beginning_of(dir);
+    const Case the_case = load_case(dir / "case.yaml", began.is_fit ? Purpose::fit : Purpose::run, began.case_dir);
+    if (!saved.facts) {
+        facts.case_yaml = resolved_case(the_case, dir);
+        facts.case_dir = began.case_dir;
+        facts.is_fit = began.is_fit;
+        facts.host = host_name();
+        names_of_history(dir, facts);
+        facts.files = file_hashes(the_case);
+    }
+    std::vector<RunLimits> limits = saved.limits;
+    if (limits.empty()) limits = {{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds}};
+    for (const char* name : journal_files)
+        if (fs::exists(dir / name, why)) {
+            fs::rename(dir / name, kept.string() + std::string(name).substr(std::string("journal.sqlite").size()), why);
+            if (why) throw OutputError(text((dir / name).string(), ": cannot be renamed: ", why.message()));
+        }
+    std::unique_ptr<Journal> journal = Journal::create(dir / "journal.sqlite", facts, limits[0]);
+    for (const JournalCall& call : saved.calls) journal->add(call);
+    for (const JournalEvaluation& evaluation : saved.evaluations) journal->add(evaluation);
+    journal->set_limits(limits.back().evaluations, limits.back().seconds);
+    const bool is_kept = fs::exists(kept, why);
+    say("strake: rebuilt the journal: {} of {} evaluations and {} answers of programs were read from the damaged "
+        "one{}; {} "
+        "folders of evaluations are searched for answers; what is in neither is evaluated again\n",
+        saved.evaluations.size(), rows, saved.calls.size(),
+        is_kept ? ", kept as " + printable(kept.string(), 400) : std::string(), folders);
+    return journal;
+}
+
+}  // namespace strake::cli

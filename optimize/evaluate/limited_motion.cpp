@@ -1,0 +1,136 @@
+#include "optimize/evaluate/limited_motion.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/model/quadratic_model.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int max_conditions = 24;
+constexpr int max_steps = 6;                 ///< onto the conditions: each is exact to second order
+constexpr int max_bisections = 8;            ///< of the way back: leaves 1/256 of it
+constexpr double nearly_beyond = 0.97;       ///< of its limit: a step may take a vertex beyond that was not
+constexpr double adjoint_tolerance = 1e-11;  ///< that units and rounding choose no other designs
+
+bool is_moved(const RigidMotion& motion) { return !motion.rotation.isZero(0) || !motion.translation.isZero(0); }
+
+/// The pins of strain cores at zero are part of the datum: they hold the shell from the first level on.
+std::vector<int> pins_of(const Problem& problem, const std::shared_ptr<const RestFacts>& rest) {
+    const auto& kinds = problem.parameters.kinds;
+    if (std::find(kinds.begin(), kinds.end(), VariableKind::strain) == kinds.end()) return rest->setup.options.pin;
+    return design_space(rest, rest->tree->levels.size() > 1 ? 1 : 0).pin;
+}
+
+/// The equilibrium at x is that of the shell: set again where another was sought in between.
+bool settle(ShapeSolver& solver, const Eigen::VectorXd& x, Points& vertices) {
+    ShapeEvaluation shape;
+    if (!solver.settle(x, shape)) return false;
+    vertices = std::move(shape.vertices);
+    return true;
+}
+
+/// The shortest step in the metric that keeps `slack` of the limits; empty: none was found.
+Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x, const MotionConditions& at,
+                            double slack) {
+    const DesignSpace& space = solver.space();
+    QuadraticModel m;
+    m.gradient = Eigen::VectorXd::Zero(x.size());
+    m.hessian = space.metric;
+    m.lower = space.lower - x;
+    m.upper = space.upper - x;
+    m.constraints = at.values;
+    for (std::size_t i = 0; i < at.rows.size(); ++i)
+        m.constraints[static_cast<Eigen::Index>(i)] += slack * at.rows[i].limit / solver.limit().reference();
+    m.jacobian = at.slopes;
+    m.num_inequalities = static_cast<int>(at.rows.size());
+    return solve_model(m);
+}
+
+Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, const Eigen::VectorXd& inside,
+                                double slack) {
+    if (inside.size() != x.size()) return x;
+    double low = 0, high = 1;
+    for (int k = 0; k < max_bisections; ++k) {
+        const double middle = 0.5 * (low + high);
+        Points vertices;
+        const bool is_within =
+            settle(solver, inside + middle * (x - inside), vertices) && solver.limit().is_within(vertices, slack);
+        (is_within ? low : high) = middle;
+    }
+    return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
+}
+
+}  // namespace
+
+MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const RestFacts>& rest,
+                         const std::function<bool()>& stop_wanted, std::optional<Poses>& poses) {
+    if (!limits_motion(rest->parameters)) return {};
+    const ShellSetup& setup = rest->setup;
+    const bool is_loaded = setup.loads.force.rows() > 0 && !setup.loads.force.isZero(0);
+    if (!is_loaded && std::none_of(setup.motions.begin(), setup.motions.end(), is_moved))
+        return {*rest, rest->surface.vertices};
+    ShellOptions options = setup.options;
+    options.pin = pins_of(problem, rest);
+    std::vector<RigidMotion> motions = setup.motions;
+    const int last = *std::max_element(options.pin.begin(), options.pin.end());
+    motions.resize(static_cast<std::size_t>(std::max(last, static_cast<int>(motions.size()))));
+    PrimoShell shell(rest->surface, options);
+    const Equilibrium end =
+        shell.solve(setup.loads, motions, {}, [&](const SolveRecord&) { return !(stop_wanted && stop_wanted()); });
+    if (end.status == SolveStatus::cancelled) throw Interrupted{};
+    if (end.status != SolveStatus::converged) throw SolverError(end.reason);
+    poses = shell.poses();
+    return {*rest, shell.vertices()};
+}
+
+MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used) {
+    MotionConditions at;
+    Points vertices;
+    if (solver.limit().is_none() || !settle(solver, x, vertices)) return at;
+    at.rows = solver.limit().rows(vertices, min_used, max_conditions);
+    if (at.rows.empty()) return at;
+    std::vector<Points> functionals;
+    at.values.resize(static_cast<Eigen::Index>(at.rows.size()));
+    const double unit = solver.limit().reference();
+    for (std::size_t i = 0; i < at.rows.size(); ++i) {
+        functionals.push_back(Points::Zero(vertices.rows(), 3));
+        functionals.back().row(at.rows[i].vertex) = at.rows[i].direction / unit;
+        at.values[static_cast<Eigen::Index>(i)] = at.rows[i].value / unit;
+    }
+    AdjointOptions options;
+    options.tolerance = adjoint_tolerance;
+    const DesignSpace& space = solver.space();
+    options.prism_height =
+        space.changes_height() || std::ranges::count(space.rest->parameters.kinds, VariableKind::stiffness) > 0;
+    try {
+        at.sensitivities = solver.shell().adjoint(functionals, options);
+    } catch (const SolverError&) {  // on the brink of buckling nothing is known of steps
+        return {};
+    }
+    at.slopes.resize(at.values.size(), x.size());
+    for (Eigen::Index i = 0; i < at.values.size(); ++i)
+        at.slopes.row(i) = design_gradient(solver.space(), x, at.sensitivities[static_cast<std::size_t>(i)]);
+    if (!at.slopes.allFinite()) return {};
+    return at;
+}
+
+Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& asked, const Eigen::VectorXd& inside,
+                             double slack) {
+    if (solver.limit().is_none()) return asked;
+    Eigen::VectorXd x = asked;
+    Points vertices;
+    if (!settle(solver, x, vertices) || solver.limit().is_within(vertices, slack)) return asked;
+    const DesignSpace& space = solver.space();
+    for (int k = 0; k < max_steps; ++k) {
+        const MotionConditions at = motion_conditions(solver, x, nearly_beyond);
+        if (at.rows.empty()) break;
+        const Eigen::VectorXd step = step_inside(solver, x, at, 2 * slack);
+        if (step.size() == 0 || !step.allFinite()) break;
+        x = (x + step).cwiseMax(space.lower).cwiseMin(space.upper);
+        if (!settle(solver, x, vertices)) break;
+        if (solver.limit().is_within(vertices, slack)) return x;
+    }
+    return on_the_way_back(solver, x, inside, slack);
+}
+
+}  // namespace strake

@@ -1,0 +1,34 @@
+#pragma once
+#include "optimize/evaluate/shape_solver.hpp"
+
+/// Designs whose shapes keep to the motion limit (optimize/space/motion_limit.hpp). Internal to the evaluator.
+///
+/// Shapes are what is limited, and designs are what a search knows: the derivative of each condition by the design
+/// comes from one adjoint solve at the shape, whatever the variables are.
+namespace strake {
+
+/// Conditions on the change of a design, to first order: values + slopes.(change of x) <= 0 within the limit.
+struct MotionConditions {
+    std::vector<MotionLimit::Row> rows;
+    std::vector<ShellSensitivities> sensitivities;  ///< of `values`
+    Eigen::VectorXd values;                         ///< over `MotionLimit::reference`
+    Eigen::MatrixXd slopes;                         ///< rows x variables
+};
+
+/// The limit of a problem, about its datum. None where it has none. @param poses of the datum, where it had to be
+/// solved for. @throws SolverError with the reason where the given loads and strains have no equilibrium; Interrupted.
+MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const RestFacts>& rest,
+                         const std::function<bool()>& stop_wanted, std::optional<Poses>& poses);
+
+/// Conditions of vertices that use at least `min_used` of their limit at x; none where x has no equilibrium. Cost: one
+/// back-substitution for each, at most 24.
+MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used);
+
+/// x, or where its shape does not keep `slack` of the limit a design near it whose shape does: by shortest steps in the
+/// response metric onto the conditions of the worst vertices, or where these do not lead inside the last such design on
+/// the way from `inside` to x. x itself, too, where it has no equilibrium.
+/// @param inside a design within the limit; empty: none is known.
+Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& x, const Eigen::VectorXd& inside,
+                             double slack);
+
+}  // namespace strake

@@ -1,0 +1,177 @@
+#include "optimize/evaluate/shape_solver.hpp"
+
+#include "core/error.hpp"
+
+namespace strake {
+namespace {
+
+/// A reasonable step takes four to eight; more than these are better spent on a shorter step.
+constexpr int max_iterations = 14;
+constexpr std::size_t known_shapes = 3;  ///< equilibria of a level from which the nearest is the start of the next
+
+}  // namespace
+
+std::string to_string(EvaluationStatus status) {
+    switch (status) {
+        case EvaluationStatus::ok:
+            return "ok";
+        case EvaluationStatus::not_converged:
+            return "not_converged";
+        case EvaluationStatus::unstable:
+            return "unstable";
+        case EvaluationStatus::invalid:
+            return "invalid";
+        case EvaluationStatus::quantity_failed:
+            return "quantity_failed";
+    }
+    return "unknown";
+}
+
+ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
+    : rest_(std::move(rest)),
+      guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry, attached_triangles(problem)}) {}
+
+void ShapeSolver::enter(const DesignSpace& space) {
+    space_ = space;
+    last_.reset();
+    known_.clear();
+    settled_x_.resize(0);
+}
+
+void ShapeSolver::set_limit(MotionLimit limit, std::optional<Poses> poses) {
+    limit_ = std::move(limit);
+    if (poses) accepted_ = std::move(poses);
+}
+
+void ShapeSolver::set_last(std::optional<Poses> poses, const Eigen::VectorXd& x) {
+    last_ = std::move(poses);
+    last_x_ = x;
+}
+
+const Poses* ShapeSolver::nearest_known(const Eigen::VectorXd& x) const {
+    const Poses* nearest = accepted_ ? &*accepted_ : nullptr;
+    double least = std::numeric_limits<double>::infinity();
+    for (const KnownShape& shape : known_) {
+        const Eigen::VectorXd d = x - shape.x;
+        const double distance = d.dot(space_.metric * d);
+        if (distance < least) least = distance, nearest = &shape.poses;
+    }
+    return nearest;
+}
+
+/// A shell serves while pins and heights stay; loads and motions change freely.
+void ShapeSolver::build_shell(const ShellDemand& demand) {
+    if (shell_ && shell_pin_ == space_.pin && shell_height_ == demand.prism_height) return;
+    ShellOptions options = rest_->setup.options;
+    options.pin = space_.pin;
+    options.prism_height = demand.prism_height;
+    shell_.reset();  // before the new one: two factors may not fit
+    shell_x_.resize(0);
+    shell_ = std::make_unique<PrimoShell>(rest_->surface, options);
+    shell_pin_ = space_.pin;
+    shell_height_ = demand.prism_height;
+}
+
+void ShapeSolver::remember(const Eigen::VectorXd& x) {
+    std::erase_if(known_, [&](const KnownShape& shape) { return shape.x == x; });
+    if (known_.size() == known_shapes) known_.erase(known_.begin());
+    known_.push_back({x, *last_});
+}
+
+bool ShapeSolver::settle(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    const bool is_known = settled_x_.size() == x.size() && settled_x_ == x;
+    if (!is_known || (settled_.vertices.rows() > 0 && !is_at(x))) {
+        settled_x_.resize(0);
+        settled_ = {};
+        solve(x, settled_);
+        settled_x_ = x;
+    }
+    result.status = settled_.status;
+    result.reason = settled_.reason;
+    result.vertices = settled_.vertices;
+    return result.vertices.rows() > 0;
+}
+
+bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    const ShellDemand wanted = demand(space_, x);
+    build_shell(wanted);
+    if (rest_->parameters.fields && shell_x_.size() > 0 && wanted.same_shell(shell_demand_)) {
+        shell_demand_ = wanted;
+        return at_equilibrium(x, result);
+    }
+    const Poses* start = nearest_known(x);
+    if (start) shell_->set_poses(*start);
+    SolveOptions options;
+    options.keep_factor = true;
+    // From an accepted design on a shorter step is cheaper than a way around a buckling point; the first design has to
+    // be reached as it is.
+    if (start) options.max_iterations = max_iterations;
+    options.fallbacks = !start;
+    shell_x_.resize(0);
+    Equilibrium end;
+    try {
+        end = shell_->solve(wanted.loads, wanted.motions, options,
+                            [this](const SolveRecord&) { return !(stop_wanted_ && stop_wanted_()); });
+    } catch (const SolverError& error) {
+        end.reason = error.what();
+        shell_.reset();  // where it stopped is no place to go on from
+    }
+    if (end.status == SolveStatus::cancelled) throw Interrupted{};
+    if (end.status != SolveStatus::converged) {
+        result.status =
+            end.status == SolveStatus::unstable ? EvaluationStatus::unstable : EvaluationStatus::not_converged;
+        result.reason = end.reason;
+        return false;
+    }
+    shell_demand_ = wanted;
+    return at_equilibrium(x, result);
+}
+
+/// The shell is in the equilibrium of `shell_demand_`, beside which the fields move the surface.
+bool ShapeSolver::at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    shell_x_ = x;
+    result.vertices = with_fields(*rest_, shell_demand_, shell_->vertices());
+    return true;
+}
+
+bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    last_.reset();
+    if (!settle(x, result)) return false;
+    last_ = shell_->poses();
+    last_x_ = x;
+    result.reason = guard_.defect(result.vertices, with_fields(*rest_, shell_demand_, *last_));
+    if (result.reason.empty()) return true;
+    result.status = EvaluationStatus::invalid;
+    result.vertices.resize(0, 3);
+    last_.reset();
+    return false;
+}
+
+bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    if (!no_datum_.empty()) {
+        result.status = EvaluationStatus::not_converged;
+        result.reason = no_datum_;
+        return false;
+    }
+    if (!is_valid(x, result)) return false;
+    if (!limit_.is_none()) result.reason = limit_.excess(result.vertices);
+    if (!result.reason.empty()) {
+        result.status = EvaluationStatus::invalid;
+        result.vertices.resize(0, 3);
+        last_.reset();
+        return false;
+    }
+    remember(x);
+    result.max_displacement = std::sqrt((result.vertices - rest_->surface.vertices).rowwise().squaredNorm().maxCoeff());
+    return true;
+}
+
+bool ShapeSolver::begin_from(const Poses& poses, const Eigen::VectorXd& x, ShapeEvaluation& result) {
+    accepted_ = poses;
+    if (!is_valid(x, result)) return false;
+    remember(x);
+    accept();
+    return true;
+}
+
+}  // namespace strake

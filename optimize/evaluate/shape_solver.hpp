@@ -1,0 +1,81 @@
+#pragma once
+#include "optimize/evaluate/shape_evaluation.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/space/design_space.hpp"
+#include "optimize/space/motion_limit.hpp"
+
+#include <functional>
+
+/// From a design to its surface: x -> loads -> equilibrium -> a valid surface. Internal to the evaluator.
+namespace strake {
+
+/// Keeps the shell, its factor and the poses of the last shapes between designs. Not thread-safe.
+class ShapeSolver {
+public:
+    ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest);
+
+    /// Solves in this space from now on; the accepted poses are kept.
+    void enter(const DesignSpace& space);
+    const DesignSpace& space() const { return space_; }
+    /// Asked after every iteration; true: `Interrupted` is thrown. May be empty.
+    void set_stop(std::function<bool()> stop_wanted) { stop_wanted_ = std::move(stop_wanted); }
+    /// Shapes beyond it are refused from now on. @param poses of its datum; equilibria are sought from there first.
+    void set_limit(MotionLimit limit, std::optional<Poses> poses);
+    const MotionLimit& limit() const { return limit_; }
+    /// There is no datum: every shape is refused with this reason.
+    void refuse_all(std::string reason) { no_datum_ = std::move(reason); }
+
+    /// Fills vertices and max_displacement, or status and reason: false. @throws Interrupted, UnheldPart, InvalidInput.
+    bool deform(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// The equilibrium only, valid or not: vertices, or status and reason. Nothing is done for the x of the last call.
+    bool settle(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    /// The same as `deform` after setting the accepted poses, but that the motion limit is not asked; where it
+    /// succeeds, its equilibrium is accepted.
+    bool begin_from(const Poses& poses, const Eigen::VectorXd& x, ShapeEvaluation& result);
+
+    /// The design that was evaluated last: what `accept` accepts. No poses: it has no shape.
+    void set_last(std::optional<Poses> poses, const Eigen::VectorXd& x);
+    const std::optional<Poses>& last() const { return last_; }
+    const Eigen::VectorXd& last_x() const { return last_x_; }
+    /// The next level starts from the equilibrium of the last design.
+    void accept() {
+        if (last_) accepted_ = last_;
+    }
+
+    PrimoShell& shell() { return *shell_; }
+    /// The shell is at the equilibrium of x.
+    bool is_at(const Eigen::VectorXd& x) const { return shell_x_.size() == x.size() && shell_x_ == x; }
+
+private:
+    /// Where the equilibrium at x is sought from: the nearest (in the metric) of the shapes that this level has reached
+    /// last, else the accepted one; none before the first evaluation of a run.
+    const Poses* nearest_known(const Eigen::VectorXd& x) const;
+    void build_shell(const ShellDemand& demand);
+    bool solve(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    bool at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    bool is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result);
+    void remember(const Eigen::VectorXd& x);
+
+    std::shared_ptr<const RestFacts> rest_;
+    ValidityGuard guard_;
+    DesignSpace space_;
+    std::function<bool()> stop_wanted_;
+    std::unique_ptr<PrimoShell> shell_;
+    std::vector<int> shell_pin_;
+    Eigen::VectorXd shell_height_;
+    Eigen::VectorXd shell_x_;   ///< of the equilibrium that the shell is at; empty: it is at none
+    ShellDemand shell_demand_;  ///< of the same; where only the fields change, it is kept
+    MotionLimit limit_;
+    std::string no_datum_;
+    Eigen::VectorXd settled_x_;  ///< of the last call of `settle`
+    ShapeEvaluation settled_;    ///< what it gave
+    Eigen::VectorXd last_x_;
+    std::optional<Poses> accepted_, last_;
+    struct KnownShape {
+        Eigen::VectorXd x;
+        Poses poses;
+    };
+    std::vector<KnownShape> known_;  ///< of this level, the latest last
+};
+
+}  // namespace strake

@@ -1,0 +1,165 @@
+#include "optimize/evaluate/validity.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+
+#include <algorithm>
+#include <numbers>
+
+namespace strake {
+namespace {
+
+constexpr double smallest_share = 1e-3;
+constexpr double foldable_below = 120 * std::numbers::pi / 180, folded_above = 170 * std::numbers::pi / 180;
+
+double smallest_height(const Points& v, const Eigen::RowVector3i& t, double area) {
+    double longest = 0;
+    for (int k = 0; k < 3; ++k) longest = std::max(longest, (v.row(t[(k + 1) % 3]) - v.row(t[k])).squaredNorm());
+    return longest > 0 ? 2 * area / std::sqrt(longest) : 0;
+}
+
+std::string place(const Eigen::Vector3d& x) { return text("at (", x[0], ", ", x[1], ", ", x[2], ")"); }
+
+Eigen::Vector3d centre(const Points& v, const Eigen::RowVector3i& t) {
+    return (v.row(t[0]) + v.row(t[1]) + v.row(t[2])) / 3;
+}
+
+/// The middle of what the boxes of two triangles have in common.
+Eigen::Vector3d between(const Points& v, const Eigen::RowVector3i& s, const Eigen::RowVector3i& t) {
+    const auto low = [&](const Eigen::RowVector3i& a) -> Eigen::RowVector3d {
+        return v.row(a[0]).cwiseMin(v.row(a[1])).cwiseMin(v.row(a[2]));
+    };
+    const auto high = [&](const Eigen::RowVector3i& a) -> Eigen::RowVector3d {
+        return v.row(a[0]).cwiseMax(v.row(a[1])).cwiseMax(v.row(a[2]));
+    };
+    return 0.5 * (low(s).cwiseMax(low(t)) + high(s).cwiseMin(high(t)));
+}
+
+/// Counts what is wrong and remembers the first.
+struct Finding {
+    int first = -1, count = 0;
+    void add(int at) {
+        if (count++ == 0) first = at;
+    }
+};
+
+std::vector<int> vertices_of(const TriMesh& mesh, const std::vector<int>& triangles) {
+    std::vector<int> result;
+    for (const int t : triangles) {
+        if (t < 0 || t >= mesh.num_triangles())
+            throw InvalidInput(
+                text("validity guard: fixed triangle ", t, " is not in [0, ", mesh.num_triangles(), ")"));
+        for (int k = 0; k < 3; ++k) result.push_back(mesh.triangles(t, k));
+    }
+    std::sort(result.begin(), result.end());
+    result.erase(std::unique(result.begin(), result.end()), result.end());
+    return result;
+}
+
+}  // namespace
+
+ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, const ValidityOptions& options)
+    : triangles_(rest.triangles),
+      rest_(rest.vertices),
+      fixed_vertices_(vertices_of(rest, options.fixed)),
+      tree_(rest),
+      parts_(rest, adjacent, options.symmetry, tree_.at_rest().apart),
+      normal_(triangle_normals(rest)),
+      area_(triangle_areas(rest)),
+      height_(area_.size()) {
+    if (!options.attached.empty()) let_cuts_wander(rest, adjacent, options.attached);
+    for (int t = 0; t < triangles_.rows(); ++t)
+        height_[t] = smallest_height(rest.vertices, triangles_.row(t), area_[t]);
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        if (!adjacent.is_regular(e)) continue;
+        const int a = adjacent.edge_triangles[e][0], b = adjacent.edge_triangles[e][1];
+        if (dihedral(normal_.row(a), normal_.row(b)) >= foldable_below) continue;
+        hinge_.push_back({a, b});
+        hinge_edge_.push_back(adjacent.edges[e]);
+    }
+}
+
+void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjacent, const std::vector<int>& attached) {
+    component_ = edge_components(rest, adjacent);
+    std::vector<char> is_attached(component_.size(), 0);
+    for (const int t : attached) is_attached.at(t) = 1;
+    for (const auto& [s, t] : tree_.at_rest().apart)
+        if (component_[s] != component_[t] && (is_attached[s] || is_attached[t]))
+            piercing_.insert(std::minmax(component_[s], component_[t]));
+}
+
+std::string ValidityGuard::defect(const Points& vertices, const Poses& poses) const {
+    if (vertices.rows() != rest_.rows() || static_cast<Eigen::Index>(poses.rotation.size()) != triangles_.rows())
+        throw InvalidInput(text("validity guard: ", vertices.rows(), " vertices and ", poses.rotation.size(),
+                                " poses, expected ", rest_.rows(), " and ", triangles_.rows()));
+    for (int v = 0; v < vertices.rows(); ++v)
+        if (!vertices.row(v).allFinite()) return text("vertex ", v, " is not finite");
+    Points normal(triangles_.rows(), 3);
+    std::string words = moved_fixed(vertices);
+    if (words.empty()) words = bad_triangles(vertices, poses, normal);
+    if (words.empty()) words = folded(vertices, normal);
+    if (words.empty()) words = parts_.inside_out(vertices);
+    if (words.empty()) words = intersection(vertices);
+    if (words.empty()) words = parts_.swallowed(vertices);
+    return words;
+}
+
+std::string ValidityGuard::moved_fixed(const Points& vertices) const {
+    Finding moved;
+    for (const int v : fixed_vertices_)
+        if (vertices.row(v) != rest_.row(v)) moved.add(v);
+    if (moved.count == 0) return {};
+    return text("fixed vertex ", moved.first, " has moved by ",
+                (vertices.row(moved.first) - rest_.row(moved.first)).norm(), " (", moved.count, " in all), ",
+                place(vertices.row(moved.first)));
+}
+
+std::string ValidityGuard::bad_triangles(const Points& vertices, const Poses& poses, Points& normal) const {
+    Finding inverted, collapsed;
+    for (int t = 0; t < triangles_.rows(); ++t) {
+        const Eigen::Vector3d a = vertices.row(triangles_(t, 0)), b = vertices.row(triangles_(t, 1)),
+                              c = vertices.row(triangles_(t, 2));
+        const Eigen::Vector3d area_vector = 0.5 * (b - a).cross(c - a);
+        const double area = area_vector.norm();
+        normal.row(t) = area > 0 ? Eigen::Vector3d(area_vector / area) : Eigen::Vector3d::Zero();
+        if (area < smallest_share * area_[t] ||
+            smallest_height(vertices, triangles_.row(t), area) < smallest_share * height_[t])
+            collapsed.add(t);
+        else if (!(area_vector.dot(poses.rotation[t] * Eigen::Vector3d(normal_.row(t))) >= 0))
+            inverted.add(t);
+    }
+    for (const auto& [name, finding] : {std::pair("inverted", inverted), std::pair("collapsed", collapsed)})
+        if (finding.count > 0)
+            return text("triangle ", finding.first, " is ", name, " (", finding.count, " in all), ",
+                        place(centre(vertices, triangles_.row(finding.first))));
+    return {};
+}
+
+std::string ValidityGuard::folded(const Points& vertices, const Points& normal) const {
+    // The angle itself is needed only beyond 90 degrees: n1.n2 decides about the others.
+    Finding folded;
+    for (std::size_t e = 0; e < hinge_.size(); ++e) {
+        const auto [a, b] = hinge_[e];
+        if (normal.row(a).dot(normal.row(b)) < 0 && dihedral(normal.row(a), normal.row(b)) > folded_above)
+            folded.add(static_cast<int>(e));
+    }
+    if (folded.count == 0) return {};
+    const auto [v, w] = hinge_edge_[folded.first];
+    const auto [s, t] = hinge_[folded.first];
+    return text("the edge between vertices ", v, " and ", w, " (triangles ", s, " and ", t, ") is folded (",
+                folded.count, " in all), ", place(0.5 * (vertices.row(v) + vertices.row(w))));
+}
+
+std::string ValidityGuard::intersection(const Points& vertices) const {
+    std::vector<std::array<int, 2>> pairs = tree_.fresh(vertices);
+    if (!piercing_.empty())
+        std::erase_if(pairs, [&](const std::array<int, 2>& pair) {
+            return piercing_.contains(std::minmax(component_[pair[0]], component_[pair[1]]));
+        });
+    if (pairs.empty()) return {};
+    const auto [s, t] = pairs[0];
+    return text("triangles ", s, " and ", t, " intersect (", pairs.size(), " pairs in all), ",
+                place(between(vertices, triangles_.row(s), triangles_.row(t))));
+}
+
+}  // namespace strake

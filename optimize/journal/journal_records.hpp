@@ -1,0 +1,65 @@
+#pragma once
+#include "core/error.hpp"
+#include "objectives/quantity/quantity.hpp"
+
+#include <filesystem>
+#include <map>
+
+/// What a journal holds, row by row.
+namespace strake {
+
+/// A run asks for something else than what its journal says that it did; the text says where, and why that may be.
+struct ReplayMismatch : InvalidInput {
+    using InvalidInput::InvalidInput;
+};
+
+/// The limits of a run, in force once `after` evaluations have been made.
+struct RunLimits {
+    int after = 0, evaluations = 0;
+    double seconds = 0;  ///< 0: no limit
+};
+
+struct JournalFacts {
+    std::string case_yaml;           ///< as in case.yaml of the folder
+    std::filesystem::path case_dir;  ///< of the file that the run was started with, absolute
+    std::string host;                ///< machine on which the run began
+    bool is_fit = false;
+    /// 1: `max_displacement` bounds variables (`Parameters::limits_variables`); 2: shapes.
+    int meaning = 2;
+    std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
+    std::map<std::string, std::string> files;     ///< hash of each file that the case names
+};
+
+struct JournalEvaluation {
+    int number = 0;  ///< from 1, without gaps
+    int level = 0;
+    std::string status, reason;  ///< as in EvaluationRecord
+    Eigen::VectorXd x;           ///< the whole design, exact
+    std::vector<double> values, parameters;
+    double objective = 0, max_violation = 0;  ///< NaN: none
+    double max_displacement = 0;
+    bool accepted = false, is_taken_over = false;
+    /// A failure that ends the run is no answer: the next start asks again.
+    bool is_final_failure = false;
+    std::string surface;  ///< hash of the deformed surface; empty: none
+    double seconds = 0;   ///< of this evaluation
+    double elapsed = 0;   ///< of the run up to its end, in all starts together
+};
+
+/// What a program gave in an evaluation.
+struct JournalCall {
+    int evaluation = 0;
+    std::string quantity;          ///< the name of its first value
+    std::string program, surface;  ///< hashes of what was run and of what it was given
+    QuantityResult result;
+    double seconds = 0;
+};
+
+/// What calls of a program cost, all together.
+struct ProgramCost {
+    std::string quantity;  ///< as in JournalCall
+    int calls = 0, failed = 0, cached = 0;
+    double seconds = 0;
+};
+
+}  // namespace strake

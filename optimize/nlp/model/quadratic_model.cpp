@@ -1,0 +1,148 @@
+#include "optimize/nlp/model/quadratic_model.hpp"
+
+#include <Eigen/Cholesky>
+#include <nlopt.hpp>
+#include <vector>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// min |w|^2 / 2 + q.w  s.t. rows w <= limit (the first `inequalities`), = limit (the rest).
+struct LeastDistance {
+    VectorXd q;
+    MatrixXd inequality_rows, equality_rows;
+    VectorXd inequality_limits, equality_limits;
+};
+
+double objective(unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    const Eigen::Map<const VectorXd> at(u, n);
+    if (gradient) VectorXd::Map(gradient, n) = at + p.q;
+    return 0.5 * at.squaredNorm() + p.q.dot(at);
+}
+
+using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
+
+void linear(unsigned m, double* value, unsigned n, const double* u, double* gradient, const MatrixXd& rows,
+            const VectorXd& limits) {
+    VectorXd::Map(value, m) = rows * Eigen::Map<const VectorXd>(u, n) - limits;
+    if (gradient) RowMajor::Map(gradient, m, n) = rows;
+}
+void inequalities(unsigned m, double* value, unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    linear(m, value, n, u, gradient, p.inequality_rows, p.inequality_limits);
+}
+void equalities(unsigned m, double* value, unsigned n, const double* u, double* gradient, void* self) {
+    const auto& p = *static_cast<LeastDistance*>(self);
+    linear(m, value, n, u, gradient, p.equality_rows, p.equality_limits);
+}
+
+VectorXd solve(LeastDistance& p) {
+    const auto n = static_cast<unsigned>(p.q.size());
+    nlopt::opt opt(nlopt::LD_SLSQP, n);
+    opt.set_min_objective(objective, &p);
+    if (p.inequality_limits.size() > 0)
+        opt.add_inequality_mconstraint(inequalities, &p, std::vector<double>(p.inequality_limits.size(), 1e-12));
+    if (p.equality_limits.size() > 0)
+        opt.add_equality_mconstraint(equalities, &p, std::vector<double>(p.equality_limits.size(), 1e-12));
+    opt.set_ftol_rel(1e-12);
+    opt.set_xtol_rel(1e-10);
+    opt.set_maxeval(60);
+    std::vector<double> u(n, 0.0);
+    double value = 0;
+    try {
+        opt.optimize(u, value);
+    } catch (const nlopt::roundoff_limited&) {
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return {};
+    }
+    return VectorXd::Map(u.data(), n);
+}
+
+}  // namespace
+
+void QuadraticModel::add_inequality(const VectorXd& slope, double value) {
+    add_inequalities({VectorXd::Constant(1, value), slope.transpose()});
+}
+
+void QuadraticModel::add_inequalities(const StepLimits& limits) {
+    const Eigen::Index more = limits.values.size(), rows = constraints.size(), first = num_inequalities;
+    if (more == 0) return;
+    VectorXd all(rows + more);
+    all << constraints.head(first), limits.values, constraints.tail(rows - first);
+    MatrixXd slopes(rows + more, gradient.size());
+    slopes.topRows(first) = jacobian.topRows(first);
+    slopes.middleRows(first, more) = limits.slopes;
+    slopes.bottomRows(rows - first) = jacobian.bottomRows(rows - first);
+    constraints = std::move(all);
+    jacobian = std::move(slopes);
+    num_inequalities += static_cast<int>(more);
+}
+
+VectorXd solve_model(const QuadraticModel& model) {
+    const Eigen::Index n = model.gradient.size(), rows = model.constraints.size(), ineq = model.num_inequalities;
+    // SLSQP's tolerances must not depend on the objective's unit.
+    const double unit = model.hessian.trace() / static_cast<double>(n);
+    if (!(unit > 0) || !std::isfinite(unit)) return {};
+    const Eigen::LLT<MatrixXd> llt(model.hessian / unit);
+    if (llt.info() != Eigen::Success) return {};
+    // d = K w, K a multiple of L^-T with |q| = 1; the last entry of w is `penalty` times the share of the violation
+    // that is left.
+    MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
+    VectorXd q = K.transpose() * model.gradient / unit;
+    const double length = q.norm();
+    if (length > 0) K *= length, q /= length;
+    constexpr double penalty = 1e5;
+    LeastDistance p;
+    p.q = VectorXd::Zero(n + 1);
+    p.q.head(n) = q;
+    p.inequality_rows = MatrixXd::Zero(2 * n + ineq + 1, n + 1);
+    p.inequality_rows.topLeftCorner(n, n) = K;
+    p.inequality_rows.block(n, 0, n, n) = -K;
+    p.inequality_limits.resize(2 * n + ineq + 1);
+    p.inequality_limits << model.upper, -model.lower, VectorXd::Zero(ineq + 1);
+    const MatrixXd AK = model.jacobian * K;
+    for (Eigen::Index i = 0; i < ineq; ++i) {
+        p.inequality_rows.row(2 * n + i).head(n) = AK.row(i);
+        p.inequality_rows(2 * n + i, n) = -std::max(model.constraints[i], 0.0) / penalty;
+        p.inequality_limits[2 * n + i] = -model.constraints[i];
+    }
+    p.inequality_rows(2 * n + ineq, n) = -1;  // t >= 0
+    p.equality_rows = MatrixXd::Zero(rows - ineq, n + 1);
+    p.equality_limits = -model.constraints.tail(rows - ineq);
+    p.equality_rows.leftCols(n) = AK.bottomRows(rows - ineq);
+    p.equality_rows.col(n) = -model.constraints.tail(rows - ineq) / penalty;
+    // Rows of length 1, because SLSQP compares all with one tolerance.
+    const VectorXd row_length = p.inequality_rows.rowwise().norm();
+    for (Eigen::Index i = 0; i < row_length.size(); ++i)
+        if (row_length[i] > 0) p.inequality_rows.row(i) /= row_length[i], p.inequality_limits[i] /= row_length[i];
+    for (Eigen::Index i = 0; i < p.equality_rows.rows(); ++i)
+        if (const double norm = p.equality_rows.row(i).norm(); norm > 0)
+            p.equality_rows.row(i) /= norm, p.equality_limits[i] /= norm;
+    const VectorXd w = solve(p);
+    if (w.size() == 0 || !w.allFinite()) return {};
+    return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
+}
+
+ActiveSet active_set(const QuadraticModel& model, const VectorXd& d) {
+    constexpr double hair = 1e-7;  // relative; SLSQP's tolerances are far below
+    ActiveSet set;
+    for (Eigen::Index i = 0; i < model.constraints.size(); ++i) {
+        const double change = model.jacobian.row(i).dot(d);
+        if (i >= model.num_inequalities ||
+            model.constraints[i] + change >= -hair * (std::abs(model.constraints[i]) + std::abs(change)))
+            set.rows.push_back(i);
+    }
+    for (Eigen::Index j = 0; j < d.size(); ++j) {
+        const double range = model.upper[j] - model.lower[j], slack = std::isfinite(range) ? hair * range : 0;
+        if (d[j] > model.lower[j] + slack && d[j] < model.upper[j] - slack) set.variables.push_back(j);
+    }
+    return set;
+}
+
+}  // namespace strake

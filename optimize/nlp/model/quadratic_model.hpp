@@ -1,0 +1,30 @@
+#pragma once
+#include "optimize/nlp/program/first_order.hpp"
+
+/// The model problem of one step of sequential quadratic programming. Internal.
+namespace strake {
+
+/// min g.d + d.H d / 2   s.t.  lower <= d <= upper,  c_i + a_i.d <= 0 (the first `num_inequalities` rows), = 0 (the
+/// rest).
+struct QuadraticModel {
+    Eigen::VectorXd gradient;  ///< n
+    Eigen::MatrixXd hessian;   ///< n x n, positive definite
+    Eigen::VectorXd lower, upper;
+    Eigen::VectorXd constraints;
+    Eigen::MatrixXd jacobian;  ///< rows x n
+    int num_inequalities = 0;
+
+    /// One more: value + slope.d <= 0.
+    void add_inequality(const Eigen::VectorXd& slope, double value);
+    void add_inequalities(const StepLimits& limits);
+};
+
+/// The step d. Where the linearized constraints cannot all be met within the bounds, a large penalty reduces their
+/// violation. Solved by NLopt's SLSQP in coordinates in which the Hessian is the identity, where its own first step is
+/// exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
+Eigen::VectorXd solve_model(const QuadraticModel& model);
+
+/// Active set of the model's solution d: constraints without slack, and variables that are at no bound.
+ActiveSet active_set(const QuadraticModel& model, const Eigen::VectorXd& d);
+
+}  // namespace strake

@@ -1,0 +1,143 @@
+#include "optimize/nlp/program/first_order.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+
+namespace strake {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double nearly_active = 0.02;  ///< in the metric: steps of 1 are the largest reasonable ones
+constexpr int bound_passes = 5;         ///< to find the active bounds
+constexpr double at_bound_rel = 1e-9;   ///< of the range: rounding must not decide
+
+/// L^-1 b with metric = L L^T.
+MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
+    return p.metric.size() == 0 ? b : MatrixXd(Eigen::LLT<MatrixXd>(p.metric).matrixL().solve(b));
+}
+
+}  // namespace
+
+MatrixXd metric_of(const NonlinearProgram& p) {
+    return p.metric.size() > 0 ? p.metric : MatrixXd(MatrixXd::Identity(p.start.size(), p.start.size()));
+}
+
+VectorXd values_of(const Evaluation& s) {
+    VectorXd all(1 + s.constraints.size());
+    all << s.objective, s.constraints;
+    return all;
+}
+
+VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradient, const MatrixXd& jacobian,
+                                   int num_inequalities, const ActiveSet& set) {
+    VectorXd result = VectorXd::Zero(jacobian.rows());
+    std::vector<Eigen::Index> active = set.rows;
+    if (active.empty() || set.variables.empty()) return result;
+    const Eigen::LLT<MatrixXd> llt(MatrixXd(metric(set.variables, set.variables)));
+    const VectorXd g = llt.matrixL().solve(gradient(set.variables));
+    const MatrixXd normals = llt.matrixL().solve(jacobian(Eigen::all, set.variables).transpose());
+    for (int pass = 0; pass < 2 && !active.empty(); ++pass) {
+        const VectorXd found = MatrixXd(normals(Eigen::all, active)).colPivHouseholderQr().solve(-g);
+        std::vector<Eigen::Index> kept;
+        result.setZero();
+        for (std::size_t i = 0; i < active.size(); ++i)
+            if (active[i] >= num_inequalities || found[static_cast<Eigen::Index>(i)] > 0) {
+                kept.push_back(active[i]);
+                result[active[i]] = found[static_cast<Eigen::Index>(i)];
+            }
+        if (kept.size() == active.size()) break;
+        active = kept;
+    }
+    return result;
+}
+
+Multipliers all_multipliers(const MatrixXd& metric, const Evaluation& s, int num_inequalities, const ActiveSet& set) {
+    const Eigen::Index limits = s.limits.values.size();
+    if (limits == 0)
+        return {least_squares_multipliers(metric, s.gradient, s.jacobian, num_inequalities, set), VectorXd()};
+    const Eigen::Index first = num_inequalities, rows = s.constraints.size();
+    MatrixXd all(rows + limits, s.gradient.size());
+    all.topRows(first) = s.jacobian.topRows(first);
+    all.middleRows(first, limits) = s.limits.slopes;
+    all.bottomRows(rows - first) = s.jacobian.bottomRows(rows - first);
+    ActiveSet active{{}, set.variables};
+    for (const Eigen::Index row : set.rows) active.rows.push_back(row < first ? row : row + limits);
+    const MatrixXd normals = Eigen::LLT<MatrixXd>(metric).matrixL().solve(s.limits.slopes.transpose());
+    for (Eigen::Index i = 0; i < limits; ++i)
+        if (s.limits.values[i] >= -nearly_active * normals.col(i).norm()) active.rows.push_back(first + i);
+    const VectorXd found =
+        least_squares_multipliers(metric, s.gradient, all, num_inequalities + static_cast<int>(limits), active);
+    Multipliers result{VectorXd(rows), found.segment(first, limits)};
+    result.constraints << found.head(first), found.tail(rows - first);
+    return result;
+}
+
+Multipliers all_multipliers(const NonlinearProgram& p, const VectorXd& x, const Evaluation& evaluation) {
+    if (evaluation.constraints.size() + evaluation.limits.values.size() == 0) return {};
+    const MatrixXd metric = metric_of(p), normals = whitened(p, evaluation.jacobian.transpose());
+    ActiveSet set;
+    for (Eigen::Index i = 0; i < evaluation.constraints.size(); ++i)
+        if (i >= p.num_inequalities || evaluation.constraints[i] >= -nearly_active * normals.col(i).norm())
+            set.rows.push_back(i);
+    Multipliers result;
+    VectorXd slope = VectorXd::Zero(x.size());
+    for (int pass = 0; pass < bound_passes; ++pass) {
+        std::vector<Eigen::Index> moving;
+        for (Eigen::Index j = 0; j < x.size(); ++j)
+            if (p.lower[j] < p.upper[j] && !leaves_bounds(p, x, j, -slope[j])) moving.push_back(j);
+        if (pass > 0 && moving == set.variables) break;
+        set.variables = moving;
+        result = all_multipliers(metric, evaluation, p.num_inequalities, set);
+        slope = evaluation.gradient + evaluation.jacobian.transpose() * result.constraints;
+        if (result.limits.size() > 0) slope += evaluation.limits.slopes.transpose() * result.limits;
+    }
+    return result;
+}
+
+VectorXd multipliers(const NonlinearProgram& p, const VectorXd& x, const Evaluation& evaluation) {
+    return all_multipliers(p, x, evaluation).constraints;
+}
+
+VectorXd lagrangian_gradient(const NonlinearProgram& p, const VectorXd& x, const Evaluation& evaluation) {
+    const Multipliers found = all_multipliers(p, x, evaluation);
+    VectorXd slope = evaluation.gradient;
+    if (found.constraints.size() > 0) slope += evaluation.jacobian.transpose() * found.constraints;
+    if (found.limits.size() > 0) slope += evaluation.limits.slopes.transpose() * found.limits;
+    return slope;
+}
+
+bool leaves_bounds(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, double direction) {
+    const double range = p.upper[j] - p.lower[j], hair = std::isfinite(range) ? at_bound_rel * range : 0;
+    return (x[j] <= p.lower[j] + hair && direction < 0) || (x[j] >= p.upper[j] - hair && direction > 0);
+}
+
+VectorXd descent_direction(const NonlinearProgram& p, const VectorXd& x, const Evaluation& evaluation) {
+    const VectorXd lagrangian = lagrangian_gradient(p, x, evaluation);
+    VectorXd direction = p.metric.size() == 0 ? -lagrangian : VectorXd(-p.metric.llt().solve(lagrangian));
+    for (Eigen::Index j = 0; j < direction.size(); ++j)
+        if (leaves_bounds(p, x, j, direction[j])) direction[j] = 0;
+    return direction;
+}
+
+double metric_norm(const NonlinearProgram& p, const VectorXd& d) {
+    return p.metric.size() == 0 ? d.norm() : std::sqrt(std::max(0.0, d.dot(p.metric * d)));
+}
+
+double dual_norm(const NonlinearProgram& p, const VectorXd& g) { return whitened(p, g).norm(); }
+
+double total_violation(const NonlinearProgram& p, const VectorXd& c) {
+    double sum = 0;
+    for (Eigen::Index i = 0; i < c.size(); ++i) sum += i < p.num_inequalities ? std::max(0.0, c[i]) : std::abs(c[i]);
+    return sum;
+}
+
+double largest_violation(const NonlinearProgram& p, const VectorXd& c) {
+    double worst = 0;
+    for (Eigen::Index i = 0; i < c.size(); ++i) worst = std::max(worst, i < p.num_inequalities ? c[i] : std::abs(c[i]));
+    return worst;
+}
+
+}  // namespace strake

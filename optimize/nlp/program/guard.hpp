@@ -1,0 +1,110 @@
+#pragma once
+#include "optimize/nlp/program/failure_border.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/nlp/program/minimize_options.hpp"
+#include "optimize/nlp/program/partial_gradient.hpp"
+
+#include <exception>
+
+/// Stands between the algorithms and a nonlinear program: evaluates every x once, refuses NaN, keeps the cause of every
+/// failure and the best point seen. Used by minimize() only.
+namespace strake {
+
+/// Why the guard ended a search.
+enum class StopCause {
+    none,
+    failure,
+    fatal,
+    evaluations,
+    time,
+    stopped,
+    nonfinite_point,  ///< the algorithm asked for one
+    repeated_points,  ///< the algorithm asks for known points without end
+    stalled,          ///< `patience` has run out
+    exception
+};
+
+/// The guard stops a search by throwing nlopt::forced_stop; callers meet no other type of exception.
+class Guard {
+public:
+    Guard(const NonlinearProgram& program, const MinimizeOptions& options);
+
+    /// The evaluation at the free variables `z`. @throws nlopt::forced_stop with `cause` set when there is none.
+    const Evaluation& at(const double* z, bool gradient);
+    const Evaluation& requested(const Eigen::VectorXd& x, bool gradient);  ///< the same for all variables
+    const Evaluation& at_all(const Eigen::VectorXd& x, bool gradient);     ///< the same, not for NLopt
+    Eigen::VectorXd all_variables(const double* z) const;
+    /// As at_all, without an exception: false, `cause` is set.
+    bool try_at(const Eigen::VectorXd& x, bool gradient, Evaluation& evaluation);
+
+    /// Where `at_all` evaluates for x, which is within the bounds: x, or the point that the program moves it to.
+    Eigen::VectorXd inside(const Eigen::VectorXd& x);
+    /// `NonlinearProgram::beyond` without an exception: `cause` is set, and there are no rows.
+    StepLimits beyond(const Eigen::VectorXd& x);
+
+    /// Like `at_all` with the gradient, which is the guess corrected by the differences that it names; by all
+    /// differences where these fail.
+    bool try_with(const Eigen::VectorXd& x, const GradientGuess& guess, Evaluation& evaluation);
+    /// Adds these differences at x, where the values are known already.
+    bool try_refined(const Eigen::VectorXd& x, const GradientGuess& guess, Evaluation& evaluation);
+    /// The guessed part of the best point's gradient is evaluated when the gradient is asked for again.
+    void forget_guessed();
+
+    void report_event(const std::string& words) const {
+        if (options.on_event) options.on_event(words);
+    }
+
+    const NonlinearProgram program;  ///< with differences where the method has or takes no gradients
+    const MinimizeOptions& options;
+    const MethodFacts& method;
+    std::vector<int> free;  ///< numbers of the variables whose bounds differ
+    bool wants_gradient = true;
+    /// Maximum number of evaluations in a row that gain less than the tolerance, for the present part of the search.
+    /// 0: any number.
+    void set_patience(int evaluations_in_row) { patience_ = evaluations_in_row, gained_at_ = evaluations; }
+
+    int limit;           ///< of evaluations, for the present part of the search: <= options.max_evaluations
+    double scale = 1;    ///< NLopt sees objective / scale
+    double penalty = 0;  ///< of a unit of violation, in the merit that is reported
+    double best_merit = std::numeric_limits<double>::infinity();
+    Eigen::VectorXd merit_x;  ///< where that was
+    Eigen::VectorXd best_x;
+    Evaluation best;
+    bool has_best = false, best_feasible = false;
+    double best_violation = 0;
+    double lowest = std::numeric_limits<double>::infinity();  ///< and highest objective seen
+    double highest = -std::numeric_limits<double>::infinity();
+    StopCause cause = StopCause::none;
+    std::exception_ptr exception;
+    std::string failure;
+    Eigen::VectorXd failed_x;
+    bool failed_on_the_way = false;  ///< the last failure says nothing about its point (`Evaluation::is_of_step`)
+    int evaluations = 0, failures = 0;
+    FailureBorder border;
+
+private:
+    [[noreturn]] void stop(StopCause why);
+    [[noreturn]] void fail_gradient(const Eigen::VectorXd& x, const std::string& why);
+    const Evaluation& evaluation_at(const Eigen::VectorXd& x, bool gradient);
+    Evaluation count_and_evaluate(const Eigen::VectorXd& x);
+    Evaluation evaluation_of(const Eigen::VectorXd& x);
+    void evaluate(const Eigen::VectorXd& x);
+    void rank(const Eigen::VectorXd& x);
+    void differentiate(const Eigen::VectorXd& x);
+    void add_differences(const Eigen::VectorXd& x, Evaluation& evaluation);
+    void check_gradient(const Eigen::VectorXd& x);
+    double now() const;  ///< seconds
+    bool report(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
+
+    const GradientGuess* guess_ = nullptr;  ///< of the next gradient
+    bool is_refined_ = false;               ///< the guess contains the gradients that the program gives
+    Evaluation last_;
+    Eigen::VectorXd last_x_;
+    Eigen::VectorXd asked_, moved_;  ///< of the last call of `inside` that asked the program
+    long requests_ = 0;
+    int patience_ = 0, gained_at_ = 0;
+    bool reported_outside_ = false;
+    double begin_ = now();
+};
+
+}  // namespace strake

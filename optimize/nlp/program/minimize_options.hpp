@@ -1,0 +1,78 @@
+#pragma once
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/nlp/program/nonlinear_program.hpp"
+
+/// Options, progress reports and result of a search.
+namespace strake {
+
+/// Progress report of one evaluation.
+struct MinimizeStep {
+    const Eigen::VectorXd& x;
+    const Evaluation& evaluation;
+    double violation = 0;  ///< largest scaled constraint violation
+    /// The best point so far: feasible and lowest, or while none is feasible the least violation.
+    bool is_best = false;
+    bool is_feasible = false;
+    double merit = 0;  ///< lowest objective + penalty * violations so far
+};
+
+struct MinimizeOptions {
+    Method method = Method::sqp;
+    int max_evaluations = 200;           ///< >= 1
+    double max_seconds = 0;              ///< 0: no limit
+    double objective_tolerance = 1e-6;   ///< relative change
+    double objective_scale = 0;          ///< sqp: changes are relative to this where the objective is smaller
+    double step_tolerance = 1e-6;        ///< change of every variable
+    double constraint_tolerance = 1e-6;  ///< scaled
+    int max_shrinks = 8;                 ///< cuts of the step after failures in a row
+    int max_failures = 12;               ///< sqp: in all; others: four times max_shrinks
+    double first_step = 0.5;             ///< in the metric
+    bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
+    /// The given one, then random ones within the bounds, which must be finite. They share the budget.
+    int starts = 1;
+    unsigned seed = 1;                                 ///< of random starts and of NLopt's random methods
+    bool exceptions_are_failures = false;              ///< of the callbacks; except InvalidInput and std::bad_alloc
+    std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here; not called for differences
+    /// sqp: called with the decrease that the model still expects and its Hessian, at every differentiated point that
+    /// nearly meets the constraints; return false to stop here.
+    std::function<bool(double expected, const Eigen::MatrixXd& hessian)> on_model;
+    std::function<void(const std::string&)> on_event;  ///< restarts, starts and changes of the box, in words
+    std::function<double()> clock;                     ///< seconds, for max_seconds; empty: the wall clock
+};
+
+enum class MinimizeStop {
+    converged,
+    roundoff,       ///< no further progress in double precision: usable
+    evaluations,    ///< limit
+    time,           ///< limit
+    stopped,        ///< by on_step
+    outpaced,       ///< by on_model
+    no_valid_step,  ///< evaluations fail however small the step
+    failed          ///< the start or a fatal evaluation failed, or the algorithm broke down at once
+};
+
+struct MinimizeResult {
+    Eigen::VectorXd x;  ///< the best point we saw; the start if nothing could be evaluated
+    Evaluation best;
+    double violation = 0;
+    bool is_feasible = false;
+    MinimizeStop stop = MinimizeStop::failed;
+    std::string reason;  ///< one sentence
+    int evaluations = 0, shrinks = 0;
+    int failures = 0;  ///< evaluations without a value, or whose gradient failed
+    /// Rows of the constraints that cannot be met together within the bounds, to first order at the point of least
+    /// violation: without any one of them the others could. Empty: none found.
+    std::vector<int> conflict;
+    /// The values do not follow the gradient: along a short step they change by `slope_ratio` of its slope. `slope_of`
+    /// is -1 for the objective, otherwise a row of the constraints.
+    bool gradient_inconsistent = false;
+    double slope_ratio = std::numeric_limits<double>::quiet_NaN();
+    int slope_of = -1;
+    int active_bounds = 0;    ///< variables that a bound keeps from a better value (without gradients: at a bound)
+    bool is_flat = false;     ///< all evaluations gave the same objective, or its gradient is zero at a start
+    double radius = 0;        ///< sqp: of the trust region at the end
+    Eigen::MatrixXd hessian;  ///< sqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
+    Eigen::MatrixXd gradient_error;  ///< sqp: columns, by which the gradient of `best` may be off; empty: none
+};
+
+}  // namespace strake

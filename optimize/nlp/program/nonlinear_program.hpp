@@ -1,0 +1,82 @@
+#pragma once
+#include <Eigen/Core>
+#include <functional>
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A nonlinear program: an objective to minimize under constraints.
+namespace strake {
+
+/// Conditions on a step d that are not constraints: values + slopes.d <= 0 keeps the point within a limit, to first
+/// order.
+struct StepLimits {
+    Eigen::VectorXd values;
+    Eigen::MatrixXd slopes;  ///< rows x variables
+};
+
+/// Values at one x. Constraints are scaled: inequalities g <= 0 first, then equalities h = 0.
+struct Evaluation {
+    double objective = std::numeric_limits<double>::quiet_NaN();
+    Eigen::VectorXd constraints;
+    Eigen::VectorXd gradient;  ///< empty until differentiated
+    Eigen::MatrixXd jacobian;  ///< constraints x variables
+    std::string failure;       ///< not empty: there is no value, and why
+    bool is_fatal = false;     ///< with a failure: the search ends instead of shrinking the step
+    /// With a failure: the way to this x failed rather than x itself (a solve that did not converge from its start),
+    /// and other points next to x may have values.
+    bool is_of_step = false;
+    bool is_partly_guessed = false;  ///< the gradient: not all of its differences were evaluated
+    StepLimits limits;               ///< near x, once differentiated: of a program that is `within` a limit
+};
+
+/// The known part of the gradient at the start of a program with differences.
+struct StartGradient {
+    Eigen::VectorXd gradient;
+    Eigen::MatrixXd jacobian;
+    Eigen::MatrixXd unknown_directions;  ///< n x k: the slopes along these are not known yet
+    Eigen::MatrixXd gradient_error;      ///< columns: gradients by which the known part may be off; empty: none
+};
+
+/// How gradients are computed from values.
+struct Differences {
+    double step = 1e-4;      ///< in the variables of the program, > 0: well above the noise of the values
+    bool central = false;    ///< twice the evaluations, error h^2 instead of h
+    bool objective = true;   ///< false: `differentiate` gives its gradient
+    std::vector<char> rows;  ///< per constraint: 0, `differentiate` gives its gradient; empty: differences for all
+    bool missing = false;    ///< also for single entries that `differentiate` leaves NaN
+};
+
+struct NonlinearProgram {
+    Eigen::VectorXd start, lower, upper;
+    int num_inequalities = 0, num_equalities = 0;
+    std::function<Evaluation(const Eigen::VectorXd& x)> evaluate;
+    /// Adds the gradients to the last evaluation, which was at this x. Local gradient-free methods never call it,
+    /// global ones for the polish at their end. Empty: differences.
+    std::function<void(const Eigen::VectorXd& x, Evaluation& evaluation)> differentiate;
+    /// Called with the points that will be evaluated next, in this order, where they are known in advance: all of a
+    /// gradient by differences. May be empty.
+    std::function<void(const std::vector<Eigen::VectorXd>& points)> expect;
+    /// The point that is evaluated in place of x: x, or where that is beyond a limit that is no constraint a point near
+    /// it that is within. Not asked for points of differences. May be empty.
+    std::function<Eigen::VectorXd(const Eigen::VectorXd& x)> within;
+    /// Of a point beyond such a limit: conditions on steps from it. No rows: it is within. May be empty. Used by sqp.
+    std::function<StepLimits(const Eigen::VectorXd& x)> beyond;
+    /// Gradients that differences give, in place of those of `differentiate` (if there is one).
+    std::optional<Differences> differences;
+    /// n x n, positive definite: the size of a step d is sqrt(d.metric.d), about 1 for the largest reasonable one.
+    /// Empty: the identity.
+    Eigen::MatrixXd metric;
+    /// The metric at x times d: near buckling some directions become long. May be empty, and may return an empty
+    /// vector. Cheap compared with an evaluation. Used by sqp.
+    std::function<Eigen::VectorXd(const Eigen::VectorXd& x, const Eigen::VectorXd& d)> present_metric;
+    /// n x n, positive definite: an estimate of the Lagrangian's Hessian at the start. Empty: none. Used by sqp.
+    Eigen::MatrixXd hessian;
+    /// The part of `hessian`, positive semidefinite, whose shape is known and whose size is a guess. Empty: none.
+    Eigen::MatrixXd guessed;
+    /// Where differences give the gradient. Used by sqp.
+    std::optional<StartGradient> start_gradient;
+};
+
+}  // namespace strake

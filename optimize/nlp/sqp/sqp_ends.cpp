@@ -1,0 +1,170 @@
+#include "core/error.hpp"
+#include "optimize/nlp/sqp/sqp_search.hpp"
+#include "optimize/nlp/sqp/trust_region.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+
+namespace strake {
+
+using Eigen::VectorXd;
+
+bool SqpSearch::is_small(double expected_decrease) const {
+    const double size =
+        std::max({std::abs(now_.at.objective), guard_.options.objective_scale, std::numeric_limits<double>::min()});
+    return expected_decrease <= trust_region.small_decrease * guard_.options.objective_tolerance * size;
+}
+
+bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
+    const bool is_feasible = now_.is_met(now_.at), is_limited = steps_.is_limited();
+    const double step_tolerance = guard_.options.step_tolerance;
+    if (is_limited && steps_.radius > step_tolerance) {
+        if (!is_feasible || rejections_ == 0) return false;
+        // A step that is short because longer ones were rejected has a small expected decrease in any case.
+        const VectorXd free = solve_model(steps_.model(now_.at.constraints, 0));
+        if (free.size() == 0 || !is_small(merit_.expected_decrease(hessian_.matrix(), free))) return false;
+        return end(MinimizeStop::converged, "the expected decrease is below the tolerance");
+    }
+    if (d.lpNorm<Eigen::Infinity>() <= step_tolerance)
+        return end(is_limited    ? MinimizeStop::roundoff
+                   : is_feasible ? MinimizeStop::converged
+                                 : MinimizeStop::roundoff,
+                   is_limited    ? "no step, however short, gains what the gradient predicts"
+                   : is_feasible ? "the variables change by less than the tolerance"
+                                 : "the constraints cannot be met within the bounds");
+    if (is_small(predicted) && is_feasible)
+        return end(MinimizeStop::converged, "the expected decrease is below the tolerance");
+    return false;
+}
+
+bool SqpSearch::complete_gradient() {
+    if (!gradient_.complete(now_.at)) return false;
+    merit_.raise_penalty(trust_region.penalty_factor *
+                         multipliers(now_.program, now_.x, now_.at).lpNorm<Eigen::Infinity>());
+    border_.update();
+    return true;
+}
+
+bool SqpSearch::ends_here() {
+    if (gradient_.is_exact()) return true;
+    if (complete_gradient()) return false;
+    return guard_.cause == StopCause::none || ended_by_guard();
+}
+
+bool SqpSearch::is_outpaced() {
+    if (!guard_.options.on_model ||
+        largest_violation(now_.program, now_.at.constraints) > trust_region.handover_violation)
+        return false;
+    VectorXd g = lagrangian_gradient(now_);
+    const auto inverse = hessian_.matrix().llt();
+    const VectorXd d = -inverse.solve(g);
+    for (Eigen::Index j = 0; j < g.size(); ++j)
+        if (leaves_bounds(now_.program, now_.x, j, d[j])) g[j] = 0;
+    if (guard_.options.on_model(0.5 * g.dot(inverse.solve(g)), hessian_.matrix())) return false;
+    return end(MinimizeStop::outpaced, "more is expected elsewhere");
+}
+
+bool SqpSearch::failed_at(const VectorXd& d) {
+    if (guard_.cause != StopCause::failure) return ended_by_guard();
+    guard_.cause = StopCause::none;
+    if (!guard_.failed_on_the_way) border_.update();
+    const bool knows_border = !guard_.failed_on_the_way && border_.is_known();
+    if (knows_border && border_.expected_decrease() <= trust_region.border_share * total_decrease())
+        return end_at_border();
+    ++failures_;
+    // To learn where the border lies takes failures, the more the more variables there are.
+    const int more_in_row = std::min(trust_region.border_failures_per_variable * static_cast<int>(now_.x.size()),
+                                     trust_region.max_border_failures_in_row);
+    const int in_row = guard_.options.max_shrinks + (knows_border ? more_in_row : 0);
+    const int all = guard_.options.max_failures + (knows_border ? accepted_ + trust_region.max_border_failures : 0);
+    if (failures_ > in_row || end_.shrinks >= all) {
+        end_.is_at_border = knows_border;
+        return end(MinimizeStop::no_valid_step,
+                   text("evaluations keep failing next to the best point (", end_.shrinks + 1, " of ",
+                        guard_.evaluations, ", ", failures_, " in a row); the last failure: ", guard_.failure));
+    }
+    ++end_.shrinks;
+    if (!knows_border)
+        steps_.radius = (failures_ > 1 ? trust_region.repeated_failure_cut : trust_region.failure_cut) *
+                        std::min(steps_.radius, steps_.length(d));
+    report(text("after the failure of its evaluation ", guard_.evaluations, ": ",
+                knows_border ? std::string("steps keep to this side of the plane between what failed and what did not")
+                             : text("the largest step is cut to ", steps_.radius)));
+    return false;
+}
+
+bool SqpSearch::end_at_border() {
+    // What failed there may have been bad luck.
+    const QuadraticModel without_cut = steps_.model_without_cut(now_.at.constraints, 0);
+    if (const VectorXd free = solve_model(without_cut); free.size() > 0)
+        for (const double share : trust_region.border_probes) {
+            const VectorXd d = share * std::min(1.0, steps_.radius / steps_.length(free)) * free;
+            Evaluation trial;
+            if (guard_.try_at(now_.x + d, false, trial)) {
+                const double decrease = merit_.at_present() - merit_.of(trial);
+                if (decrease > 0) return accept(now_.x + d, trial, decrease, steps_.active(without_cut, free));
+                continue;
+            }
+            if (guard_.cause != StopCause::failure) return ended_by_guard();
+            guard_.cause = StopCause::none;
+        }
+    end_.is_at_border = true;
+    return end(MinimizeStop::no_valid_step,
+               text("evaluations fail beyond a border next to the best point, and nothing is left to gain before it (",
+                    guard_.failures, " of ", guard_.evaluations, " failed); the last failure: ", guard_.failure));
+}
+
+bool SqpSearch::rejected(double length) {
+    if (++rejections_ == trust_region.max_guessed_rejections && complete_gradient()) return false;
+    if (rejections_ < trust_region.max_rejections && length > trust_region.min_step) return false;
+    return end(MinimizeStop::roundoff, "no step, however short, gains what the gradient predicts");
+}
+
+bool SqpSearch::model_failed() {
+    if (++model_failures_ > trust_region.max_model_failures)
+        return end(MinimizeStop::roundoff, "the quadratic model can no longer be solved");
+    start_hessian();
+    return false;
+}
+
+bool SqpSearch::ended_by_guard() {
+    switch (guard_.cause) {
+        case StopCause::evaluations:
+            return end(MinimizeStop::evaluations,
+                       text("the limit of evaluations is reached (", guard_.evaluations, ")"));
+        case StopCause::time:
+            return end(MinimizeStop::time, "the time limit is reached");
+        case StopCause::stopped:
+            return end(MinimizeStop::stopped, "stopped on request");
+        default:
+            return end(MinimizeStop::failed, guard_.failure);
+    }
+}
+
+void SqpSearch::restore() {
+    if (end_.stop == MinimizeStop::failed || !needs_restoration()) return;
+    if (guard_.best_feasible && !(now_.at.objective < guard_.best.objective)) return;
+    if (guard_.cause == StopCause::stopped) guard_.cause = StopCause::none;
+    const NonlinearProgram& p = now_.program;
+    VectorXd x = now_.x;
+    Evaluation s = now_.at;
+    for (int i = 0; i < trust_region.max_restorations && guard_.cause == StopCause::none; ++i) {
+        QuadraticModel m = steps_.model(s.constraints, 0);
+        m.gradient.setZero();
+        m.hessian = p.metric;
+        m.lower = p.lower - x;
+        m.upper = p.upper - x;
+        const VectorXd d = solve_model(m);
+        if (d.size() == 0 || metric_norm(p, d) > trust_region.max_restoration_step) return;
+        x = guard_.inside(now_.clamped(x + d));
+        if (!guard_.try_at(x, false, s) || now_.is_met(s)) return;
+    }
+}
+
+bool SqpSearch::end(MinimizeStop stop, const std::string& reason) {
+    end_.stop = stop;
+    end_.reason = reason;
+    return true;
+}
+
+}  // namespace strake

@@ -1,0 +1,166 @@
+#pragma once
+#include "core/patches/hierarchy.hpp"
+#include "core/primo/shell.hpp"
+#include "objectives/quantity/quantity.hpp"
+#include "optimize/nlp/program/methods.hpp"
+
+#include <memory>
+#include <optional>
+
+/// A shape optimization problem, free of YAML: what `cases` makes of a case file and what a program that
+/// links the library fills in itself.
+namespace strake {
+
+class DisplacementFields;
+
+enum class VariableKind {
+    load,         ///< traction of a patch as a vector: three variables, or one for each of `load_directions`
+    normal_load,  ///< traction along each triangle's own rest normal: one variable
+    strain,       ///< rigid motion of a pinned patch core: rotation and translation, six variables
+    stiffness,    ///< logarithm of the prism height: one variable
+    field,        ///< one of `Parameters::fields`: a displacement of the surface; not for `Parameters::kinds`
+    parameter     ///< one of `Problem::program_parameters`: not shape; not for `Parameters::kinds`
+};
+
+/// A design variable that is not shape, for example an angle of attack: quantities are given its value.
+struct ProgramParameter {
+    std::string name;
+    double start = 0, min = -1, max = 1;  ///< min <= start <= max, min < max; angles in radians
+    bool is_angle = false;
+};
+
+/// A prescribed rigid motion of some triangles (a given strain).
+struct PrescribedStrain {
+    std::vector<int> triangles;
+    RigidMotion motion;
+};
+
+/// Which patches the next level splits. The rules by sensitivity choose during the run, among the patches of the tree.
+enum class SplitRule {
+    tree,         ///< those that the tree itself splits from level to level (all, the largest, those containing points)
+    sensitivity,  ///< those whose children have the largest expected decrease in the response metric
+    gradient      ///< those with the largest integral of |dJ/dv| over their area (the paper's rule, IV)
+};
+
+/// A design variable that the user states, beside those of the patches: there on every level, never split. A load where
+/// `traction` is given, a displacement field where `field` names one, else the rigid motion of its triangles, which it
+/// pins for the whole run.
+struct UserVariable {
+    std::string name;
+    int field = -1;              ///< number in `Parameters::fields`, with no triangles; -1: not a field
+    std::vector<int> triangles;  ///< where it acts, ascending
+    Points traction;             ///< per listed triangle, 1/length, at the value 1; empty: a motion
+    RigidMotion motion;          ///< at the value 1; its rotation vector and translation are multiplied by the value
+    double unit = 0;             ///< value at x = 1; 0: where the linear response moves the surface by `variable_scale`
+    double max_displacement = 0;  ///< of its linear response at x = 1, diagonals; 0: none of its own
+};
+
+struct Parameters {
+    std::vector<VariableKind> kinds{VariableKind::load};  ///< empty: the shape stays as it is
+    /// The motion limit, in diagonals, > 0: the farthest that any point of the surface may be from its datum (the
+    /// surface under the given loads and strains, all variables zero), in every shape that is handed to a quantity,
+    /// written or called best; infinity: none. A limit of `optimize`: others keep to it where `is_limit_stated`.
+    double max_displacement = 0.05;
+    /// Per vertex, in diagonals, >= 0, infinity: none; empty: `max_displacement`. No vertex is farther than the larger
+    /// of its two limits, nor farther than each along the datum's normal outward, and against it inward.
+    Eigen::VectorXd max_outward, max_inward;
+    bool is_limit_stated = false;  ///< by the case, not by default
+    /// The meaning of runs before 1.0: `max_displacement` bounds each variable by its own linear response, and no
+    /// shape.
+    bool limits_variables = false;
+    /// Unit of the variables: their linear response at x = 1, in diagonals, > 0; 0: `max_displacement`, or 5 % where
+    /// that is infinite.
+    double variable_scale = 0;
+    std::vector<char> variables_on;  ///< per triangle: may carry variables; empty: all. A patch takes part if any of
+                                     ///< its triangles does
+    SplitRule split = SplitRule::tree;
+    double marking_fraction =
+        0.9;  ///< by sensitivity: split patches until they hold this share of the whole expected decrease
+    double max_variable_ratio =
+        8;  ///< by sensitivity: maximum number of variables of a level, as a multiple of the level before, > 1
+    std::vector<char> frozen;  ///< per triangle: keeps what it inherits, is offered no variable; empty: none
+    std::vector<Eigen::Vector3d> load_directions;  ///< unit vectors for `load`; empty: x, y, z
+    bool mirror = false;                           ///< tie mirror images about the plane of symmetry of the surface
+    std::vector<std::vector<char>> groups;         ///< per group, per triangle: patches of a group share their values
+    double free_border = 0.4;                      ///< what a strain leaves free, as a share of the inradius, in (0, 1)
+    bool strain_rotates = true, strain_translates = true;  ///< components offered by `strain`
+    std::vector<UserVariable> user_variables;              ///< beside those of the patches
+    /// Displacement fields: level 0 of the hierarchy, one user variable each (`add_fields`). The surface of a design is
+    /// x0 + sum_b z_b field_b + E, E the equilibrium displacement of the shell at rest under the loads and motions of
+    /// the others. Null: none. Not together with attached parts.
+    std::shared_ptr<const DisplacementFields> fields;
+};
+
+/// Makes the fields design variables: each a user variable that is called as it is.
+void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields> fields);
+
+struct Constraint {
+    std::string quantity;  ///< a value's name
+    std::optional<double> min, max, equals;
+    bool relative = false;  ///< limits are multiples of the value at the start
+};
+
+/// What a level knows of the Hessian when it starts; the first is what a run does, the others are there to be compared.
+enum class LevelStartHessian {
+    carried,  ///< what the level above learned, and the metric for the details
+    metric,   ///< a multiple of the response metric
+    diagonal  ///< a multiple of the metric's diagonal: raw variables, each scaled by itself
+};
+
+struct OptimizeOptions {
+    Method method = Method::sqp;
+    int max_evaluations = 60;         ///< whole run, >= 1
+    double max_seconds = 0;           ///< whole run; 0: no limit
+    double min_expected_gain = 2e-3;  ///< split only what is expected to give this share of what was gained for every
+                                      ///< ten new variables; fewer than ten in all count as ten
+    /// Refine when the gain per evaluation falls below this fraction of the level's best rate, or finer details are
+    /// expected to gain more than the level; 0: only when its own search ends.
+    double progress_below = 0.01;
+    double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective
+    double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
+    double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
+    bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
+    double difference_step = 1e-4;    ///< of these, as a share of the size-1 step of the metric, in (0, 1]
+    int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1
+    unsigned seed = 1;                ///< of all that is random
+    LevelStartHessian level_start = LevelStartHessian::carried;
+};
+
+enum class Loss { none, huber, cauchy, soft_l1 };  ///< robust.hpp has the formulas
+
+struct FitOptions {
+    Loss loss = Loss::none;
+    double loss_scale = 0.001;  ///< distance from which on a point pulls less, in diagonals, > 0
+    /// 0: what is closest is found anew at every evaluation. n: it is kept within a solve, and a level has at most n
+    /// solves.
+    int icp_iterations = 0;
+};
+
+struct StoredDesign;
+
+struct Problem {
+    std::string name;
+    TriMesh surface;
+    PatchHierarchy tree;
+    Eigen::VectorXd prism_height;  ///< per vertex
+    std::vector<int> fixed;        ///< triangles
+    std::vector<PrescribedStrain> strains;
+    std::vector<AttachedPart> attached;  ///< go with their hosts; their triangles are under nothing else of this struct
+    std::optional<SymmetryPlane> symmetry;
+    bool couple_nonmanifold = false;
+    LinearSolver solver = LinearSolver::automatic;
+    Points given_traction;            ///< m x 3 background loads; empty: none
+    Eigen::VectorXd spring_per_area;  ///< per triangle, lambda_A; empty: none
+    Parameters parameters;
+    std::vector<ProgramParameter> program_parameters;  ///< beside the shape, on every level
+    std::vector<Quantity> quantities;                  ///< all that is logged, optimized or constrained
+    std::string objective;                             ///< a value's name; empty for a fit
+    bool maximize = false;
+    std::vector<std::string> fit;  ///< names of quantities with residuals
+    FitOptions fitting;
+    std::vector<Constraint> constraints;
+    OptimizeOptions optimize;
+    std::shared_ptr<const StoredDesign> start;  ///< where `optimize` and `fit` begin, set by `start_from`; else at rest
+};
+
+}  // namespace strake

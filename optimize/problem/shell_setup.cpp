@@ -1,0 +1,106 @@
+#include "optimize/problem/shell_setup.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+#include "optimize/problem/place_user_variables.hpp"
+
+namespace strake {
+namespace {
+
+void check_index(const char* what, int t, int num_triangles) {
+    if (t < 0 || t >= num_triangles)
+        throw InvalidInput(text(what, ": triangle ", t, " must be in [0, ", num_triangles, ")"));
+}
+
+void check_sizes(const Problem& problem) {
+    const int n = problem.surface.num_vertices(), m = problem.surface.num_triangles();
+    if (problem.prism_height.size() != n)
+        throw InvalidInput(text("prism_height: ", problem.prism_height.size(), " values for ", n, " vertices"));
+    if (problem.given_traction.rows() != 0 && problem.given_traction.rows() != m)
+        throw InvalidInput(text("given_traction: ", problem.given_traction.rows(), " rows for ", m, " triangles"));
+    if (problem.spring_per_area.size() != 0 && problem.spring_per_area.size() != m)
+        throw InvalidInput(text("spring_per_area: ", problem.spring_per_area.size(), " values for ", m, " triangles"));
+}
+
+void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
+    int fixed = 0, pinned = 0;
+    for (const int t : problem.strains[k].triangles) {
+        check_index("strains", t, problem.surface.num_triangles());
+        int& pin = setup.options.pin[t];
+        if (pin == fixed_prism)
+            ++fixed;
+        else if (pin > 0 && pin != k + 1)
+            throw InvalidInput(text("strains: triangle ", t, " lies in strains ", pin, " and ", k + 1,
+                                    "; a triangle can follow one motion only"));
+        else
+            pin = k + 1, ++pinned;
+    }
+    if (pinned == 0)
+        throw InvalidInput(text("strains: strain ", k + 1, " has no triangle that is not fixed (", fixed, " are)"));
+    if (fixed > 0)
+        setup.warnings.push_back(
+            text("strain ", k + 1, ": ", fixed, " of its triangles are fixed as well and stay fixed"));
+}
+
+/// What is attached moves with its host and cannot be held or moved by anything else.
+void check_attached(ShellSetup& setup) {
+    if (!setup.options.attached) return;
+    const std::vector<int>& part = setup.options.attached->part_of();
+    for (std::size_t t = 0; t < part.size(); ++t) {
+        if (part[t] < 0) continue;
+        if (setup.options.pin[t] != free_prism)
+            throw InvalidInput(text("attach: triangle ", t, " is attached and also ",
+                                    setup.options.pin[t] == fixed_prism ? "fixed" : "moved by a strain or variable"));
+        setup.options.pin[t] = fixed_prism;  // no unknown, and in no core of strain variables
+    }
+}
+
+}  // namespace
+
+Eigen::VectorXd vertex_springs(const TriMesh& rest, const Eigen::VectorXd& spring_per_area) {
+    if (spring_per_area.size() == 0) return {};
+    const Eigen::VectorXd area = triangle_areas(rest);
+    Eigen::VectorXd spring = Eigen::VectorXd::Zero(rest.num_vertices());
+    for (int t = 0; t < rest.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) spring[rest.triangles(t, k)] += spring_per_area[t] * area[t] / 3;
+    return spring;
+}
+
+std::vector<int> attached_triangles(const Problem& problem) {
+    std::vector<int> all;
+    for (const AttachedPart& part : problem.attached)
+        all.insert(all.end(), part.triangles.begin(), part.triangles.end());
+    return all;
+}
+
+ShellSetup shell_setup(const Problem& problem) {
+    check_sizes(problem);
+    ShellSetup setup;
+    setup.options.prism_height = problem.prism_height;
+    setup.options.symmetry = problem.symmetry;
+    setup.options.couple_nonmanifold = problem.couple_nonmanifold;
+    setup.options.solver = problem.solver;
+    setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
+    if (!problem.attached.empty())
+        setup.options.attached =
+            std::make_shared<const Attachments>(problem.surface, problem.attached, problem.symmetry);
+    for (const int t : problem.fixed) {
+        check_index("fixed", t, problem.surface.num_triangles());
+        setup.options.pin[t] = fixed_prism;
+    }
+    for (int k = 0; k < static_cast<int>(problem.strains.size()); ++k) {
+        pin_strain(problem, k, setup);
+        setup.motions.push_back(problem.strains[k].motion);
+    }
+    PlacedVariables placed = place_user_variables(problem, static_cast<int>(setup.motions.size()), setup.options.pin);
+    setup.motions.insert(setup.motions.end(), placed.motions.begin(), placed.motions.end());
+    setup.user_motion = std::move(placed.motion);
+    setup.user_pinned = std::move(placed.pinned);
+    setup.warnings.insert(setup.warnings.end(), placed.warnings.begin(), placed.warnings.end());
+    check_attached(setup);
+    if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
+    setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
+    return setup;
+}
+
+}  // namespace strake

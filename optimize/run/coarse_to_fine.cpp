@@ -1,0 +1,320 @@
+#include "optimize/run/coarse_to_fine.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/nlp/program/partial_gradient.hpp"
+#include "optimize/run/level_program.hpp"
+#include "optimize/run/run_verdict.hpp"
+#include "optimize/space/refinement.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int failures_before_refining = 4;  ///< the last level the minimizer's own limits hold
+constexpr double variables_at_price = 10;    ///< new ones that must gain `min_expected_gain` of what was gained
+/// A gradient by differences costs an evaluation for each variable: coarse levels are finished first, and left once
+/// their model sees no more than this share of what they have gained.
+constexpr double done_by_differences = 0.05;
+/// Nor does one cost more than so many gradients of the next.
+constexpr double patience_by_differences = 2;
+constexpr int parts_of_a_patch = 4;
+constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
+
+class Optimization {
+public:
+    Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
+        state_.evaluator.take_over_values();
+        state_.evaluator.limit_motion();
+    }
+
+    RunResult run() {
+        try {
+            walk();
+        } catch (const Interrupted&) {
+            state_.leave_level();
+            conclude_interrupted(state_.result);
+        } catch (const Awaited&) {
+            state_.leave_level();
+            conclude_waiting(state_.result);
+        }
+        return state_.result;
+    }
+
+private:
+    void walk() {
+        Eigen::VectorXd x;
+        MinimizeResult level;
+        level.stop = MinimizeStop::converged;
+        bool any = false;
+        for (std::optional<Front> front;;) {
+            x = state_.next_level(x, front ? &*front : nullptr);
+            if (state_.space.size() == 0) {
+                hessian_.resize(0, 0);
+            } else {
+                level = run_level(x, any ? Entry::refined : Entry::first);
+                any = true;
+                x = level.x;
+            }
+            bool refines = finish_or_refine(x, level, front);
+            while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
+                level = run_raised(x);
+                x = level.x;
+                refines = finish_or_refine(x, level, front);
+            }
+            state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
+                                                      : level_words(level));
+            if (!refines) break;
+        }
+        if (!any)
+            throw InvalidInput("nothing to optimize: no variable of any level moves anything; is all of it fixed?");
+        state_.result.level = state_.space.level;
+        state_.result.motion = program_.motion_at_end(level.best);
+        conclude_run(state_.result,
+                     {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
+                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_});
+    }
+
+    /// True: on to this front. A level that was left for details that turn out to be worth nothing is finished first.
+    bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<Front>& front) {
+        is_in_noise_ = level.stop == MinimizeStop::roundoff;
+        if (!may_continue(level) || !state_.can_refine()) return false;
+        if (choose_front(x, front)) return true;
+        const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
+        const bool has_spent_its_share = level.stop == MinimizeStop::evaluations;
+        if (!refining_is_idle_ || !(was_left || has_spent_its_share)) return false;
+        level = run_level(x, Entry::finished);
+        x = level.x;
+        is_in_noise_ = level.stop == MinimizeStop::roundoff;
+        return may_continue(level) && choose_front(x, front);  // it may have come to where details are worth something
+    }
+
+    static bool ended_at_limit(const MinimizeResult& level) {
+        return level.stop == MinimizeStop::evaluations || level.stop == MinimizeStop::time;
+    }
+
+    /// The level once more from its best design, which is not paid again, under the larger limits of a resumed run.
+    MinimizeResult run_raised(const Eigen::VectorXd& x) {
+        state_.begin_level_again();
+        return run_level(x, Entry::again);
+    }
+
+    bool may_continue(const MinimizeResult& level) const {
+        return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&
+               state_.seconds_left() > 0;
+    }
+
+    /// The front of the next level where the run chooses it. False: refining is expected to gain nothing.
+    bool choose_front(const Eigen::VectorXd& x, std::optional<Front>& front) {
+        front.reset();
+        probed_ = 1;
+        const SplitRule rule = state_.rest->parameters.split;
+        if (rule == SplitRule::tree) return true;
+        if (state_.space.size() == 0 || !program_.has_lagrangian()) {
+            const Front& present = *state_.space.front;
+            state_.note("refinement: there are no sensitivities to choose by, every patch is split");
+            front = split_front(*state_.rest->tree, present, std::vector<char>(present.depth.size(), 1));
+            return true;
+        }
+        const ShellSensitivities lagrangian = program_.lagrangian();
+        const DesignFacts facts{state_.space, x, lagrangian, curvature_, program_.known().dJ_dv};
+        const std::optional<Forecast> forecast = make_forecast(facts);
+        refining_is_idle_ = !forecast;  // finer patches that are all held, or do the same
+        if (refining_is_idle_) {
+            state_.note("refinement: no patch has finer parts");
+            return false;
+        }
+        const std::optional<double> probed = probe(x, *forecast);
+        const double times = probed.value_or(model_correction());
+        probed_ = probed.value_or(1);
+        // Measured by what has been gained: an objective may go to zero.
+        const double now = state_.level_best_objective;
+        const double gained = std::abs(state_.result.objective_start - now);
+        const double min_gain = state_.problem.optimize.min_expected_gain * gained;
+        const bool has_price = rule == SplitRule::sensitivity && hessian_.size() > 0 && !is_in_noise_;
+        const RefinementPlan plan =
+            plan_refinement(facts, *forecast, has_price ? min_gain / variables_at_price / times : 0);
+        state_.note(text("refinement: ", plan.words(),
+                         times == 1 ? ""
+                         : probed   ? text("; by the values ", times, " times that")
+                                    : text("; the last one gave ", times, " times what was expected")));
+        // Where the values bend down all along the step, how much it gives cannot be said: that is tried.
+        const bool is_open = probed && *probed >= max_correction;
+        const double floor =
+            std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
+                     is_open ? 0 : min_gain * price(plan));
+        refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.chosen <= floor;
+        if (refining_is_idle_) return false;
+        expected_of_level_ = plan.chosen + still_expected_;
+        front = plan.front;
+        return true;
+    }
+
+    /// Many variables must gain more than few: each takes its share of the search. Not where this level can do
+    /// no more for noise: larger steps, which only finer patches still have, are above it.
+    double price(const RefinementPlan& plan) const {
+        if (is_in_noise_) return 1;
+        return std::max(1.0, (plan.variables_after - plan.variables_before) / variables_at_price);
+    }
+
+    /// The metric is stiffer on details than objectives are: expected decreases are too small. How much too small
+    /// follows from the curvature along the expected step: the best on that line against what the metric expects.
+    std::optional<double> probe(const Eigen::VectorXd& x, const Forecast& forecast) {
+        const auto curvature = state_.evaluator.curvature_along(x, forecast.below.children.space, forecast.step,
+                                                                program_.lagrangian_weights());
+        if (!curvature) return {};
+        return *curvature > 0 ? std::clamp(2 * forecast.decrease / *curvature, 1.0, max_correction) : max_correction;
+    }
+
+    /// Where that cannot be known: what the last refinement gained against what it was expected to.
+    double model_correction() const {
+        const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+        return expected_of_level_ > 0 && std::isfinite(gained)
+                   ? std::clamp(gained / expected_of_level_, 1.0, max_correction)
+                   : 1;
+    }
+
+    MinimizeOptions options_of_level(bool first, bool last) {
+        const OptimizeOptions& options = state_.problem.optimize;
+        MinimizeOptions how;
+        // Random and global searches belong where there are few variables.
+        how.method = first || !method_facts(options.method).is_global ? options.method : Method::sqp;
+        how.starts = first ? options.starts : 1;
+        how.seed = options.seed;
+        how.objective_tolerance = options.objective_tolerance;
+        // An objective that goes to zero, like a distance, is measured by what has been gained.
+        const double gained = std::abs(state_.result.objective_start - state_.result.objective);
+        if (std::isfinite(gained)) how.objective_scale = 1e-3 * gained;
+        how.step_tolerance = options.step_tolerance;
+        how.constraint_tolerance = options.constraint_tolerance;
+        how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
+        how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
+        how.clock = [&] { return state_.elapsed(); };
+        how.confirm = last;
+        how.first_step = first_step_;
+        if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
+        how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
+        return how;
+    }
+
+    /// The first level, one below another, the present one once more, or to its end because no finer one comes.
+    enum class Entry { first, refined, again, finished };
+
+    MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
+        const bool last = entry == Entry::finished || state_.levels_left() == 0;
+        const Eigen::VectorXd weight_before = program_.weight();
+        NonlinearProgram program = program_.enter(start);
+        carry_over(program, weight_before, entry == Entry::again || entry == Entry::finished);
+        MinimizeOptions how = options_of_level(entry == Entry::first, last);
+        // The rule says when to refine: on the last level only convergence and the budget end the search. A global
+        // search makes its progress in leaps.
+        const bool watched = !last && how.starts == 1 && !method_facts(how.method).is_global;
+        // Without gradients so many evaluations say of one point what one with a gradient says.
+        const bool sees_values_only = !method_facts(how.method).needs_gradients;
+        ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0,
+                            sees_values_only ? static_cast<int>(start.size()) : 0);
+        how.on_step = [&](const MinimizeStep& step) {
+            const bool slackened = watch.slackened(step.merit, step.violation);
+            return !(slackened && state_.run_best.feasible);  // not before there is something to refine
+        };
+        const bool may_leave = watched && state_.problem.optimize.progress_below > 0;
+        const std::optional<Prospect> below =
+            may_leave && state_.rest->parameters.split != SplitRule::gradient && program_.gives_lagrangian()
+                ? prospect(state_.space, start)
+                : std::nullopt;
+        if (below)
+            how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
+                return is_best_at_this_level(*below, program, expected, hessian);
+            };
+        else if (may_leave && !sees_values_only)
+            how.on_model = by_differences_rule(static_cast<int>(start.size()));
+        still_expected_ = 0;
+        MinimizeResult result = minimize(program, how);
+        keep_knowledge(program, result, how.first_step, sees_values_only);
+        return result;
+    }
+
+    /// What the level before has learned of Hessian and gradient.
+    void carry_over(NonlinearProgram& program, const Eigen::VectorXd& weight_before, bool is_same_level) const {
+        const Eigen::Index size = program.start.size();
+        const LevelStartHessian known = state_.problem.optimize.level_start;
+        if (known == LevelStartHessian::diagonal)
+            program.metric = Eigen::MatrixXd::Identity(size, size);  // y is scaled by the diagonal
+        const Eigen::MatrixXd inherits = is_same_level ? Eigen::MatrixXd::Identity(size, size) : state_.prolongation;
+        if (known != LevelStartHessian::carried || hessian_.size() == 0 || inherits.cols() != hessian_.cols()) return;
+        const Eigen::MatrixXd P = program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
+        program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
+        if (program.differences && program.differences->objective)
+            program.start_gradient = inherited_gradient(parent_, gradient_error_, P, program.metric);
+        if (!is_same_level) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
+    }
+
+    /// False: the details below are expected to gain more than this level, it has done its part. Where only the most
+    /// promising few are split, already a tenth: the metric is stiffer on details than objectives are, and
+    /// underestimates their gain.
+    bool is_best_at_this_level(const Prospect& below, const NonlinearProgram& program, double expected,
+                               const Eigen::MatrixXd& hessian) {
+        const double outgrown = state_.rest->parameters.split == SplitRule::tree ? 1 : 10;
+        still_expected_ = expected;
+        const ShellSensitivities lagrangian = program_.lagrangian();
+        const DesignFacts facts{state_.space, program_.known().x, lagrangian, shape_curvature(hessian, program.metric),
+                                program_.known().dJ_dv};
+        return outgrown * expected_decrease_of(facts, below) <= expected;
+    }
+
+    /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.
+    std::function<bool(double, const Eigen::MatrixXd&)> by_differences_rule(int variables) const {
+        const int evaluations_before = state_.result.evaluations, finer = variables * parts_of_a_patch;
+        return [this, evaluations_before, finer](double expected, const Eigen::MatrixXd&) {
+            const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+            const int spent = state_.result.evaluations - evaluations_before;
+            return !(expected <= done_by_differences * gained || spent > patience_by_differences * finer);
+        };
+    }
+
+    /// What the next level starts from; sets `result.x` to the design that it inherits, in x.
+    void keep_knowledge(const NonlinearProgram& program, MinimizeResult& result, double first_step,
+                        bool sees_values_only) {
+        if (result.stop == MinimizeStop::converged) still_expected_ = 0;
+        hessian_ = result.hessian;
+        parent_ = result.best;
+        gradient_error_ = result.gradient_error;
+        curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
+        // Finer details move the shape by less than what they are details of.
+        if (sees_values_only && result.best.failure.empty()) {
+            const Eigen::VectorXd moved = result.x - program.start;
+            const double length = std::sqrt(moved.dot(program.metric * moved));
+            if (length > 0) first_step_ = std::clamp(0.5 * length, 0.02, first_step);
+        }
+        result.x = program_.unscaled(result.x);
+        // Points of differences are no steps of the search, but the best of all is what the next level inherits.
+        if (state_.level_best_x.size() == result.x.size()) result.x = state_.level_best_x;
+        // What was too far on this level is too far on the next, and what was not is not.
+        if (result.radius > 0) first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, 2.0);
+    }
+
+    /// What details of the shape are weighed with; parameters may be curved quite differently.
+    double shape_curvature(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& metric) const {
+        const int n = state_.space.num_shape();
+        return n > 0 ? mean_curvature(hessian.topLeftCorner(n, n), metric.topLeftCorner(n, n)) : 1;
+    }
+
+    RunState state_;
+    LevelProgram program_;
+    Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
+    Evaluation parent_;               ///< best of the level, its gradient in y
+    Eigen::MatrixXd gradient_error_;  ///< of that gradient
+    double curvature_ = 1, first_step_ = 0.5;
+    double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
+    double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
+    double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
+    bool refining_is_idle_ = false, is_in_noise_ = false;
+};
+
+}  // namespace
+
+RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
+    return Optimization(problem, events, journal).run();
+}
+
+}  // namespace strake

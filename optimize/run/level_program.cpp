@@ -1,0 +1,308 @@
+#include "optimize/run/level_program.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/program/first_order.hpp"
+#include "optimize/nlp/program/methods.hpp"
+#include "optimize/run/run_verdict.hpp"
+
+namespace strake {
+namespace {
+
+const Quantity& quantity_of(const Problem& problem, const std::string& value) {
+    for (const Quantity& quantity : problem.quantities)
+        if (std::find(quantity.names.begin(), quantity.names.end(), value) != quantity.names.end()) return quantity;
+    throw InvalidInput(text("no quantity is called '", value, "'"));
+}
+
+/// The objective first, then constrained values, each once.
+std::vector<std::string> wanted_names(const Problem& problem) {
+    if (problem.objective.empty()) throw InvalidInput("the case has no objective: give minimize or maximize");
+    std::vector<std::string> names{problem.objective};
+    for (const Constraint& c : problem.constraints)
+        if (std::find(names.begin(), names.end(), c.quantity) == names.end()) names.push_back(c.quantity);
+    return names;
+}
+
+/// Of the motion limit: more than what separates two solutions of the same equilibrium, and inherited shapes.
+constexpr double least_slack = 5e-7;
+/// By differences every design has others around it. More would be a limit of its own.
+constexpr double most_slack = 5e-3;
+constexpr double slack_over_step = 1.2;  ///< displacements are not quite linear in the step
+/// Vertices that a step of the trust region may bring to their limit.
+constexpr double near_limit = 0.6;
+
+constexpr double motion_step = 1e-3;  ///< diagonals, whose price is told
+
+/// Methods that know nothing of the limit but that points beyond it are moved inside: they search where one variable
+/// alone stays within.
+bool needs_narrow_bounds(const OptimizeOptions& options) {
+    const MethodFacts& method = method_facts(options.method);
+    return options.starts > 1 || method.is_global || (method.needs_gradients && method.method != Method::sqp);
+}
+
+/// Sum of weight * sensitivities, over those that count for design variables.
+ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, const Eigen::VectorXd& weight) {
+    ShellSensitivities sum = all[0];
+    sum.vertex *= weight[0];
+    sum.force *= weight[0];
+    sum.prism_height *= weight[0];
+    sum.wrench *= weight[0];
+    for (Eigen::Index i = 1; i < weight.size(); ++i) {
+        sum.vertex += weight[i] * all[i].vertex;
+        sum.force += weight[i] * all[i].force;
+        sum.prism_height += weight[i] * all[i].prism_height;
+        sum.wrench += weight[i] * all[i].wrench;
+    }
+    return sum;
+}
+
+}  // namespace
+
+std::vector<std::string> LevelProgram::differentiated_names(const Problem& problem) {
+    const MethodFacts& method = method_facts(problem.optimize.method);
+    std::vector<std::string> names;
+    for (const std::string& name : wanted_names(problem)) {
+        if (quantity_of(problem, name).has_sensitivities && (method.needs_gradients || method.is_global))
+            names.push_back(name);
+        else if (method.needs_gradients && !problem.optimize.finite_differences)
+            throw InvalidInput(text("method ", method.name, " needs the gradient of ", name,
+                                    ", which has none; use a method without gradients (cobyla, bobyqa, ...) or "
+                                    "optimize.finite_differences"));
+    }
+    return names;
+}
+
+LevelProgram::LevelProgram(RunState& state) : state_(state) {
+    const std::vector<std::string> names = differentiated_names(state.problem);
+    const auto row = [&](const std::string& name) {
+        const auto at = std::find(names.begin(), names.end(), name);
+        return at == names.end() ? -1 : static_cast<int>(at - names.begin());
+    };
+    objective_ = state.evaluator.index_of(state.problem.objective);
+    objective_gradient_ = row(state.problem.objective);
+    needs_differences_ = objective_gradient_ < 0;
+    for (const Constraint& c : state.problem.constraints) {
+        constrained_.push_back(state.evaluator.index_of(c.quantity));
+        gradient_row_.push_back(row(c.quantity));
+        needs_differences_ |= gradient_row_.back() < 0;
+    }
+    std::tie(num_inequalities_, num_equalities_) = count_constraints(state.problem.constraints);
+}
+
+const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
+    const DesignSpace& space = state_.space;
+    weight_ = space.metric.diagonal().cwiseSqrt();
+    const Eigen::VectorXd inverse = weight_.cwiseInverse();
+    known_ = {};
+    program_ = {};
+    moved_y_.resize(0);
+    program_.start = start.cwiseProduct(weight_);
+    program_.lower = space.lower.cwiseProduct(weight_);
+    program_.upper = space.upper.cwiseProduct(weight_);
+    narrow_bounds();
+    program_.num_inequalities = num_inequalities_;
+    program_.num_equalities = num_equalities_;
+    program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
+    program_.differentiate = [this](const Eigen::VectorXd&, Evaluation& sample) { differentiate(sample); };
+    program_.expect = [this](const std::vector<Eigen::VectorXd>& points) {
+        std::vector<Eigen::VectorXd> designs;
+        for (const Eigen::VectorXd& y : points) designs.push_back(unscaled(y));
+        state_.evaluator.expect(designs, state_.result.evaluations + 1);
+    };
+    program_.metric = inverse.asDiagonal() * space.metric * inverse.asDiagonal();
+    program_.present_metric = [this](const Eigen::VectorXd& y, const Eigen::VectorXd& d) {
+        const Eigen::VectorXd product = state_.evaluator.metric_product(unscaled(y), d.cwiseQuotient(weight_));
+        return product.size() > 0 ? Eigen::VectorXd(product.cwiseQuotient(weight_)) : product;
+    };
+    const OptimizeOptions& options = state_.problem.optimize;
+    const bool may_miss = options.finite_differences &&
+                          space.num_parameters() > 0;  // a program may give only some derivatives by parameters
+    if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {
+        Differences differences;
+        differences.step = options.difference_step;
+        differences.missing = may_miss;
+        differences.objective = objective_gradient_ < 0;
+        // One row per limit: inequalities first, then equalities, as the rows are.
+        std::vector<char> equalities;
+        for (std::size_t i = 0; i < state_.problem.constraints.size(); ++i) {
+            const Constraint& c = state_.problem.constraints[i];
+            const char by_differences = gradient_row_[i] < 0;
+            if (c.min) differences.rows.push_back(by_differences);
+            if (c.max) differences.rows.push_back(by_differences);
+            if (c.equals) equalities.push_back(by_differences);
+        }
+        differences.rows.insert(differences.rows.end(), equalities.begin(), equalities.end());
+        program_.differences = differences;
+    }
+    limit_motion();
+    return program_;
+}
+
+void LevelProgram::narrow_bounds() {
+    if (!needs_narrow_bounds(state_.problem.optimize) || state_.evaluator.motion_limit().is_none()) return;
+    for (int j = 0; j < state_.space.num_shape(); ++j) {
+        program_.lower[j] = std::min(std::max(program_.lower[j], -weight_[j]), program_.start[j]);
+        program_.upper[j] = std::max(std::min(program_.upper[j], weight_[j]), program_.start[j]);
+    }
+}
+
+void LevelProgram::limit_motion() {
+    if (state_.evaluator.motion_limit().is_none()) return;
+    slack_ = least_slack;
+    if (program_.differences) {
+        const int shape = state_.space.num_shape();
+        const double widest = shape > 0 ? 1 / weight_.head(shape).minCoeff() : 0;  // a step of 1, over the limit
+        slack_ = std::clamp(slack_over_step * program_.differences->step * widest, least_slack, most_slack);
+    }
+    program_.within = [this](const Eigen::VectorXd& y) {
+        const Eigen::VectorXd x = unscaled(y), inside = state_.evaluator.within(x, slack_);
+        if (inside == x) return y;
+        moved_x_ = inside;
+        moved_y_ = inside.cwiseProduct(weight_);
+        return moved_y_;
+    };
+    program_.beyond = [this](const Eigen::VectorXd& y) {
+        const Eigen::VectorXd x = unscaled(y);
+        if (!state_.evaluator.is_beyond(x, slack_)) return StepLimits();
+        return step_limits(state_.evaluator.motion_conditions(x, 1 - 2 * slack_));
+    };
+}
+
+/// With the slack, twice: the shape is then within in spite of what is not linear.
+StepLimits LevelProgram::step_limits(const MotionConditions& at) const {
+    StepLimits limits;
+    if (at.rows.empty()) return limits;
+    limits.values = at.values;
+    const double unit = state_.evaluator.motion_limit().reference();
+    for (std::size_t i = 0; i < at.rows.size(); ++i)
+        limits.values[static_cast<Eigen::Index>(i)] += 2 * slack_ * at.rows[i].limit / unit;
+    limits.slopes = at.slopes * weight_.cwiseInverse().asDiagonal();
+    return limits;
+}
+
+MotionAtEnd LevelProgram::motion_at_end(const Evaluation& best) const {
+    MotionAtEnd end = motion_of(state_.result, state_.evaluator.motion_limit(), 3 * slack_);
+    const Eigen::VectorXd &here = best.limits.values, &known = known_.sample.limits.values;
+    if (!end.is_limited || best.gradient.size() == 0 || here.size() == 0 || here.size() != known.size() ||
+        here != known)
+        return end;
+    const Eigen::VectorXd found = all_multipliers(program_, known_.x.cwiseProduct(weight_), best).limits;
+    Eigen::Index first = 0;
+    if (found.size() == 0 || !(found.maxCoeff(&first) > 0)) return end;
+    const MotionLimit& limit = state_.evaluator.motion_limit();
+    const MotionLimit::Row& row = known_.motion.rows[static_cast<std::size_t>(first)];
+    end.is_active = true;  // a limit of zero is active from the start on
+    end.vertex = row.vertex;
+    end.where = patch_at(state_.space, row.vertex);
+    end.limit = row.limit / limit.diagonal();
+    end.gain = -sign() * found.sum() * motion_step * limit.diagonal() / limit.reference();
+    return end;
+}
+
+Eigen::VectorXd LevelProgram::unscaled(const Eigen::VectorXd& y) const {
+    if (moved_y_.size() == y.size() && moved_y_ == y) return moved_x_;
+    return y.cwiseQuotient(weight_).cwiseMax(state_.space.lower).cwiseMin(state_.space.upper);
+}
+
+Evaluation LevelProgram::evaluate(const Eigen::VectorXd& x) {
+    Evaluation sample;
+    current_ = state_.evaluate(x);
+    current_x_ = x;
+    Rank rank;
+    double objective = std::numeric_limits<double>::quiet_NaN();
+    if (current_.status == EvaluationStatus::ok) {
+        if (rows_.rows.empty() && !constrained_.empty())
+            rows_ = constraint_rows(state_.problem.constraints, constrained_, gradient_row_,
+                                    state_.values_at_rest(current_.values));
+        objective = current_.values[objective_];
+        sample.objective = sign() * objective;
+        sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+        rank.violation = 0;
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i) {
+            const double c = rows_.rows[i].of(current_.values[rows_.rows[i].value]);
+            sample.constraints[static_cast<Eigen::Index>(i)] = c;
+            const bool equality = static_cast<int>(i) >= rows_.num_inequalities;
+            rank.violation = std::max(rank.violation, equality ? std::abs(c) : c);
+        }
+        rank.merit = sample.objective;
+        rank.feasible = rank.violation <= state_.problem.optimize.constraint_tolerance;
+        current_rank_ = rank;
+    } else {
+        sample.failure = current_.reason;
+        sample.is_of_step =
+            current_.status == EvaluationStatus::not_converged || current_.status == EvaluationStatus::unstable;
+        last_failed_in_quantity_ = current_.status == EvaluationStatus::quantity_failed;
+        sample.is_fatal = last_failed_in_quantity_ && !current_.may_go_on;
+        quantity_failed_ |= sample.is_fatal;
+    }
+    state_.record(x, current_, objective, rank,
+                  objective_gradient_ == 0 && !current_.dJ_dv.empty() ? current_.dJ_dv[0] : Points());
+    return sample;
+}
+
+void LevelProgram::differentiate(Evaluation& sample) {
+    const std::size_t reported = current_.remarks.size();
+    const bool came_later = current_.has_gradients_to_come && objective_gradient_ == 0;
+    if (current_.has_gradients_to_come || !current_.dJ_dv.empty()) state_.differentiate(current_);
+    for (std::size_t i = reported; i < current_.remarks.size(); ++i)
+        state_.note(text("gradient of evaluation ", state_.result.evaluations, ": ", current_.remarks[i]));
+    if (current_.status != EvaluationStatus::ok) {
+        sample.failure = current_.reason;
+        sample.is_fatal = !current_.may_go_on;
+        quantity_failed_ |= sample.is_fatal;
+        last_failed_in_quantity_ = true;
+        return;
+    }
+    if (came_later && !current_.dJ_dv.empty()) state_.tell_sensitivities(current_, current_.dJ_dv[0]);
+    sample.gradient = Eigen::VectorXd::Zero(state_.space.size());
+    if (objective_gradient_ >= 0)
+        sample.gradient = sign() * current_.gradients.row(objective_gradient_).transpose().cwiseQuotient(weight_);
+    sample.jacobian = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(rows_.rows.size()), state_.space.size());
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        if (rows_.rows[i].gradient >= 0)
+            sample.jacobian.row(static_cast<Eigen::Index>(i)) =
+                rows_.rows[i].sign / rows_.rows[i].scale *
+                current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
+    MotionConditions motion = state_.evaluator.motion_conditions(current_x_, near_limit);
+    sample.limits = step_limits(motion);
+    if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank)) {
+        known_ = {current_x_,
+                  current_rank_,
+                  sample,
+                  current_.sensitivities,
+                  current_.dJ_dv.empty() ? Points() : current_.dJ_dv[0],
+                  std::move(motion)};
+        const auto without_missing = [](double g) { return std::isnan(g) ? 0.0 : g; };
+        known_.sample.gradient = known_.sample.gradient.unaryExpr(without_missing).eval();
+        known_.sample.jacobian = known_.sample.jacobian.unaryExpr(without_missing).eval();
+    }
+}
+
+bool LevelProgram::gives_lagrangian() const {
+    return !needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients;
+}
+
+Eigen::VectorXd LevelProgram::lagrangian_weights() const {
+    Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
+    weight[objective_gradient_] = sign();
+    const Eigen::VectorXd lambda = multipliers(program_, known_.x, known_.sample);
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        weight[rows_.rows[i].gradient] +=
+            lambda[static_cast<Eigen::Index>(i)] * rows_.rows[i].sign / rows_.rows[i].scale;
+    return weight;
+}
+
+ShellSensitivities LevelProgram::lagrangian() const {
+    std::vector<ShellSensitivities> all = known_.sensitivities;
+    Eigen::VectorXd weight = lagrangian_weights();
+    const Eigen::VectorXd limits = all_multipliers(program_, known_.x.cwiseProduct(weight_), known_.sample).limits;
+    for (Eigen::Index i = 0; i < limits.size(); ++i) {
+        if (!(limits[i] > 0)) continue;
+        all.push_back(known_.motion.sensitivities[static_cast<std::size_t>(i)]);
+        weight.conservativeResize(weight.size() + 1);
+        weight[weight.size() - 1] = limits[i];
+    }
+    return weighted_sum(all, weight);
+}
+
+}  // namespace strake

@@ -1,0 +1,73 @@
+#pragma once
+#include "optimize/evaluate/constraints.hpp"
+#include "optimize/nlp/minimizer.hpp"
+#include "optimize/run/run_state.hpp"
+
+/// The shape problem of a level as a nonlinear program in y = weight * x, in which every variable has the same size.
+/// Internal.
+namespace strake {
+
+/// The best differentiated design of a level.
+struct KnownDesign {
+    Eigen::VectorXd x;
+    Rank rank;
+    Evaluation sample;                              ///< entries made by differences are zero in its gradients
+    std::vector<ShellSensitivities> sensitivities;  ///< of the differentiated values
+    Points dJ_dv;                                   ///< of the objective
+    MotionConditions motion;                        ///< of the motion limit, near it
+};
+
+class LevelProgram {
+public:
+    /// @throws InvalidInput: no objective, unknown names, contradicting limits, a method that needs gradients of a
+    /// value that has none.
+    LevelProgram(RunState& state);
+
+    /// Names of the values whose gradients are wanted, the objective first if it is among them.
+    static std::vector<std::string> differentiated_names(const Problem& problem);
+
+    /// The program of the present level; `start` in x.
+    const NonlinearProgram& enter(const Eigen::VectorXd& start);
+    const NonlinearProgram& program() const { return program_; }
+    const Eigen::VectorXd& weight() const { return weight_; }
+    Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;
+
+    const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
+    /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.
+    ShellSensitivities lagrangian() const;
+    Eigen::VectorXd lagrangian_weights() const;  ///< of the differentiated values in it
+    /// All that the Lagrangian holds has sensitivities, and the method asks for them.
+    bool gives_lagrangian() const;
+    bool has_lagrangian() const { return !known_.sensitivities.empty() && !needs_differences_; }
+    const ConstraintRows& rows() const { return rows_; }
+    /// At the end of the search of this level. @param best its best evaluation, with gradients where these are known
+    MotionAtEnd motion_at_end(const Evaluation& best) const;
+    bool quantity_failed() const { return quantity_failed_; }
+    /// The last failure left the surface sound.
+    bool last_failed_in_quantity() const { return last_failed_in_quantity_; }
+
+private:
+    Evaluation evaluate(const Eigen::VectorXd& x);
+    void differentiate(Evaluation& sample);
+    void limit_motion();
+    void narrow_bounds();
+    StepLimits step_limits(const MotionConditions& at) const;
+    double sign() const { return state_.problem.maximize ? -1 : 1; }
+
+    RunState& state_;
+    int objective_ = 0, objective_gradient_ = -1, num_inequalities_ = 0, num_equalities_ = 0;
+    std::vector<int> constrained_, gradient_row_;  ///< per constraint: its value, its gradient (-1: by differences)
+    ConstraintRows rows_;
+    NonlinearProgram program_;
+    Eigen::VectorXd weight_;
+    Eigen::VectorXd moved_y_,
+        moved_x_;       ///< the last point moved inside the motion limit, without the scaling's round-off
+    double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
+    ShapeEvaluation current_;
+    Eigen::VectorXd current_x_;
+    Rank current_rank_;
+    KnownDesign known_;
+    bool needs_differences_ = false, quantity_failed_ = false, last_failed_in_quantity_ = false;
+};
+
+}  // namespace strake

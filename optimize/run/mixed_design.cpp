@@ -1,0 +1,101 @@
+#include "optimize/run/mixed_design.hpp"
+
+#include "core/error.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/problem/shell_setup.hpp"
+
+namespace strake {
+namespace {
+
+struct Demand {
+    std::shared_ptr<const RestFacts> rest;
+    std::vector<int> pin;
+    ShellDemand of_shell;
+};
+
+Demand demand_of(const DesignOfRun& one) {
+    check_surface(*one.design, one.problem.surface);
+    Problem problem = one.problem;
+    start_from(problem, one.design);
+    Demand out;
+    out.rest = rest_facts(problem);
+    const StartSpace start = start_space(out.rest, *one.design);
+    out.pin = out.rest->setup.options.pin;
+    for (std::size_t p = 0; p < start.space.core.size(); ++p)
+        for (const int t : start.space.core[p]) out.pin[static_cast<std::size_t>(t)] = start.space.motion[p] + 1;
+    out.of_shell = demand(start.space, start.x);
+    return out;
+}
+
+bool same_plane(const std::optional<SymmetryPlane>& a, const std::optional<SymmetryPlane>& b) {
+    if (!a || !b) return !a && !b;
+    return a->normal == b->normal && a->offset == b->offset;
+}
+
+/// What two designs must share to be mixed.
+void check_alike(const Demand& a, const Demand& b) {
+    const auto refuse = [](const std::string& what) {
+        throw InvalidInput("mix: the two designs have " + what + ", and no equilibrium lies between them");
+    };
+    const TriMesh &one = a.rest->surface, &other = b.rest->surface;
+    const bool same_counts = one.num_vertices() == other.num_vertices() && one.num_triangles() == other.num_triangles();
+    if (!same_counts || one.triangles != other.triangles || one.vertices != other.vertices)
+        refuse("different surfaces at the start");
+    if (a.pin != b.pin) refuse("different fixed or strained triangles");
+    if (!same_plane(a.rest->setup.options.symmetry, b.rest->setup.options.symmetry)) refuse("different symmetry");
+    if (a.rest->setup.options.couple_nonmanifold != b.rest->setup.options.couple_nonmanifold)
+        refuse("different rules for edges of more than two triangles");
+    const Eigen::VectorXd &s = a.of_shell.loads.spring, &t = b.of_shell.loads.spring;
+    if (s.size() != t.size() || s != t) refuse("different springs");
+    const auto names = [](const Demand& demand) {
+        std::vector<std::string> all;
+        for (const UserVariable& v : demand.rest->parameters.user_variables)
+            if (v.field >= 0) all.push_back(v.name);
+        return all;
+    };
+    if (names(a) != names(b)) refuse("different displacement fields");
+    if (a.of_shell.motions.size() != b.of_shell.motions.size()) refuse("different motions");
+    for (std::size_t k = 0; k < a.of_shell.motions.size(); ++k)
+        if (a.of_shell.motions[k].about != b.of_shell.motions[k].about) refuse("motions about different points");
+}
+
+ShellDemand between(const ShellDemand& a, const ShellDemand& b, double w) {
+    ShellDemand out = a;
+    if (a.loads.force.rows() == 0)
+        out.loads.force = w * b.loads.force;
+    else if (b.loads.force.rows() == 0)
+        out.loads.force = (1 - w) * a.loads.force;
+    else
+        out.loads.force = (1 - w) * a.loads.force + w * b.loads.force;
+    for (std::size_t k = 0; k < out.motions.size(); ++k) {
+        out.motions[k].rotation = (1 - w) * a.motions[k].rotation + w * b.motions[k].rotation;
+        out.motions[k].translation = (1 - w) * a.motions[k].translation + w * b.motions[k].translation;
+    }
+    if (out.fields.size() > 0) out.fields = (1 - w) * a.fields + w * b.fields;
+    out.prism_height = ((1 - w) * a.prism_height.array().log() + w * b.prism_height.array().log()).exp();
+    return out;
+}
+
+}  // namespace
+
+MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weight) {
+    if (!std::isfinite(weight)) throw InvalidInput(text("mix: weight = ", weight, " must be finite"));
+    const Demand one = demand_of(a), other = demand_of(b);
+    check_alike(one, other);
+    const ShellDemand wanted = between(one.of_shell, other.of_shell, weight);
+    ShellOptions options = one.rest->setup.options;
+    options.pin = one.pin;
+    options.prism_height = wanted.prism_height;
+    PrimoShell shell(one.rest->surface, options);
+    shell.set_poses(weight < 0.5 ? a.design->poses : b.design->poses);
+    MixedDesign out;
+    out.end = shell.solve(wanted.loads, wanted.motions);
+    out.vertices = with_fields(*one.rest, wanted, shell.vertices());
+    if (out.end.status != SolveStatus::converged) return out;
+    const ValidityGuard guard(one.rest->surface, one.rest->adjacent,
+                              {a.problem.fixed, a.problem.symmetry, attached_triangles(a.problem)});
+    out.defect = guard.defect(out.vertices, with_fields(*one.rest, wanted, shell.poses()));
+    return out;
+}
+
+}  // namespace strake

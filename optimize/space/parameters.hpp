@@ -1,0 +1,18 @@
+#pragma once
+#include "optimize/space/design_space.hpp"
+
+/// Parameters: design variables that are not shape (DESIGN section 6). They stand behind the shape variables of every
+/// level and are the same on all of them. Scaling: x = 0 is the start, and a change of x by 1 is half of what the
+/// bounds allow: value = start + x (max - min) / 2. In the metric each has size 1 and no part in the others.
+namespace strake {
+
+/// Appends the parameters to a space that has none yet.
+void append_parameters(DesignSpace& space);
+
+/// Names and physical values, never outside of the bounds.
+std::vector<std::pair<std::string, double>> parameter_values(const DesignSpace& space, const Eigen::VectorXd& x);
+
+/// Change of the physical value per change of x (num_parameters()).
+Eigen::VectorXd parameter_units(const DesignSpace& space);
+
+}  // namespace strake

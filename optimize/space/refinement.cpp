@@ -1,0 +1,313 @@
+#include "optimize/space/refinement.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+
+#include <Eigen/QR>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double at_bound_share = 1e-6;  ///< of the range
+
+/// Patches that have to be split together because variables tie their children.
+std::vector<int> split_groups(const DesignSpace& parent, const DesignSpace& child) {
+    std::vector<int> root(parent.patches().patches.size());
+    std::iota(root.begin(), root.end(), 0);
+    const auto find = [&](int p) {
+        while (root[p] != p) p = root[p];
+        return p;
+    };
+    for (const auto* space : {&parent, &child})
+        for (const Variable& variable : space->variables)
+            for (const DegreeOfFreedom& move : variable.moves) {
+                if (variable.patch < 0) continue;
+                const auto owner = [&](int patch) {
+                    return space == &parent ? patch : child.patches().patches[patch].parent;
+                };
+                const int a = find(owner(variable.patch)), b = find(owner(move.index / patch_dof::count));
+                root[std::max(a, b)] = std::min(a, b);
+            }
+    for (std::size_t p = 0; p < root.size(); ++p) root[p] = find(static_cast<int>(p));
+    return root;
+}
+
+/// Shape variables by the group of the patch that they act on; `owner(variable)` is a patch of the parent.
+template <class Owner>
+std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vector<int>& group, const Owner& owner) {
+    std::vector<std::vector<int>> members(group.size());
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (space.variables[j].patch >= 0) members[group[owner(space.variables[j])]].push_back(j);
+    return members;
+}
+
+/// Splits that are possible, in the order of their first patch.
+std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
+                                           const std::vector<int>& parts) {
+    const std::vector<int> group = split_groups(parent, child);
+    const auto old_ones = by_group(parent, group, [](const Variable& v) { return v.patch; });
+    const auto new_ones =
+        by_group(child, group, [&](const Variable& v) { return child.patches().patches[v.patch].parent; });
+    std::vector<SplitDecrease> splits;
+    for (std::size_t g = 0; g < group.size(); ++g) {
+        SplitDecrease split;
+        bool has_parts = false;
+        for (const Patch& patch : parent.patches().patches)
+            if (group[patch.id] == static_cast<int>(g)) {
+                split.patches.push_back(patch.id);
+                split.names += (split.names.empty() ? "" : "+") + patch.name;
+                has_parts |= parts[patch.id] > 1;
+            }
+        split.variables = new_ones[g];
+        split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
+        if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
+    }
+    return splits;
+}
+
+/// Orthonormal basis of the columns; what is shorter than `round_off` does not count.
+MatrixXd orthonormal(const MatrixXd& columns, double round_off) {
+    if (columns.cols() == 0) return columns;
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+    Eigen::Index rank = 0;
+    while (rank < std::min(columns.rows(), columns.cols()) && std::abs(qr.matrixR()(rank, rank)) > round_off) ++rank;
+    return qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
+}
+
+MatrixXd span_of(const MatrixXd& whitened) { return orthonormal(whitened, 1e-9 * std::max(1e-300, whitened.norm())); }
+
+/// What the space itself can do: variables at a bound beyond which it would get better can do nothing. Those of patches
+/// without parts count as if they could: no split does it for them.
+MatrixXd reachable(const DesignFacts& facts, const Prospect& below) {
+    const DesignSpace& space = facts.space;
+    const VectorXd g = design_gradient(space, facts.x, facts.lagrangian);
+    std::vector<int> free;
+    for (int j = 0; j < space.size(); ++j) {
+        const double room = g[j] > 0 ? facts.x[j] - space.lower[j] : space.upper[j] - facts.x[j];
+        const int patch = space.variables[j].patch;
+        const bool may_split = patch >= 0 && below.parts[patch] > 1;
+        if (!may_split || g[j] == 0 || room > at_bound_share * (space.upper[j] - space.lower[j])) free.push_back(j);
+    }
+    if (static_cast<int>(free.size()) == space.size()) return below.known;
+    return span_of(below.inherited(Eigen::all, free));
+}
+
+/// The gradient of all children, whitened, without what can be done about it already.
+VectorXd open_gradient(const DesignFacts& facts, const Prospect& below, const MatrixXd& known) {
+    const VectorXd w =
+        below.metric.matrixL().solve(design_gradient(below.children.space, below.children.x, facts.lagrangian));
+    return w - known * (known.transpose() * w);
+}
+
+/// Integral of |dJ/dv| over each patch: a vertex gives each of its triangles its share of the area.
+VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
+    const RestFacts& rest = *space.rest;
+    VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(space.patches().patches.size()));
+    for (int t = 0; t < rest.surface.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            const int v = rest.surface.triangles(t, k);
+            if (rest.vertex_area[v] > 0)
+                sum[space.patches().label[t]] += dJ_dv.row(v).norm() * rest.area[t] / 3 / rest.vertex_area[v];
+        }
+    return sum;
+}
+
+std::string percent(double share) { return text(std::isfinite(share) ? std::round(1000 * share) / 10 : 0.0, " %"); }
+
+/// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
+class Choice {
+public:
+    Choice(const DesignFacts& facts, const Prospect& below, double max_variables, double min_per_variable)
+        : facts_(facts),
+          max_variables_(max_variables),
+          min_per_variable_(min_per_variable),
+          splits_(below.splits),
+          known_(reachable(facts, below)),
+          open_(open_gradient(facts, below, known_)) {
+        all_ = open_.squaredNorm() / (2 * facts.curvature);
+        const bool by_gradient = facts.space.rest->parameters.split == SplitRule::gradient;
+        if (by_gradient) {
+            by_integral();
+            return;
+        }
+        const MatrixXd whitener = below.metric.matrixU();
+        for (const SplitDecrease& split : splits_) {
+            const MatrixXd columns = whitener(Eigen::all, split.variables);
+            lengths_.push_back(columns.colwise().norm().maxCoeff());
+            columns_.push_back(columns - known_ * (known_.transpose() * columns));
+        }
+    }
+
+    std::vector<char> operator()(RefinementPlan& plan) {
+        std::vector<char> chosen(facts_.space.front->depth.size(), 0);
+        std::vector<std::size_t> order;
+        double held = 0;
+        while (held < facts_.space.rest->parameters.marking_fraction * all_ || held == 0) {
+            const bool is_first = plan.chosen == 0 && held == 0;
+            const std::optional<std::size_t> best =
+                is_first ? next(1e300, 0) : next(max_variables_ - plan.variables_after, min_per_variable_);
+            if (!best) break;
+            SplitDecrease& split = splits_[*best];
+            split.chosen = true;
+            held += split.decrease;
+            plan.variables_after += split.new_variables;
+            for (const int p : split.patches) chosen[p] = 1;
+            order.push_back(*best);
+            if (!columns_.empty()) forget(orthonormal(columns_[*best], round_off * lengths_[*best]));
+            if (split.decrease <= 0) break;
+        }
+        for (std::size_t s = 0; s < splits_.size(); ++s)
+            if (!splits_[s].chosen) order.push_back(s);
+        std::vector<SplitDecrease> sorted;
+        for (const std::size_t s : order) sorted.push_back(std::move(splits_[s]));
+        splits_ = std::move(sorted);
+        plan.expected += all_;
+        plan.chosen += held;
+        return chosen;
+    }
+
+    double all() const { return all_; }
+    std::vector<SplitDecrease> splits() const { return splits_; }
+
+private:
+    static constexpr double round_off = 1e-5;  ///< the metric's own, squared
+    static constexpr double tie = 1e-6;
+
+    void by_integral() {
+        const VectorXd integral = integrated_sensitivity(facts_.space, facts_.dJ_dv);
+        all_ = 0;
+        for (SplitDecrease& split : splits_) {
+            for (const int p : split.patches) split.decrease += integral[p];
+            all_ += split.decrease;
+        }
+    }
+    /// The split that gives most with no more than so many new variables, of those that give at least so much for each;
+    /// renews the expected decreases of those not chosen.
+    std::optional<std::size_t> next(double variables, double min_per_variable) {
+        std::optional<std::size_t> best;
+        for (std::size_t s = 0; s < splits_.size(); ++s) {
+            SplitDecrease& split = splits_[s];
+            if (split.chosen) continue;
+            if (!columns_.empty())
+                split.decrease = (orthonormal(columns_[s], round_off * lengths_[s]).transpose() * open_).squaredNorm() /
+                                 (2 * facts_.curvature);
+            if (split.decrease < min_per_variable * split.new_variables) continue;
+            // Where expected decreases agree (mirror images) the first counts, not the rounding.
+            if (split.new_variables <= variables && (!best || split.decrease > (1 + tie) * splits_[*best].decrease))
+                best = s;
+        }
+        return best;
+    }
+    void forget(const MatrixXd& done) {
+        open_ -= done * (done.transpose() * open_);
+        for (MatrixXd& columns : columns_) columns -= done * (done.transpose() * columns);
+    }
+
+    const DesignFacts& facts_;
+    double max_variables_, min_per_variable_, all_ = 0;
+    std::vector<SplitDecrease> splits_;
+    MatrixXd known_;                 ///< orthonormal: what is reached without splits
+    VectorXd open_;                  ///< what no chosen split can do yet
+    std::vector<MatrixXd> columns_;  ///< per split: its variables, whitened, beyond what is chosen
+    std::vector<double> lengths_;
+};
+
+/// Expected decrease by all variables of the space.
+double expected_decrease(const DesignFacts& facts) {
+    const VectorXd g = design_gradient(facts.space, facts.x, facts.lagrangian);
+    return g.dot(facts.space.metric.ldlt().solve(g)) / (2 * facts.curvature);
+}
+
+}  // namespace
+
+std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
+    const PatchHierarchy& tree = *space.rest->tree;
+    std::vector<int> parts = parts_of(tree, *space.front);
+    if (*std::max_element(parts.begin(), parts.end()) <= 1) return {};
+    const std::vector<char> everything(parts.size(), 1);
+    Prospect below;
+    below.children = refine(space, x, split_front(tree, *space.front, everything));
+    below.splits = possible_splits(space, below.children.space, parts);
+    below.parts = std::move(parts);
+    below.metric.compute(below.children.space.metric);
+    below.inherited = below.metric.matrixU() * below.children.prolongation;
+    below.known = span_of(below.inherited);
+    return below;
+}
+
+double expected_decrease_of(const DesignFacts& facts, const Prospect& below) {
+    return open_gradient(facts, below, reachable(facts, below)).squaredNorm() / (2 * facts.curvature);
+}
+
+std::optional<Forecast> make_forecast(const DesignFacts& facts) {
+    std::optional<Prospect> below = prospect(facts.space, facts.x);
+    if (!below || below->splits.empty()) return {};
+    const VectorXd open = open_gradient(facts, *below, reachable(facts, *below));
+    Forecast forecast;
+    forecast.step = -below->metric.matrixU().solve(open) / facts.curvature;
+    forecast.decrease = open.squaredNorm() / (2 * facts.curvature);
+    forecast.below = std::move(*below);
+    return forecast;
+}
+
+RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecast, double min_per_variable) {
+    const Parameters& parameters = facts.space.rest->parameters;
+    const PatchHierarchy& tree = *facts.space.rest->tree;
+    RefinementPlan plan;
+    plan.variables_before = plan.variables_after = facts.space.size();
+    const double max_variables = parameters.max_variable_ratio * std::max(1, plan.variables_before);
+    Choice choice(facts, forecast.below, max_variables, min_per_variable);
+    plan.front = split_front(tree, *facts.space.front, choice(plan));
+    plan.splits = choice.splits();
+    InheritedSpace present{facts.space, facts.x, {}};
+    while (parameters.split == SplitRule::sensitivity && plan.variables_after < max_variables) {
+        present = refine(present.space, present.x, plan.front);
+        const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
+        const std::optional<Prospect> below = prospect(present.space, present.x);
+        if (!below || below->splits.empty()) break;
+        Choice deeper(next, *below, max_variables, min_per_variable);
+        if (deeper.all() <= 0.5 * expected_decrease(next)) break;
+        const int variables = plan.variables_after;
+        const std::vector<char> chosen = deeper(plan);
+        if (plan.variables_after == variables) break;
+        // One front for the caller: its parents are those of the space that the caller knows.
+        Front finer = split_front(tree, plan.front, chosen);
+        for (Patch& patch : finer.patches.patches) patch.parent = facts.space.patches().label[patch.triangles.front()];
+        plan.front = std::move(finer);
+        ++plan.rounds;
+    }
+    return plan;
+}
+
+std::string RefinementPlan::words() const {
+    int count = 0;
+    std::string names;
+    for (const SplitDecrease& split : splits)
+        if (split.chosen && ++count <= 4)
+            names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
+    return text("splits ", count, " of ", splits.size(), " (", names, count > 4 ? ", ..." : "", "), which hold ",
+                expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0, " % of the expected decrease of ",
+                expected, "; ", variables_before, " -> ", variables_after, " variables");
+}
+
+MatrixXd carried_hessian(const MatrixXd& parent_hessian, const MatrixXd& prolongation, const MatrixXd& child_metric,
+                         double curvature) {
+    const MatrixXd MP = child_metric * prolongation;
+    const Eigen::LLT<MatrixXd> coarse(prolongation.transpose() * MP);
+    const MatrixXd W = coarse.solve(MP.transpose()).transpose();
+    MatrixXd H = curvature * (child_metric - W * MP.transpose()) + W * parent_hessian * W.transpose();
+    return 0.5 * (H + H.transpose());
+}
+
+double mean_curvature(const MatrixXd& hessian, const MatrixXd& metric) {
+    const auto log_of_determinant = [](const MatrixXd& m) {
+        return 2 * Eigen::LLT<MatrixXd>(m).matrixLLT().diagonal().array().log().sum();
+    };
+    return std::exp((log_of_determinant(hessian) - log_of_determinant(metric)) / static_cast<double>(metric.rows()));
+}
+
+}  // namespace strake

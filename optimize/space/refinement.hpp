@@ -1,0 +1,84 @@
+#pragma once
+#include "optimize/space/design_space.hpp"
+
+#include <Eigen/Cholesky>
+
+/// Where to refine: the gradient that the children of every patch would have is known from one adjoint solve before
+/// they exist (DESIGN sections 4 and 6).
+namespace strake {
+
+/// The expected decrease by splitting a patch (or patches that are tied).
+struct SplitDecrease {
+    std::vector<int> patches;  ///< ids in the front
+    std::string names;
+    std::vector<int> variables;  ///< of the children
+    int new_variables = 0;
+    double decrease = 0;  ///< by sensitivity: expected decrease of the objective (or its Lagrangian) beyond what the
+                          ///< splits before it give; by gradient: integral of |dJ/dv| over the patches
+    bool chosen = false;
+};
+
+struct RefinementPlan {
+    Front front;                        ///< of the next level
+    std::vector<SplitDecrease> splits;  ///< the chosen first, in their order
+    int variables_before = 0, variables_after = 0;
+    double expected = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
+    int rounds = 1;                   ///< levels of the tree that were passed at once
+    std::string words() const;        ///< the decision with its numbers, one line
+};
+
+/// What is known at a design of a level.
+struct DesignFacts {
+    const DesignSpace& space;
+    const Eigen::VectorXd& x;
+    const ShellSensitivities& lagrangian;  ///< of objective + multipliers * constraints at x, minimized
+    double curvature = 1;  ///< of the Lagrangian over the metric: the mean eigenvalue of its Hessian model
+    const Points& dJ_dv;   ///< of the objective, n x 3
+};
+
+/// The children of all patches of a space that have parts: their variables, metric and prolongation.
+struct Prospect {
+    InheritedSpace children;
+    std::vector<int> parts;             ///< per patch of the space
+    std::vector<SplitDecrease> splits;  ///< those that are possible, without expected decreases
+    Eigen::LLT<Eigen::MatrixXd> metric;
+    Eigen::MatrixXd inherited;  ///< the prolongation, whitened by the metric
+    Eigen::MatrixXd known;      ///< orthonormal columns: what the space itself can do, whitened by the metric
+};
+/// None where no patch has parts. Cost: the responses at rest that are not known yet.
+std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
+
+/// The expected decrease by all details together: with g the gradient and M the metric of all children and P the
+/// prolongation, (g.M^-1.g - P^T g.(P^T M P)^-1.P^T g) / (2 curvature), what they add to what the space itself could
+/// still do. Variables that a bound stops are excluded from P: their parts have bounds of their own.
+double expected_decrease_of(const DesignFacts& facts, const Prospect& below);
+
+/// What the details of all patches together are expected to do at a design.
+struct Forecast {
+    Prospect below;
+    Eigen::VectorXd step;  ///< of the variables of all children
+    double decrease = 0;   ///< that the metric expects of it
+};
+/// None where no patch has parts.
+std::optional<Forecast> make_forecast(const DesignFacts& facts);
+
+/// Chooses the patches with the largest expected decrease, one after the other: the split that adds most to what the
+/// space and the splits before it can do (different patches often can do the same), until they hold
+/// `parameters.marking_fraction` of what all would give, as long as the variables grow by no more than
+/// `parameters.max_variable_ratio` and each split is expected to gain at least `min_per_variable` for each of its new
+/// variables; always at least one. `SplitRule::gradient` takes the largest integral of |dJ/dv| over the patch instead
+/// (paper, IV). Where the parts of parts are expected to gain more than half of all that the new variables could do,
+/// these are split at once: a level without a step of its own would be wasted.
+RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecast, double min_per_variable = 0);
+
+/// H of a child level in its own variables from H of its parent: on what the parent could do, what the parent knew; on
+/// the rest (orthogonal in the metric) curvature * metric. All matrices positive definite; `prolongation` child x
+/// parent.
+Eigen::MatrixXd carried_hessian(const Eigen::MatrixXd& parent_hessian, const Eigen::MatrixXd& prolongation,
+                                const Eigen::MatrixXd& child_metric, double curvature);
+
+/// Geometric mean of the eigenvalues of M^-1 H: few directions that are much stiffer than all others, as searches find
+/// them, say little of the rest. Both positive definite.
+double mean_curvature(const Eigen::MatrixXd& hessian, const Eigen::MatrixXd& metric);
+
+}  // namespace strake

@@ -1,0 +1,212 @@
+#include "optimize/space/response_metric.hpp"
+
+#include "core/error.hpp"
+#include "optimize/space/motion_limit.hpp"
+#include "optimize/space/response_cache.hpp"
+#include "optimize/space/rest_shell.hpp"
+#include "optimize/space/user_variables.hpp"
+
+namespace strake {
+namespace {
+
+constexpr int max_samples = 3000;            ///< vertices for the metric: a mean square needs no more
+constexpr double response_tolerance = 1e-9;  ///< tight: designs must not depend on the unit of length
+
+std::string key_of(const Variable& variable) {
+    std::string key = variable.name;
+    if (variable.patch < 0) return "given " + key;
+    for (const DegreeOfFreedom& move : variable.moves)
+        key += text('|', move.index % patch_dof::count, ':', move.factor);
+    return key;
+}
+
+Eigen::Index num_work_integrals(const RestFacts& rest) {
+    return static_cast<Eigen::Index>(4 * rest.tree->levels.back().patches.size() +
+                                     rest.parameters.user_variables.size());
+}
+
+/// Reduces displacement fields of the surface to what the metric needs.
+class Reduction {
+public:
+    explicit Reduction(const RestFacts& rest) : rest_(rest), leaves_(rest.tree->levels.back()) {
+        stride_ = std::max(1, rest.surface.num_vertices() / max_samples);
+        for (int v = 0; v < rest.surface.num_vertices(); v += stride_) sampled_area_ += rest.vertex_area[v];
+    }
+
+    ResponseCache::Column operator()(const Points& dv, bool is_load) const {
+        const int count = (rest_.surface.num_vertices() + stride_ - 1) / stride_;
+        ResponseCache::Column column{std::sqrt(dv.rowwise().squaredNorm().maxCoeff()), Eigen::VectorXd::Zero(3 * count),
+                                     Eigen::VectorXd::Zero(num_work_integrals(rest_))};
+        for (int s = 0; s < count; ++s)
+            column.samples.segment<3>(3 * s) =
+                std::sqrt(rest_.vertex_area[s * stride_] / sampled_area_) * dv.row(s * stride_).transpose();
+        for (int t = 0; is_load && t < rest_.surface.num_triangles(); ++t) {
+            Eigen::Vector3d moved = Eigen::Vector3d::Zero();
+            for (int k = 0; k < 3; ++k) moved += rest_.area[t] / 3 * dv.row(rest_.surface.triangles(t, k)).transpose();
+            column.work_integrals.segment<3>(4 * leaves_.label[t]) += moved;
+            column.work_integrals[4 * leaves_.label[t] + 3] += moved.dot(rest_.normal.row(t));
+        }
+        const auto& given = rest_.parameters.user_variables;
+        for (std::size_t g = 0; is_load && g < given.size(); ++g)
+            for (Eigen::Index i = 0; i < given[g].traction.rows(); ++i)
+                column.work_integrals[static_cast<Eigen::Index>(4 * leaves_.patches.size() + g)] +=
+                    traction_gradient(rest_, dv, given[g].triangles[i]).dot(given[g].traction.row(i));
+        return column;
+    }
+
+    /// The sampled displacements times their shares of the area, zero elsewhere.
+    Points weighted(const Points& dv) const {
+        Points sampled = Points::Zero(dv.rows(), 3);
+        for (int v = 0; v < dv.rows(); v += stride_) sampled.row(v) = rest_.vertex_area[v] / sampled_area_ * dv.row(v);
+        return sampled;
+    }
+
+private:
+    const RestFacts& rest_;
+    const PatchLevel& leaves_;
+    int stride_ = 1;
+    double sampled_area_ = 0;
+};
+
+/// Responses of the listed variables at the equilibrium of the shell, per unit of each.
+std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShell& shell,
+                                              const std::vector<int>& wanted) {
+    DesignSpace movers = space;
+    movers.variables.clear();
+    for (const int j : wanted) movers.variables.push_back(space.variables[j]);
+    const Reduction reduce(*space.rest);
+    std::vector<ResponseCache::Column> columns;
+    if (!wanted.empty())
+        design_response(
+            movers, shell,
+            [&](int j, const Points& dv) {
+                columns.push_back(reduce(dv, is_load(movers.variables[j].kind)));
+                if (!space.rest->cache->goes_on()) throw Interrupted{};
+            },
+            response_tolerance);
+    return columns;
+}
+
+Responses none(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    const int stride = std::max(1, rest.surface.num_vertices() / max_samples);
+    const int count = (rest.surface.num_vertices() + stride - 1) / stride;
+    return {Eigen::VectorXd::Zero(space.size()), Eigen::MatrixXd::Zero(3 * count, space.size()),
+            Eigen::MatrixXd::Zero(num_work_integrals(rest), space.size())};
+}
+
+void set(Responses& responses, int j, const ResponseCache::Column& column, double scale) {
+    responses.largest[j] = scale * column.largest;
+    responses.samples.col(j) = scale * column.samples;
+    responses.work_integrals.col(j) = scale * column.work_integrals;
+}
+
+/// Column j: how much of each leaf's (x, y, z, normal) traction variable j is, and of each given load, at x = 1.
+Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
+    const PatchLevel& leaves = space.rest->tree->levels.back();
+    Eigen::MatrixXd traction = Eigen::MatrixXd::Zero(num_work_integrals(*space.rest), space.size());
+    std::vector<std::vector<int>> leaves_of(space.patches().patches.size());
+    for (const Patch& leaf : leaves.patches)
+        leaves_of[space.patches().label[leaf.triangles.front()]].push_back(leaf.id);
+    for (int j = 0; j < space.size(); ++j) {
+        if (!is_load(space.variables[j].kind)) continue;
+        if (space.variables[j].patch < 0)
+            traction(static_cast<Eigen::Index>(4 * leaves.patches.size()) + space.variables[j].component, j) =
+                space.variables[j].unit;
+        else
+            for (const DegreeOfFreedom& move : space.variables[j].moves)
+                for (const int leaf : leaves_of[move.index / patch_dof::count])
+                    traction(4 * leaf + move.index % patch_dof::count, j) += space.variables[j].unit * move.factor;
+    }
+    return traction;
+}
+static_assert(patch_dof::load == 0 && patch_dof::normal == 3,
+              "leaf tractions are stored in the order of the degrees of freedom");
+
+}  // namespace
+
+PrimoShell shell_at_rest(const DesignSpace& space) {
+    const RestFacts& rest = *space.rest;
+    ShellOptions options = rest.setup.options;
+    options.pin = space.pin;
+    PrimoShell shell(rest.surface, options);
+    std::vector<RigidMotion> still = rest.setup.motions;
+    for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
+    for (std::size_t p = 0; p < space.motion.size(); ++p)
+        if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
+    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still, {},
+                                          [&](const SolveRecord&) { return rest.cache->goes_on(); });
+    if (start.status == SolveStatus::cancelled) throw Interrupted{};
+    if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
+    return shell;
+}
+
+Responses responses_at_rest(const DesignSpace& space) {
+    ResponseCache& cache = *space.rest->cache;
+    cache.use(space.pin);
+    Responses responses = none(space);
+    DesignSpace by_one = space;  // the cache knows responses to physical values of 1
+    for (Variable& variable : by_one.variables) variable.unit = 1;
+    std::vector<int> unknown;
+    for (int j = 0; j < space.size(); ++j)
+        if (space.variables[j].kind != VariableKind::stiffness && !cache.find(key_of(space.variables[j])))
+            unknown.push_back(j);
+    if (!unknown.empty()) {
+        PrimoShell shell = shell_at_rest(space);
+        std::vector<ResponseCache::Column> fresh = columns_at(by_one, shell, unknown);
+        for (std::size_t i = 0; i < unknown.size(); ++i)
+            cache.add(key_of(space.variables[unknown[i]]), std::move(fresh[i]));
+    }
+    for (int j = 0; j < space.size(); ++j)
+        if (const auto* column = cache.find(key_of(space.variables[j])))
+            set(responses, j, *column, space.variables[j].unit);
+    return responses;
+}
+
+double soft_work(const DesignSpace& space, const Responses& responses) {
+    const Eigen::MatrixXd traction = leaf_tractions(space);
+    std::vector<double> works;
+    for (int j = 0; j < space.size(); ++j)
+        if (const double work = traction.col(j).dot(responses.work_integrals.col(j)); work > 0) works.push_back(work);
+    if (works.empty()) return 0;
+    std::nth_element(works.begin(), works.begin() + static_cast<std::ptrdiff_t>(works.size() / 4), works.end());
+    return works[works.size() / 4];
+}
+
+Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses) {
+    const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;
+    const Eigen::MatrixXd moved = 2 / wanted * responses.samples;
+    Eigen::MatrixXd metric = moved.transpose() * moved;
+    const Eigen::MatrixXd work = leaf_tractions(space).transpose() * responses.work_integrals;
+    if (const double soft = soft_work(space, responses); soft > 0)
+        for (int i = 0; i < space.size(); ++i)
+            for (int j = 0; j < space.size(); ++j)
+                if (is_load(space.variables[i].kind) && is_load(space.variables[j].kind))
+                    metric(i, j) += 0.5 * (work(i, j) + work(j, i)) / soft;
+    for (int j = 0; j < space.size(); ++j) {
+        if (space.variables[j].kind == VariableKind::stiffness) metric(j, j) += 1;
+        metric(j, j) *= 1 + 1e-9;  // definite also where loads are dependent, as a vector and a normal on a flat patch
+    }
+    return metric;
+}
+
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d) {
+    const Points force = load_forces(space, d);
+    const Points moved = shell.response({force}, response_tolerance)[0] + field_motion(space, d);
+    // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
+    const Reduction reduce(*space.rest);
+    const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;
+    const Points pull = 4 / (wanted * wanted) * reduce.weighted(moved);
+    const Points back = shell.response({pull}, response_tolerance)[0];
+    const Eigen::MatrixXd traction = leaf_tractions(space);
+    Eigen::VectorXd product = traction.transpose() * reduce(back, true).work_integrals;
+    product.tail(space.num_parameters()) = d.tail(space.num_parameters());
+    const Points by_loads = space.rest->parameters.fields ? Points(moved - field_motion(space, d)) : moved;
+    if (space.soft_work > 0) product += traction.transpose() * reduce(by_loads, true).work_integrals / space.soft_work;
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (space.variables[j].kind == VariableKind::field)
+            product[j] = field_motion(space, Eigen::VectorXd::Unit(space.size(), j)).cwiseProduct(pull).sum();
+    return product;
+}
+
+}  // namespace strake

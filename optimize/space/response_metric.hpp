@@ -1,0 +1,34 @@
+#pragma once
+#include "optimize/space/design_space.hpp"
+
+/// How large is a change of the design variables? Measured by what the surface does, in the linear response of the
+/// shell: neither soft collective motions nor stiff in-plane loads, which run into buckling, look harmless in it.
+namespace strake {
+
+/// What a unit of every variable does, by the linear response.
+struct Responses {
+    Eigen::VectorXd largest;  ///< displacement
+    Eigen::MatrixXd samples;  ///< column j: displacements of sampled vertices times the root of their share of the area
+    /// Column j: integrals of the displacement (x, y, z) and of its normal part over each leaf of the tree, rest area,
+    /// then the work of every given load at its value 1; zero for strains. The work of any load in response j is a sum
+    /// of these.
+    Eigen::MatrixXd work_integrals;
+};
+
+/// At rest, in units of the variables; from the cache where it knows them. Stiffness, which has none, is left at zero.
+/// @throws UnheldPart, SolverError, Interrupted. Cost: one factorization and one back-substitution per unknown
+/// variable.
+Responses responses_at_rest(const DesignSpace& space);
+
+/// The metric: the squared root mean square displacement (twice, over `variable_scale`) plus the elastic energy (over
+/// `soft_work`).
+Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses);
+
+/// Work of a load variable, at x = 1, that is soft for this space: the lower quartile; 0 without loads.
+double soft_work(const DesignSpace& space, const Responses& responses);
+
+/// The same metric at the equilibrium of `shell`, times d: near buckling it finds soft directions long. Two
+/// back-substitutions, however many variables. @pre all variables of the shape are loads.
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d);
+
+}  // namespace strake

@@ -1,0 +1,99 @@
+"""The motion limit on the files: scripts/check_motion.py measures a run, a run of before is resumed with the old meaning,
+limits by region, warnings. Arguments: the programs strake and make_surface."""
+import json
+import pathlib
+import sqlite3
+import subprocess
+import sys
+import tempfile
+import unittest
+
+STRAKE, MAKE_SURFACE = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
+CHECK = str(pathlib.Path(__file__).resolve().parents[2] / "scripts/check_motion.py")
+CASE = """
+case: limited
+surface: {file: body.obj}
+regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}, tail: {box: [[5, -9, -9], [99, 9, 9]]}}
+fixed: [root]
+parameters: {levels: auto, patches_per_level: [4], variables: [load], LIMIT}
+quantities: {high: {type: extent, direction: [0, 0, 1], smoothing: 5%}, keep: {command: [sh, -c, "echo '{\\"value\\": 1}' > {result}"], format: obj, gradients: false}}
+objective: {maximize: high.max}
+optimize: {budget: {evaluations: 8}}
+output: {report: false}
+"""
+
+
+def strake(*arguments, status=0):
+    done = subprocess.run([STRAKE, *arguments], cwd=FOLDER.name, stdin=subprocess.DEVNULL, capture_output=True, text=True,
+                          timeout=300, check=False)
+    assert done.returncode == status, (arguments, done.returncode, done.stdout, done.stderr)
+    return done
+
+
+def write(name, limit, **changes):
+    text = CASE.replace("LIMIT", limit)
+    for old, new in changes.items():
+        text = text.replace(old, new)
+    (pathlib.Path(FOLDER.name) / name).write_text(text)
+
+
+def setUpModule():
+    global FOLDER
+    FOLDER = tempfile.TemporaryDirectory()
+    subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "2000", "-o", "body.obj"], cwd=FOLDER.name, check=True,
+                   stdout=subprocess.DEVNULL)
+
+
+def tearDownModule():
+    FOLDER.cleanup()
+
+
+class MotionLimit(unittest.TestCase):
+    def result(self, run):
+        return json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
+
+    def test_the_script_measures_every_shape_of_a_run(self):
+        write("case.yaml", "max_displacement: 0.5%")
+        strake("run", "case.yaml", "--out", "run", "-q")
+        self.assertTrue(self.result("run")["motion_limit"]["active"])
+        self.assertIn("the motion limit (0.5 % of the diagonal) is active on", self.result("run")["reason"])
+        measured = subprocess.run([CHECK, "run", "--strake", STRAKE], cwd=FOLDER.name, capture_output=True, text=True,
+                                  timeout=120, check=False)
+        self.assertEqual(measured.returncode, 0, measured.stdout + measured.stderr)
+        less = subprocess.run([CHECK, "run", "--strake", STRAKE, "--limit", "0.004"], cwd=FOLDER.name, capture_output=True,
+                              text=True, timeout=120, check=False)
+        self.assertEqual(less.returncode, 1, less.stdout + less.stderr)
+
+    def test_a_run_of_before_goes_on_with_the_old_meaning(self):
+        write("old.yaml", "max_displacement: 0.5%", **{"evaluations: 8": "evaluations: 1"})
+        strake("run", "old.yaml", "--out", "old", "-q")
+        with sqlite3.connect(pathlib.Path(FOLDER.name) / "old/journal.sqlite") as journal:
+            journal.execute("DELETE FROM facts WHERE name = 'meaning'")
+        journal.close()
+        strake("resume", "old", "--evaluations", "10", "-q")
+        result = self.result("old")
+        self.assertEqual(result["evaluations"], 10)
+        self.assertNotIn("motion_limit", result)
+        moved = json.loads(strake("status", "old", "--json").stdout)
+        del moved  # the run is readable
+        measured = subprocess.run([CHECK, "old", "--strake", STRAKE, "--limit", "0.005"], cwd=FOLDER.name,
+                                  capture_output=True, text=True, timeout=120, check=False)
+        self.assertEqual(measured.returncode, 1, measured.stdout + measured.stderr)  # variables add up
+
+    def test_regions_have_limits_of_their_own(self):
+        write("regions.yaml", "max_displacement: {default: 0.5%, tail: {inward: 0, outward: 0.1%}}")
+        strake("run", "regions.yaml", "--out", "regions", "-q")
+        self.assertTrue(self.result("regions")["motion_limit"]["active"])
+        write("wrong.yaml", "max_displacement: {tial: 1%}")
+        self.assertIn("region 'tial' is not declared; did you mean 'tail'?", strake("check", "wrong.yaml", status=2).stderr)
+        write("wrong.yaml", "max_displacement: {tail: {inward: 0, outward: 0}}")
+        self.assertIn("inward and outward are both 0", strake("check", "wrong.yaml", status=2).stderr)
+
+    def test_a_limit_beyond_reason_is_told(self):
+        write("far.yaml", "max_displacement: 90%")
+        said = strake("check", "far.yaml")
+        self.assertIn("90 % of the diagonal of the surface", said.stdout + said.stderr)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

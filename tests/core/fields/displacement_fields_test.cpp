@@ -1,0 +1,287 @@
+#include "core/fields/displacement_fields.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
+#include "surfaces.hpp"
+#include "tests/core/patches/shapes.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <functional>
+#include <random>
+
+namespace strake {
+namespace {
+
+using Eigen::Matrix3d;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+using Motion = std::function<Vector3d(const Vector3d&)>;
+
+Points motion_of(const TriMesh& mesh, const Motion& motion) {
+    Points u(mesh.num_vertices(), 3);
+    for (int v = 0; v < mesh.num_vertices(); ++v) u.row(v) = motion(mesh.vertices.row(v)).transpose();
+    return u;
+}
+
+/// Share of the squared motion (by area) that no combination of the fields makes, by least squares in all unknowns: no
+/// use is made of their orthogonality.
+double left_over(const TriMesh& mesh, const DisplacementFields& fields, const Points& wanted) {
+    const VectorXd weight = vertex_areas(mesh).cwiseSqrt();
+    Eigen::MatrixXd columns(3 * mesh.num_vertices(), fields.size());
+    const auto flat = [&](const Points& u) {
+        const Points scaled = weight.asDiagonal() * u;
+        return VectorXd(VectorXd::Map(scaled.data(), scaled.size()));
+    };
+    for (int b = 0; b < fields.size(); ++b) columns.col(b) = flat(fields.field(b));
+    const VectorXd target = flat(wanted);
+    return (columns * columns.colPivHouseholderQr().solve(target) - target).squaredNorm() / target.squaredNorm();
+}
+
+std::vector<int> triangles_where(const TriMesh& mesh, const std::function<bool(const Vector3d&)>& inside) {
+    std::vector<int> found;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        bool all = true;
+        for (int k = 0; k < 3; ++k) all &= inside(mesh.vertices.row(mesh.triangles(t, k)));
+        if (all) found.push_back(t);
+    }
+    return found;
+}
+
+VectorXd random_values(int size, unsigned seed) {
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    VectorXd z(size);
+    for (double& value : z) value = uniform(random);
+    return z;
+}
+
+/// A wing of semispan 1 or so, swept, that is held at its root.
+struct HeldWing {
+    TriMesh mesh = naca0012_wing(24, 24, 3);
+    FieldConditions conditions;
+    HeldWing() {
+        for (int v = 0; v < mesh.num_vertices(); ++v) mesh.vertices(v, 0) += 0.3 * mesh.vertices(v, 1);
+        conditions.held = triangles_where(mesh, [](const Vector3d& x) { return x[1] < 0.13; });
+    }
+};
+
+TEST(DisplacementFields, AreExactlyZeroOnWhatIsHeldAndOfSizeOne) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {60, {}});
+    ASSERT_EQ(fields.size(), 60);
+    ASSERT_FALSE(wing.conditions.held.empty());
+    for (int b = 0; b < fields.size(); ++b) {
+        const Points u = fields.field(b);
+        EXPECT_NEAR(u.rowwise().norm().maxCoeff(), 1, 1e-12);
+        for (const int t : wing.conditions.held)
+            for (int k = 0; k < 3; ++k) EXPECT_TRUE(u.row(wing.mesh.triangles(t, k)).isZero(0)) << fields.name(b);
+    }
+}
+
+TEST(DisplacementFields, AreOrthogonalInTheMeanAndTheGradientIsTheTranspose) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {36, {}});
+    Eigen::MatrixXd columns(3 * wing.mesh.num_vertices(), fields.size());
+    for (int b = 0; b < fields.size(); ++b) {
+        const Points u = vertex_areas(wing.mesh).cwiseSqrt().asDiagonal() * fields.field(b);
+        columns.col(b) = VectorXd::Map(u.data(), u.size()).normalized();
+    }
+    const Eigen::MatrixXd gram = columns.transpose() * columns;
+    EXPECT_LT((gram - Eigen::MatrixXd::Identity(gram.rows(), gram.cols())).cwiseAbs().maxCoeff(), 1e-8);
+    const VectorXd z = random_values(fields.size(), 3);
+    Points slope(wing.mesh.num_vertices(), 3);
+    slope.reshaped() = random_values(3 * wing.mesh.num_vertices(), 4);
+    const double forward = fields.displacement(z).cwiseProduct(slope).sum(), back = z.dot(fields.gradient(slope));
+    EXPECT_NEAR(forward, back, 1e-12 * (1 + std::abs(forward)));
+    Points sum = Points::Zero(wing.mesh.num_vertices(), 3);
+    for (int b = 0; b < fields.size(); ++b) sum += z[b] * fields.field(b);
+    EXPECT_LT((sum - fields.displacement(z)).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(DisplacementFields, TheFirstOfMoreAreTheFewer) {
+    const HeldWing wing;
+    const DisplacementFields many(wing.mesh, wing.conditions, {60, {}});
+    std::vector<std::string> names;
+    for (const int number : {6, 12, 27}) {
+        const DisplacementFields few(wing.mesh, wing.conditions, {number, {}});
+        ASSERT_EQ(few.size(), number);
+        for (int b = 0; b < number; ++b) {
+            EXPECT_EQ(few.name(b), many.name(b));
+            EXPECT_LT((few.field(b) - many.field(b)).cwiseAbs().maxCoeff(), 1e-9) << few.name(b);
+        }
+    }
+    for (int b = 0; b < many.size(); ++b) names.push_back(many.name(b));
+    std::sort(names.begin(), names.end());
+    EXPECT_EQ(std::unique(names.begin(), names.end()), names.end()) << "a name once";
+    EXPECT_TRUE(std::binary_search(names.begin(), names.end(), "section.twist.1"));
+    EXPECT_TRUE(std::binary_search(names.begin(), names.end(), "section.scale_x.0"));
+}
+
+/// Motions that a designer thinks of; y is measured from what is held, zeta and xi from the local quarter chord.
+std::vector<std::pair<std::string, Motion>> wing_motions() {
+    const auto y = [](const Vector3d& x) { return std::max(0.0, x[1] - 0.125); };
+    const auto xi = [](const Vector3d& x) { return x[0] - 0.3 * x[1] - 0.25; };
+    return {{"bend", [=](const Vector3d& x) { return Vector3d(0, 0, y(x) * y(x)); }},
+            {"twist", [=](const Vector3d& x) { return Vector3d(y(x) * x[2], 0, -y(x) * xi(x)); }},
+            {"sweep", [=](const Vector3d& x) { return Vector3d(y(x), 0, 0); }},
+            {"taper", [=](const Vector3d& x) { return Vector3d(-y(x) * xi(x), 0, -y(x) * x[2]); }},
+            {"thicken", [=](const Vector3d& x) { return Vector3d(0, 0, y(x) * y(x) * x[2]); }},
+            {"span", [=](const Vector3d& x) { return Vector3d(0, y(x), 0); }}};
+}
+
+TEST(DisplacementFields, MakeWhatADesignerMeansOnAWing) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {36, {}});
+    for (const auto& [name, motion] : wing_motions())
+        EXPECT_LT(left_over(wing.mesh, fields, motion_of(wing.mesh, motion)), 0.03) << name;
+}
+
+TEST(DisplacementFields, MakeWhatADesignerMeansOnABodyThatNothingHolds) {
+    const TriMesh body = ellipsoid({3, 1, 0.6}, 3);
+    const DisplacementFields fields(body, {}, {36, {}});
+    const std::vector<std::pair<std::string, Motion>> motions{
+        {"bend", [](const Vector3d& x) { return Vector3d(0, 0, x[0] * x[0] - 3); }},
+        {"twist", [](const Vector3d& x) { return Vector3d(0, -x[0] * x[2], x[0] * x[1]); }},
+        {"sweep", [](const Vector3d& x) { return Vector3d(0, x[0] * x[0] - 3, 0); }},
+        {"taper", [](const Vector3d& x) { return Vector3d(0, x[0] * x[1], x[0] * x[2]); }},
+        {"swell",
+         [](const Vector3d& x) -> Vector3d { return Vector3d(Vector3d(0, x[1], x[2]) * (1 - x[0] * x[0] / 9)); }},
+        {"flatten", [](const Vector3d& x) { return Vector3d(0, 0.2 * x[1], -0.2 * x[2]); }},
+        {"longer", [](const Vector3d& x) { return Vector3d(x[0], 0, 0); }}};
+    for (const auto& [name, motion] : motions) {
+        Points wanted = motion_of(body, motion);
+        const VectorXd area = vertex_areas(body);
+        wanted.rowwise() -= (area.transpose() * wanted).eval() / area.sum();  // fields move nothing as a whole
+        EXPECT_LT(left_over(body, fields, wanted), 0.03) << name;
+    }
+}
+
+TEST(DisplacementFields, NothingHeldLeavesNoRigidMotion) {
+    const TriMesh body = ellipsoid({3, 1, 0.6}, 2);
+    const DisplacementFields fields(body, {}, {27, {}});
+    const VectorXd area = vertex_areas(body);
+    for (int b = 0; b < fields.size(); ++b) {
+        const Points u = area.asDiagonal() * fields.field(b);
+        EXPECT_LT(u.colwise().sum().norm(), 1e-9 * area.sum()) << fields.name(b);
+        Vector3d moment = Vector3d::Zero();
+        for (int v = 0; v < body.num_vertices(); ++v)
+            moment += Vector3d(body.vertices.row(v)).cross(Vector3d(u.row(v)));
+        EXPECT_LT(moment.norm(), 1e-9 * area.sum()) << fields.name(b);
+    }
+    FieldConditions keeps;
+    keeps.keeps_rigid_motions = true;
+    EXPECT_EQ(DisplacementFields(body, keeps, {6, {}}).name(0), "section.move_x.0");
+}
+
+TEST(DisplacementFields, OfAHalfAreThoseOfTheWholeThatAreSymmetric) {
+    const HalfAndWhole box = crooked_box(4);
+    const SymmetryPlane plane{Vector3d::UnitY(), 1};
+    FieldConditions of_half, of_whole;
+    of_half.cut = plane;
+    of_whole.mirror = plane;
+    const auto low = [](const Vector3d& x) { return x[2] < 0.3; };
+    of_half.held = triangles_where(box.half, low);
+    of_whole.held = triangles_where(box.whole, low);
+    const DisplacementFields half(box.half, of_half, {30, {}}), whole(box.whole, of_whole, {30, {}});
+    for (int b = 0; b < half.size(); ++b) {
+        const Points u = half.field(b);
+        for (int v = 0; v < box.half.num_vertices(); ++v) {
+            if (std::abs(box.half.vertices(v, 1) - 1) < 1e-12) {
+                EXPECT_EQ(u(v, 1), 0) << half.name(b);
+            }
+        }
+        const Points w = whole.field(b);
+        for (int v = 0; v < box.whole.num_vertices(); ++v)
+            for (int other = 0; other < box.whole.num_vertices(); ++other) {
+                const Vector3d image(box.whole.vertices(v, 0), 2 - box.whole.vertices(v, 1), box.whole.vertices(v, 2));
+                if ((Vector3d(box.whole.vertices.row(other)) - image).norm() > 1e-9) continue;
+                EXPECT_NEAR(w(v, 0), w(other, 0), 1e-9);
+                EXPECT_NEAR(w(v, 1), -w(other, 1), 1e-9);
+                EXPECT_NEAR(w(v, 2), w(other, 2), 1e-9);
+            }
+        EXPECT_EQ(half.name(b), whole.name(b));
+    }
+}
+
+TEST(DisplacementFields, FollowTheBodyAndIgnoreUnitsAndNumbers) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {27, {}});
+    const VectorXd z = random_values(27, 5);
+    const Points u = fields.displacement(z);
+
+    TriMesh larger = wing.mesh;
+    larger.vertices *= 1000;
+    EXPECT_LT((DisplacementFields(larger, wing.conditions, {27, {}}).displacement(z) - u).cwiseAbs().maxCoeff(), 1e-8);
+
+    std::vector<int> vertex_order, triangle_order;
+    const TriMesh other = renumbered(wing.mesh, 7, &vertex_order, &triangle_order);
+    FieldConditions conditions;
+    std::vector<char> held(static_cast<std::size_t>(wing.mesh.num_triangles()), 0);
+    for (const int t : wing.conditions.held) held[static_cast<std::size_t>(t)] = 1;
+    for (int t = 0; t < other.num_triangles(); ++t)
+        if (held[static_cast<std::size_t>(triangle_order[static_cast<std::size_t>(t)])]) conditions.held.push_back(t);
+    const Points of_other = DisplacementFields(other, conditions, {27, {}}).displacement(z);
+    for (int v = 0; v < other.num_vertices(); ++v)
+        EXPECT_LT((of_other.row(v) - u.row(vertex_order[static_cast<std::size_t>(v)])).norm(), 1e-8);
+
+    // Turned by little: the axes keep their names and the motions turn along.
+    const Matrix3d turn = Eigen::AngleAxisd(0.2, Vector3d(1, 2, -0.5).normalized()).toRotationMatrix();
+    TriMesh turned = wing.mesh;
+    turned.vertices = (wing.mesh.vertices * turn.transpose()).rowwise() + Eigen::RowVector3d(5, -3, 1);
+    const Points of_turned = DisplacementFields(turned, wing.conditions, {27, {}}).displacement(z);
+    EXPECT_LT((of_turned - u * turn.transpose()).cwiseAbs().maxCoeff(), 1e-7);
+}
+
+TEST(DisplacementFields, RotationsArePolarPartsOfTheMapsGradient) {
+    // A tetrahedron that is so small that its corners tell the map's gradient.
+    TriMesh body = ellipsoid({3, 1, 0.6}, 2);
+    const int first = body.num_vertices(), t = body.num_triangles();
+    const double edge = 1e-5;
+    body.vertices.conservativeResize(first + 4, 3);
+    body.triangles.conservativeResize(t + 1, 3);
+    const Vector3d at(1.1, 0.3, 0.2);
+    body.vertices.row(first) = at;
+    for (int k = 0; k < 3; ++k) body.vertices.row(first + 1 + k) = at + edge * Vector3d::Unit(k);
+    body.triangles.row(t) << first, first + 1, first + 2;
+    FieldConditions conditions;
+    conditions.held = triangles_where(body, [](const Vector3d& x) { return x[0] < -2; });
+    const DisplacementFields fields(body, conditions, {27, {}});
+    for (const double size : {0.3, 1.5}) {
+        const VectorXd z = size * random_values(27, 11);
+        const Points u = fields.displacement(z);
+        Matrix3d F = Matrix3d::Identity();
+        for (int k = 0; k < 3; ++k) F.col(k) += (u.row(first + 1 + k) - u.row(first)).transpose() / edge;
+        ASSERT_GT(F.determinant(), 0);
+        const Eigen::JacobiSVD<Matrix3d> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+        const Matrix3d turn = svd.matrixU() * svd.matrixV().transpose();
+        EXPECT_LT((fields.rotations(z)[static_cast<std::size_t>(t)] - turn).norm(), 1e-3);
+        EXPECT_GT(Eigen::AngleAxisd(turn).angle(), 0.05) << "the test can fail";
+    }
+    EXPECT_EQ(fields.rotations(VectorXd::Zero(27))[0], Matrix3d::Identity());
+}
+
+TEST(DisplacementFields, FlatBodiesHaveNoFunctionAcrossAndRefusalsNameTheLimit) {
+    const TriMesh plate = strip(4, 1, 12, 4);
+    FieldConditions conditions;
+    conditions.held = triangles_where(plate, [](const Vector3d& x) { return x[0] < 0.4; });
+    const DisplacementFields fields(plate, conditions, {27, {}});
+    EXPECT_EQ(fields.size(), 27);
+    for (int b = 0; b < fields.size(); ++b) EXPECT_TRUE(fields.field(b).allFinite());
+    EXPECT_THROW(DisplacementFields(plate, {}, {0, {}}), InvalidInput);
+    EXPECT_THROW(DisplacementFields(plate, {}, {6, Vector3d(0, 0, 2)}), InvalidInput);
+    conditions.held.clear();
+    for (int t = 0; t < plate.num_triangles(); ++t) conditions.held.push_back(t);
+    EXPECT_THROW(DisplacementFields(plate, conditions, {6, {}}), InvalidInput);
+    conditions.held = {plate.num_triangles()};
+    EXPECT_THROW(DisplacementFields(plate, conditions, {6, {}}), InvalidInput);
+    FieldConditions oblique;
+    oblique.mirror = SymmetryPlane{Vector3d::UnitY(), 0.5};
+    EXPECT_THROW(DisplacementFields(plate, oblique, {6, Vector3d(1, 1, 0).normalized()}), InvalidInput);
+    EXPECT_EQ(DisplacementFields(plate, {}, {6, Vector3d(0, 1, 0)}).frame().letter[0], 'y');
+}
+
+}  // namespace
+}  // namespace strake

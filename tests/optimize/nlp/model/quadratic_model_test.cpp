@@ -1,0 +1,95 @@
+#include "optimize/nlp/model/quadratic_model.hpp"
+
+#include "derivatives.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/Dense>
+
+using namespace strake;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+MatrixXd random_matrix(int rows, int columns, unsigned seed) {
+    const VectorXd entries = random_vector(rows * columns, seed);
+    return Eigen::Map<const MatrixXd>(entries.data(), rows, columns);
+}
+
+QuadraticModel random_model(int n, int rows, int inequalities, double hessian_scale, unsigned seed) {
+    QuadraticModel m;
+    const MatrixXd R = random_matrix(n, n, seed);
+    m.hessian = hessian_scale * (R * R.transpose() / n + 0.01 * MatrixXd::Identity(n, n));
+    m.gradient = random_vector(n, seed + 1);
+    m.lower = VectorXd::Constant(n, -0.5);
+    m.upper = VectorXd::Constant(n, 0.5);
+    m.constraints = 0.3 * random_vector(rows, seed + 2).cwiseAbs();
+    m.jacobian = random_matrix(rows, n, seed + 3);
+    m.num_inequalities = inequalities;
+    return m;
+}
+
+/// Largest violation of the Karush-Kuhn-Tucker conditions: the gradient of the Lagrangian on variables that are not at
+/// a bound, its sign on the others, and the constraints.
+double kkt_error(const QuadraticModel& m, const VectorXd& d) {
+    constexpr double near = 1e-7;
+    std::vector<int> inside;
+    for (int j = 0; j < d.size(); ++j)
+        if (d[j] > m.lower[j] + near && d[j] < m.upper[j] - near) inside.push_back(j);
+    const VectorXd c = m.constraints + m.jacobian * d;
+    std::vector<int> active;
+    double error = 0;
+    for (int i = 0; i < c.size(); ++i) {
+        error = std::max(error, i < m.num_inequalities ? c[i] : std::abs(c[i]));
+        if (i >= m.num_inequalities || c[i] > -near) active.push_back(i);
+    }
+    VectorXd g = m.gradient + m.hessian * d;
+    const double size = 1 + g.norm();
+    if (!active.empty()) {
+        const MatrixXd A = m.jacobian(active, Eigen::all);
+        const VectorXd lambda = MatrixXd(A(Eigen::all, inside)).transpose().colPivHouseholderQr().solve(-g(inside));
+        g += A.transpose() * lambda;
+        for (std::size_t i = 0; i < active.size(); ++i)
+            if (active[i] < m.num_inequalities) error = std::max(error, -lambda[static_cast<Eigen::Index>(i)] / size);
+    }
+    for (int j = 0; j < d.size(); ++j) {
+        const bool at_lower = d[j] <= m.lower[j] + near, at_upper = d[j] >= m.upper[j] - near;
+        error = std::max(error, (at_lower ? -g[j] : at_upper ? g[j] : std::abs(g[j])) / size);
+    }
+    return error;
+}
+
+}  // namespace
+
+TEST(QuadraticModel, MeetsTheOptimalityConditions) {
+    for (const int n : {2, 18, 60})
+        for (const double scale : {1e-6, 1.0, 1e3})
+            for (unsigned seed = 1; seed < 5; ++seed) {
+                const QuadraticModel m = random_model(n, n > 2 ? 3 : 1, n > 2 ? 2 : 1, scale, seed);
+                const VectorXd d = solve_model(m);
+                ASSERT_EQ(d.size(), n);
+                EXPECT_LT(kkt_error(m, d), 1e-6) << n << " " << scale << " " << seed;
+            }
+}
+
+TEST(QuadraticModel, UnitOfTheObjectiveDoesNotMatter) {
+    QuadraticModel m = random_model(12, 1, 1, 1, 3);
+    const VectorXd d = solve_model(m);
+    m.gradient *= 1e20;
+    m.hessian *= 1e20;
+    EXPECT_LT((solve_model(m) - d).norm(), 1e-9);
+}
+
+TEST(QuadraticModel, UnreachableConstraintIsApproached) {
+    QuadraticModel m = random_model(6, 1, 1, 1, 4);
+    m.constraints[0] = 100;
+    const VectorXd d = solve_model(m);
+    ASSERT_EQ(d.size(), 6);
+    EXPECT_NEAR((m.constraints + m.jacobian * d)[0], 100 - 0.5 * m.jacobian.row(0).lpNorm<1>(), 1e-3);
+}
+
+TEST(QuadraticModel, IndefiniteHessianHasNoStep) {
+    QuadraticModel m = random_model(6, 1, 1, 1, 4);
+    m.hessian(2, 2) = -1;
+    EXPECT_EQ(solve_model(m).size(), 0);
+}

@@ -1,0 +1,71 @@
+#include "optimize/space/motion_limit.hpp"
+
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+namespace strake {
+namespace {
+
+std::shared_ptr<const RestFacts> limited(const std::function<void(Parameters&)>& set) {
+    Problem problem = ellipsoid_problem(2, 1);
+    set(problem.parameters);
+    return rest_facts(problem);
+}
+
+}  // namespace
+
+TEST(MotionLimit, IsADistanceFromTheDatum) {
+    const auto rest = limited([](Parameters& p) { p.max_displacement = 0.01; });
+    const double L = 0.01 * rest->diagonal;
+    const MotionLimit limit(*rest, rest->surface.vertices);
+    Points moved = rest->surface.vertices;
+    EXPECT_EQ(limit.excess(moved), "");
+    EXPECT_TRUE(limit.rows(moved, 0.5, 24).empty());
+    moved.row(7) += L * Eigen::RowVector3d(0.6, 0, 0.8);
+    EXPECT_EQ(limit.excess(moved), "");
+    EXPECT_FALSE(limit.is_within(moved, 1e-6));
+    EXPECT_NEAR(limit.most_used(moved, 0.9).share, 1, 1e-12);
+    moved.row(7) += 1e-8 * L * Eigen::RowVector3d(0.6, 0, 0.8);
+    EXPECT_NE(limit.excess(moved).find("vertex 7 is 1.00000001 % of the diagonal from its datum"), std::string::npos)
+        << limit.excess(moved);
+    const auto rows = limit.rows(moved, 0.5, 24);
+    ASSERT_EQ(rows.size(), 1u);
+    EXPECT_EQ(rows[0].vertex, 7);
+    EXPECT_NEAR((rows[0].direction - Eigen::RowVector3d(0.6, 0, 0.8)).norm(), 0, 1e-9);
+    EXPECT_NEAR(rows[0].value, 1e-8 * L, 1e-12 * L);
+}
+
+TEST(MotionLimit, SidesAreAlongTheNormalOfTheDatum) {
+    const auto rest = limited([](Parameters& p) {
+        p.max_outward = Eigen::VectorXd::Constant(162, 0.01);
+        p.max_inward = Eigen::VectorXd::Constant(162, 0);
+    });
+    ASSERT_EQ(rest->surface.num_vertices(), 162);
+    const MotionLimit limit(*rest, rest->surface.vertices);
+    int top = 0;
+    rest->surface.vertices.col(2).maxCoeff(&top);
+    const auto moved_by = [&](double x, double z) {
+        Points moved = rest->surface.vertices;
+        moved.row(top) += rest->diagonal * Eigen::RowVector3d(x, 0, z);
+        return moved;
+    };
+    EXPECT_EQ(limit.excess(moved_by(0, 0.0099)), "");
+    EXPECT_NE(limit.excess(moved_by(0, 0.0101)), "");
+    EXPECT_NE(limit.excess(moved_by(0, -1e-6)), "");       // inward
+    EXPECT_NE(limit.excess(moved_by(0.0101, 0.001)), "");  // sideways: the larger of both limits
+    EXPECT_EQ(limit.excess(moved_by(0.0099, 0.001)), "");
+}
+
+TEST(MotionLimit, WithoutOneNothingIsRefused) {
+    Parameters p;
+    EXPECT_TRUE(limits_motion(p));
+    EXPECT_FALSE(limits_motion(with_stated_limit(p)));
+    EXPECT_EQ(variable_scale(with_stated_limit(p)), 0.05);  // units stay
+    p.is_limit_stated = true;
+    EXPECT_TRUE(limits_motion(with_stated_limit(p)));
+    p.limits_variables = true;
+    EXPECT_FALSE(limits_motion(p));
+}
+
+}  // namespace strake

@@ -36,6 +36,8 @@ step() {
         failed=$((failed + 1))
         summary+=("$(printf 'FAILED  %4d s  %s (%s)' $((SECONDS - begin)) "$name" "$log")")
         tail -n 60 "$log"
+        # What failed in which test stands far above the end.
+        grep -nE -A 8 ': Failure$|^(Traceback|AssertionError)|ERROR: |FAIL: ' "$log" | tail -n 60
     fi
 }
 finish() {

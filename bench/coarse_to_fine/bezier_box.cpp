@@ -81,7 +81,22 @@ double bernstein(int degree, int i, double u) {
     return binomial * std::pow(u, i) * std::pow(1 - u, degree - i);
 }
 
-/// Column j: weight of free control point j at every vertex; held vertices have none.
+/// Weight of control point `at` at every vertex; held vertices have none.
+VectorXd weight(const Points& v, const Box& box, const Lattice& lattice, const std::array<int, 3>& at,
+                const std::vector<char>& held) {
+    VectorXd column = VectorXd::Zero(v.rows());
+    for (int row = 0; row < v.rows(); ++row) {
+        if (held[row]) continue;
+        column[row] = 1;
+        for (int c = 0; c < 3; ++c) {
+            const double u = (v(row, c) - box.min[c]) / (box.max[c] - box.min[c]);
+            column[row] *= bernstein(lattice.points[c] - 1, at[c], std::clamp(u, 0.0, 1.0));
+        }
+    }
+    return column;
+}
+
+/// Column j: weight of free control point j at every vertex.
 MatrixXd weights(const EvidenceProblem& problem, const Box& box, const Lattice& lattice,
                  const std::vector<char>& held) {
     const Points& v = problem.problem.surface.vertices;
@@ -92,16 +107,7 @@ MatrixXd weights(const EvidenceProblem& problem, const Box& box, const Lattice& 
                 const std::array<int, 3> at{i, j, k};
                 const int layer = at[lattice.axis], last = lattice.points[lattice.axis] - 1;
                 if ((lattice.held_low && layer == 0) || (lattice.held_high && layer == last)) continue;
-                VectorXd column = VectorXd::Zero(v.rows());
-                for (int row = 0; row < v.rows(); ++row) {
-                    if (held[row]) continue;
-                    column[row] = 1;
-                    for (int c = 0; c < 3; ++c) {
-                        const double u = (v(row, c) - box.min[c]) / (box.max[c] - box.min[c]);
-                        column[row] *= bernstein(lattice.points[c] - 1, at[c], std::clamp(u, 0.0, 1.0));
-                    }
-                }
-                columns.push_back(std::move(column));
+                columns.push_back(weight(v, box, lattice, at, held));
             }
     MatrixXd result(v.rows(), static_cast<Eigen::Index>(columns.size()));
     for (std::size_t j = 0; j < columns.size(); ++j) result.col(static_cast<Eigen::Index>(j)) = columns[j];

@@ -32,45 +32,35 @@ struct Panel {
     Eigen::Vector3d normal;  ///< of the chord plane
 };
 
-/// Closed: caps at both ends. Cells are long across the flow, as converters like them.
-TriMesh panel_surface(const std::vector<Panel>& panels, int chordwise, int spanwise) {
-    const int around = 2 * chordwise;
+/// Points around the section at the share t of the way from root to tip, from the trailing edge over the top.
+std::vector<Eigen::Vector3d> section_points(const Panel& panel, double t, int chordwise) {
+    const Eigen::Vector3d leading = (1 - t) * panel.root + t * panel.tip;
+    const double chord = (1 - t) * panel.root_chord + t * panel.tip_chord;
     std::vector<Eigen::Vector3d> points;
-    std::vector<std::array<int, 3>> triangles;
-    const auto add_section = [&](const Eigen::Vector3d& leading, double chord, double thickness,
-                                 const Eigen::Vector3d& normal) {
-        for (int k = 0; k < around; ++k) {  // from the trailing edge over the top
-            const double x = k == 0 ? 1 : k == chordwise ? 0 : 0.5 * (1 + std::cos(pi * k / chordwise));
-            const double z = (k <= chordwise ? 1 : -1) * naca_half_thickness(thickness, x);
-            points.push_back(leading + chord * (x * Eigen::Vector3d::UnitX() + z * normal));
-        }
+    for (int k = 0; k < 2 * chordwise; ++k) {
+        const double x = k == 0 ? 1 : k == chordwise ? 0 : 0.5 * (1 + std::cos(pi * k / chordwise));
+        const double z = (k <= chordwise ? 1 : -1) * naca_half_thickness(panel.thickness, x);
+        points.push_back(leading + chord * (x * Eigen::Vector3d::UnitX() + z * panel.normal));
+    }
+    return points;
+}
+
+/// Triangles across the section whose points begin at `first`; facing inward along the way of the panels unless
+/// `turned`.
+void add_cap(std::vector<std::array<int, 3>>& triangles, int first, int chordwise, bool turned) {
+    const int around = 2 * chordwise;
+    const auto upper = [&](int i) { return first + i; };
+    const auto lower = [&](int i) { return first + (around - i) % around; };
+    const auto add = [&](int a, int b, int c) {
+        triangles.push_back(turned ? std::array{a, c, b} : std::array{a, b, c});
     };
-    int sections = 0;
-    for (std::size_t p = 0; p < panels.size(); ++p)
-        for (int s = p == 0 ? 0 : 1; s <= spanwise; ++s, ++sections) {
-            const double t = static_cast<double>(s) / spanwise;
-            add_section((1 - t) * panels[p].root + t * panels[p].tip,
-                        (1 - t) * panels[p].root_chord + t * panels[p].tip_chord, panels[p].thickness,
-                        panels[p].normal);
-        }
-    for (int s = 0; s + 1 < sections; ++s)
-        for (int k = 0; k < around; ++k) {
-            const int a = s * around + k, b = s * around + (k + 1) % around;
-            triangles.push_back({a, a + around, b});
-            triangles.push_back({b, a + around, b + around});
-        }
-    for (const int first : {0, (sections - 1) * around})
-        for (int k = 0; k < chordwise; ++k) {
-            const auto upper = [&](int i) { return first + i; };
-            const auto lower = [&](int i) { return first + (around - i) % around; };
-            std::vector<std::array<int, 3>> cap;
-            if (k > 0) cap.push_back({upper(k), upper(k + 1), lower(k)});
-            if (k + 1 < chordwise) cap.push_back({lower(k), upper(k + 1), lower(k + 1)});
-            for (auto& t : cap) {
-                if (first != 0) std::swap(t[1], t[2]);
-                triangles.push_back(t);
-            }
-        }
+    for (int k = 0; k < chordwise; ++k) {
+        if (k > 0) add(upper(k), upper(k + 1), lower(k));
+        if (k + 1 < chordwise) add(lower(k), upper(k + 1), lower(k + 1));
+    }
+}
+
+TriMesh mesh_of(const std::vector<Eigen::Vector3d>& points, const std::vector<std::array<int, 3>>& triangles) {
     TriMesh mesh;
     mesh.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
     for (std::size_t k = 0; k < points.size(); ++k) mesh.vertices.row(k) = points[k].transpose();
@@ -78,6 +68,28 @@ TriMesh panel_surface(const std::vector<Panel>& panels, int chordwise, int spanw
     for (std::size_t t = 0; t < triangles.size(); ++t)
         mesh.triangles.row(t) << triangles[t][0], triangles[t][1], triangles[t][2];
     return mesh;
+}
+
+/// Through the sections of the panels, one after the other. Closed: caps at both ends. Cells are long across the flow,
+/// as converters like them.
+TriMesh panel_surface(const std::vector<Panel>& panels, int chordwise, int spanwise) {
+    const int around = 2 * chordwise;
+    std::vector<Eigen::Vector3d> points;
+    std::vector<std::array<int, 3>> triangles;
+    for (std::size_t p = 0; p < panels.size(); ++p)
+        for (int s = p == 0 ? 0 : 1; s <= spanwise; ++s)
+            for (const auto& point : section_points(panels[p], static_cast<double>(s) / spanwise, chordwise))
+                points.push_back(point);
+    const int sections = static_cast<int>(points.size()) / around;
+    for (int s = 0; s + 1 < sections; ++s)
+        for (int k = 0; k < around; ++k) {
+            const int a = s * around + k, b = s * around + (k + 1) % around;
+            triangles.push_back({a, a + around, b});
+            triangles.push_back({b, a + around, b + around});
+        }
+    add_cap(triangles, 0, chordwise, false);
+    add_cap(triangles, (sections - 1) * around, chordwise, true);
+    return mesh_of(points, triangles);
 }
 
 /// Round, with a drooped nose and a tail that rises.
@@ -150,6 +162,17 @@ TriMesh rounded(const Mesh& exact) {
     return mesh;
 }
 
+/// The two parts of a triangle whose edge {a, b} is cut at the vertex `middle`.
+void add_halves(std::vector<std::array<int, 3>>& triangles, const Eigen::RowVector3i& triangle, std::array<int, 2> edge,
+                int middle) {
+    for (int k = 0; k < 3; ++k) {
+        const int p = triangle[k], q = triangle[(k + 1) % 3], apex = triangle[(k + 2) % 3];
+        if (std::minmax(p, q) != std::minmax(edge[0], edge[1])) continue;
+        triangles.push_back({p, middle, apex});
+        triangles.push_back({middle, q, apex});
+    }
+}
+
 /// Splits edges a hair from one of their ends (needles), every third in its middle.
 TriMesh with_needles(const TriMesh& mesh, int count) {
     std::map<std::array<int, 2>, std::vector<int>> triangles_of;
@@ -162,7 +185,7 @@ TriMesh with_needles(const TriMesh& mesh, int count) {
     std::mt19937 random(1);
     std::vector<char> is_used(mesh.num_triangles(), 0);
     std::vector<std::array<int, 3>> triangles;
-    std::vector<Eigen::RowVector3d> points;
+    std::vector<Eigen::Vector3d> points;
     for (int tries = 0; tries < 20 * count && static_cast<int>(points.size()) < count; ++tries) {
         const int t = static_cast<int>(random() % mesh.num_triangles()), c = static_cast<int>(random() % 3);
         const std::vector<int>& two = triangles_of[edge(t, c)];
@@ -173,26 +196,15 @@ TriMesh with_needles(const TriMesh& mesh, int count) {
         points.emplace_back((1 - share) * mesh.vertices.row(a) + share * mesh.vertices.row(b));
         for (const int side : two) {
             is_used[side] = 1;
-            for (int k = 0; k < 3; ++k) {
-                const int p = mesh.triangles(side, k), q = mesh.triangles(side, (k + 1) % 3);
-                if ((p == a && q == b) || (p == b && q == a)) {
-                    const int apex = mesh.triangles(side, (k + 2) % 3);
-                    triangles.push_back({p, middle, apex});
-                    triangles.push_back({middle, q, apex});
-                }
-            }
+            add_halves(triangles, mesh.triangles.row(side), {a, b}, middle);
         }
     }
-    TriMesh result;
-    result.vertices.resize(mesh.num_vertices() + static_cast<Eigen::Index>(points.size()), 3);
-    result.vertices.topRows(mesh.num_vertices()) = mesh.vertices;
-    for (std::size_t k = 0; k < points.size(); ++k) result.vertices.row(mesh.num_vertices() + k) = points[k];
     for (int t = 0; t < mesh.num_triangles(); ++t)
         if (!is_used[t]) triangles.push_back({mesh.triangles(t, 0), mesh.triangles(t, 1), mesh.triangles(t, 2)});
-    result.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
-    for (std::size_t t = 0; t < triangles.size(); ++t)
-        result.triangles.row(t) << triangles[t][0], triangles[t][1], triangles[t][2];
-    return result;
+    std::vector<Eigen::Vector3d> all;
+    for (const auto& row : mesh.vertices.rowwise()) all.emplace_back(row);
+    all.insert(all.end(), points.begin(), points.end());
+    return mesh_of(all, triangles);
 }
 
 }  // namespace

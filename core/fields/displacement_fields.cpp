@@ -23,7 +23,7 @@ using Eigen::VectorXd;
 using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 
 /// A motion of which less than this is not done by those before it is left out: scaled up, it would be noise.
-constexpr double least_own_share = 1e-3;
+constexpr double min_own_share = 1e-3;
 constexpr int max_number = 600;
 constexpr double on_plane = 1e-6;  ///< of the largest half extent: such vertices lie on the plane of the cut
 
@@ -133,7 +133,7 @@ public:
             }
         Coefficients product = triangle_ * motion;
         const double own = product.norm();
-        if (own < least_own_share) return {};
+        if (own < min_own_share) return {};
         motion /= own;
         product /= own;
         known_.emplace_back(motion, product);

@@ -27,6 +27,17 @@ void put(WorkingMesh& mesh, int v, const VertexPlace& place);
 /// fall below well_shaped and get worse.
 double shape_cost(WorkingMesh& mesh, const StepGuard& guard, int v, const VertexPlace& place, bool keeps_shape = false);
 
+/// The i-th trial place around `from` at `length`: six in the tangent plane of a free vertex v, two along a ridge.
+/// @return whether it is there.
+inline bool find_trial_place(const WorkingMesh& mesh, const StepGuard& guard, int v, const VertexPlace& from, int i,
+                             double length, VertexPlace& next) {
+    if (mesh.role[v] != VertexRole::free)
+        return find_on_curve(mesh, guard, v, from.s + (i == 0 ? length : -length), next);
+    const Eigen::Vector3d n = mesh.normal[v], u = n.unitOrthogonal(), w = n.cross(u);
+    const double angle = i * std::numbers::pi / 3;
+    return find_on_surface(mesh, v, from, length * (std::cos(angle) * u + std::sin(angle) * w), next);
+}
+
 /// Where cost(place, bound) is least, by steps that get shorter; a cost that surely exceeds the bound need not be
 /// known.
 /// @param start the cost where v is. @return whether that is noticeably better.
@@ -35,18 +46,13 @@ bool find_best_place(const WorkingMesh& mesh, const StepGuard& guard, int v, dou
                      VertexPlace& best) {
     best = place_of(mesh, v);
     double least = start;
-    const bool is_free = mesh.role[v] == VertexRole::free;
-    const Eigen::Vector3d n = mesh.normal[v], u = n.unitOrthogonal(), w = n.cross(u);
+    const int trials = mesh.role[v] == VertexRole::free ? 6 : 2;
     for (double step = 0.2; step > 0.02; step *= 0.5)
         for (bool better = true; better;) {
             better = false;
-            for (int i = 0; i < (is_free ? 6 : 2); ++i) {
-                const double angle = i * std::numbers::pi / 3, length = step * mesh.size[v];
+            for (int i = 0; i < trials; ++i) {
                 VertexPlace next;
-                const bool is_there =
-                    is_free ? find_on_surface(mesh, v, best, length * (std::cos(angle) * u + std::sin(angle) * w), next)
-                            : find_on_curve(mesh, guard, v, best.s + (i == 0 ? length : -length), next);
-                if (!is_there) continue;
+                if (!find_trial_place(mesh, guard, v, best, i, step * mesh.size[v], next)) continue;
                 const double c = cost(next, 0.999 * least);
                 if (c > 0.999 * least) continue;
                 least = c;

@@ -110,6 +110,23 @@ int File::count(std::size_t bytes_each) {
     return static_cast<int>(n);
 }
 
+double File::scalar(int point) {
+    double value = 0;
+    if (is_binary_) {
+        if (bytes_.size() - at_ < static_cast<std::size_t>(scalar_bytes_)) fail("the list ends too early");
+        value = scalar_bytes_ == 8 ? raw_number<double>(bytes_.data() + at_, false)
+                                   : raw_number<float>(bytes_.data() + at_, false);
+        at_ += static_cast<std::size_t>(scalar_bytes_);
+    } else {
+        skip_blanks();
+        const auto [end, error] = std::from_chars(bytes_.data() + at_, bytes_.data() + bytes_.size(), value);
+        if (error == std::errc::invalid_argument) fail(text("coordinate of point ", point, " is not a number"));
+        at_ = static_cast<std::size_t>(end - bytes_.data());
+    }
+    if (!std::isfinite(value)) fail(text("point ", point, " is not finite"));
+    return value;
+}
+
 std::vector<double> File::vectors(ListPlace& place) {
     const int n = count(is_binary_ ? 3 * static_cast<std::size_t>(scalar_bytes_) : 7);
     std::vector<double> out;
@@ -118,22 +135,7 @@ std::vector<double> File::vectors(ListPlace& place) {
     place = {at_, at_, is_binary_, scalar_bytes_};
     for (int i = 0; i < n; ++i) {
         if (!is_binary_) expect('(');
-        for (int k = 0; k < 3; ++k) {
-            double value = 0;
-            if (is_binary_) {
-                if (bytes_.size() - at_ < static_cast<std::size_t>(scalar_bytes_)) fail("the list ends too early");
-                value = scalar_bytes_ == 8 ? raw_number<double>(bytes_.data() + at_, false)
-                                           : raw_number<float>(bytes_.data() + at_, false);
-                at_ += static_cast<std::size_t>(scalar_bytes_);
-            } else {
-                skip_blanks();
-                const auto [end, error] = std::from_chars(bytes_.data() + at_, bytes_.data() + bytes_.size(), value);
-                if (error == std::errc::invalid_argument) fail(text("coordinate of point ", i, " is not a number"));
-                at_ = static_cast<std::size_t>(end - bytes_.data());
-            }
-            if (!std::isfinite(value)) fail(text("point ", i, " is not finite"));
-            out.push_back(value);
-        }
+        for (int k = 0; k < 3; ++k) out.push_back(scalar(i));
         if (!is_binary_) expect(')');
     }
     if (!is_binary_) skip_blanks();

@@ -37,6 +37,7 @@ private:
     void expect(char mark);
     bool meets(char mark);  ///< consumes it if it is next
     std::int64_t integer(const char* what);
+    double scalar(int point);
     int count(std::size_t bytes_each);
     std::vector<int> binary_labels(int count);
 

@@ -112,8 +112,8 @@ struct Start {
 }
 
 /// Process groups of the programs that run now, for a signal handler; 0: free.
-constexpr std::size_t most_at_once = 1024;
-std::array<std::atomic<pid_t>, most_at_once> groups{};
+constexpr std::size_t max_at_once = 1024;
+std::array<std::atomic<pid_t>, max_at_once> groups{};
 static_assert(std::atomic<pid_t>::is_always_lock_free);
 
 /// Keeps a child in that list until it has been reaped. More than fit are run, too, but not ended by the handler.

@@ -48,7 +48,7 @@ FitResiduals::FitResiduals(const Problem& problem)
     if (loss_ != Loss::none && (!(scale_ > 0) || !std::isfinite(scale_)))
         throw InvalidInput(text("loss_scale = ", problem.fitting.loss_scale, " must be > 0 and finite"));
     if (problem.fitting.icp_iterations < 0)
-        throw InvalidInput(text("associations = ", problem.fitting.icp_iterations, " must be >= 0"));
+        throw InvalidInput(text("icp_iterations = ", problem.fitting.icp_iterations, " must be >= 0"));
 }
 
 FitResiduals::Rows FitResiduals::at(const TriMesh& surface, const TriMesh& matched) const {

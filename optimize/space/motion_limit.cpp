@@ -61,7 +61,7 @@ bool MotionLimit::is_within(const Points& vertices, double slack) const {
     return is;
 }
 
-MotionLimit::Use MotionLimit::most_used(const Points& vertices, double nearly) const {
+MotionLimit::Use MotionLimit::max_use(const Points& vertices, double nearly) const {
     Use most;
     int last = -1;
     each(vertices, [&](int v, const Eigen::RowVector3d&, double moved, double limit) {

@@ -33,7 +33,7 @@ public:
     /// Every vertex keeps this share of its limit to spare. Limits of zero are kept to half the tolerance of `excess`.
     bool is_within(const Points& vertices, double slack) const;
     /// Of limits above zero. @param nearly share of its limit at which a vertex counts as being there
-    Use most_used(const Points& vertices, double nearly) const;
+    Use max_use(const Points& vertices, double nearly) const;
     /// In words, by how much a vertex is beyond (more than 1e-9 of the limit); empty: the shape is within.
     std::string excess(const Points& vertices) const;
     /// Conditions of vertices that use at least `min_used` of their limit, spread over the surface: the nearest to

@@ -22,13 +22,13 @@ void check(const Parameters& p, int n, int m) {
             throw InvalidInput(text("motion limits: ", limits->size(), " values for ", n,
                                     " vertices; there must be one for each, >= 0"));
     if (!(p.free_border > 0 && p.free_border < 1))
-        throw InvalidInput(text("parameters.core = ", p.free_border, " must be in (0, 1)"));
+        throw InvalidInput(text("parameters.free_border = ", p.free_border, " must be in (0, 1)"));
     if (!(p.max_variable_ratio > 1))
-        throw InvalidInput(text("parameters.growth = ", p.max_variable_ratio, " must be > 1"));
+        throw InvalidInput(text("parameters.max_variable_ratio = ", p.max_variable_ratio, " must be > 1"));
     if (!(p.marking_fraction > 0 && p.marking_fraction <= 1))
-        throw InvalidInput(text("parameters.split_share = ", p.marking_fraction, " must be in (0, 1]"));
-    check_flags("on", p.variables_on, m);
-    check_flags("freeze", p.frozen, m);
+        throw InvalidInput(text("parameters.marking_fraction = ", p.marking_fraction, " must be in (0, 1]"));
+    check_flags("variables_on", p.variables_on, m);
+    check_flags("frozen", p.frozen, m);
     for (const auto& group : p.groups) check_flags("groups", group, m);
     for (const Eigen::Vector3d& direction : p.load_directions)
         if (!(std::abs(direction.norm() - 1) < 1e-9))

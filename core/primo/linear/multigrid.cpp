@@ -12,7 +12,7 @@ struct Multigrid::Impl {
     MultigridOptions options;
     std::vector<Clusters> clusters;  ///< of the last `setup`
     std::unique_ptr<Hierarchy<float>> single;
-    std::unique_ptr<Hierarchy<double>> twice;  ///< if single precision fails
+    std::unique_ptr<Hierarchy<double>> double_precision;  ///< if single precision fails
 
     template <class Real>
     bool build(std::unique_ptr<Hierarchy<Real>>& levels, const BlockMatrix& A, const Points& centre, bool keep) {
@@ -30,12 +30,12 @@ struct Multigrid::Impl {
         if (A.size() == 0) throw InvalidInput("multigrid: the matrix has no rows");
         if (!A.is_finite())
             throw SolverError(text("multigrid: the matrix of ", 6 * A.size(), " unknowns is not finite"));
-        const bool was_double = twice != nullptr;
+        const bool was_double = double_precision != nullptr;
         single.reset();
-        twice.reset();
+        double_precision.reset();
         // Long thin parts bend so softly that in single precision they look indefinite.
         if (!(keep && was_double) && build(single, A, centre, keep)) return true;
-        return in_double && build(twice, A, centre, keep && was_double);
+        return in_double && build(double_precision, A, centre, keep && was_double);
     }
 };
 
@@ -53,33 +53,36 @@ bool Multigrid::update(const BlockMatrix& A, const Points& centre) {
         A, centre, !impl_->clusters.empty() && static_cast<int>(impl_->clusters.front().of.size()) == A.size(), true);
 }
 
-bool Multigrid::is_ready() const { return impl_->single || impl_->twice; }
+bool Multigrid::is_ready() const { return impl_->single || impl_->double_precision; }
 bool Multigrid::is_single_precision() const { return impl_->single != nullptr; }
 void Multigrid::drop() {
     impl_->single.reset();
-    impl_->twice.reset();
+    impl_->double_precision.reset();
 }
 
 std::vector<int> Multigrid::level_sizes() const {
     std::vector<int> sizes;
     if (impl_->single)
         for (const auto& level : impl_->single->levels()) sizes.push_back(level.A.size());
-    if (impl_->twice)
-        for (const auto& level : impl_->twice->levels()) sizes.push_back(level.A.size());
+    if (impl_->double_precision)
+        for (const auto& level : impl_->double_precision->levels()) sizes.push_back(level.A.size());
     return sizes;
 }
 
 std::size_t Multigrid::bytes() const {
-    return (impl_->single ? impl_->single->bytes() : 0) + (impl_->twice ? impl_->twice->bytes() : 0);
+    return (impl_->single ? impl_->single->bytes() : 0) +
+           (impl_->double_precision ? impl_->double_precision->bytes() : 0);
 }
 
 double Multigrid::cycle_work() const {
-    return impl_->single ? impl_->single->cycle_work() : impl_->twice ? impl_->twice->cycle_work() : 0;
+    return impl_->single             ? impl_->single->cycle_work()
+           : impl_->double_precision ? impl_->double_precision->cycle_work()
+                                     : 0;
 }
 
 Eigen::VectorXd Multigrid::apply(const Eigen::Ref<const Eigen::VectorXd>& r, Cycle kind) {
     if (impl_->single) return impl_->single->apply(r, kind);
-    if (impl_->twice) return impl_->twice->apply(r, kind);
+    if (impl_->double_precision) return impl_->double_precision->apply(r, kind);
     throw SolverError("multigrid: applied without levels");
 }
 

@@ -25,7 +25,7 @@ TEST(MotionLimit, IsADistanceFromTheDatum) {
     moved.row(7) += L * Eigen::RowVector3d(0.6, 0, 0.8);
     EXPECT_EQ(limit.excess(moved), "");
     EXPECT_FALSE(limit.is_within(moved, 1e-6));
-    EXPECT_NEAR(limit.most_used(moved, 0.9).share, 1, 1e-12);
+    EXPECT_NEAR(limit.max_use(moved, 0.9).share, 1, 1e-12);
     moved.row(7) += 1e-8 * L * Eigen::RowVector3d(0.6, 0, 0.8);
     EXPECT_NE(limit.excess(moved).find("vertex 7 is 1.00000001 % of the diagonal from its datum"), std::string::npos)
         << limit.excess(moved);

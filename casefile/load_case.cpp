@@ -4,6 +4,7 @@
 
 #include "casefile/check/cross_check.hpp"
 #include "casefile/read/read_case.hpp"
+#include "casefile/read/settings.hpp"
 #include "casefile/schema/renamed.hpp"
 #include "casefile/schema/schema.hpp"
 
@@ -58,19 +59,22 @@ void name_after_file(Value& root, const std::filesystem::path& file) {
     root.entries.insert(root.entries.begin(), std::move(entry));
 }
 
-}  // namespace
-
-Case load_case(const std::filesystem::path& file, Purpose purpose) { return load_case(file, purpose, {}); }
-
-Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
+/// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
+Case loaded(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
+            const std::vector<std::string>& settings) {
     const std::string bytes = read_case_file(file.string());
     auto source = std::make_shared<Case::Source>();
     source->root = parse_yaml(bytes, file.string());
     source->lines = split_lines(bytes);
-    Diagnostics errors(file.string(), source->lines);
+    source->settings = settings;
+    Diagnostics errors(file.string(), source->lines, settings);
     Case the_case;
     the_case.file = file;
     the_case.command_dir = command_dir;
+    if (!settings.empty()) {
+        rename_old(source->root, errors);  // a setting of the present name replaces the old one
+        apply_settings(source->root, settings, errors);
+    }
     name_after_file(source->root, file);
     rename_old(source->root, errors);
     validate(source->root, file.parent_path(), errors);
@@ -83,5 +87,17 @@ Case load_case(const std::filesystem::path& file, Purpose purpose, const std::fi
     the_case.source = std::move(source);
     return the_case;
 }
+
+}  // namespace
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
+    return loaded(file, purpose, command_dir, {});
+}
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings) {
+    return loaded(file, purpose, "", settings);
+}
+
+Case load_case(const std::filesystem::path& file, Purpose purpose) { return loaded(file, purpose, "", {}); }
 
 }  // namespace strake

@@ -5,6 +5,9 @@ namespace strake {
 
 /// Reads and checks a case file without reading the surface. @throws CaseError with all that is wrong.
 Case load_case(const std::filesystem::path& file, Purpose purpose = Purpose::any);
+/// The same with keys set by the command line: KEY=VALUE (`apply_settings`), checked as those of the file are. Paths in
+/// values are relative to the case file.
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings);
 /// The same, where {case_dir} of commands stays another folder than the file's: a run that continues; without notes
 /// about old names, which its user did not write.
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir);

@@ -34,6 +34,18 @@ BuiltProblem logged(BuiltProblem built) {
 
 }  // namespace
 
+void add_set_option(CLI::App& command, std::vector<std::string>& settings) {
+    // One argument each: the case file may follow.
+    command
+        .add_option(
+            "--set", settings,
+            "set a key of the case, for example optimize.budget.evaluations=20 or loads[0].traction='[0, 0, 1]'; "
+            "may be repeated")
+        ->type_name("KEY=VALUE")
+        ->expected(1)
+        ->take_all();
+}
+
 BuiltProblem build_case(Case the_case, Purpose purpose) {
     for (const std::string& note : the_case.notes) say("{}\n", note);
     log_step(fmt::format("building the problem of {}", printable(the_case.file.string(), 400)));

@@ -2,6 +2,7 @@
 #include "casefile/read/resolved_case.hpp"
 #include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
+#include "cli/check_axes.hpp"
 #include "cli/check_facts.hpp"
 #include "cli/check_start.hpp"
 #include "cli/commands.hpp"
@@ -25,6 +26,7 @@ using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
     std::string case_file, out;
+    std::vector<std::string> settings;
     bool json = false, print_resolved = false, evaluate = false;
     CheckWishes wishes;
 };
@@ -139,7 +141,7 @@ void print_region(const RegionTriangles& region) {
 }
 
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
-                 const std::vector<int>& pin, const CheckFacts& facts) {
+                 const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
     fmt::print("case        {} ({})\n", problem.name, printable(args.case_file, 400));
     fmt::print("surface     {}: {} vertices, {} triangles, diagonal {:.6g}{}{}\n",
@@ -153,6 +155,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
     for (const AttachedPart& part : problem.attached)
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
+    if (axes) print_axes(*axes);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     for (std::size_t k = 1; is_search && k < problem.tree.levels.size(); ++k)
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
@@ -172,25 +175,39 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     for (const Constraint& c : problem.constraints) fmt::print("constraint  {}\n", limits_text(c));
     print_facts(facts);
     if (!args.wishes.modes.empty()) fmt::print("wrote       {}\n", printable(args.wishes.modes, 400));
-    fmt::print("no errors\n");
+    if (!facts.start || facts.start->status == "ok") fmt::print("no errors\n");
+}
+
+/// A run would end at its first evaluation.
+std::string start_error(const StartAnswer& start) {
+    return fmt::format("the start design fails: {}: {}", start.status, start.reason);
 }
 
 void check(const CheckArguments& args) {
-    const Case the_case = load_case(args.case_file);
+    const Case the_case = load_case(args.case_file, Purpose::any, args.settings);
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
     check_outputs({args.wishes.modes}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_case(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
     add_serial_warning(built.problem, warnings);
+    const std::optional<AxesFacts> axes = axes_facts(the_case, built.problem.surface);
+    if (axes && !axes->warning.empty()) warnings.push_back(axes->warning);
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
     const CheckFacts facts = args.print_resolved && !args.json ? CheckFacts{} : check_facts(built, args.wishes);
+    const bool fails = facts.start && facts.start->status != "ok";
     if (args.json) {
         Json j = as_json(built, warnings, pin);
+        if (fails) {
+            j["status"] = "error";
+            j["errors"] = {{{"line", 0}, {"column", 0}, {"message", start_error(*facts.start)}}};
+        }
+        j["axes"] = axes_json(axes);
         add_facts(j, facts);
         if (args.print_resolved) j["resolved"] = resolved;
         fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
+        if (fails) throw ExitStatus{run_failed};
         return;
     }
     for (const std::string& note : built.notes) fmt::print(stderr, "note: {}\n", note);
@@ -198,7 +215,10 @@ void check(const CheckArguments& args) {
     if (args.print_resolved)
         fmt::print("{}", resolved);
     else
-        print_words(args, the_case, built, pin, facts);
+        print_words(args, the_case, built, pin, facts, axes);
+    if (!fails) return;
+    fmt::print(stderr, "strake: check: {}\n", start_error(*facts.start));
+    throw ExitStatus{run_failed};
 }
 
 void print_errors(const CaseError& error) {
@@ -206,7 +226,10 @@ void print_errors(const CaseError& error) {
     j["status"] = "error";
     j["errors"] = Json::array();
     for (const Diagnostic& d : error.diagnostics)
-        j["errors"].push_back({{"line", d.place.line}, {"column", d.place.column}, {"message", d.message}});
+        if (d.setting.empty())
+            j["errors"].push_back({{"line", d.place.line}, {"column", d.place.column}, {"message", d.message}});
+        else
+            j["errors"].push_back({{"line", 0}, {"column", 0}, {"message", d.message}, {"setting", d.setting}});
     fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
 }
 
@@ -216,6 +239,7 @@ void add_check(CLI::App& app) {
     auto args = std::make_shared<CheckArguments>();
     CLI::App* command = app.add_subcommand("check", "report everything wrong with a case, without running it");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    add_set_option(*command, args->settings);
     command->add_flag("--json", args->json, "print one JSON object instead of words");
     CLI::Option* evaluate = command->add_flag("--evaluate", args->evaluate,
                                               "run one evaluation at the start design and show what was read back");

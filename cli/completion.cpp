@@ -1,9 +1,11 @@
 #include "casefile/schema/explain.hpp"
+#include "casefile/schema/quantity_types.hpp"
 #include "cli/command_table.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
 
 #include <fmt/format.h>
+#include <algorithm>
 #include <memory>
 
 /// `strake completion SHELL`: a script for shell completion of commands, options, their values and files.
@@ -20,6 +22,8 @@ std::vector<std::string> positional_words(const CommandRow& command) {
         std::vector<std::string> keys;
         for (const std::string& path : key_paths())
             if (path.find_first_of("*[") == std::string::npos) keys.push_back(path);
+        for (const std::string& type : quantity_type_words())
+            if (std::find(keys.begin(), keys.end(), type) == keys.end()) keys.push_back(type);
         return keys;
     }
     for (const OptionRow& option : command.options)

@@ -20,6 +20,7 @@ namespace {
 
 struct DeformArguments {
     std::string case_file, out, prisms;
+    std::vector<std::string> settings;
     bool linear = false, json = false, quiet = false;
 };
 
@@ -113,7 +114,7 @@ Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell
 }
 
 void deform_case(const DeformArguments& args) {
-    const Case the_case = load_case(args.case_file, Purpose::deform);
+    const Case the_case = load_case(args.case_file, Purpose::deform, args.settings);
     check_outputs({args.out, args.prisms}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_case(the_case, Purpose::deform);
     const TriMesh& mesh = built.problem.surface;
@@ -151,6 +152,7 @@ void add_deform(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("deform", "compute one deformation from the fixed regions, loads and strains of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    add_set_option(*command, args->settings);
     command->add_option("-o,--out,--output", args->out, "deformed surface; the extension selects the format")
         ->required();
     command->add_flag("--linear", args->linear, "a single linear solve at rest instead of the equilibrium");

@@ -23,7 +23,12 @@ Json as_json(const KeyExplanation& found) {
                               {"default", form.fallback},
                               {"meaning", form.doc},
                               {"condition", form.condition}});
-    for (const KeyBelow& key : found.below) j["below"].push_back({{"key", key.name}, {"meaning", key.doc}});
+    for (const KeyBelow& key : found.below) {
+        j["below"].push_back({{"key", key.name}, {"meaning", key.doc}});
+        if (!found.type_doc.empty()) j["below"].back()["default"] = key.fallback;
+    }
+    if (!found.type_doc.empty()) j["meaning"] = found.type_doc;
+    if (!found.type_values.empty()) j["values"] = found.type_values;
     if (!found.used_by.empty()) j["value_of"] = found.used_by;
     if (!found.asked_as.empty()) j["was"] = found.asked_as;
     return j;
@@ -49,7 +54,29 @@ std::string wrapped(const std::string& doc, const std::string& margin) {
     return line.empty() ? out : out + margin + line + "\n";
 }
 
+void print_type(const KeyExplanation& found) {
+    fmt::print("{}: a type of quantities\n{}", found.path, wrapped(found.type_doc, "    "));
+    std::string keys = found.path;
+    for (const KeyBelow& key : found.below)
+        if (key.fallback == "required") keys += ", " + key.name + ": ...";
+    fmt::print("  in a case  quantities: {{NAME: {{type: {}}}}}\n", keys);
+    if (found.type_values.empty())
+        fmt::print("  value      NAME\n");
+    else
+        fmt::print("  values     NAME. followed by {}\n", found.type_values);
+    if (!found.below.empty()) fmt::print("  options:\n");
+    std::size_t width = 0;
+    for (const KeyBelow& key : found.below) width = std::max(width, key.name.size());
+    for (const KeyBelow& key : found.below)
+        fmt::print("    {:<{}}  {}{}\n", key.name, width, brief(key.doc),
+                   key.fallback.empty()         ? ""
+                   : key.fallback == "required" ? " [required]"
+                                                : " [" + key.fallback + "]");
+    fmt::print("see docs/objectives.md\n");
+}
+
 void print_words(const KeyExplanation& found) {
+    if (!found.type_doc.empty()) return print_type(found);
     if (!found.asked_as.empty()) fmt::print("'{}' is now called:\n", found.asked_as);
     fmt::print("{}\n", found.path);
     for (const std::string& key : found.used_by) fmt::print("  is a value of {}\n", key);

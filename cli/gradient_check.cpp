@@ -15,6 +15,7 @@ namespace {
 
 struct GradientCheckArguments {
     std::string case_file, out, at = "random";
+    std::vector<std::string> settings;
     GradientCheckOptions options;
     bool json = false, quiet = false;
 };
@@ -65,7 +66,7 @@ void print_table(const TaylorTest& test) {
 }
 
 void check_case(const GradientCheckArguments& args) {
-    Case the_case = load_case(args.case_file);
+    Case the_case = load_case(args.case_file, Purpose::any, args.settings);
     const WorkFolder folder(args.out, "gradient-check");
     the_case.output.dir = folder.path();
     const BuiltProblem built = build_case(the_case);
@@ -94,6 +95,7 @@ void add_gradient_check(CLI::App& app) {
         "gradient-check",
         "run a Taylor test on the gradients of the objective, constraints and fitted values of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    add_set_option(*command, args->settings);
     command
         ->add_option("--at", args->at,
                      "test point: random (default; near the start) or start (of the case, or of start_from)")

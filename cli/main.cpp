@@ -31,6 +31,13 @@ void keep_standard_streams() {
         if (::fcntl(descriptor, F_GETFD) < 0 && errno == EBADF && ::open("/dev/null", O_RDWR) < 0) return;
 }
 
+/// An empty name of a file, a folder or a key never means anything: it is a variable of a script that was not set.
+void refuse_empty_values(CLI::App& app) {
+    const CLI::Validator not_empty([](std::string& value) { return value.empty() ? "must not be empty" : ""; }, "");
+    for (CLI::App* command : app.get_subcommands([](CLI::App*) { return true; }))
+        for (CLI::Option* option : command->get_options([](CLI::Option*) { return true; })) option->check(not_empty);
+}
+
 /// Prints what ended the program and returns its exit status.
 int report_end(const std::exception_ptr& thrown) {
     using namespace strake;
@@ -78,6 +85,7 @@ int main(int argc, char** argv) {
     cli::add_man(app);
     cli::add_threads_option(app);
     cli::add_detail_options(app);
+    refuse_empty_values(app);
     app.footer("\n" + cli::exit_help());
     int status = cli::done;
     try {

@@ -63,8 +63,9 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
 }
 
 /// @param dir the run folder as the user named it
+/// @param has_page report.html is there
 void report(const Problem& problem, const RunResult& r, const RunFolder& folder, const std::filesystem::path& dir,
-            bool is_fit) {
+            bool is_fit, bool has_page) {
     fmt::print("status       {}\nreason       {}\n", r.status, r.reason);
     fmt::print("evaluations  {}, on {} levels\n", r.evaluations, r.levels.size());
     for (const LevelSummary& s : r.levels)
@@ -78,6 +79,7 @@ void report(const Problem& problem, const RunResult& r, const RunFolder& folder,
     const auto& files = folder.files();
     if (std::find(files.begin(), files.end(), "series.pvd") != files.end())
         fmt::print("view         paraview {}\n", typed_path((dir / "series.pvd").string()));
+    if (has_page) fmt::print("open         {}\n", typed_path((dir / "report.html").string()));
 }
 
 void print_json(const RunResult& result, const RunFolder& folder, const std::filesystem::path& dir) {
@@ -124,11 +126,17 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     RunFolder& folder = *request.folder;
     const std::filesystem::path& dir = request.the_case.output.dir;
     const bool is_fit = request.is_fit;
-    const bool wants_report = request.the_case.output.report && result.status != "waiting";
-    if (wants_report && has_report_page()) folder.list_file("report.html");
+    const Case::Output& output = request.the_case.output;
+    const bool wants_report =
+        output.report && (output.report_is_stated || has_report_page()) && result.status != "waiting";
+    bool has_page = wants_report && has_report_page();
+    if (has_page) folder.list_file("report.html");
     folder.finish(result);
     if (wants_report)
-        if (const std::string why = make_report(built, request.the_case, folder.folder()); !why.empty()) warn(why);
+        if (const std::string why = make_report(built, request.the_case, folder.folder()); !why.empty()) {
+            warn(why);
+            has_page = false;
+        }
     constexpr std::size_t enough = 5;
     for (std::size_t i = 0; i < std::min(enough, folder.problems().size()); ++i)
         say("warning: {}\n", folder.problems()[i]);
@@ -137,7 +145,7 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     else if (result.status == "waiting")
         for (const AwaitedCall& call : result.awaited) fmt::print("{}\n", call.folder);
     else if (!request.is_step)
-        report(built.problem, result, folder, dir, is_fit);
+        report(built.problem, result, folder, dir, is_fit, has_page);
     else if (!request.quiet)  // standard output lists what is awaited: nothing
         say("strake: {}: {}; see {}\n", result.status, result.reason, printable(dir.string()));
     if (result.status == "waiting") {
@@ -162,7 +170,7 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
 void run_case(const SessionArguments& args, bool is_fit) {
     RunRequest request;
     Case& the_case = request.the_case;
-    the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run);
+    the_case = load_case(args.case_file, is_fit ? Purpose::fit : Purpose::run, args.settings);
     set_output_folder(the_case, args.out);
     check_run_folder(the_case.output.dir);
     if (!args.quiet) say("strake: reading {}\n", the_case.surface.string());

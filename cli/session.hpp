@@ -9,6 +9,7 @@ namespace strake::cli {
 
 struct SessionArguments {
     std::string case_file, out;
+    std::vector<std::string> settings;  ///< KEY=VALUE
     bool json = false, quiet = false;
 };
 

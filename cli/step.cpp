@@ -1,4 +1,5 @@
 #include "casefile/load_case.hpp"
+#include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/continuation.hpp"
 #include "cli/say.hpp"
@@ -18,7 +19,7 @@ void step(const SessionArguments& args) {
     request.json = args.json;
     request.quiet = args.quiet;
     Case& the_case = request.the_case;
-    the_case = load_case(args.case_file, Purpose::run);
+    the_case = load_case(args.case_file, Purpose::run, args.settings);
     the_case.output.by_hand = true;
     set_output_folder(the_case, args.out);
     const std::filesystem::path dir = the_case.output.dir;
@@ -49,6 +50,7 @@ void add_step(CLI::App& app) {
     CLI::App* command =
         app.add_subcommand("step", "hand out the evaluations needed next, and continue with those already answered");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    add_set_option(*command, args->settings);
     command->add_option("--out", args->out,
                         "run folder: new, or that of the previous steps (default: output.dir of the case)");
     command->add_flag("--json", args->json, "print the results as JSON");

@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 
 struct SweepArguments {
     std::string case_file, out, keep;
-    std::vector<std::string> variables;
+    std::vector<std::string> settings, variables;
     std::vector<std::string> from, to;
     std::vector<int> steps;
     int level = 1;
@@ -132,7 +132,7 @@ void print_json(const SweepOptions& options, const Sweep& sweep, bool with_objec
 }
 
 void sweep_case(const SweepArguments& args) {
-    Case the_case = load_case(args.case_file);
+    Case the_case = load_case(args.case_file, Purpose::any, args.settings);
     check_outputs({args.out}, {args.case_file, the_case.surface});
     std::error_code unknown;
     if (!args.keep.empty() && fs::exists(args.keep, unknown) && !fs::is_empty(args.keep, unknown))
@@ -163,6 +163,7 @@ void add_sweep(CLI::App& app) {
     CLI::App* command = app.add_subcommand(
         "sweep", "tabulate the objective and all quantities along one or more design variables of a case");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
+    add_set_option(*command, args->settings);
     // One argument each: "--from -1" must not swallow what follows.
     command->add_option("--variable", args->variables, "design variable; several make a grid")
         ->required()

@@ -1,4 +1,5 @@
 #include "report/report_subject.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "core/text/file.hpp"
 
 #include "core/mesh/geometry.hpp"
@@ -60,11 +61,20 @@ std::string goal_words(const Case& c) {
     return (c.maximize ? "maximize " : "minimize ") + what;
 }
 
+/// A user-defined variable with the bound that the case states for it.
+std::string user_variable_words(const UserVariableEntry& variable, const std::string& units) {
+    if (variable.max_angle) return fmt::format("{} (up to {}°)", variable.name, number(degrees(*variable.max_angle)));
+    if (variable.max_displacement)
+        return fmt::format("{} (up to {})", variable.name, length(*variable.max_displacement, units));
+    return variable.name;
+}
+
 std::string variable_words(const Case& c) {
     std::vector<std::string> kinds;
     for (const VariableKind kind : c.parameters.variables) kinds.push_back(word_of(kind));
     if (c.parameters.fields.is_wanted) kinds.push_back("displacement fields");
-    for (const UserVariableEntry& variable : c.parameters.user_variables) kinds.push_back(variable.name);
+    for (const UserVariableEntry& variable : c.parameters.user_variables)
+        kinds.push_back(user_variable_words(variable, c.units));
     const ParameterEntry& p = c.parameters;
     if (p.limits_variables)
         return joined(kinds) + ", each moving the surface by up to " + length(p.max_displacement, c.units);

@@ -73,8 +73,8 @@ void ProblemBuilder::set_attached() {
             std::find_if(part.triangles.begin(), part.triangles.end(), [&](int t) { return entry_of[t] >= 0; });
         if (taken != part.triangles.end())
             errors_.add(entry.part.place,
-                        text("attach: '", part.name, "' is already attached at line ",
-                             case_.attach[entry_of[*taken]].part.place.line, " (triangle ", *taken, " of '",
+                        text("attach: '", part.name, "' is already attached at ",
+                             line_words(case_.attach[entry_of[*taken]].part.place), " (triangle ", *taken, " of '",
                              printable(case_.attach[entry_of[*taken]].part.name), "'); a part has only one host"));
         for (const int t : part.triangles) entry_of[t] = e;
         const auto own = std::count_if(part.host.begin(), part.host.end(), [&](int t) { return entry_of[t] == e; });

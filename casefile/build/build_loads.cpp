@@ -6,11 +6,10 @@
 
 namespace strake {
 
-/// Springs under the loaded region: prescribed loads, and triangles that may carry load variables.
-void ProblemBuilder::set_springs() {
+/// Per triangle: load variables may act there.
+std::vector<char> ProblemBuilder::loaded_by_variables() const {
     const int m = start_.mesh.num_triangles();
-    Eigen::VectorXd own = Eigen::VectorXd::Zero(m);
-    std::vector<char> loaded(m, 0), has_own(m, 0);
+    std::vector<char> loaded(m, 0);
     const Parameters& p = out_.problem.parameters;
     const bool by_variables = std::any_of(p.kinds.begin(), p.kinds.end(), [](VariableKind kind) {
         return kind == VariableKind::load || kind == VariableKind::normal_load;
@@ -23,6 +22,14 @@ void ProblemBuilder::set_springs() {
             for (const int t : v.triangles) loaded[t] = 1;
     for (const auto& [twist, place] : twists_)
         for (const int t : twist.triangles) loaded[t] = 1;
+    return loaded;
+}
+
+/// Springs under the loaded region: prescribed loads, and triangles that may carry load variables.
+void ProblemBuilder::set_springs() {
+    const int m = start_.mesh.num_triangles();
+    Eigen::VectorXd own = Eigen::VectorXd::Zero(m);
+    std::vector<char> loaded = loaded_by_variables(), has_own(m, 0);
     for (const LoadEntry& load : case_.loads)
         for (const int t : triangles(load.region)) {
             loaded[t] = 1;
@@ -76,8 +83,8 @@ Eigen::Vector3d ProblemBuilder::scaled_traction(const LoadEntry& load, PrimoShel
         const Points moved = shell.linear_response(loads, setup.motions);
         largest = (moved - start_.mesh.vertices).rowwise().norm().maxCoeff();
     } catch (const UnheldPart& e) {
-        throw UnheldPart(text(printable(case_.file.string(), 400), ":", load.place.line, ":", load.place.column,
-                              ": loads: ", e.what()));
+        const std::string where = load.place.line < 0 ? " (--set)" : text(":", load.place.line, ":", load.place.column);
+        throw UnheldPart(text(printable(case_.file.string(), 400), where, ": loads: ", e.what()));
     }
     // Below this it is round-off: the load acts on held vertices only.
     if (!(largest > 1e-12 * start_.diagonal * unit.norm() * start_.area.sum()) || !std::isfinite(largest))

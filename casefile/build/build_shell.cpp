@@ -3,6 +3,16 @@
 
 namespace strake {
 
+/// Thicknesses whose cubes leave nothing of the other terms of the stiffness.
+void ProblemBuilder::check_heights(const Eigen::VectorXd& height) {
+    constexpr double thinnest = 1e-8, thickest = 100;  // in diagonals
+    for (const double h : {height.minCoeff(), height.maxCoeff()})
+        if (!(h >= thinnest * start_.diagonal && h <= thickest * start_.diagonal))
+            errors_.add(case_.thickness_place, text("shell.thickness: ", h, " is ", h / start_.diagonal,
+                                                    " times the diagonal of the surface, must be in [", thinnest, ", ",
+                                                    thickest, "]; 2% of the diagonal is the default"));
+}
+
 void ProblemBuilder::set_heights() {
     const int m = start_.mesh.num_triangles();
     Eigen::VectorXd height = Eigen::VectorXd::Constant(m, case_.thickness.in(start_.diagonal));
@@ -22,6 +32,7 @@ void ProblemBuilder::set_heights() {
                                              entry.region.name, "' share ", shared[earlier],
                                              " triangles; the later one, '", entry.region.name, "', holds there"));
     }
+    check_heights(height);
     out_.problem.prism_height = vertex_heights(start_.mesh, height);
     double edges = 0;
     for (const auto& [a, b] : start_.adjacent.edges)
@@ -32,6 +43,38 @@ void ProblemBuilder::set_heights() {
                                      mean, "; the stiffness depends on the triangulation"));
 }
 
+/// A strain of a region without its fixed triangles: these stay fixed.
+PrescribedStrain ProblemBuilder::prescribed(const StrainEntry& strain, const std::vector<char>& is_fixed) const {
+    const std::vector<int>& held = triangles(strain.region);
+    PrescribedStrain given;
+    for (const int t : held)
+        if (!is_fixed[t]) given.triangles.push_back(t);
+    given.motion.rotation = strain.rotate;
+    for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
+    given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
+    return given;
+}
+
+/// @param owner per triangle: the strain that moves it; this one's triangles are entered.
+void ProblemBuilder::check_strain(const StrainEntry& strain, const std::vector<char>& is_fixed,
+                                  std::vector<const StrainEntry*>& owner) {
+    const std::vector<int>& held = triangles(strain.region);
+    int fixed = 0;
+    for (const int t : held) {
+        fixed += is_fixed[t];
+        if (owner[t] && !is_fixed[t])
+            errors_.add(strain.region.place, text("strains: regions '", owner[t]->region.name, "' and '",
+                                                  strain.region.name, "' share triangles, which cannot follow both"));
+        owner[t] = &strain;
+    }
+    if (fixed == static_cast<int>(held.size()))
+        errors_.add(strain.region.place, text("strains: every triangle of region '", strain.region.name, "' is fixed"));
+    else if (fixed > 0)
+        out_.warnings.push_back(text("strains: ", fixed, " of ", held.size(), " triangles of region '",
+                                     strain.region.name, "' are fixed as well and stay fixed"));
+    warn_shared_vertices(strain, held, is_fixed);
+}
+
 void ProblemBuilder::set_pins() {
     std::vector<char> is_fixed(start_.mesh.num_triangles(), 0);
     for (const Reference& region : case_.fixed)
@@ -40,43 +83,20 @@ void ProblemBuilder::set_pins() {
         if (is_fixed[t]) out_.problem.fixed.push_back(t);
     std::vector<const StrainEntry*> owner(start_.mesh.num_triangles(), nullptr);
     for (const StrainEntry& strain : case_.strains) {
-        const std::vector<int>& held = triangles(strain.region);
-        int fixed = 0;
-        for (const int t : held) {
-            fixed += is_fixed[t];
-            if (owner[t] && !is_fixed[t])
-                errors_.add(strain.region.place,
-                            text("strains: regions '", owner[t]->region.name, "' and '", strain.region.name,
-                                 "' share triangles, which cannot follow both"));
-            owner[t] = &strain;
-        }
-        if (fixed == static_cast<int>(held.size()))
-            errors_.add(strain.region.place,
-                        text("strains: every triangle of region '", strain.region.name, "' is fixed"));
-        else if (fixed > 0)
-            out_.warnings.push_back(text("strains: ", fixed, " of ", held.size(), " triangles of region '",
-                                         strain.region.name, "' are fixed as well and stay fixed"));
-        warn_shared_vertices(strain, held, is_fixed);
-        // Fixed triangles stay fixed: they do not belong to the motion.
-        PrescribedStrain given;
-        for (const int t : held)
-            if (!is_fixed[t]) given.triangles.push_back(t);
-        given.motion.rotation = strain.rotate;
-        for (int k = 0; k < 3; ++k) given.motion.translation[k] = strain.translate[k].in(start_.diagonal);
-        given.motion.about = strain.about ? *strain.about : area_centroid(start_.mesh, held);
+        check_strain(strain, is_fixed, owner);
+        PrescribedStrain given = prescribed(strain, is_fixed);
         check_symmetry(strain.place, text("strains: region '", strain.region.name, "'"), given);
         out_.problem.strains.push_back(std::move(given));
     }
     if (!errors_.empty()) return;
-    bool any_free = false;
-    for (int t = 0; t < start_.mesh.num_triangles(); ++t) any_free |= !is_fixed[t] && !owner[t];
-    if (!any_free)
-        errors_.add(case_.fixed.empty() ? case_.strains[0].place : case_.fixed_place,
-                    text(case_.fixed.empty() ? "strains" : "fixed", ": every triangle is ",
-                         case_.strains.empty() ? "fixed"
-                         : case_.fixed.empty() ? "strained"
-                                               : "fixed or strained",
-                         "; nothing is left to deform"));
+    for (int t = 0; t < start_.mesh.num_triangles(); ++t)
+        if (!is_fixed[t] && !owner[t]) return;
+    errors_.add(case_.fixed.empty() ? case_.strains[0].place : case_.fixed_place,
+                text(case_.fixed.empty() ? "strains" : "fixed", ": every triangle is ",
+                     case_.strains.empty() ? "fixed"
+                     : case_.fixed.empty() ? "strained"
+                                           : "fixed or strained",
+                     "; nothing is left to deform"));
 }
 
 /// Open edges on the plane of symmetry must stay there: otherwise the half and its mirror image come apart.

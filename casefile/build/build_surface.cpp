@@ -6,6 +6,7 @@
 #include "core/patches/automatic.hpp"
 #include "core/patches/mirrored.hpp"
 #include "core/patches/segmentation.hpp"
+#include "core/repair/checkup.hpp"
 #include "optimize/run/stored_design.hpp"
 #include "optimize/space/mirror.hpp"
 
@@ -48,6 +49,11 @@ void ProblemBuilder::read_start() {
         for (const QuantityEntry& quantity : case_.quantities)
             demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
     check_surface(case_.surface, start_, demands);
+    if (case_.symmetry || purpose_ == Purpose::deform) return;
+    const auto loops = topology(start_.mesh, start_.adjacent).boundary_loops;
+    if (loops.empty()) return;
+    const auto plane = cut_of_half(start_.mesh, start_.adjacent, measured_loops(start_.mesh, start_.adjacent, loops));
+    if (plane) out_.notes.push_back(half_words(*plane));
 }
 
 /// A half model ends on the plane, with open edges.

@@ -51,7 +51,11 @@ private:
     void evaluate_regions();
     // build_shell.cpp
     void set_heights();
+    void check_heights(const Eigen::VectorXd& height);
     void set_pins();
+    PrescribedStrain prescribed(const StrainEntry& strain, const std::vector<char>& is_fixed) const;
+    void check_strain(const StrainEntry& strain, const std::vector<char>& is_fixed,
+                      std::vector<const StrainEntry*>& owner);
     /// @param shown what is said to leave the plane: "strains: region 'x'".
     void check_symmetry(const Place& place, const std::string& shown, const PrescribedStrain& given);
     void warn_shared_vertices(const StrainEntry& strain, const std::vector<int>& held,
@@ -61,6 +65,7 @@ private:
     std::vector<int> part_triangles(const Reference& reference);
     void check_loaded();
     // build_loads.cpp
+    std::vector<char> loaded_by_variables() const;
     void set_springs();
     void set_tractions();
     void make_shell(std::optional<PrimoShell>& shell, ShellSetup& setup);

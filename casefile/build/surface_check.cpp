@@ -1,6 +1,7 @@
 #include "casefile/build/surface_check.hpp"
 
 #include "core/mesh/topology.hpp"
+#include "objectives/quantity/closed.hpp"
 
 #include <functional>
 
@@ -113,6 +114,14 @@ void report_cracks(const StartSurface& start, Report& report) {
                       crack_rel * start.diagonal, "} in the case, or strake repair --cracks"));
 }
 
+/// The line that a half model lacks, where the open edges lie in one plane.
+std::string half_hint(const StartSurface& start, const std::vector<int>& open,
+                      const std::optional<SymmetryPlane>& symmetry) {
+    if (symmetry || open.empty()) return "";
+    const std::string remedy = open_remedy(start.mesh, start.adjacent, open);
+    return remedy.find("symmetry: {") == std::string::npos ? "" : remedy + "; otherwise ";
+}
+
 void report_volume(const StartSurface& start, const SurfaceDemands& demands, const TopologyFacts& facts,
                    Report& report) {
     report.edges(facts.misoriented_edges, "edge with inconsistently oriented triangles",
@@ -122,8 +131,8 @@ void report_volume(const StartSurface& start, const SurfaceDemands& demands, con
     report.edges(open, text("open edge", demands.symmetry ? " off the symmetry plane" : ""),
                  text("open edges", demands.symmetry ? " off the symmetry plane" : "", " in ",
                       plural(facts.boundary_loops.size(), "boundary loop", "boundary loops")),
-                 text("volume needs a closed surface; close the holes (repair: {holes: SIZE})",
-                      demands.symmetry ? "" : ", declare symmetry for a half model", ", or do not use volume"));
+                 text("volume needs a closed surface; ", half_hint(start, open, demands.symmetry),
+                      "close the holes (repair: {holes: SIZE}), or do not use volume"));
 }
 
 }  // namespace

@@ -1,4 +1,5 @@
 #include "casefile/check/cross_check.hpp"
+#include "casefile/schema/quantity_types.hpp"
 #include "objectives/external/external.hpp"
 #include "optimize/nlp/program/methods.hpp"
 
@@ -152,11 +153,18 @@ void check_quantities(const Value* list, const Case& c, Diagnostics& errors) {
 }
 
 std::string unknown_value(const Case& c, const std::string& name) {
+    for (const QuantityEntry& quantity : c.quantities)
+        if (const auto* made = std::get_if<BuiltInEntry>(&quantity.what))
+            for (const std::string& value : made->left_out)
+                if (name == quantity.name + "." + value)
+                    return text("quantity '", printable(name),
+                                "' is left out: a half model at no sideslip has no side force, roll or yaw");
     std::vector<std::string> known = known_values(c);
     const std::string near = nearest(name, known);
+    const std::string hint = near.empty() ? quantity_hint(name) : "";
     return text("quantity '", printable(name), "' is not known",
                 near.empty() ? "" : text("; did you mean '", near, "'?"), near.empty() ? "; q" : " Q",
-                "uantities: ", joined(known));
+                "uantities: ", joined(known), hint.empty() ? "" : "; " + hint);
 }
 
 /// The quantity that gives the value of this name, or null.

@@ -28,6 +28,8 @@ std::vector<std::string> QuantityEntry::value_names() const {
     return names;
 }
 
-Diagnostics diagnostics_of(const Case& the_case) { return {the_case.file.string(), the_case.source->lines}; }
+Diagnostics diagnostics_of(const Case& the_case) {
+    return {the_case.file.string(), the_case.source->lines, the_case.source->settings};
+}
 
 }  // namespace strake

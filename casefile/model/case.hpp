@@ -272,7 +272,9 @@ struct Case {
     Place fixed_place;
     std::optional<SymmetryPlane> symmetry;
     Place symmetry_place;
+    AeroGround aero;  ///< axes and coefficients; its plane is `symmetry`
     Length thickness;
+    Place thickness_place;
     std::vector<ThicknessEntry> thickness_by_region;
     double spring = 0;  ///< lambda_A under loaded regions that state none
     bool couple_nonmanifold = false;
@@ -296,10 +298,11 @@ struct Case {
     struct Output {
         std::filesystem::path dir;  ///< may be set before the problem is built
         ParaView paraview = ParaView::every_accepted;
-        Keep keep = Keep::all;    ///< folders of evaluations
-        bool report = false;      ///< report.html at the end
-        bool is_resumed = false;  ///< the folder is that of a run that continues
-        bool by_hand = false;     ///< programs are not run: their folders are handed out (`strake step`)
+        Keep keep = Keep::all;          ///< folders of evaluations
+        bool report = true;             ///< report.html at the end
+        bool report_is_stated = false;  ///< in the file, not by default
+        bool is_resumed = false;        ///< the folder is that of a run that continues
+        bool by_hand = false;           ///< programs are not run: their folders are handed out (`strake step`)
     } output;
     /// Asked while the surface is remeshed; true ends that by throwing Interrupted. Set by the caller.
     std::function<bool()> stop_wanted;

@@ -8,6 +8,7 @@ namespace strake {
 struct Case::Source {
     Value root;  ///< checked, defaults filled in
     std::vector<std::string> lines;
+    std::vector<std::string> settings;  ///< KEY=VALUE of the command line, already in `root`
 };
 
 }  // namespace strake

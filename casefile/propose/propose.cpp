@@ -93,6 +93,25 @@ std::string symmetry_text(const SymmetryPlane& plane) {
            std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + "}\n";
 }
 
+/// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal.
+std::string axes_text(const Checkup& c, const std::optional<SymmetryPlane>& plane, const Eigen::Vector3d& down) {
+    const Eigen::Vector3d size = c.box.max - c.box.min;
+    int across = -1, up = -1, along = -1;
+    for (int k = 0; k < 3; ++k) {
+        if (plane && std::abs(plane->normal[k]) > 1 - 1e-6) across = k;
+        if (std::abs(down[k]) > 1 - 1e-6) up = k;
+    }
+    if (up == across) up = -1;
+    for (int k = 0; k < 3; ++k)
+        if (k != across && k != up && (along < 0 || size[k] > size[along])) along = k;
+    const bool stands = up >= 0;
+    if (!stands) up = across >= 0 ? 3 - across - along : along == 2 ? 1 : 2;
+    const auto way = [](int k, bool is_negative) { return std::string(is_negative ? "-" : "+") + "xyz"[k]; };
+    return "\n# Where the air goes and where up is, for quantities with a stream. A guess: strake check says where it "
+           "puts\n# nose, right wing and top.\naxes: {downstream: " +
+           way(along, false) + ", up: " + way(up, stands && down[up] > 0) + "}\n";
+}
+
 std::string angles_text(const CreaseAngles& angles) {
     std::string out = "  # Edges by dihedral angle:";
     for (std::size_t k = 0; k < angles.shares.size(); ++k)
@@ -224,6 +243,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
         regions_text(regions) + (half ? symmetry_text(*half) : "") +
+        axes_text(surface.checkup, proposal.plane, proposal.down) +
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
         padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
         (surface.couple ? padded("  nonmanifold: couple", "edges with more than two triangles") : "") +

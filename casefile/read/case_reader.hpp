@@ -26,6 +26,7 @@ private:
     // read_made_regions.cpp
     bool read_made_region(const Value& map, const std::string& kind, const Value& value, Region& region);
     void read_symmetry(const Value& map);
+    void read_axes(const Value& map);
     // read_shell.cpp
     void read_shell(const Value& map);
     void read_loads(const Value& list);
@@ -33,6 +34,8 @@ private:
     void read_attach(const Value& list);
     // read_parameters.cpp
     void read_parameters(const Value& map);
+    void read_levels(const Value& map);
+    void read_variable_places(const Value& map);
     void read_variables(const std::vector<std::string>& words);
     void read_directions(const Value* list);
     void read_motion_limits(const Value& limit);
@@ -55,14 +58,22 @@ private:
     void read_constraint(const Entry& entry);
     // read_run.cpp
     void read_optimize(const Value& map);
+    void read_fitting(const Value& map);
+    void read_stopping(const Value& map);
     void read_output(const Value& map);
 };
 
+/// `number` stays where there is no accepted value.
+void set(double& number, const Value* value);
+void set(int& number, const Value* value);
+void set(bool& flag, const Value* value);
 /// Three accepted numbers, or nothing.
 std::optional<Eigen::Vector3d> vector_of(const Value* list);
 Length length_of(const Value& value);
 /// A vector of length one. @return nothing, with an error, for the zero vector.
 std::optional<Eigen::Vector3d> direction_of(const Value* list, const std::string& shown, Diagnostics& errors);
+/// The same from "+x" or a list.
+std::optional<Eigen::Vector3d> direction_or_word(const Value* value, const std::string& shown, Diagnostics& errors);
 /// The accepted names of a list, with their places; `list` may be null.
 std::vector<Reference> references(const Value* list);
 std::vector<std::string> texts(const Value* list);

@@ -33,6 +33,13 @@ void flatten(const Value& value, const std::string& path, std::map<std::string, 
     }
 }
 
+/// A key at its default that a run of before did not know: cases of runs hold all defaults.
+bool is_new_default(const std::string& key, const std::string& value) {
+    const auto rows = schema_index().rows.find(key);
+    return rows != schema_index().rows.end() && !rows->second.front()->fallback.empty() &&
+           rows->second.front()->fallback == value;
+}
+
 }  // namespace
 
 std::vector<std::pair<std::string, std::filesystem::path>> files_of(const Case& the_case) {
@@ -61,7 +68,7 @@ std::vector<std::string> changed_keys(const std::string& before, const std::stri
     for (const auto& [key, value] : was)
         if (const auto found = is.find(key); found == is.end() || found->second != value) keys.push_back(key);
     for (const auto& [key, value] : is)
-        if (!was.contains(key)) keys.push_back(key);
+        if (!was.contains(key) && !is_new_default(key, value)) keys.push_back(key);
     std::sort(keys.begin(), keys.end());
     return keys;
 }

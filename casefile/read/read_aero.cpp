@@ -5,12 +5,11 @@
 #include "objectives/aero/projected_area.hpp"
 #include "objectives/aero/wave_drag.hpp"
 
+#include <Eigen/Geometry>
+#include <algorithm>
+
 namespace strake {
 namespace {
-
-void set(double& number, const Value* value) {
-    if (value) number = value->number;
-}
 
 FlowAngle angle_of(const Value* value, std::vector<Reference>& variables) {
     if (!value) return {};
@@ -21,88 +20,158 @@ FlowAngle angle_of(const Value* value, std::vector<Reference>& variables) {
     return {0, name->text};
 }
 
-Stream stream_of(const Value& map, const std::string& shown, std::vector<Reference>& variables, Diagnostics& errors) {
-    Stream stream;
-    if (const auto d = direction_of(map.find("forward"), shown + ".forward", errors)) stream.forward = *d;
-    if (const auto d = direction_of(map.find("up"), shown + ".up", errors)) stream.up = *d;
-    stream.alpha = angle_of(map.find("alpha"), variables);
-    stream.beta = angle_of(map.find("beta"), variables);
-    return stream;
-}
+/// "axes.downstream", from what a quantity gives under its old name.
+struct OldDirection {
+    const Value* value;
+    std::string shown, now;
+};
 
-BuiltInEntry read_newtonian(const Value& map, const std::string& shown, Diagnostics& errors) {
-    BuiltInEntry made;
+bool contradicts(const Eigen::Vector3d& one, const Eigen::Vector3d& other) { return !((one - other).norm() < 1e-6); }
+
+/// A quantity while it is read.
+struct AeroForm {
+    const Value& map;
+    const std::string& shown;
+    const AeroGround& ground;
+    Diagnostics& errors;
+    BuiltInEntry made = {};
+
+    /// The axes of the case, those of the quantity's old keys, or the default. @param has_up the type has a key `up`
+    BodyAxes axes(bool has_up) {
+        const OldDirection forward{map.find("forward"), shown + ".forward", "axes.downstream"},
+            up{has_up ? map.find("up") : nullptr, shown + ".up", "axes.up"};
+        BodyAxes at = ground.axes.value_or(BodyAxes{});
+        for (const OldDirection& old : {forward, up})
+            if (old.value) {
+                errors.note(old.value->place,
+                            text("'", old.shown, "' is now called '", old.now, "', stated once for the case"));
+                at.is_stated = true;
+            }
+        if (const auto d = direction_of(forward.value, forward.shown, errors)) {
+            if (ground.axes && contradicts(*d, at.downstream)) refuse(forward);
+            at.downstream = *d;
+        }
+        if (const auto d = direction_of(up.value, up.shown, errors)) {
+            const Eigen::Vector3d across = *d - d->dot(at.downstream) * at.downstream;
+            if (ground.axes && !(across.norm() > 1e-6 && !contradicts(across.normalized(), at.up))) refuse(up);
+            at.up = *d;
+        }
+        made.axes = at;
+        return at;
+    }
+
+    Stream stream() {
+        const BodyAxes at = axes(true);
+        Stream stream;
+        stream.forward = at.downstream;
+        stream.up = at.up;
+        stream.alpha = angle_of(map.find("alpha"), made.variables);
+        stream.beta = angle_of(map.find("beta"), made.variables);
+        return stream;
+    }
+
+    /// Of coefficients: half of the whole body's doubles those of the half.
+    void set_reference_area(double& area) const {
+        set(area, map.find("reference_area"));
+        if (ground.symmetry && ground.whole_coefficients) area /= 2;
+    }
+
+    /// A half model on whose plane the stream has no component, with the right wing along the plane's normal.
+    bool is_symmetric_half(const Stream& stream) const {
+        if (!ground.symmetry || stream.beta.value != 0 || !stream.beta.variable.empty()) return false;
+        const Eigen::Vector3d& normal = ground.symmetry->normal;
+        return std::max(std::abs(normal.dot(stream.forward.stableNormalized())),
+                        std::abs(normal.dot(stream.up.stableNormalized()))) <= 1e-6;
+    }
+
+private:
+    void refuse(const OldDirection& old) const {
+        errors.add(old.value->place,
+                   text(old.shown, " contradicts ", old.now, " (", line_words(ground.axes->place), "); remove it"));
+    }
+};
+
+BuiltInEntry read_newtonian(AeroForm& form) {
+    const Value& map = form.map;
     NewtonianFlow flow;
-    flow.stream = stream_of(map, shown, made.variables, errors);
+    flow.stream = form.stream();
     const Value *mach = map.find("mach"), *cp_max = map.find("cp_max"), *leeward = map.find("leeward"),
                 *shadows = map.find("shadows");
-    if (!mach && !cp_max) errors.add(map.place, text(shown, " must have mach or cp_max"));
+    if (!mach && !cp_max) form.errors.add(map.place, text(form.shown, " must have mach or cp_max"));
     set(flow.mach, mach);
     set(flow.gamma, map.find("gamma"));
     if (cp_max) flow.cp_max = cp_max->number;
     if (leeward && leeward->text == "prandtl_meyer") flow.leeward = LeewardPressure::prandtl_meyer;
     if (flow.leeward == LeewardPressure::prandtl_meyer && !mach)
-        errors.add(leeward->place, text(shown, ".leeward: prandtl_meyer needs mach"));
-    if (shadows) flow.shadows = shadows->number != 0;
+        form.errors.add(leeward->place, text(form.shown, ".leeward: prandtl_meyer needs mach"));
+    set(flow.shadows, shadows);
     if (const auto about = vector_of(map.find("moment_center"))) flow.moment_center = *about;
-    set(flow.reference_area, map.find("reference_area"));
+    form.set_reference_area(flow.reference_area);
     set(flow.reference_length, map.find("reference_length"));
-    made.outputs = newtonian_values;
-    made.make = [flow](const std::string& name, const QuantityContext& ground) {
+    const bool is_symmetric = form.is_symmetric_half(flow.stream);
+    if (form.ground.symmetry && form.ground.whole_coefficients && !is_symmetric)
+        form.errors.add(map.place, text(form.shown,
+                                        ": symmetry.coefficients: whole needs a stream without sideslip (beta) and "
+                                        "axes whose downstream and up lie in the symmetry plane"));
+    flow.has_side_values = !is_symmetric || form.ground.keeps_side_values;
+    for (const std::string& name : newtonian_values)
+        (flow.has_side_values || !is_side_value(name) ? form.made.outputs : form.made.left_out).push_back(name);
+    form.made.make = [flow](const std::string& name, const QuantityContext& ground) {
         return newtonian(name, ground.start, flow);
     };
-    return made;
+    return form.made;
 }
 
-BuiltInEntry read_wave_drag(const Value& map, const std::string& shown, Diagnostics& errors) {
-    BuiltInEntry made;
+BuiltInEntry read_wave_drag(AeroForm& form) {
+    const Value& map = form.map;
     WaveDrag flow;
-    if (const auto d = direction_of(map.find("forward"), shown + ".forward", errors)) flow.forward = *d;
+    flow.forward = form.axes(false).downstream;
     set(flow.mach, map.find("mach"));
-    set(flow.reference_area, map.find("reference_area"));
-    if (const Value* v = map.find("stations")) flow.stations = static_cast<int>(v->number);
-    if (const Value* v = map.find("angles")) flow.angles = static_cast<int>(v->number);
-    if (const Value* v = map.find("base")) made.regions.push_back({v->text, v->place});
-    made.make = [flow, base = made.regions](const std::string& name, const QuantityContext& ground) {
+    form.set_reference_area(flow.reference_area);
+    set(flow.stations, map.find("stations"));
+    set(flow.angles, map.find("angles"));
+    if (const Value* v = map.find("base")) form.made.regions.push_back({v->text, v->place});
+    form.made.make = [flow, base = form.made.regions](const std::string& name, const QuantityContext& ground) {
         WaveDrag with_base = flow;
         if (!base.empty()) with_base.base = ground.marks(base.front());
         return wave_drag(name, ground.start, with_base, ground.symmetry);
     };
-    return made;
+    return form.made;
 }
 
-BuiltInEntry read_friction(const Value& map, const std::string& shown, Diagnostics& errors) {
-    BuiltInEntry made;
+BuiltInEntry read_friction(AeroForm& form) {
+    const Value& map = form.map;
     FrictionFlow flow;
-    flow.stream = stream_of(map, shown, made.variables, errors);
+    flow.stream = form.stream();
     set(flow.reynolds_per_length, map.find("reynolds"));
     set(flow.mach, map.find("mach"));
     set(flow.gamma, map.find("gamma"));
     set(flow.temperature, map.find("temperature"));
-    set(flow.reference_area, map.find("reference_area"));
+    form.set_reference_area(flow.reference_area);
     if (const Value* v = map.find("wall_temperature")) flow.wall_temperature = v->number;
     if (const Value* v = map.find("boundary_layer")) flow.turbulent = v->text == "turbulent";
-    made.make = [flow](const std::string& name, const QuantityContext& ground) {
+    form.made.make = [flow](const std::string& name, const QuantityContext& ground) {
         return friction(name, ground.start, flow, ground.symmetry);
     };
-    return made;
+    return form.made;
+}
+
+BuiltInEntry read_projected_area(AeroForm& form) {
+    form.made.make = [stream = form.stream()](const std::string& name, const QuantityContext& ground) {
+        return projected_area(name, ground.start, stream);
+    };
+    return form.made;
 }
 
 }  // namespace
 
 std::optional<BuiltInEntry> read_aero(const std::string& type, const Value& map, const std::string& shown,
-                                      Diagnostics& errors) {
-    if (type == "newtonian") return read_newtonian(map, shown, errors);
-    if (type == "wave_drag") return read_wave_drag(map, shown, errors);
-    if (type == "friction") return read_friction(map, shown, errors);
-    if (type == "projected_area") {
-        BuiltInEntry made;
-        const Stream stream = stream_of(map, shown, made.variables, errors);
-        made.make = [stream](const std::string& name, const QuantityContext& ground) {
-            return projected_area(name, ground.start, stream);
-        };
-        return made;
-    }
+                                      const AeroGround& ground, Diagnostics& errors) {
+    AeroForm form{map, shown, ground, errors};
+    if (type == "newtonian") return read_newtonian(form);
+    if (type == "wave_drag") return read_wave_drag(form);
+    if (type == "friction") return read_friction(form);
+    if (type == "projected_area") return read_projected_area(form);
     return {};
 }
 

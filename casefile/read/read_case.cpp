@@ -2,6 +2,16 @@
 
 namespace strake {
 
+void set(double& number, const Value* value) {
+    if (value) number = value->number;
+}
+void set(int& number, const Value* value) {
+    if (value) number = static_cast<int>(value->number);
+}
+void set(bool& flag, const Value* value) {
+    if (value) flag = value->number != 0;
+}
+
 std::optional<Eigen::Vector3d> vector_of(const Value* list) {
     if (!list || list->entries.size() != 3) return {};
     Eigen::Vector3d v;
@@ -24,6 +34,13 @@ std::optional<Eigen::Vector3d> direction_of(const Value* list, const std::string
     return {};
 }
 
+std::optional<Eigen::Vector3d> direction_or_word(const Value* value, const std::string& shown, Diagnostics& errors) {
+    if (!value || value->form != Value::Form::scalar) return direction_of(value, shown, errors);
+    Eigen::Vector3d unit = Eigen::Vector3d::Zero();
+    unit[value->text[1] - 'x'] = value->text[0] == '-' ? -1 : 1;
+    return unit;
+}
+
 std::vector<Reference> references(const Value* list) {
     std::vector<Reference> all;
     if (!list) return all;
@@ -39,32 +56,36 @@ std::vector<std::string> texts(const Value* list) {
 }
 
 void CaseReader::read(const Value& root) {
+    const auto map = [&](const char* key, void (CaseReader::*reader)(const Value&)) {
+        if (const Value* v = root.find(key)) (this->*reader)(*v);
+    };
+    const auto entries = [&](const char* key, void (CaseReader::*reader)(const Entry&)) {
+        if (const Value* v = root.find(key))
+            for (const Entry& entry : v->entries) (this->*reader)(entry);
+    };
     if (const Value* v = root.find("case")) case_.name = v->text;
-    if (const Value* v = root.find("surface")) read_surface_entry(*v);
-    if (const Value* v = root.find("repair")) read_repair(*v);
-    if (const Value* v = root.find("remesh")) read_remesh(*v);
-    if (const Value* v = root.find("regions"))
-        for (const Entry& entry : v->entries) read_region(entry);
+    map("surface", &CaseReader::read_surface_entry);
+    map("repair", &CaseReader::read_repair);
+    map("remesh", &CaseReader::read_remesh);
+    entries("regions", &CaseReader::read_region);
     if (const Value* v = root.find("fixed")) {
         case_.fixed = references(v);
         case_.fixed_place = v->place;
     }
-    if (const Value* v = root.find("symmetry")) read_symmetry(*v);
-    if (const Value* v = root.find("shell")) read_shell(*v);
-    if (const Value* v = root.find("loads")) read_loads(*v);
-    if (const Value* v = root.find("strains")) read_strains(*v);
-    if (const Value* v = root.find("attach")) read_attach(*v);
-    if (const Value* v = root.find("parameters")) read_parameters(*v);
-    if (const Value* v = root.find("variables"))
-        for (const Entry& entry : v->entries) read_program_parameter(entry);
-    if (const Value* v = root.find("quantities"))
-        for (const Entry& entry : v->entries) read_quantity(entry);
-    if (const Value* v = root.find("objective")) read_objective(*v);
+    map("symmetry", &CaseReader::read_symmetry);
+    map("axes", &CaseReader::read_axes);
+    map("shell", &CaseReader::read_shell);
+    map("loads", &CaseReader::read_loads);
+    map("strains", &CaseReader::read_strains);
+    map("attach", &CaseReader::read_attach);
+    map("parameters", &CaseReader::read_parameters);
+    entries("variables", &CaseReader::read_program_parameter);
+    entries("quantities", &CaseReader::read_quantity);
+    map("objective", &CaseReader::read_objective);
     case_.fit = references(root.find("fit"));
-    if (const Value* v = root.find("constraints"))
-        for (const Entry& entry : v->entries) read_constraint(entry);
-    if (const Value* v = root.find("optimize")) read_optimize(*v);
-    if (const Value* v = root.find("output")) read_output(*v);
+    entries("constraints", &CaseReader::read_constraint);
+    map("optimize", &CaseReader::read_optimize);
+    map("output", &CaseReader::read_output);
 }
 
 void read_case(const Value& root, const std::filesystem::path& case_dir, Case& the_case, Diagnostics& errors) {

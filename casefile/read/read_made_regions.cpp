@@ -6,15 +6,9 @@ namespace {
 std::optional<FacingDirection> facing_of(const Value& value, const Value* within, const std::string& shown,
                                          Diagnostics& errors) {
     if (!within || !within->accepted || !value.accepted) return {};
-    FacingDirection facing{Eigen::Vector3d::Zero(), within->number};
-    if (value.form == Value::Form::scalar) {
-        facing.direction[value.text[1] - 'x'] = value.text[0] == '-' ? -1 : 1;
-        return facing;
-    }
-    const auto direction = direction_of(&value, shown, errors);
+    const auto direction = direction_or_word(&value, shown, errors);
     if (!direction) return {};
-    facing.direction = *direction;
-    return facing;
+    return FacingDirection{*direction, within->number};
 }
 
 std::optional<FloodedRegion> flood_of(const Value& value) {

@@ -5,9 +5,9 @@
 #include <algorithm>
 
 namespace strake {
-void CaseReader::read_parameters(const Value& map) {
+
+void CaseReader::read_levels(const Value& map) {
     ParameterEntry& p = case_.parameters;
-    case_.parameters_place = map.place;
     if (const Value* levels = map.find("levels"); levels && levels->form == Value::Form::list)
         for (const Entry& entry : levels->entries)
             if (entry.value.accepted) p.levels_deg.push_back(degrees(entry.value.number));
@@ -16,28 +16,40 @@ void CaseReader::read_parameters(const Value& map) {
         for (const Entry& entry : v->entries)
             if (entry.value.accepted) p.patches_per_level.push_back(static_cast<int>(entry.value.number));
     if (const Value* v = map.find("sharp_angle")) p.sharp_angle_deg = degrees(v->number);
-    read_variables(texts(map.find("variables")));
-    read_directions(map.find("directions"));
-    if (const Value* v = map.find("free_border")) p.free_border = v->number;
-    if (const Value* v = map.find("max_displacement")) read_motion_limits(*v);
-    if (const Value* v = map.find("variable_scale")) p.variable_scale = length_of(*v);
     if (const Value* v = map.find("split")) read_split(*v);
-    if (const Value* v = map.find("marking_fraction")) p.marking_fraction = v->number;
-    if (const Value* v = map.find("max_variable_ratio")) p.max_variable_ratio = v->number;
+    set(p.marking_fraction, map.find("marking_fraction"));
+    set(p.max_variable_ratio, map.find("max_variable_ratio"));
+}
+
+/// Which patches carry variables.
+void CaseReader::read_variable_places(const Value& map) {
+    ParameterEntry& p = case_.parameters;
     p.variables_on = references(map.find("variables_on"));
     p.frozen = references(map.find("frozen"));
     if (const Value* v = map.find("groups"))
         for (const Entry& group : v->entries)
             if (group.value.accepted) p.groups.push_back(references(&group.value));
+    if (const Value* v = map.find("mirror")) {
+        p.mirror = v->number != 0;
+        p.mirror_place = v->place;
+    }
+}
+
+void CaseReader::read_parameters(const Value& map) {
+    ParameterEntry& p = case_.parameters;
+    case_.parameters_place = map.place;
+    read_levels(map);
+    read_variables(texts(map.find("variables")));
+    read_directions(map.find("directions"));
+    set(p.free_border, map.find("free_border"));
+    if (const Value* v = map.find("max_displacement")) read_motion_limits(*v);
+    if (const Value* v = map.find("variable_scale")) p.variable_scale = length_of(*v);
+    read_variable_places(map);
     if (const Value* v = map.find("fields")) read_fields(*v);
     if (const Value* v = map.find("given"))
         for (std::size_t i = 0; i < v->entries.size(); ++i)
             if (v->entries[i].value.accepted)
                 read_user_variables(v->entries[i].value, text("parameters.given[", i, "]"));
-    if (const Value* v = map.find("mirror")) {
-        p.mirror = v->number != 0;
-        p.mirror_place = v->place;
-    }
 }
 
 void CaseReader::read_motion_limits(const Value& limit) {

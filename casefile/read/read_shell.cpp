@@ -11,6 +11,7 @@ void CaseReader::read_shell(const Value& map) {
                                                      : LinearSolver::automatic;
     const Value* thickness = map.find("thickness");
     if (!thickness) return;
+    case_.thickness_place = thickness->place;
     if (thickness->form == Value::Form::scalar) {
         case_.thickness = length_of(*thickness);
         return;

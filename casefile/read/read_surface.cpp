@@ -1,6 +1,9 @@
 #include "casefile/read/case_reader.hpp"
+#include "casefile/schema/scalars.hpp"
 
+#include <Eigen/Geometry>
 #include <algorithm>
+#include <cmath>
 
 namespace strake {
 
@@ -94,6 +97,25 @@ void CaseReader::read_symmetry(const Value& map) {
     symmetry.offset = at->number;
     case_.symmetry = symmetry;
     case_.symmetry_place = map.place;
+    case_.aero.symmetry = symmetry;
+    const Value* coefficients = map.find("coefficients");
+    case_.aero.whole_coefficients = coefficients && coefficients->text == "whole";
+    // The case of a run folder holds every key; without this one it began when there were no such rules.
+    case_.aero.keeps_side_values = coefficients && coefficients->from_default && !case_.command_dir.empty();
+}
+
+void CaseReader::read_axes(const Value& map) {
+    const auto downstream = direction_or_word(map.find("downstream"), "axes.downstream", errors_),
+               up = direction_or_word(map.find("up"), "axes.up", errors_);
+    if (!downstream || !up) return;
+    constexpr double square = 1e-3;  // directions rounded to four digits
+    if (std::abs(downstream->dot(*up)) > square) {
+        const double between = std::acos(std::clamp(downstream->dot(*up), -1.0, 1.0));
+        errors_.add(map.place, text("axes: downstream and up must be perpendicular; the angle between them is ",
+                                    degrees(between), "deg"));
+        return;
+    }
+    case_.aero.axes = {*downstream, (*up - up->dot(*downstream) * *downstream).normalized(), true, map.place};
 }
 
 }  // namespace strake

@@ -41,6 +41,18 @@ void check_keys(const Value& map, const std::string& shown, const UserVariableEn
     if (!twists && !map.find("region")) errors.add(map.place, text(shown, ".region is missing"));
 }
 
+/// A number of stations, or their places along the axis.
+void read_stations(const Value& value, const std::string& shown, UserVariableEntry& given, Diagnostics& errors) {
+    if (value.form == Value::Form::scalar) given.num_stations = static_cast<int>(value.number);
+    std::vector<double>& at = given.stations;
+    for (std::size_t k = 0; k < value.entries.size(); ++k) {
+        const Value& one = value.entries[k].value;
+        if (one.accepted) at.push_back(one.number);
+        if (k > 0 && at.size() == k + 1 && !(at[k] > at[k - 1]))
+            errors.add(one.place, text(shown, ".stations[", k, "] = ", at[k], " must be > ", at[k - 1]));
+    }
+}
+
 }  // namespace
 
 void CaseReader::read_user_variables(const Value& map, const std::string& shown) {
@@ -65,15 +77,7 @@ void CaseReader::read_user_variables(const Value& map, const std::string& shown)
     given.about = vector_of(map.find("about"));
     if (const Value* v = map.find("max_displacement")) given.max_displacement = length_of(*v);
     if (const Value* v = map.find("max_angle")) given.max_angle = v->number;
-    if (const Value* v = map.find("stations")) {
-        if (v->form == Value::Form::scalar) given.num_stations = static_cast<int>(v->number);
-        for (std::size_t k = 0; k < v->entries.size(); ++k) {
-            if (v->entries[k].value.accepted) given.stations.push_back(v->entries[k].value.number);
-            if (k > 0 && given.stations.size() == k + 1 && !(given.stations[k] > given.stations[k - 1]))
-                errors_.add(v->entries[k].value.place, text(shown, ".stations[", k, "] = ", given.stations[k],
-                                                            " must be > ", given.stations[k - 1]));
-        }
-    }
+    if (const Value* v = map.find("stations")) read_stations(*v, shown, given, errors_);
     check_keys(map, shown, given, errors_);
     case_.parameters.user_variables.push_back(std::move(given));
 }

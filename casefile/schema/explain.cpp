@@ -1,10 +1,12 @@
 #include "casefile/schema/explain.hpp"
 
+#include "casefile/schema/quantity_types.hpp"
 #include "casefile/schema/renamed.hpp"
 #include "casefile/schema/schema_words.hpp"
 #include "core/error.hpp"
 
 #include <algorithm>
+#include <optional>
 #include <sstream>
 
 namespace strake {
@@ -67,6 +69,25 @@ std::vector<std::string> keys_that_take(const std::string& word) {
     return keys;
 }
 
+/// A type of quantities with the keys that it takes.
+std::optional<KeyExplanation> type_explanation(const std::string& word) {
+    for (const QuantityType& type : quantity_types()) {
+        if (type.word != word) continue;
+        KeyExplanation found{word, {}, {}, {"quantities.*.type"}, "", type.doc, type.values};
+        const std::string prefix = "quantities.*.";
+        for (const std::string& path : key_paths()) {
+            const Key& row = *schema_index().rows.at(path).front();
+            if (!path.starts_with(prefix) || row.when.empty()) continue;
+            const Condition condition = parse_condition(row.when);
+            if (condition.key == "type" && condition.kind == Condition::Kind::is_word &&
+                std::find(condition.words.begin(), condition.words.end(), word) != condition.words.end())
+                found.below.push_back({path.substr(prefix.size()), row.doc, without_quotes(default_of(row))});
+        }
+        return found;
+    }
+    return {};
+}
+
 std::vector<std::string> same_end(const std::vector<std::string>& asked) {
     std::vector<std::string> found;
     for (const std::string& path : key_paths())
@@ -125,6 +146,7 @@ std::vector<KeyExplanation> explain(const std::string& asked) {
             if (!path.ends_with("[]") && matches(steps_of(path), steps, may_name)) return {explanation(path)};
     std::vector<KeyExplanation> found;
     for (const std::string& path : same_end(steps)) found.push_back(explanation(path));
+    if (const auto type = type_explanation(asked)) found.push_back(*type);
     if (!found.empty()) return found;
     const std::vector<std::string> keys = keys_that_take(asked);
     if (!keys.empty()) return {{asked, {}, {}, keys, ""}};

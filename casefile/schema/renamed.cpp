@@ -46,7 +46,7 @@ private:
             const std::string name = entry.key;
             if (first && name != first_name) {
                 errors_.add(entry.key_place,
-                            text("'", name, "' and '", first_name, "' (line ", first->key_place.line,
+                            text("'", name, "' and '", first_name, "' (", line_words(first->key_place),
                                  ") are the same key; '", renamed.before, "' is now called '", renamed.now, "'"));
                 map.entries.erase(map.entries.begin() + static_cast<std::ptrdiff_t>(i--));
                 continue;
@@ -80,6 +80,12 @@ const std::vector<RenamedKey>& renamed_keys() {
         {"optimize", "associations", "icp_iterations"},
         {"optimize.refine_when", "promise_below", "min_expected_gain"},
     };
+    return table;
+}
+
+const std::vector<MovedKey>& moved_keys() {
+    static const std::vector<MovedKey> table{{"quantities.*.forward", "axes.downstream"},
+                                             {"quantities.*.up", "axes.up"}};
     return table;
 }
 

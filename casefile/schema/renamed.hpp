@@ -13,7 +13,12 @@ struct RenamedWord {
     std::string path;  ///< of the key or the list's entries that take it
     std::string before, now;
 };
+/// A key that is now stated once for the case. Both are rows of the table; the reader of the old one notes it.
+struct MovedKey {
+    std::string path, now;  ///< "quantities.*.forward", "axes.downstream"
+};
 const std::vector<RenamedKey>& renamed_keys();
+const std::vector<MovedKey>& moved_keys();
 const std::vector<RenamedWord>& renamed_words();
 
 /// Gives every key and word its present name, with a note at its place. Both names in one map are an error at the

@@ -144,7 +144,8 @@ std::string check_file(const std::string& name, const std::filesystem::path& cas
     std::error_code error;
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found)
-        return text("does not exist (", printable(path.string(), 300), ")", similar_file(path));
+        return text("does not exist", path == name ? "" : " (" + printable(path.string(), 300) + ")",
+                    similar_file(path));
     if (error) return text("cannot be read: ", error.message());
     if (!std::filesystem::is_regular_file(status)) return "is not a regular file";
     return "";

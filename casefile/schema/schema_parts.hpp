@@ -4,7 +4,7 @@
 /// The rows of the table, topic by topic. Between the schema's files; not for others.
 namespace strake {
 
-std::vector<Key> surface_keys();            ///< case, surface, regions, fixed, symmetry
+std::vector<Key> surface_keys();            ///< case, surface, regions, fixed, symmetry, axes
 std::vector<Key> repair_and_remesh_keys();  ///< repair, remesh
 std::vector<Key> shell_keys();              ///< shell, loads, strains, attach
 std::vector<Key> parameter_keys();          ///< parameters

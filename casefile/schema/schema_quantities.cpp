@@ -1,3 +1,4 @@
+#include "casefile/schema/quantity_types.hpp"
 #include "casefile/schema/schema_parts.hpp"
 
 namespace strake {
@@ -11,11 +12,7 @@ std::vector<Key> quantity_keys() {
         {.path = "quantities.*.type",
          .type = Type::word,
          .doc = "Built-in quantity; docs/objectives.md describes them.",
-         .words = {"volume",          "area",        "target_shape",  "measured_points", "thickness",
-                   "section_area",    "newtonian",   "wave_drag",     "friction",        "projected_area",
-                   "mass_properties", "extent",      "section_areas", "wall_thickness",  "bending_energy",
-                   "fairness",        "creases",     "clearance",     "planarity",       "symmetry_error",
-                   "edge_radius",     "displacement"}},
+         .words = quantity_type_words()},
         {.path = "quantities.*.expression",
          .type = Type::text,
          .doc = "Formula of other quantities, of formulas above it and of `variables`; docs/objectives.md has the "

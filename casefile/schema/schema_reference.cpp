@@ -44,6 +44,8 @@ std::string schema_reference() {
     out += renamed_introduction;
     for (const RenamedKey& key : renamed_keys())
         out += text("| `", key.path(), "` | `", key.before, "` | `", key.now, "` |\n");
+    for (const MovedKey& key : moved_keys())
+        out += text("| `", key.path, "` | `", key.path.substr(key.path.rfind('.') + 1), "` | `", key.now, "` |\n");
     for (const RenamedWord& word : renamed_words())
         out += text("| value of `", word.path, "` | `", word.before, "` | `", word.now, "` |\n");
     return out;

@@ -164,7 +164,7 @@ std::vector<Key> output_keys() {
          .type = Type::flag,
          .doc = "Write report.html, a page for the browser, when the run ends for any reason (`strake report` writes "
                 "it at any time).",
-         .fallback = "false"},
+         .fallback = "true"},
     };
 }
 

@@ -180,11 +180,51 @@ std::vector<Key> held_keys() {
          .type = Type::coordinate,
          .doc = "Distance of the plane from the origin along the unit normal.",
          .fallback = "0"},
+        {.path = "symmetry.coefficients",
+         .type = Type::word,
+         .doc = "Force and moment coefficients of newtonian, friction and wave_drag are those of the half that is "
+                "modelled, or of the whole body (twice as large). Areas and volumes stay those of the half.",
+         .fallback = "half",
+         .words = {"half", "whole"}},
+    };
+}
+
+std::vector<Key> axes_keys() {
+    const std::vector<std::string> ways{"+x", "-x", "+y", "-y", "+z", "-z"};
+    return {
+        {.path = "axes",
+         .doc = "The body's axes, for newtonian, friction, wave_drag and projected_area. The right wing points along "
+                "up x downstream. `strake check` says where nose, right wing and top are. Default: downstream +x, up "
+                "+z."},
+        {.path = "axes.downstream",
+         .type = Type::word,
+         .doc = "Where the air goes at zero angles, from the nose to the tail.",
+         .required = true,
+         .words = ways},
+        {.path = "axes.downstream",
+         .type = Type::list,
+         .doc = "Any direction; its length has no effect.",
+         .required = true,
+         .element = Type::number,
+         .count = 3},
+        {.path = "axes.up",
+         .type = Type::word,
+         .doc = "From the belly to the top; perpendicular to downstream.",
+         .required = true,
+         .words = ways},
+        {.path = "axes.up",
+         .type = Type::list,
+         .doc = "Any direction perpendicular to downstream; its length has no effect.",
+         .required = true,
+         .element = Type::number,
+         .count = 3},
     };
 }
 
 }  // namespace
 
-std::vector<Key> surface_keys() { return in_order({file_keys(), region_keys(), made_region_keys(), held_keys()}); }
+std::vector<Key> surface_keys() {
+    return in_order({file_keys(), region_keys(), made_region_keys(), held_keys(), axes_keys()});
+}
 
 }  // namespace strake

@@ -118,16 +118,16 @@ private:
     }
 
     void report_duplicates(Value& value, const std::string& shown) {
-        std::map<std::string, int> first;
+        std::map<std::string, Place> first;
         std::vector<Entry> kept;
         for (Entry& entry : value.entries) {
-            const auto [known, is_new] = first.emplace(entry.key, entry.key_place.line);
+            const auto [known, is_new] = first.emplace(entry.key, entry.key_place);
             if (is_new)
                 kept.push_back(std::move(entry));
             else
                 errors_.add(entry.key_place,
                             text("key '", printable(entry.key), "' given twice", shown.empty() ? "" : " in " + shown,
-                                 " (first on line ", known->second, ")"));
+                                 " (first on ", line_words(known->second), ")"));
         }
         value.entries = std::move(kept);
     }

@@ -1,5 +1,7 @@
 #include "casefile/yaml/diagnostics.hpp"
 
+#include "core/text/utf8.hpp"
+
 #include <algorithm>
 #include <tuple>
 
@@ -7,6 +9,7 @@ namespace strake {
 namespace {
 
 std::string one_line(const std::string& file, const Diagnostic& d) {
+    if (!d.setting.empty()) return text(d.setting, ": ", d.message);
     if (d.place.line == 0) return text(printable(file, 400), ": ", d.message);
     return text(printable(file, 400), ":", d.place.line, ":", d.place.column, ": ", d.message);
 }
@@ -25,6 +28,8 @@ std::vector<Diagnostic> sorted(std::vector<Diagnostic> all) {
 }
 
 }  // namespace
+
+std::string line_words(const Place& place) { return place.line < 0 ? "--set" : text("line ", place.line); }
 
 CaseError::CaseError(const std::string& case_file, std::vector<Diagnostic> found, std::vector<std::string> noted)
     : InvalidInput(all_lines(case_file, found)),
@@ -45,7 +50,7 @@ std::string CaseError::quoted() const {
 void Diagnostics::add(const Place& place, const std::string& message) {
     for (const Diagnostic& d : found_)
         if (d.place.line == place.line && d.place.column == place.column && d.message == message) return;
-    Diagnostic diagnostic{place, message, ""};
+    Diagnostic diagnostic{place, message, "", setting_of(place)};
     if (place.line >= 1 && place.line <= static_cast<int>(lines_.size()))
         diagnostic.source_line = printable(lines_[place.line - 1], 120);
     found_.push_back(std::move(diagnostic));
@@ -54,12 +59,18 @@ void Diagnostics::add(const Place& place, const std::string& message) {
 void Diagnostics::note(const Place& place, const std::string& message) {
     for (const Diagnostic& d : notes_)
         if (d.place.line == place.line && d.place.column == place.column && d.message == message) return;
-    notes_.push_back({place, message, ""});
+    notes_.push_back({place, message, "", setting_of(place)});
+}
+
+std::string Diagnostics::setting_of(const Place& place) const {
+    const auto k = static_cast<std::size_t>(-1 - place.line);
+    return place.line < 0 && k < settings_.size() ? "--set " + printable(settings_[k], 120) : "";
 }
 
 std::vector<std::string> Diagnostics::notes() const {
     std::vector<std::string> lines;
-    for (const Diagnostic& d : sorted(notes_)) lines.push_back(one_line(file_, {d.place, "note: " + d.message, ""}));
+    for (const Diagnostic& d : sorted(notes_))
+        lines.push_back(one_line(file_, {d.place, "note: " + d.message, "", d.setting}));
     return lines;
 }
 
@@ -77,14 +88,17 @@ void Diagnostics::throw_if_any() const {
 std::string printable(const std::string& raw, std::size_t limit) {
     static const char* digits = "0123456789ABCDEF";
     std::string out;
-    for (std::size_t i = 0; i < raw.size(); ++i) {
-        const auto c = static_cast<unsigned char>(raw[i]);
-        // Cut only between characters of UTF-8, never within one.
-        if (out.size() >= limit && (c & 0xC0) != 0x80) return out + "...";
-        if (c < 0x20 || c == 0x7F)
-            out += {'\\', 'x', digits[c >> 4], digits[c & 15]};
-        else
-            out += raw[i];
+    for (std::size_t i = 0; i < raw.size();) {
+        if (out.size() >= limit) return out + "...";
+        const Utf8Character character = utf8_at(raw, i);
+        const bool is_shown = character.length > 0 && !is_control(character.code);
+        for (const std::size_t end = i + std::max<std::size_t>(1, character.length); i < end; ++i) {
+            const auto c = static_cast<unsigned char>(raw[i]);
+            if (is_shown)
+                out += raw[i];
+            else
+                out += {'\\', 'x', digits[c >> 4], digits[c & 15]};
+        }
     }
     return out;
 }

@@ -7,15 +7,19 @@
 /// Errors and notes about a case file, with places. Nothing here knows YAML.
 namespace strake {
 
-/// 1-based, as editors count; {0, 0}: the file as a whole.
+/// 1-based, as editors count; {0, 0}: the file as a whole; negative lines: settings of the command line.
 struct Place {
     int line = 0, column = 0;
 };
+inline Place place_of_setting(std::size_t k) { return {-1 - static_cast<int>(k), 1}; }
+/// "line 7" or "--set".
+std::string line_words(const Place& place);
 
 struct Diagnostic {
     Place place;
     std::string message;
-    std::string source_line;  ///< the line that `place` points at, cut to 120 characters; may be empty
+    std::string source_line;   ///< the line that `place` points at, cut to 120 characters; may be empty
+    std::string setting = {};  ///< "--set KEY=VALUE" in place of a line of the file; empty: of the file
 };
 
 /// A case file that cannot be used. what() is one line `file:line:column: message` a diagnostic, by line.
@@ -31,7 +35,9 @@ struct CaseError : InvalidInput {
 /// Collects the errors of one file, to report them together.
 class Diagnostics {
 public:
-    Diagnostics(std::string file, std::vector<std::string> lines) : file_(std::move(file)), lines_(std::move(lines)) {}
+    /// @param settings KEY=VALUE of the command line, for places by `place_of_setting`
+    Diagnostics(std::string file, std::vector<std::string> lines, std::vector<std::string> settings = {})
+        : file_(std::move(file)), lines_(std::move(lines)), settings_(std::move(settings)) {}
     /// The same message at the same place is kept once.
     void add(const Place& place, const std::string& message);
     /// A remark that is no error.
@@ -46,11 +52,12 @@ public:
 
 private:
     std::string file_;
-    std::vector<std::string> lines_;
+    std::vector<std::string> lines_, settings_;
+    std::string setting_of(const Place& place) const;
     std::vector<Diagnostic> found_, notes_;
 };
 
-/// Safe to print: control characters as \xNN, cut after `limit` bytes.
+/// Safe to print: control characters and bytes that are not UTF-8 as \xNN, cut after `limit` bytes.
 std::string printable(const std::string& raw, std::size_t limit = 80);
 
 /// Number of insertions, deletions, substitutions and swaps of neighbours between two words.

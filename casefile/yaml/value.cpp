@@ -111,7 +111,8 @@ private:
         return depth + 1;
     }
     [[noreturn]] void too_many(const Place& place) {
-        fail(file_, lines_, place, text("more than ", max_case_values, " values once aliases are expanded"));
+        fail(file_, lines_, place,
+             text("more than ", max_case_values, " values", anchors_.empty() ? "" : " once aliases are expanded"));
     }
     void count(const YAML::Mark& mark) {
         if (values_ > max_case_values) too_many(place_of(mark));

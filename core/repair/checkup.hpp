@@ -1,5 +1,6 @@
 #pragma once
 #include "core/formats/vtp.hpp"
+#include "core/mesh/symmetry_plane.hpp"
 #include "core/mesh/topology.hpp"
 
 #include <array>
@@ -24,6 +25,14 @@ struct BoundaryLoop {
 /// One a connected boundary, in the order of TopologyFacts.
 std::vector<BoundaryLoop> measured_loops(const TriMesh& mesh, const Adjacency& adjacent,
                                          const std::vector<std::vector<int>>& loops);
+
+/// The plane at which half a body is cut, from the loops of its surface: all loops that lie in a coordinate plane with
+/// the body on one side lie in this one, and the surface meets it at a right angle, as one that is continued by its
+/// mirror image does without a crease. Nothing where there is none.
+std::optional<SymmetryPlane> cut_of_half(const TriMesh& mesh, const Adjacency& adjacent,
+                                         const std::vector<BoundaryLoop>& loops);
+/// "half a body? Then add to the case symmetry: {plane: y, at: 0}".
+std::string half_words(const SymmetryPlane& plane);
 
 struct Histogram {
     std::vector<double> limits;  ///< k + 1, ascending

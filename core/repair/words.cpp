@@ -235,42 +235,47 @@ std::string repair_advice(const TriMesh& mesh, const Checkup& c) {
     return trials.proposal();
 }
 
-/// The loop at which half a body is cut, or null. All such loops lie in one plane, and the surface meets it at a right
-/// angle, as one that is continued by its mirror image does without a crease.
-const BoundaryLoop* cut_of_half(const TriMesh& mesh, const Checkup& c) {
+}  // namespace
+
+std::optional<SymmetryPlane> cut_of_half(const TriMesh& mesh, const Adjacency& adjacent,
+                                         const std::vector<BoundaryLoop>& loops) {
+    const double diagonal = box_diagonal(mesh);
     const BoundaryLoop* cut = nullptr;
-    for (const BoundaryLoop& loop : c.loops) {
+    for (const BoundaryLoop& loop : loops) {
         if (loop.symmetry_axis < 0) continue;
         if (cut && (cut->symmetry_axis != loop.symmetry_axis ||
-                    std::abs(cut->symmetry_at - loop.symmetry_at) > 1e-6 * c.diagonal))
-            return nullptr;  // open at two ends
+                    std::abs(cut->symmetry_at - loop.symmetry_at) > 1e-6 * diagonal))
+            return {};  // open at two ends
         cut = &loop;
     }
-    if (!cut) return nullptr;
+    if (!cut) return {};
     std::vector<char> is_at(static_cast<std::size_t>(mesh.num_vertices()));
     for (const int v : cut->vertices) is_at[v] = 1;
     double along = 0, length = 0;
-    for (int e = 0; e < c.adjacent.num_edges(); ++e) {
-        const auto [a, b] = c.adjacent.edges[e];
-        if (c.adjacent.edge_triangles[e].size() != 1 || !is_at[a] || !is_at[b]) continue;
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        const auto [a, b] = adjacent.edges[e];
+        if (adjacent.edge_triangles[e].size() != 1 || !is_at[a] || !is_at[b]) continue;
         const double side = (mesh.vertices.row(a) - mesh.vertices.row(b)).norm();
-        const Eigen::Vector3d normal = area_vector(mesh, c.adjacent.edge_triangles[e][0]).normalized();
+        const Eigen::Vector3d normal = area_vector(mesh, adjacent.edge_triangles[e][0]).normalized();
         along += side * std::abs(normal[cut->symmetry_axis]);
         length += side;
     }
     constexpr double creased = 0.5;  // sine of 30 degrees
-    return along <= creased * length ? cut : nullptr;
+    if (along > creased * length) return {};
+    return SymmetryPlane{Eigen::Vector3d::Unit(cut->symmetry_axis), cut->symmetry_at};
 }
 
-}  // namespace
+std::string half_words(const SymmetryPlane& plane) {
+    int axis = 0;
+    plane.normal.cwiseAbs().maxCoeff(&axis);
+    return text("half a body? Then add to the case symmetry: {plane: ", "xyz"[axis], ", at: ", plane.offset, "}");
+}
 
 std::vector<std::string> advice(const TriMesh& mesh, const Checkup& c) {
     const TopologyFacts& f = c.facts;
     std::vector<std::string> list;
     if (const std::string words = repair_advice(mesh, c); !words.empty()) list.push_back(words);
-    if (const BoundaryLoop* cut = cut_of_half(mesh, c))
-        list.push_back(text("half a body? Then add to the case symmetry: {plane: ", "xyz"[cut->symmetry_axis],
-                            ", at: ", cut->symmetry_at, "}"));
+    if (const auto plane = cut_of_half(mesh, c.adjacent, c.loops)) list.push_back(half_words(*plane));
     if (!f.orientable)
         list.push_back(
             "no repair makes a surface of one side orientable: cut it across, or use it as it is, without volume");

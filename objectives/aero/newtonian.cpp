@@ -68,7 +68,7 @@ private:
         double seen;         // share that the stream reaches
     };
     Facet facet_of(int t) const;
-    PressureCoefficient pressure(double sigma) const;
+    PressureCoefficient pressure(double sigma, double tilt) const;
     Weights weights(int i, const StreamAxes& axes) const;
     Weights combined(int i, const StreamAxes& axes) const;
 
@@ -80,13 +80,15 @@ private:
     Vector3d force_ = Vector3d::Zero(), moment_ = Vector3d::Zero();
 };
 
-/// Derivative by the sine of the angle to the surface, not by the angle.
-PressureCoefficient Impact::pressure(double sigma) const {
+/// Derivative by the sine of the angle to the surface, not by the angle. `tilt` = |u x n|, the cosine of that angle.
+PressureCoefficient Impact::pressure(double sigma, double tilt) const {
     if (sigma < 0) return {cp_max_ * sigma * sigma, 2 * cp_max_ * sigma};
     if (flow_.leeward == LeewardPressure::zero) return {};
-    const double sine = std::min(sigma, 1.0);
-    PressureCoefficient expanded = expanded_cp(flow_.mach, flow_.gamma, std::asin(sine));
-    if (expanded.by_angle != 0) expanded.by_angle /= std::sqrt(std::max(1e-30, 1 - sine * sine));
+    PressureCoefficient expanded = expanded_cp(flow_.mach, flow_.gamma, std::atan2(sigma, tilt));
+    // A face square to the stream turns it by the largest angle whichever way it tilts: the pressure has the tip of a
+    // cone there, and the mean of its slopes is zero. Below this tilt its direction is round-off.
+    constexpr double square = 1e-8;
+    expanded.by_angle = tilt > square ? expanded.by_angle / tilt : 0;
     return expanded;
 }
 
@@ -100,7 +102,8 @@ Impact::Facet Impact::facet_of(int t) const {
     facet.arm = (a + b + c) / 3 - flow_.moment_center;
     facet.area = facet.s.norm();
     facet.m = at_.axes.drag.dot(facet.s);
-    const PressureCoefficient p = facet.area > 0 ? pressure(facet.m / facet.area) : PressureCoefficient{};
+    const double tilt = facet.area > 0 ? at_.axes.drag.cross(facet.s).norm() / facet.area : 0;
+    const PressureCoefficient p = facet.area > 0 ? pressure(facet.m / facet.area, tilt) : PressureCoefficient{};
     facet.cp = p.cp;
     facet.by_sine = p.by_angle;
     facet.seen = visible_ && facet.m < 0 && visible_->partly_hidden(t) ? visible_->area(t) / -facet.m : 1;
@@ -201,18 +204,24 @@ Quantity newtonian(const std::string& name, const TriMesh& start, const Newtonia
     check(name, start, flow);
     const double cp_max = flow.cp_max ? *flow.cp_max : stagnation_cp(flow.mach, flow.gamma);
     std::vector<std::string> names;
-    for (const std::string& value : newtonian_values) names.push_back(name + "." + value);
+    std::vector<int> kinds;  // of the values, as `Value`
+    for (int i = 0; i < num_values; ++i) {
+        const std::string& value = newtonian_values[static_cast<std::size_t>(i)];
+        if (!flow.has_side_values && is_side_value(value)) continue;
+        names.push_back(name + "." + value);
+        kinds.push_back(i);
+    }
     Quantity quantity = checked_quantity(name, names, start, [=](const QuantityRequest& request) {
         const Impact impact(name, flow, cp_max, request);
         QuantityResult result;
-        for (int i = 0; i < num_values; ++i) result.values.push_back(impact.value(i));
+        for (const int kind : kinds) result.values.push_back(impact.value(kind));
         if (!request.want_sensitivities) return result;
-        result.dJ_dv.resize(num_values);
-        result.dJ_dp.resize(num_values);
-        for (int i = 0; i < num_values; ++i) {
-            if (!request.wants(static_cast<std::size_t>(i))) continue;
+        result.dJ_dv.resize(kinds.size());
+        result.dJ_dp.resize(kinds.size());
+        for (std::size_t i = 0; i < kinds.size(); ++i) {
+            if (!request.wants(i)) continue;
             std::array<double, 2> by_angle;
-            result.dJ_dv[i] = impact.gradient(i, by_angle);
+            result.dJ_dv[i] = impact.gradient(kinds[i], by_angle);
             result.dJ_dp[i] = own_derivatives(impact.state(), request, by_angle);
         }
         return result;

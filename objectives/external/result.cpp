@@ -76,11 +76,12 @@ json parse(const std::string& bytes) {
 }
 
 double number(const json& node, const std::string& where) {
-    if (!node.is_number())
-        refuse_result("wrong_type",
-                      text(where, " is ", node.type_name(), " ",
-                           printable_line(node.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 60)),
-                           ", must be a number"));
+    if (!node.is_number()) {
+        const std::string shown =
+            printable_line(node.dump(-1, ' ', true, json::error_handler_t::replace).substr(0, 60));
+        refuse_result("wrong_type", text(where, " is ", node.is_null() ? "" : node.type_name() + std::string(" "),
+                                         shown, ", must be a number"));
+    }
     const double value = node.get<double>();
     if (!std::isfinite(value)) refuse_result("not_finite", text(where, " = ", value));
     return value;
@@ -101,6 +102,19 @@ std::string names_in(const json& object) {
     std::string names;
     for (const auto& [key, value] : object.items()) names += (names.empty() ? "" : ", ") + printable_line(key);
     return names.empty() ? "nothing" : names;
+}
+
+/// A result.json that would do: {"value": 0.0123, "gradient": "gradient.csv"}.
+std::string example(const std::vector<std::string>& outputs, bool with_gradients) {
+    if (outputs.size() < 2 && with_gradients) return R"({"value": 0.0123, "gradient": "gradient.csv"})";
+    if (outputs.size() < 2) return R"({"value": 0.0123})";
+    std::string values, gradients;
+    for (const std::string& name : outputs) {
+        const char* between = values.empty() ? "" : ", ";
+        values += text(between, '"', name, "\": 0.0123");
+        gradients += text(between, '"', name, "\": \"", name, ".csv\"");
+    }
+    return text("{\"values\": {", values, "}", with_gradients ? ", \"gradients\": {" + gradients + "}" : "", "}");
 }
 
 [[noreturn]] void refuse_missing(const json& object, const std::string& where, const std::string& key) {
@@ -125,7 +139,8 @@ std::vector<json> entries(const json& result, const char* plural, const char* si
     if (!has_map) refuse_missing(result, "at the top", outputs.size() > 1 ? plural : singular);
     const json& map = result[plural];
     if (!map.is_object())
-        refuse_result("wrong_type", text("'", plural, "' is ", map.type_name(), ", must be an object"));
+        refuse_result("wrong_type", text("'", plural, "' is ", map.type_name(), ", must be an object, as in ",
+                                         example(outputs, plural == std::string("gradients"))));
     std::vector<json> found;
     const std::vector<std::string> unnamed{singular};
     for (const std::string& name : outputs.empty() ? unnamed : outputs) {
@@ -184,7 +199,9 @@ std::vector<std::vector<double>> all_derivatives(const json& result, const std::
 ProgramResult parse_named(const std::string& bytes, const std::vector<std::string>& outputs, bool want_gradients,
                           const std::vector<std::string>& variables, bool may_lack, bool want_values) {
     const json result = parse(bytes);
-    if (!result.is_object()) refuse_result("wrong_type", text("is ", result.type_name(), ", must be an object"));
+    if (!result.is_object())
+        refuse_result("wrong_type", text("is ", result.type_name(), ", must be an object, as ",
+                                         example(outputs, want_gradients && want_values)));
     const auto shown = [&](const char* plural, const char* singular, std::size_t k) {
         return outputs.empty() ? text("'", singular, "'") : text("'", plural, ".", outputs[k], "'");
     };
@@ -197,6 +214,11 @@ ProgramResult parse_named(const std::string& bytes, const std::vector<std::strin
         found.by_variable.clear();
         return found;
     }
+    if (want_values && !result.contains("gradients") && !result.contains("gradient"))
+        refuse_result("missing_key",
+                      text("no '", outputs.size() > 1 ? "gradients" : "gradient", "' at the top; it has: ",
+                           names_in(result), ". For a program that gives values only, add `gradients: false` to the ",
+                           "quantity; with gradients, result.json is ", example(outputs, true)));
     for (const json& entry : entries(result, "gradients", "gradient", outputs)) {
         const auto [file, field] = file_and_field(entry, shown("gradients", "gradient", found.gradient_files.size()));
         found.gradient_files.push_back(file);

@@ -16,45 +16,6 @@ using Eigen::Vector3d;
 constexpr double mirror_plane_rel = 1e-6;  // of the diagonal, DESIGN section 4 (Symmetry)
 constexpr double zero_volume_rel = 1e-12;  // of area times diagonal: round-off of a flat surface
 
-std::string at(const TriMesh& mesh, int v) {
-    return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
-}
-
-std::string edge_between(const TriMesh& mesh, const std::array<int, 2>& edge) {
-    return text("edge from ", at(mesh, edge[0]), " to ", at(mesh, edge[1]));
-}
-
-/// What to do about open edges. The most likely cause is a half model: find the side of the bounding box that holds
-/// most of them. It may hold all (then suggest the missing symmetry: line) or all but some holes.
-std::string remedy(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open, double diagonal) {
-    const Box box = bounding_box(mesh);
-    int best_axis = 0;
-    double best_c = 0;
-    std::vector<int> best_off = open;
-    for (int side = 0; side < 6; ++side) {
-        const int axis = side / 2;
-        const double c = side % 2 == 0 ? box.min[axis] : box.max[axis];
-        std::vector<int> off;
-        for (const int e : open)
-            for (const int v : adjacent.edges[e])
-                if (std::abs(mesh.vertices(v, axis) - c) > mirror_plane_rel * diagonal) {
-                    off.push_back(e);
-                    break;
-                }
-        if (off.size() >= best_off.size()) continue;
-        best_off = off;
-        best_axis = axis;
-        best_c = std::abs(c) <= mirror_plane_rel * diagonal ? 0 : c;
-    }
-    if (best_off.size() == open.size()) return "close the holes first";
-    const char name = "xyz"[best_axis];
-    const std::string line = text("symmetry: {plane: ", name, ", at: ", best_c, "}");
-    if (best_off.empty()) return text("all lie in the plane ", name, " = ", best_c, ": for a half model set ", line);
-    return text(open.size() - best_off.size(), " of them lie in the plane ", name, " = ", best_c, " (a half model? ",
-                line, "), the other ", best_off.size(), " are holes to be closed first, the first at the ",
-                edge_between(mesh, adjacent.edges[best_off.front()]));
-}
-
 [[noreturn]] void refuse_open(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,
                               const std::optional<SymmetryPlane>& symmetry, double diagonal) {
     const int e = open.front();
@@ -66,7 +27,7 @@ std::string remedy(const TriMesh& mesh, const Adjacency& adjacent, const std::ve
                                 " such or open edges); orient the surface first"));
     const std::string first = text("volume: the surface is open at the ", where, ", first of ", open.size(),
                                    open.size() == 1 ? " open edge" : " open edges");
-    const std::string then = remedy(mesh, adjacent, open, diagonal);
+    const std::string then = open_remedy(mesh, adjacent, open);
     if (!symmetry) throw InvalidInput(text(first, "; ", then));
     const auto off = [&](int v) { return std::abs(symmetry->normal.dot(mesh.vertices.row(v)) - symmetry->offset); };
     throw InvalidInput(text(first, " that are not on the symmetry plane: ", std::max(off(a), off(b)),

@@ -8,6 +8,10 @@
 namespace strake {
 namespace {
 
+std::string at(const TriMesh& mesh, int v) {
+    return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
+}
+
 constexpr double on_plane_rel = 1e-6;  // of the diagonal, DESIGN section 4 (Symmetry)
 
 bool in_plane(const TriMesh& mesh, const Adjacency& adjacent, int e, const SymmetryPlane& symmetry, double limit) {
@@ -18,6 +22,10 @@ bool in_plane(const TriMesh& mesh, const Adjacency& adjacent, int e, const Symme
 }
 
 }  // namespace
+
+std::string edge_between(const TriMesh& mesh, const std::array<int, 2>& edge) {
+    return text("edge from ", at(mesh, edge[0]), " to ", at(mesh, edge[1]));
+}
 
 std::vector<char> plane_edges(const TriMesh& mesh, const Adjacency& adjacent,
                               const std::optional<SymmetryPlane>& symmetry) {
@@ -45,6 +53,36 @@ std::vector<int> open_edges(const TriMesh& mesh, const Adjacency& adjacent,
     return open;
 }
 
+std::string open_remedy(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open) {
+    const double diagonal = box_diagonal(mesh);
+    const Box box = bounding_box(mesh);
+    int best_axis = 0;
+    double best_c = 0;
+    std::vector<int> best_off = open;
+    for (int side = 0; side < 6; ++side) {
+        const int axis = side / 2;
+        const double c = side % 2 == 0 ? box.min[axis] : box.max[axis];
+        std::vector<int> off;
+        for (const int e : open)
+            for (const int v : adjacent.edges[e])
+                if (std::abs(mesh.vertices(v, axis) - c) > on_plane_rel * diagonal) {
+                    off.push_back(e);
+                    break;
+                }
+        if (off.size() >= best_off.size()) continue;
+        best_off = off;
+        best_axis = axis;
+        best_c = std::abs(c) <= on_plane_rel * diagonal ? 0 : c;
+    }
+    if (best_off.size() == open.size()) return "close the holes first";
+    const char name = "xyz"[best_axis];
+    const std::string line = text("symmetry: {plane: ", name, ", at: ", best_c, "}");
+    if (best_off.empty()) return text("all lie in the plane ", name, " = ", best_c, ": for a half model set ", line);
+    return text(open.size() - best_off.size(), " of them lie in the plane ", name, " = ", best_c, " (a half model? ",
+                line, "), the other ", best_off.size(), " are holes to be closed first, the first at the ",
+                edge_between(mesh, adjacent.edges[best_off.front()]));
+}
+
 void require_closed(const std::string& name, const TriMesh& mesh, const std::optional<SymmetryPlane>& symmetry) {
     const Adjacency adjacent = adjacency(mesh);
     const std::vector<int> open = open_edges(mesh, adjacent, symmetry);
@@ -52,7 +90,7 @@ void require_closed(const std::string& name, const TriMesh& mesh, const std::opt
     const auto [a, b] = adjacent.edges[open.front()];
     throw InvalidInput(text(name, ": the surface is open or misoriented at the edge from vertex ", a, " (",
                             mesh.vertices.row(a), ") to vertex ", b, " (", mesh.vertices.row(b), "), first of ",
-                            open.size(), "; close it there, or set symmetry: for a half model"));
+                            open.size(), "; ", symmetry ? "close it there" : open_remedy(mesh, adjacent, open)));
 }
 
 void require_oriented(const std::string& name, const TriMesh& mesh) {

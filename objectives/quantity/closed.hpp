@@ -2,8 +2,10 @@
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/symmetry_plane.hpp"
 
+#include <array>
 #include <optional>
 #include <string>
+#include <vector>
 
 /// Whether a surface or half model is closed, and the whole body of a half model.
 namespace strake {
@@ -19,6 +21,13 @@ std::vector<char> plane_edges(const TriMesh& mesh, const Adjacency& adjacent,
 /// Open edges, ascending: unbalanced ones that the plane of symmetry does not close.
 std::vector<int> open_edges(const TriMesh& mesh, const Adjacency& adjacent,
                             const std::optional<SymmetryPlane>& symmetry);
+
+/// "edge from vertex 3 (0, 0, 1) to vertex 4 (0, 1, 1)".
+std::string edge_between(const TriMesh& mesh, const std::array<int, 2>& edge);
+
+/// What to do about `open` edges. The most likely cause is a half model: where one side of the bounding box holds most
+/// of them, the line `symmetry: {plane: y, at: 0}` that its case lacks, and the first edge elsewhere.
+std::string open_remedy(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open);
 
 /// @throws InvalidInput naming `name` and the first open edge with the remedy.
 void require_closed(const std::string& name, const TriMesh& mesh, const std::optional<SymmetryPlane>& symmetry);

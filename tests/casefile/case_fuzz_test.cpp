@@ -107,7 +107,7 @@ optimize:
 )";
 
 const char* robust_fit = R"(surface: {file: wing.obj}
-symmetry: {plane: {normal: [0, 1, 0]}, at: 0.5}
+symmetry: {plane: {normal: [0, 1, 0]}, at: 0.5, coefficients: whole}
 parameters: {variables: [strain_translation, normal], free_border: 30%, split: {largest: 2}}
 quantities:
   scan: {type: measured_points, file: points.csv}
@@ -122,6 +122,7 @@ output: {paraview: none, keep: best}
 const char* goals = R"(surface: {file: wing.obj}
 regions: {nose: {box: [[0, 0, 0], [1, 1, 1]]}}
 variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
+axes: {downstream: +x, up: [0, 0, 1]}
 quantities:
   aero: {type: newtonian, mach: 6, alpha: {variable: alpha}, beta: 2deg, leeward: prandtl_meyer, moment_center: [0, 0, 1],
          gamma: 1.3, shadows: false, up: [0, 0, 1], reference_area: 2, reference_length: 3}

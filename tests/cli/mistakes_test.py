@@ -39,6 +39,8 @@ def obj(points, faces):
 
 POINTS, FACES = body()
 BODY = obj(POINTS, FACES)
+HALF = obj([(x, 0.0 if abs(y) < 1e-9 else y, z) for x, y, z in POINTS],
+           [face for face in FACES if all(POINTS[v][1] > -1e-9 for v in face)])
 CASE = """case: body
 surface: {file: body.obj}
 regions:
@@ -98,7 +100,19 @@ MISTAKES = [
     ("a method that needs gradients, and a program without",
      {"solver.sh": "#!/bin/sh\n", "case.yaml": case(("objective: {maximize: volume}",
       "quantities: {cfd: {command: [./solver.sh], gradients: false}}\nobjective: {minimize: cfd}"))}, CHECK, 2),
+    ("an objective that is a word of the trade", {"case.yaml": case(("maximize: volume", "minimize: drag"))}, CHECK, 2),
+    ("a type in place of a quantity", {"case.yaml": case(("maximize: volume", "minimize: wave_drag"))}, CHECK, 2),
+    ("a body that flies backwards, said twice",
+     {"case.yaml": case(("objective: {maximize: volume}", "axes: {downstream: +x, up: +z}\nquantities:\n"
+      "  aero: {type: newtonian, mach: 6, forward: [-1, 0, 0]}\nobjective: {minimize: aero.drag}"))}, CHECK, 2),
+    ("axes that are not square", {"case.yaml": case("axes: {downstream: +x, up: [1, 0, 1]}")}, CHECK, 2),
+    ("a shell thicker than the world", {"case.yaml": case(("thickness: 10%", "thickness: 1e200"))}, CHECK, 2),
+    ("a formula without a value at the start", {"case.yaml": case(("maximize: volume", 'minimize: "log(area - area)"'))}, CHECK, 1),
+    ("a limit that limits nothing", {"case.yaml": case(("variables: [normal]", "variables: [normal], max_displacement: 3"))}, CHECK, 0),
     # The surface.
+    ("half a body, and no word of it", {"body.obj": HALF}, CHECK, 3),
+    ("half a body, to be measured along its length", {"body.obj": HALF, "case.yaml": case(
+        ("objective: {maximize: volume}", "quantities: {w: {type: wave_drag}}\nobjective: {minimize: w}"))}, CHECK, 2),
     ("a hole, where a volume is asked for", {"body.obj": obj(POINTS, FACES[3:])}, CHECK, 3),
     ("a part that nothing holds", {"case.yaml": case(("fixed: [nose]", "fixed: []"))}, CHECK, 1),
     ("a fin that forks the skin", {"body.obj": obj(POINTS + [(0, 0, 1)], FACES + [(40, 41, len(POINTS))])}, CHECK, 3),
@@ -127,6 +141,10 @@ MISTAKES = [
     ("a case in the way", {}, ["init", "body.obj", "-o", "case.yaml"], 2),
     ("a key asked for by the wrong name", {}, ["explain", "optimizer.method"], 2),
     ("a level that is not there", {}, ["check", "case.yaml", "--level", "7"], 2),
+    ("an empty name of a folder", {}, ["run", "case.yaml", "--out", ""], 2),
+    ("a setting without a value", {}, ["run", "case.yaml", "--set", "optimize.budget.evaluations"], 2),
+    ("a setting of no key", {}, ["check", "case.yaml", "--set", "optimize.bugdet.evaluations=3"], 2),
+    ("a setting of the wrong kind", {}, ["check", "case.yaml", "--set", "fixed[0]=[tail]"], 2),
     # The environment.
     ("results in the way", {"runs/old.txt": "precious\n"}, RUN, 4),
     ("a file where a folder should be", {"runs": "a file\n"}, ["run", "case.yaml", "--out", "runs/one"], 4),
@@ -136,6 +154,10 @@ MISTAKES = [
     ("a solver that leaves no result", program("exit 0"), RUN, 5),
     ("a solver that writes nonsense", program('echo "drag = 0.5" > "$1"'), RUN, 5),
     ("a solver whose answer is no number", program('echo \'{"value": "0.5"}\' > "$1"'), RUN, 5),
+    ("a solver whose value is nothing", program('echo \'{"value": null}\' > "$1"'), RUN, 5),
+    ("a solver that answers with a number", program('echo 0.5 > "$1"'), RUN, 5),
+    ("a solver that gives values only", {**(lambda files: {**files, "case.yaml": files["case.yaml"].replace(
+        ", gradients: false", "").replace(", method: cobyla", "")})(program('echo \'{"value": 0.5}\' > "$1"'))}, RUN, 5),
     ("a solver that may not be run", {**program("exit 0"), "mode": 0o644}, RUN, 2),
 ]
 

@@ -1,5 +1,6 @@
 #include "casefile/schema/explain.hpp"
 #include "casefile/schema/quantity_types.hpp"
+#include "casefile/schema/schema.hpp"
 #include "cli/command_table.hpp"
 #include "cli/commands.hpp"
 #include "core/error.hpp"
@@ -31,6 +32,16 @@ std::vector<std::string> positional_words(const CommandRow& command) {
     return {};
 }
 
+/// Values of an option: of --set the keys without names of the user's own.
+std::vector<std::string> option_words(const OptionRow& option) {
+    if (option.names.front() != "--set") return option.words;
+    std::vector<std::string> keys;
+    for (const std::string& path : key_paths())
+        if (path.find_first_of("*[") == std::string::npos && !schema_index().children.contains(path))
+            keys.push_back(path + "=");
+    return keys;
+}
+
 std::vector<std::string> option_names(const CommandRow& command, bool only_with_value = false) {
     std::vector<std::string> names;
     for (const OptionRow& option : command.options)
@@ -56,9 +67,10 @@ _strake() {{
     for (const CommandRow& command : table) {
         out += fmt::format("    {})\n        case $before in\n", command.name);
         for (const OptionRow& option : command.options)
-            if (!option.is_positional && !option.words.empty())
-                out += fmt::format("        {}) COMPREPLY=($(compgen -W \"{}\" -- \"$word\")); return ;;\n",
-                                   joined(option.names, "|"), joined(option.words, " "));
+            if (const auto words = option_words(option); !option.is_positional && !words.empty())
+                out += fmt::format("        {}) COMPREPLY=($(compgen -W \"{}\" -- \"$word\")); {}return ;;\n",
+                                   joined(option.names, "|"), joined(words, " "),
+                                   option.words.empty() ? "compopt -o nospace 2>/dev/null; " : "");
         const std::vector<std::string> valued = option_names(command, true);
         if (!valued.empty())
             out += fmt::format("        {}) COMPREPLY=($(compgen -f -- \"$word\")); return ;;\n", joined(valued, "|"));
@@ -104,9 +116,10 @@ std::string zsh_script(const std::vector<CommandRow>& table) {
         out += fmt::format("    {}) _arguments", command.name);
         for (const OptionRow& option : command.options) {
             if (option.is_positional) continue;
-            const std::string value = !option.takes_value    ? ""
-                                      : option.words.empty() ? ":value:_files"
-                                                             : ":value:(" + joined(option.words, " ") + ")";
+            const std::vector<std::string> words = option_words(option);
+            const std::string value = !option.takes_value ? ""
+                                      : words.empty()     ? ":value:_files"
+                                                          : ":value:(" + joined(words, " ") + ")";
             for (const std::string& name : option.names)
                 out += fmt::format(" \\\n        '{}[{}]{}'", name, zsh_text(option.doc), value);
         }
@@ -135,8 +148,8 @@ std::string fish_script(const std::vector<CommandRow>& table) {
             out += head;
             for (const std::string& name : option.names)
                 out += name.starts_with("--") ? " -l " + name.substr(2) : " -s " + name.substr(1);
-            if (!option.words.empty())
-                out += fmt::format(" -x -a '{}'", joined(option.words, " "));
+            if (const auto words = option_words(option); !words.empty())
+                out += fmt::format(" -x -a '{}'", joined(words, " "));
             else if (option.takes_value)
                 out += " -r";
             out += fmt::format(" -d '{}'\n", fish_text(option.doc));

@@ -60,6 +60,8 @@ with tempfile.NamedTemporaryFile("w", suffix=".bash") as script:
     expect("check" in completed(script.name, "strake", "ch"), "bash: commands")
     expect("--evaluate" in completed(script.name, "strake", "check", "--ev"), "bash: options")
     expect(completed(script.name, "strake", "explain", "optimize.me") == ["optimize.method"], "bash: keys")
+    expect("wave_drag" in completed(script.name, "strake", "explain", "wave"), "bash: types of quantities")
+    expect(completed(script.name, "strake", "run", "--set", "optimize.budget.ev") == ["optimize.budget.evaluations="], "bash: --set")
     expect(completed(script.name, "strake", "completion", "") == ["bash", "zsh", "fish"], "bash: words")
 for shell in ("zsh", "fish"):  # their own parsers, where they are installed
     if shutil.which(shell):
@@ -72,8 +74,15 @@ keys = [row["key"] for row in json.loads(said("explain", "--json").stdout)]
 expect("optimize.method" in keys and len(keys) > 150, "keys: %d" % len(keys))
 for wanted, has in (("optimize.method", "default  sqp"), ("regions.tip.box", "Two opposite corners"),
                     ("loads[0].region", "the key is required"), ("budget.evaluations", "optimize.budget.evaluations"),
-                    ("cobyla", "is a value of optimize.method"), ("repair.holes", "all")):
+                    ("cobyla", "is a value of optimize.method"), ("repair.holes", "all"),
+                    ("wave_drag", "stations        Number of interior sections. [40]"), ("friction", "reynolds"),
+                    ("newtonian", "drag, lift, side"), ("thickness", "a type of quantities")):
     expect(has in said("explain", wanted).stdout, "explain %s: %s" % (wanted, said("explain", wanted).stdout))
+types = json.loads(said("explain", "quantities.*.type", "--json").stdout)[0]["forms"][0]["form"].split(", ")
+expect(len(types) > 20, "types: %s" % types)
+for kind in types:
+    told = [row for row in json.loads(said("explain", kind, "--json").stdout) if "meaning" in row]
+    expect(len(told) == 1 and told[0]["value_of"] == ["quantities.*.type"], "explain %s: %s" % (kind, told))
 expect(all(len(line) < 200 for line in said("explain").stdout.splitlines()), "explain: long lines")
 print("\n".join(failures) or "%d commands, %d keys" % (len(commands), len(keys)))
 sys.exit(1 if failures else 0)

@@ -53,6 +53,25 @@ def pixels(png):
     return found
 
 
+def legend_is_right(name, picture):
+    """Where a panel names a patch it is drawn in the colour that the legend gives this patch, but for the shade."""
+    def hue(colour):
+        return [c / max(1, max(colour)) for c in colour]
+    legend = {words: tuple(int(rgb[k:k + 2], 16) for k in (0, 2, 4)) for rgb, words in re.findall(
+        r'<rect [^>]*width="14"[^>]*fill="#(\w{6})"[^>]*/><text [^>]*>([^<]*) \(\d+ triangles\)</text>', picture)}
+    expect(len(legend) > 1, "%s: the legend" % name)
+    compared = 0
+    for panel in re.split("(?=<image )", picture)[1:]:
+        x, y, width = (int(re.search(r'%s="(\d+)"' % key, panel)[1]) for key in ("x", "y", "width"))
+        colours = pixels(base64.b64decode(re.search(r"base64,([^\"]*)", panel)[1]))
+        for at_x, at_y, words in re.findall(r'<text x="([\d.]+)" y="([\d.]+)"[^>]*middle[^>]*>([^<]*)</text>', panel):
+            drawn = colours[int(float(at_y) - 4 - y) * width + int(float(at_x) - x)]
+            compared += 1
+            far = max(abs(a - b) for a, b in zip(hue(drawn), hue(legend.get(words, (0, 0, 0)))))
+            expect(far < 0.06, "%s: %s is drawn in %s, the legend has %s" % (name, words, drawn, legend.get(words)))
+    expect(compared > 1, "%s: no names in the picture" % name)
+
+
 def init(folder, surface, *options):
     told = json.loads(run(folder, STRAKE, "init", surface, "-o", "new.yaml", "--evaluations", "2", "--json", *options).stdout or "{}")
     text = (folder / "new.yaml").read_text() if (folder / "new.yaml").exists() else ""
@@ -85,6 +104,7 @@ def one(name, make, has, runs):
         panels = re.findall(r"data:image/png;base64,([^\"]*)", picture)
         expect(picture.startswith("<svg") and len(panels) == 2 and ">held (" in picture, "%s: the picture" % name)
         expect(int(re.search(r'width="(\d+)"', picture)[1]) <= 985, "%s: the picture is wider than a window of 1000 with its bar" % name)
+        legend_is_right(name, picture)
         for panel in panels:
             colours = pixels(base64.b64decode(panel, validate=True))
             body = [c for c in colours if c != (255, 255, 255)]
@@ -179,8 +199,20 @@ def odd_names():
         expect("units: mm" in init(folder, "mm.obj")[1], "the stated unit")
 
 
+def names_that_are_not_utf8():
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        made("wing", 1200, "wing.obj")(folder)
+        name = os.fsencode(str(folder)) + b"/wing\xff\x9b.obj"
+        os.rename(os.fsencode(str(folder / "wing.obj")), name)
+        done = subprocess.run([STRAKE, "init", name, "-o", "new.yaml"], cwd=folder, stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.PIPE, timeout=120)
+        expect(done.returncode == 3 and rb"wing\xFF\x9B.obj: this name cannot be written" in done.stderr, repr(done))
+        expect(not (folder / "new.yaml").exists(), "a case that cannot be read")
+
+
 def main():
-    one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^  root: ", r"^objective: \{maximize: volume\}",
+    one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^axes: \{downstream: \+x, up: \+z\}", r"^  root: ", r"^objective: \{maximize: volume\}",
                                               r"^  change: \{type: displacement\}", r"^  change: \{max: .*5 % of the mean thickness",
                                               "^# REPLACE", r"^  # Number of patches from creases alone"], True)
     one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true"], True)
@@ -188,6 +220,7 @@ def main():
     what_will_hardly_move_is_said()
     never_overwrites()
     odd_names()
+    names_that_are_not_utf8()
     data = os.environ.get("STRAKE_DATA")
     if data:
         outside = {"oneraM6_su2_surface.stl": [r"^symmetry: \{plane: y", "orient: true"], "hsct_pypan.tri": ["part_1: "],

@@ -56,8 +56,10 @@ TEST_F(Report, OfAFinishedRunIsTheSameBytes) {
     EXPECT_EQ(bytes_of(path("again.html")), bytes_of(path("run/report.html")));
 }
 
-TEST_F(Report, IsNotWrittenUnlessAskedFor) {
-    ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
+TEST_F(Report, IsWrittenUnlessTheCaseSaysNo) {
+    ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("by_default"), "-q"}).status, 0);
+    EXPECT_TRUE(fs::exists(path("by_default/report.html")));
+    ASSERT_EQ(run_strake({"run", small_case("output: {report: false}\n"), "--out", path("run"), "-q"}).status, 0);
     EXPECT_FALSE(fs::exists(path("run/report.html")));
     ASSERT_EQ(run_strake({"report", path("run")}).status, 0);
     EXPECT_TRUE(fs::exists(path("run/report.html")));

@@ -22,7 +22,8 @@ std::vector<Key> goal_keys() {
         {.path = "constraints.*.equals", .type = Type::number, .doc = "Required value."},
         {.path = "constraints.*.relative",
          .type = Type::flag,
-         .doc = "The limits are multiples of the value at the start shape.",
+         .doc = "The limits are multiples of the value at the start shape, which must not be 0. Of a negative value, "
+                "too: 0.9 to 1.1 times -50 is -55 to -45.",
          .fallback = "false"},
     };
 }

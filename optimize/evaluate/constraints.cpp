@@ -26,13 +26,19 @@ ConstraintRows constraint_rows(const std::vector<Constraint>& constraints, const
     for (std::size_t i = 0; i < constraints.size(); ++i) {
         const Constraint& c = constraints[i];
         const double start = start_values[index[i]];
+        if (c.relative && start == 0)
+            throw InvalidInput(text("constraint on ", c.quantity,
+                                    ": its limits are multiples of the value at the start, which is 0; give numbers, "
+                                    "without `relative`"));
+        // Shares of a negative value: the larger share is the smaller number.
+        const double turn = c.relative && start < 0 ? -1 : 1;
         const auto row = [&](double sign, double limit) {
             if (c.relative) limit *= start;
             const double scale = limit != 0 ? std::abs(limit) : start != 0 ? std::abs(start) : 1;
             return ConstraintRow{index[i], gradient[i], sign, limit, scale};
         };
-        if (c.min) result.rows.push_back(row(-1, *c.min));
-        if (c.max) result.rows.push_back(row(1, *c.max));
+        if (c.min) result.rows.push_back(row(-turn, *c.min));
+        if (c.max) result.rows.push_back(row(turn, *c.max));
         if (c.equals) equalities.push_back(row(1, *c.equals));
     }
     result.num_inequalities = static_cast<int>(result.rows.size());

@@ -12,18 +12,20 @@ struct ConstraintRow {
     double of(double q) const { return sign * (q - limit) / scale; }
 };
 
-/// Inequalities first, then equalities. Relative limits are multiples of `start_values`. Scaled by the limit, or where
-/// that is zero by the value at the start.
+/// Inequalities first, then equalities. Relative limits are multiples of `start_values`: with min 0.9 and max 1.1 a
+/// value that starts at -50 stays between -55 and -45. Scaled by the limit, or where that is zero by the value at the
+/// start.
 struct ConstraintRows {
     std::vector<ConstraintRow> rows;
     int num_inequalities = 0;
 };
 
-/// @param index value of each constraint, `gradient` its row. @throws InvalidInput when min > max, or without a limit.
+/// @param index value of each constraint, `gradient` its row. @throws InvalidInput: a relative limit of a
+/// value that is zero at the start.
 ConstraintRows constraint_rows(const std::vector<Constraint>& constraints, const std::vector<int>& index,
                                const std::vector<int>& gradient, const std::vector<double>& start_values);
 
-/// How many inequalities and equalities the constraints make.
+/// How many inequalities and equalities the constraints make. @throws InvalidInput when min > max, or without a limit.
 std::pair<int, int> count_constraints(const std::vector<Constraint>& constraints);
 
 }  // namespace strake

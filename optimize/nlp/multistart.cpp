@@ -82,7 +82,8 @@ private:
         }
         merit_ = std::min(merit_, step.merit);
         if (!options_.on_step) return true;
-        return options_.on_step({step.x, step.evaluation, step.violation, is_best, step.is_feasible, merit_});
+        return options_.on_step(
+            {step.x, step.evaluation, step.violation, is_best, step.is_feasible, merit_, step.penalty});
     }
 
     const NonlinearProgram& program_;

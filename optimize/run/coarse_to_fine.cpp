@@ -1,6 +1,7 @@
 #include "optimize/run/coarse_to_fine.hpp"
 
 #include "core/error.hpp"
+#include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
 #include "optimize/run/level_program.hpp"
@@ -214,7 +215,11 @@ private:
         ProgressWatch watch(watched ? state_.problem.optimize.progress_below : 0,
                             sees_values_only ? static_cast<int>(start.size()) : 0);
         how.on_step = [&](const MinimizeStep& step) {
-            const bool slackened = watch.slackened(step.merit, step.violation);
+            std::optional<ProgressWatch::Seen> seen;
+            if (step.evaluation.failure.empty())
+                seen = {step.evaluation.objective, total_violation(program, step.evaluation.constraints),
+                        step.violation};
+            const bool slackened = watch.slackened(seen, step.penalty);
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
         const bool may_leave = watched && state_.problem.optimize.progress_below > 0;

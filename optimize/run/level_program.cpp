@@ -285,7 +285,7 @@ bool LevelProgram::gives_lagrangian() const {
 Eigen::VectorXd LevelProgram::lagrangian_weights() const {
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
     weight[objective_gradient_] = sign();
-    const Eigen::VectorXd lambda = multipliers(program_, known_.x, known_.sample);
+    const Eigen::VectorXd lambda = multipliers(program_, known_.x.cwiseProduct(weight_), known_.sample);
     for (std::size_t i = 0; i < rows_.rows.size(); ++i)
         weight[rows_.rows[i].gradient] +=
             lambda[static_cast<Eigen::Index>(i)] * rows_.rows[i].sign / rows_.rows[i].scale;

@@ -239,16 +239,23 @@ void RunState::leave_level() {
     if (!level_has_started_) result.levels.back().objective_start = std::numeric_limits<double>::quiet_NaN();
 }
 
-bool ProgressWatch::slackened(double merit, double violation) {
+bool ProgressWatch::slackened(const std::optional<Seen>& last, double penalty) {
     // Reaching feasibility starts a new count: the objective may have to rise on the way there.
-    if (!near_feasible_ && violation < 1e-3) merit_.clear(), near_feasible_ = true;
-    merit_.push_back(merit);
-    const int count = static_cast<int>(merit_.size());
+    if (!near_feasible_ && last && last->largest_violation < 1e-3) seen_.clear(), near_feasible_ = true;
+    seen_.push_back(last);
+    const int count = static_cast<int>(seen_.size());
     if (fraction_ <= 0 || count < 2 * window_) return false;
+    std::vector<double> merit;  // the lowest so far; infinite before the first value
+    double lowest = std::numeric_limits<double>::infinity();
+    for (const std::optional<Seen>& seen : seen_) {
+        if (seen) lowest = std::min(lowest, seen->objective + penalty * seen->total_violation);
+        merit.push_back(lowest);
+    }
+    const auto gain = [&](int i) { return std::isfinite(merit[i - window_]) ? merit[i - window_] - merit[i] : 0; };
     double best_gain = 0;
-    for (int i = window_; i < count; ++i) best_gain = std::max(best_gain, merit_[i - window_] - merit_[i]);
+    for (int i = window_; i < count; ++i) best_gain = std::max(best_gain, gain(i));
     if (best_gain == 0) return count >= 4 * window_;  // steps are still being shortened
-    return merit_[count - 1 - window_] - merit_[count - 1] <= fraction_ * best_gain;
+    return gain(count - 1) <= fraction_ * best_gain;
 }
 
 }  // namespace strake

@@ -103,14 +103,19 @@ class ProgressWatch {
 public:
     /// @param more evaluations that a look at progress takes beside the usual ones.
     explicit ProgressWatch(double fraction, int more = 0) : fraction_(fraction), window_(5 + more) {}
-    /// @param merit the best so far, `violation` that of the last evaluation.
-    bool slackened(double merit, double violation);
+    /// What an evaluation gave, where it has values.
+    struct Seen {
+        double objective, total_violation, largest_violation;
+    };
+    /// After one more evaluation, by the lowest objective + `penalty` * violations before and after each: with the
+    /// present penalty throughout, because differences between merits of different penalties are no progress.
+    bool slackened(const std::optional<Seen>& last, double penalty);
 
 private:
     double fraction_;
     int window_;
     bool near_feasible_ = false;
-    std::vector<double> merit_;
+    std::vector<std::optional<Seen>> seen_;  ///< since the constraints are nearly met, if they ever were
 };
 
 }  // namespace strake

@@ -12,11 +12,14 @@ namespace {
 constexpr int max_samples = 3000;            ///< vertices for the metric: a mean square needs no more
 constexpr double response_tolerance = 1e-9;  ///< tight: designs must not depend on the unit of length
 
-std::string key_of(const Variable& variable) {
-    std::string key = variable.name;
-    if (variable.patch < 0) return "given " + key;
+/// What the variable moves, by the names of patches: these stay from level to level, their numbers do not, and the name
+/// of a variable of many patches leaves most of them out.
+std::string key_of(const DesignSpace& space, const Variable& variable) {
+    if (variable.patch < 0) return "given " + variable.name;
+    std::string key;
     for (const DegreeOfFreedom& move : variable.moves)
-        key += text('|', move.index % patch_dof::count, ':', move.factor);
+        key += text(space.patches().patches[static_cast<std::size_t>(move.index / patch_dof::count)].name, '|',
+                    move.index % patch_dof::count, ':', move.factor, '\n');
     return key;
 }
 
@@ -149,16 +152,16 @@ Responses responses_at_rest(const DesignSpace& space) {
     for (Variable& variable : by_one.variables) variable.unit = 1;
     std::vector<int> unknown;
     for (int j = 0; j < space.size(); ++j)
-        if (space.variables[j].kind != VariableKind::stiffness && !cache.find(key_of(space.variables[j])))
+        if (space.variables[j].kind != VariableKind::stiffness && !cache.find(key_of(space, space.variables[j])))
             unknown.push_back(j);
     if (!unknown.empty()) {
         PrimoShell shell = shell_at_rest(space);
         std::vector<ResponseCache::Column> fresh = columns_at(by_one, shell, unknown);
         for (std::size_t i = 0; i < unknown.size(); ++i)
-            cache.add(key_of(space.variables[unknown[i]]), std::move(fresh[i]));
+            cache.add(key_of(space, space.variables[unknown[i]]), std::move(fresh[i]));
     }
     for (int j = 0; j < space.size(); ++j)
-        if (const auto* column = cache.find(key_of(space.variables[j])))
+        if (const auto* column = cache.find(key_of(space, space.variables[j])))
             set(responses, j, *column, space.variables[j].unit);
     return responses;
 }

@@ -91,11 +91,13 @@ VectorXd solve_model(const QuadraticModel& model) {
     if (!(unit > 0) || !std::isfinite(unit)) return {};
     const Eigen::LLT<MatrixXd> llt(model.hessian / unit);
     if (llt.info() != Eigen::Success) return {};
-    // d = K w, K a multiple of L^-T with |q| = 1; the last entry of w is `penalty` times the share of the violation
-    // that is left.
+    // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `least_step`); the last entry of w is `penalty` times
+    // the share of the violation that is left.
     MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
     VectorXd q = K.transpose() * model.gradient / unit;
-    const double length = q.norm();
+    const bool is_violated =
+        (model.constraints.head(ineq).array() > 0).any() || (model.constraints.tail(rows - ineq).array() != 0).any();
+    const double length = std::max(q.norm(), is_violated ? model.least_step : 0);
     if (length > 0) K *= length, q /= length;
     constexpr double penalty = 1e5;
     LeastDistance p;

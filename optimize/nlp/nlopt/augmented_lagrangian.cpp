@@ -54,8 +54,8 @@ private:
         const MinimizeOptions& o = guard_.options;
         is_strict_ = looseness(k) <= o.objective_tolerance || strictly_;
         const double loose = strictly_ ? 0 : looseness(k);
-        RestartOptions how{std::max(o.objective_tolerance, loose), std::max(o.step_tolerance, loose),
-                           o.max_shrinks - shrinks_, method_.is_global ? 0 : 1};
+        RestartOptions how{std::max(o.objective_tolerance, loose), std::max(o.step_tolerance, loose), o.max_shrinks,
+                           method_.is_global ? 0 : 1};
         const SearchEnd inner = run_with_restarts(guard_, method_, &terms_, x_, how);
         shrinks_ += inner.shrinks;
         x_ = inner.x;

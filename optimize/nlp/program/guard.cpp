@@ -10,6 +10,8 @@
 namespace strake {
 namespace {
 
+constexpr std::size_t max_failed_points = 64;  ///< in a row: searches end before, but global ones
+
 /// Gradient-free methods never call `differentiate`.
 NonlinearProgram prepared(NonlinearProgram p, const MethodFacts& method) {
     if (!method.needs_gradients && !method.is_global) p.differentiate = nullptr;
@@ -192,16 +194,23 @@ Evaluation Guard::evaluation_of(const Eigen::VectorXd& x) {
 }
 
 void Guard::evaluate(const Eigen::VectorXd& x) {
+    const auto is_known = [&](const Eigen::VectorXd& failed) { return failed == x; };
+    if (std::any_of(failed_since_value_.begin(), failed_since_value_.end(), is_known)) {
+        failed_x = x;
+        stop(StopCause::failure);
+    }
     last_x_.resize(0);
     last_ = count_and_evaluate(x);
     if (!last_.failure.empty()) {
-        const bool go_on = report({x, last_, 0, false, false, best_merit});
+        const bool go_on = report({x, last_, 0, false, false, best_merit, penalty});
+        if (failed_since_value_.size() < max_failed_points) failed_since_value_.push_back(x);
         ++failures;
         failure = last_.failure;
         failed_x = x;
         stop(last_.is_fatal ? StopCause::fatal : go_on ? StopCause::failure : StopCause::stopped);
     }
     last_x_ = x;
+    failed_since_value_.clear();
     rank(x);
 }
 
@@ -224,9 +233,22 @@ void Guard::rank(const Eigen::VectorXd& x) {
     lowest = std::min(lowest, last_.objective);
     highest = std::max(highest, last_.objective);
     if (penalty == 0) penalty = 3 * std::abs(last_.objective);  // until multipliers are known
-    const double merit = last_.objective + penalty * total_violation(program, last_.constraints);
-    if (merit < best_merit) best_merit = merit, merit_x = x;
-    if (!report({x, last_, violation, better, feasible, best_merit})) stop(StopCause::stopped);
+    remember_merit(x);
+    if (!report({x, last_, violation, better, feasible, best_merit, penalty})) stop(StopCause::stopped);
+}
+
+void Guard::remember_merit(const Eigen::VectorXd& x) {
+    const double objective = last_.objective, violation = total_violation(program, last_.constraints);
+    const auto is_no_better = [&](const MeritPoint& p) { return p.objective <= objective && p.violation <= violation; };
+    if (std::none_of(merit_points_.begin(), merit_points_.end(), is_no_better)) {
+        std::erase_if(merit_points_,
+                      [&](const MeritPoint& p) { return objective <= p.objective && violation <= p.violation; });
+        merit_points_.push_back({objective, violation, x});
+    }
+    best_merit = std::numeric_limits<double>::infinity();
+    for (const MeritPoint& p : merit_points_)
+        if (const double merit = p.objective + penalty * p.violation; merit < best_merit)
+            best_merit = merit, merit_x = p.x;
 }
 
 void Guard::differentiate(const Eigen::VectorXd& x) {

@@ -66,8 +66,8 @@ public:
     int limit;           ///< of evaluations, for the present part of the search: <= options.max_evaluations
     double scale = 1;    ///< NLopt sees objective / scale
     double penalty = 0;  ///< of a unit of violation, in the merit that is reported
-    double best_merit = std::numeric_limits<double>::infinity();
-    Eigen::VectorXd merit_x;  ///< where that was
+    double best_merit = std::numeric_limits<double>::infinity();  ///< of all points seen, by the present penalty
+    Eigen::VectorXd merit_x;                                      ///< where that was
     Eigen::VectorXd best_x;
     Evaluation best;
     bool has_best = false, best_feasible = false;
@@ -90,6 +90,7 @@ private:
     Evaluation evaluation_of(const Eigen::VectorXd& x);
     void evaluate(const Eigen::VectorXd& x);
     void rank(const Eigen::VectorXd& x);
+    void remember_merit(const Eigen::VectorXd& x);
     void differentiate(const Eigen::VectorXd& x);
     void add_differences(const Eigen::VectorXd& x, Evaluation& evaluation);
     void check_gradient(const Eigen::VectorXd& x);
@@ -100,6 +101,13 @@ private:
     bool is_refined_ = false;               ///< the guess contains the gradients that the program gives
     Evaluation last_;
     Eigen::VectorXd last_x_;
+    std::vector<Eigen::VectorXd> failed_since_value_;  ///< points without values since the last one with
+    /// Objectives and violations than which no other point seen has both less.
+    struct MeritPoint {
+        double objective, violation;
+        Eigen::VectorXd x;
+    };
+    std::vector<MeritPoint> merit_points_;
     Eigen::VectorXd asked_, moved_;  ///< of the last call of `inside` that asked the program
     long requests_ = 0;
     int patience_ = 0, gained_at_ = 0;

@@ -13,7 +13,8 @@ struct MinimizeStep {
     /// The best point so far: feasible and lowest, or while none is feasible the least violation.
     bool is_best = false;
     bool is_feasible = false;
-    double merit = 0;  ///< lowest objective + penalty * violations so far
+    double merit = 0;    ///< lowest objective + penalty * violations so far, by the present penalty
+    double penalty = 0;  ///< of a unit of violation; it may rise and fall during a search
 };
 
 struct MinimizeOptions {

@@ -18,6 +18,12 @@ void HessianModel::start() {
     const double slope = std::max(dual_norm(p, lagrangian_gradient(now_)),
                                   trust_region.min_slope_share * dual_norm(p, now_.at.gradient));
     B_ = std::max(slope > 0 ? slope / now_.guard.options.first_step : 1.0, min_curvature_) * p.metric;
+    holds_guess_ = false;
+}
+
+void HessianModel::start_from(const MatrixXd& known) {
+    B_ = known;
+    holds_guess_ = true;
 }
 
 void HessianModel::update(const VectorXd& s, const VectorXd& y) {
@@ -66,7 +72,7 @@ void HessianModel::add_rejected_curvature(const Evaluation& trial, const VectorX
 }
 
 void HessianModel::remove_guess(double share) {
-    if (now_.program.guessed.size() > 0) B_ -= share * now_.program.guessed;
+    if (holds_guess_ && now_.program.guessed.size() > 0) B_ -= share * now_.program.guessed;
 }
 
 VectorXd lagrangian_gradient(const SqpIterate& now) { return lagrangian_gradient(now.program, now.x, now.at); }

@@ -19,7 +19,8 @@ public:
 
     /// A multiple of the metric: the first step has the length of the first radius, or less where more is known.
     void start();
-    void start_from(const Eigen::MatrixXd& known) { B_ = known; }
+    /// What the program knows, with its guessed part.
+    void start_from(const Eigen::MatrixXd& known);
 
     /// Powell's damped BFGS update: the Lagrangian's gradient has changed by y along the step s.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
@@ -32,12 +33,14 @@ public:
     /// model's own step along d as long as the radius: a wall further out is not curvature here.
     void add_rejected_curvature(const Evaluation& trial, const Eigen::VectorXd& d, const Eigen::VectorXd& multipliers,
                                 double radius);
-    /// Removes this share of the program's guessed part: the first step turned out too short by it.
+    /// Removes this share of the program's guessed part, if the model has started from it: the first step turned out
+    /// too short by it.
     void remove_guess(double share);
 
 private:
     const SqpIterate& now_;
     double min_curvature_;
+    bool holds_guess_ = false;
     Eigen::MatrixXd B_, accepted_;
     Eigen::VectorXd curvature_;  ///< of the constraints
     Eigen::VectorXd included_;   ///< multiplier times curvature that B has got

@@ -56,7 +56,8 @@ bool SqpSearch::is_outpaced() {
         largest_violation(now_.program, now_.at.constraints) > trust_region.handover_violation)
         return false;
     VectorXd g = lagrangian_gradient(now_);
-    const auto inverse = hessian_.matrix().llt();
+    const Eigen::LLT<Eigen::MatrixXd> inverse(hessian_.matrix());
+    if (inverse.info() != Eigen::Success) return false;  // a model that expects nothing says nothing of others
     const VectorXd d = -inverse.solve(g);
     for (Eigen::Index j = 0; j < g.size(); ++j)
         if (leaves_bounds(now_.program, now_.x, j, d[j])) g[j] = 0;
@@ -99,10 +100,10 @@ bool SqpSearch::end_at_border() {
     if (const VectorXd free = solve_model(without_cut); free.size() > 0)
         for (const double share : trust_region.border_probes) {
             const VectorXd d = share * std::min(1.0, steps_.radius / steps_.length(free)) * free;
-            Evaluation trial;
-            if (guard_.try_at(now_.x + d, false, trial)) {
-                const double decrease = merit_.at_present() - merit_.of(trial);
-                if (decrease > 0) return accept(now_.x + d, trial, decrease, steps_.active(without_cut, free));
+            Trial trial{{}, d};
+            if (try_step(trial)) {
+                const double decrease = merit_.at_present() - merit_.of(trial.evaluation);
+                if (decrease > 0) return accept(trial.x, trial.evaluation, decrease, steps_.active(without_cut, free));
                 continue;
             }
             if (guard_.cause != StopCause::failure) return ended_by_guard();
@@ -152,6 +153,7 @@ void SqpSearch::restore() {
         QuadraticModel m = steps_.model(s.constraints, 0);
         m.gradient.setZero();
         m.hessian = p.metric;
+        m.least_step = 0;
         m.lower = p.lower - x;
         m.upper = p.upper - x;
         const VectorXd d = solve_model(m);

@@ -276,3 +276,36 @@ TEST(Minimizer, RefusesAStartOutsideTheBounds) {
     NonlinearProgram p = f.program(vec({3, 0}));
     EXPECT_THROW(minimize(p, {}), InvalidInput);
 }
+
+/// The objective is stationary at the start, the constraint is 3 away, and evaluations have values next to the last
+/// one that had: only a step that is really cut gets on.
+TEST(Minimizer, StepsToTheConstraintsAreCutWhereTheObjectiveIsStationary) {
+    for (const double size : {1e-6, 1.0, 1e6}) {
+        VectorXd last = vec({0, 0});
+        std::vector<VectorXd> failed;  // since the last value
+        NonlinearProgram program = program_of(
+            last, vec({-10, -10}), vec({10, 10}), 1, 0,
+            [=](const VectorXd& x) {
+                return vec({size * x.squaredNorm(), 3 - x[0]});
+            },
+            [=](const VectorXd& x) {
+                Eigen::MatrixXd g(2, 2);
+                g << 2 * size * x.transpose(), -1, 0;
+                return g;
+            });
+        const auto right = program.evaluate;
+        program.evaluate = [&](const VectorXd& x) {
+            for (const VectorXd& before : failed) EXPECT_NE(before, x) << size;
+            Evaluation e = right(x);
+            if ((x - last).norm() > 0.7)
+                e.failure = "too far", failed.push_back(x);
+            else
+                last = x, failed.clear();
+            return e;
+        };
+        const MinimizeResult r = minimize(program, {});
+        EXPECT_TRUE(r.stop == MinimizeStop::converged && r.is_feasible) << size << " " << r.reason;
+        EXPECT_NEAR(r.x[0], 3, 1e-5) << size;
+        EXPECT_LT(r.evaluations, 30) << size;
+    }
+}

@@ -16,6 +16,10 @@ MatrixXd random_matrix(int rows, int columns, unsigned seed) {
     return Eigen::Map<const MatrixXd>(entries.data(), rows, columns);
 }
 
+MatrixXd vec_row(std::initializer_list<double> entries) {
+    return Eigen::Map<const Eigen::RowVectorXd>(entries.begin(), static_cast<Eigen::Index>(entries.size()));
+}
+
 QuadraticModel random_model(int n, int rows, int inequalities, double hessian_scale, unsigned seed) {
     QuadraticModel m;
     const MatrixXd R = random_matrix(n, n, seed);
@@ -86,6 +90,31 @@ TEST(QuadraticModel, UnreachableConstraintIsApproached) {
     const VectorXd d = solve_model(m);
     ASSERT_EQ(d.size(), 6);
     EXPECT_NEAR((m.constraints + m.jacobian * d)[0], 100 - 0.5 * m.jacobian.row(0).lpNorm<1>(), 1e-3);
+}
+
+/// From where the objective is stationary, too, curvature shortens the way to a constraint.
+TEST(QuadraticModel, DampingShortensAStepWithoutAGradient) {
+    QuadraticModel m;
+    m.gradient = VectorXd::Zero(2);
+    m.lower = VectorXd::Constant(2, -10);
+    m.upper = VectorXd::Constant(2, 10);
+    m.constraints = VectorXd::Constant(1, 3);
+    m.jacobian = vec_row({-1, 0});
+    m.num_inequalities = 1;
+    double before = 3.1;
+    for (const double damping : {0.0, 1e6, 1e7, 1e8}) {
+        m.hessian = (1 + damping) * MatrixXd::Identity(2, 2);
+        m.least_step = 1e-3 / (1 + damping);
+        const VectorXd d = solve_model(m);
+        ASSERT_EQ(d.size(), 2);
+        if (damping == 0) {
+            EXPECT_NEAR(d[0], 3, 1e-2);
+        } else {
+            EXPECT_LT(d[0], 0.1 * before) << damping;
+        }
+        EXPECT_GT(d[0], 0) << damping;
+        before = d[0];
+    }
 }
 
 TEST(QuadraticModel, IndefiniteHessianHasNoStep) {

@@ -25,6 +25,7 @@ struct Settings {
     std::string out = "evidence";
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
+    std::vector<int> fields;
     bool values_only = false;
 };
 
@@ -101,6 +102,7 @@ void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
     problem.problem.optimize.min_expected_gain = settings.min_expected_gain;
+    if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     const std::filesystem::path folder = settings.out;
     Report report;
@@ -145,6 +147,9 @@ int main(int argc, char** argv) {
     app.add_option("--min-expected-gain", settings.min_expected_gain,
                    "adaptive: share of the gain below which an expected decrease is not worth a refinement")
         ->check(CLI::Range(0.0, 1.0));
+    app.add_option("--fields", settings.fields, "displacement fields of successive levels, for example 27,60,192")
+        ->delimiter(',')
+        ->check(CLI::Range(1, 600));
     app.add_flag(
         "--values-only", settings.values_only,
         "no gradients: sqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");

@@ -2,6 +2,7 @@
 
 #include "bench/coarse_to_fine/makers.hpp"
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 
 namespace strake::evidence {
 namespace {
@@ -39,6 +40,20 @@ std::vector<Method> methods_of(const EvidenceProblem& evidence) {
     // bobyqa knows no constraints.
     if (evidence.problem.constraints.empty()) return {Method::sqp, Method::cobyla, Method::bobyqa};
     return {Method::sqp, Method::cobyla};
+}
+
+EvidenceProblem with_displacement_fields(EvidenceProblem evidence, std::vector<int> steps) {
+    Problem& problem = evidence.problem;
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    FieldOptions options;
+    options.number = steps.back();
+    const auto fields = std::make_shared<const DisplacementFields>(problem.surface, conditions, options);
+    for (int& step : steps) step = std::min(step, fields->size());
+    steps.erase(std::unique(steps.begin(), steps.end()), steps.end());
+    add_fields(problem.parameters, fields);
+    problem.parameters.field_steps = std::move(steps);
+    return evidence;
 }
 
 EvidenceProblem without_gradients(EvidenceProblem evidence) {

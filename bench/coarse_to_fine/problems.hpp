@@ -32,6 +32,9 @@ EvidenceProblem make_problem(const std::string& name, int triangles, unsigned se
 /// The same as a solver without gradients sees it: quantities give values only, sqp takes differences.
 EvidenceProblem without_gradients(EvidenceProblem evidence);
 
+/// The same with displacement fields, so many on successive levels (`Parameters::field_steps`).
+EvidenceProblem with_displacement_fields(EvidenceProblem evidence, std::vector<int> steps);
+
 /// The tree whose level 1 is the last level of `tree`.
 PatchHierarchy finest_only(const PatchHierarchy& tree);
 

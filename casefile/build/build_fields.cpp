@@ -5,7 +5,8 @@
 namespace strake {
 namespace {
 
-constexpr int automatic_number = 27;  ///< sections moved, turned, scaled and sheared up to degree two along the axis
+/// Sections moved, turned, scaled and sheared up to degree two along the axis; then to higher ones.
+constexpr std::array automatic_steps{27, 60, 192};
 
 }  // namespace
 
@@ -42,10 +43,15 @@ void ProblemBuilder::set_fields() {
     conditions.cut = case_.symmetry;
     if (p.mirror && !case_.symmetry) conditions.mirror = plane_of_symmetry(start_.mesh);
     FieldOptions options;
-    options.number = entry.number > 0 ? entry.number : automatic_number;
+    options.number = entry.number > 0 ? entry.number : automatic_steps.back();
     options.axis = entry.axis;
     at(entry.place, "parameters.fields: ", [&] {
-        add_fields(p, std::make_shared<const DisplacementFields>(start_.mesh, conditions, options));
+        const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
+        if (entry.number == 0)
+            for (const int step : automatic_steps)
+                if (p.field_steps.empty() || p.field_steps.back() < fields->size())
+                    p.field_steps.push_back(std::min(step, fields->size()));
+        add_fields(p, fields);
     });
 }
 

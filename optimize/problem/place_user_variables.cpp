@@ -39,6 +39,11 @@ void check_fields(const Problem& problem) {
         if (v.field >= (fields ? fields->size() : 0))
             throw InvalidInput(text("variable ", v.name, ": there is no displacement field ", v.field));
     if (!fields) return;
+    const std::vector<int>& steps = problem.parameters.field_steps;
+    for (std::size_t k = 0; k < steps.size(); ++k)
+        if (steps[k] <= (k == 0 ? 0 : steps[k - 1]) || (k + 1 == steps.size() && steps[k] != fields->size()))
+            throw InvalidInput(text("field_steps: ", steps[k], " must be above the one before, and the last ",
+                                    fields->size(), ", the number of fields"));
     if (fields->num_vertices() != problem.surface.num_vertices())
         throw InvalidInput(text("displacement fields of ", fields->num_vertices(), " vertices for a surface of ",
                                 problem.surface.num_vertices()));

@@ -89,6 +89,9 @@ struct Parameters {
     /// x0 + sum_b z_b field_b + E, E the equilibrium displacement of the shell at rest under the loads and motions of
     /// the others. Null: none. Not together with attached parts.
     std::shared_ptr<const DisplacementFields> fields;
+    /// How many of the fields, the first ones, a run has as it refines: ascending, the last all of them. Empty: all of
+    /// them from the start.
+    std::vector<int> field_steps;
 };
 
 /// Makes the fields design variables: each a user variable that is called as it is.

@@ -48,8 +48,8 @@ private:
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
         bool any = false;
-        for (std::optional<Front> front;;) {
-            x = state_.next_level(x, front ? &*front : nullptr);
+        for (std::optional<LevelSet> next;;) {
+            x = state_.next_level(x, next ? &*next : nullptr);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
@@ -57,11 +57,11 @@ private:
                 any = true;
                 x = level.x;
             }
-            bool refines = finish_or_refine(x, level, front);
+            bool refines = finish_or_refine(x, level, next);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
                 level = run_raised(x);
                 x = level.x;
-                refines = finish_or_refine(x, level, front);
+                refines = finish_or_refine(x, level, next);
             }
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
@@ -76,18 +76,18 @@ private:
                       state_.run_best.feasible, state_.can_refine(), refining_is_idle_});
     }
 
-    /// True: on to this front. A level that was left for details that turn out to be worth nothing is finished first.
-    bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<Front>& front) {
+    /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
+    bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<LevelSet>& next) {
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
         if (!may_continue(level) || !state_.can_refine()) return false;
-        if (choose_front(x, front)) return true;
+        if (choose_next(x, next)) return true;
         const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
         const bool has_spent_its_share = level.stop == MinimizeStop::evaluations;
         if (!refining_is_idle_ || !(was_left || has_spent_its_share)) return false;
         level = run_level(x, Entry::finished);
         x = level.x;
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
-        return may_continue(level) && choose_front(x, front);  // it may have come to where details are worth something
+        return may_continue(level) && choose_next(x, next);  // it may have come to where details are worth something
     }
 
     static bool ended_at_limit(const MinimizeResult& level) {
@@ -105,16 +105,15 @@ private:
                state_.seconds_left() > 0;
     }
 
-    /// The front of the next level where the run chooses it. False: refining is expected to gain nothing.
-    bool choose_front(const Eigen::VectorXd& x, std::optional<Front>& front) {
-        front.reset();
+    /// What the next level is made of where the run chooses it. False: refining is expected to gain nothing.
+    bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
+        next.reset();
         probed_ = 1;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
-            const Front& present = *state_.space.front;
             state_.note("refinement: there are no sensitivities to choose by, every patch is split");
-            front = split_front(*state_.rest->tree, present, std::vector<char>(present.depth.size(), 1));
+            next = refined_everywhere(state_.space);
             return true;
         }
         const ShellSensitivities lagrangian = program_.lagrangian();
@@ -147,7 +146,7 @@ private:
         refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.chosen <= floor;
         if (refining_is_idle_) return false;
         expected_of_level_ = plan.chosen + still_expected_;
-        front = plan.front;
+        next = plan.next;
         return true;
     }
 

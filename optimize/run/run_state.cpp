@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/run/stored_design.hpp"
 #include "optimize/space/parameters.hpp"
+#include "optimize/space/refinement.hpp"
 
 namespace strake {
 namespace {
@@ -145,15 +146,14 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
 }
 
 bool RunState::can_refine() const {
-    if (rest->parameters.kinds.empty()) return false;  // finer patches of a shape that stays as it is
     if (rest->parameters.split == SplitRule::tree && follows_tree_) return levels_left() > 0;
-    const std::vector<int> parts = parts_of(*rest->tree, *space.front);
-    return *std::max_element(parts.begin(), parts.end()) > 1;
+    return has_finer(space);
 }
 
 int RunState::levels_left() const {
-    if (rest->parameters.kinds.empty()) return 0;
-    const int below = static_cast<int>(rest->tree->levels.size()) - 1 - space.level;
+    if (rest->parameters.kinds.empty() && !has_finer(space)) return 0;  // finer patches of what stays as it is
+    const std::size_t levels = std::max(rest->tree->levels.size(), rest->parameters.field_steps.size());
+    const int below = static_cast<int>(levels) - 1 - space.level;
     if (rest->parameters.split == SplitRule::tree && follows_tree_) return below;
     // Fronts may go on longer than the tree is deep.
     return can_refine() ? std::max(below, 1) : 0;
@@ -184,16 +184,15 @@ std::vector<double> RunState::values_at_rest(const std::vector<double>& first) c
     return values;
 }
 
-Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const Front* front) {
+Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const LevelSet* next) {
     Eigen::VectorXd start;
     if (result.levels.empty()) {
         start = first_level();
     } else {
-        std::optional<Front> all;
-        if (!front && !follows_tree_)
-            all = split_front(*rest->tree, *space.front, std::vector<char>(space.front->depth.size(), 1));
-        if (all) front = &*all;
-        InheritedSpace inherited = front ? refine(space, x, *front) : refine(space, x);
+        std::optional<LevelSet> all;
+        if (!next && !follows_tree_) all = refined_everywhere(space);
+        if (all) next = &*all;
+        InheritedSpace inherited = next ? refine(space, x, *next) : refine(space, x);
         space = std::move(inherited.space);
         start = std::move(inherited.x);
         prolongation = std::move(inherited.prolongation);

@@ -40,8 +40,8 @@ public:
                 const Points& dJ_dv);
 
     /// Makes the space of the next level (from `x` of the present one) and enters it.
-    /// @param front of the next level; without it the next level of the tree.
-    Eigen::VectorXd next_level(const Eigen::VectorXd& x, const Front* front = nullptr);
+    /// @param next what the level is made of; without it the next level of the tree.
+    Eigen::VectorXd next_level(const Eigen::VectorXd& x, const LevelSet* next = nullptr);
     /// There are finer patches than the present ones.
     bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary

@@ -191,11 +191,31 @@ StartSpace start_space(std::shared_ptr<const RestFacts> rest, const StoredDesign
     return start;
 }
 
+namespace {
+
+/// The fields of the first level, and those that the design uses.
+LevelSet stored_level(const StartSpace& stored, int level) {
+    const RestFacts& rest = *stored.space.rest;
+    LevelSet set = level_set(rest, 0);
+    set.front = stored.front;
+    set.has_patches |= level > 0;
+    std::vector<int>& numbers = set.fields.numbers;
+    for (const Variable& v : stored.space.variables) {
+        const int g = v.moves.empty() ? -1 : v.moves.front().index - stored.space.num_patch_dofs();
+        const int field = g < 0 ? -1 : rest.parameters.user_variables[static_cast<std::size_t>(g)].field;
+        if (field >= 0 && !std::ranges::binary_search(numbers, field))
+            numbers.insert(std::ranges::lower_bound(numbers, field), field);
+    }
+    return set;
+}
+
+}  // namespace
+
 InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const RestFacts> rest,
                             const StoredDesign& design) {
     const double diagonal = rest->diagonal;
     const StartSpace stored = start_space(std::move(rest), design);
-    InheritedSpace inherited = refine(stored.space, stored.x, stored.front);
+    InheritedSpace inherited = refine(stored.space, stored.x, stored_level(stored, design.level));
     evaluator.enter(inherited.space);
     std::string reason;
     const Points vertices = evaluator.begin_from(design.poses, inherited.x, reason);

@@ -1,11 +1,14 @@
 #include "optimize/space/design_levels.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/space/mirror.hpp"
 #include "optimize/space/parameters.hpp"
 #include "optimize/space/scaling.hpp"
 #include "optimize/space/strain_core.hpp"
+
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -211,15 +214,17 @@ private:
     const RestFacts& rest_;
 };
 
-/// Level 0 of a tree that goes deeper has fields alone.
-bool is_level_of_fields(const DesignSpace& space) {
-    return space.level == 0 && space.rest->parameters.fields && space.rest->tree->levels.size() > 1;
+FieldSet first_fields(int count) {
+    FieldSet set{std::vector<int>(static_cast<std::size_t>(count)), count};
+    std::iota(set.numbers.begin(), set.numbers.end(), 0);
+    return set;
 }
 
 /// One variable each, with unit 1 where none is stated.
 void list_user_variables(DesignSpace& space) {
     const auto& user = space.rest->parameters.user_variables;
     for (std::size_t g = 0; g < user.size(); ++g) {
+        if (user[g].field >= 0 && !std::ranges::binary_search(space.fields.numbers, user[g].field)) continue;
         Variable variable;
         variable.name = user[g].name;
         variable.kind = user[g].field >= 0            ? VariableKind::field
@@ -234,25 +239,47 @@ void list_user_variables(DesignSpace& space) {
 
 }  // namespace
 
-DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const Front& front,
+LevelSet level_set(const RestFacts& rest, int level) {
+    const Parameters& p = rest.parameters;
+    const int finest = static_cast<int>(rest.tree->levels.size()) - 1;
+    LevelSet set{front_at(*rest.tree, p.field_steps.empty() ? level : std::min(level, finest)), {}, true};
+    if (!p.fields) return set;
+    const std::size_t steps = p.field_steps.size(), at = static_cast<std::size_t>(level);
+    set.fields = first_fields(steps == 0 ? p.fields->size() : p.field_steps[std::min(at, steps - 1)]);
+    set.has_patches = level > 0 || finest == 0;  // level 0 of a tree that goes deeper is the fields'
+    return set;
+}
+
+FieldSet more_fields(const Parameters& parameters, const FieldSet& present) {
+    const auto& steps = parameters.field_steps;
+    const auto next = std::ranges::upper_bound(steps, present.reach);
+    const FieldSet below = first_fields(next == steps.end() ? present.reach : *next);
+    FieldSet more{{}, below.reach};
+    std::ranges::set_union(present.numbers, below.numbers, std::back_inserter(more.numbers));
+    return more;
+}
+
+DesignSpace make_space(std::shared_ptr<const RestFacts> rest, int level, const LevelSet& set,
                        const DesignSpace* parent) {
     DesignSpace space;
     space.rest = std::move(rest);
     space.level = level;
-    space.front = std::make_shared<const Front>(front);
+    space.front = std::make_shared<const Front>(set.front);
+    space.fields = set.fields;
+    space.has_patches = set.has_patches;
     space.carried_user_values =
         Eigen::VectorXd::Zero(static_cast<Eigen::Index>(space.rest->parameters.user_variables.size()));
     place_cores(space, parent);
     list_user_variables(space);
-    if (!is_level_of_fields(space)) Candidates(space).list();
+    if (space.has_patches) Candidates(space).list();
     scale_variables(space);
     append_parameters(space);
     return space;
 }
 
 DesignSpace design_space(std::shared_ptr<const RestFacts> rest, int level) {
-    const Front front = front_at(*rest->tree, level);
-    return make_space(std::move(rest), level, front, nullptr);
+    const LevelSet set = level_set(*rest, level);
+    return make_space(std::move(rest), level, set, nullptr);
 }
 
 }  // namespace strake

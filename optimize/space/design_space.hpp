@@ -53,10 +53,25 @@ struct DependentVariable {
     Eigen::VectorXd share;  ///< x of the shape variables whose linear response is that of this one at 1
 };
 
+/// Which of `Parameters::fields` are variables of a level.
+struct FieldSet {
+    std::vector<int> numbers;  ///< ascending
+    int reach = 0;             ///< those from here on have not been offered yet: one of `Parameters::field_steps`
+};
+
+/// What the variables of a level are made of.
+struct LevelSet {
+    Front front;
+    FieldSet fields;
+    bool has_patches = true;  ///< patches have variables; false: the fields are by themselves
+};
+
 struct DesignSpace {
     std::shared_ptr<const RestFacts> rest;
     int level = 0;
     std::shared_ptr<const Front> front;
+    FieldSet fields;
+    bool has_patches = true;
     std::vector<Variable> variables;  ///< of the shape, then those of `rest->program_parameters`
     /// size() x size(), positive definite: x.metric.x is the size of a small change x, see response_metric.hpp.
     Eigen::MatrixXd metric;
@@ -97,9 +112,16 @@ struct InheritedSpace {
 };
 /// The space of the next level, and its x that demands the same of the shell as `x` does of `parent`: equal traction,
 /// equal motion and equal height of every triangle. Bounds are widened where an inherited value lies outside.
-/// @param front of the next level, made from the parent's by `split_front`; without it the next level of the tree.
+InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const LevelSet& next);
+/// To the next level of the tree.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x);
+/// To a front made by `split_front`, with the parent's fields.
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const Front& front);
+
+/// A level of the tree: on each, `Parameters::field_steps` goes on by one number.
+LevelSet level_set(const RestFacts& rest, int level);
+/// All fields below the next of `Parameters::field_steps`.
+FieldSet more_fields(const Parameters& parameters, const FieldSet& present);
 
 /// Values of all degrees of freedom (num_dofs()).
 Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x);

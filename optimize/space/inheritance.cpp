@@ -117,11 +117,15 @@ Eigen::MatrixXd prolongation_at(const DesignSpace& parent, const Eigen::VectorXd
 }  // namespace
 
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x) {
-    return refine(parent, x, front_at(*parent.rest->tree, parent.level + 1));
+    return refine(parent, x, level_set(*parent.rest, parent.level + 1));
 }
 
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const Front& front) {
-    InheritedSpace result{make_space(parent.rest, parent.level + 1, front, &parent), {}, {}};
+    return refine(parent, x, {front, parent.fields, true});
+}
+
+InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const LevelSet& next) {
+    InheritedSpace result{make_space(parent.rest, parent.level + 1, next, &parent), {}, {}};
     DesignSpace& child = result.space;
     const int m = parent.rest->surface.num_triangles();
     child.carried_traction = parent.carried_traction.rows() > 0 ? parent.carried_traction : Points(Points::Zero(m, 3));

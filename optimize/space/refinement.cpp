@@ -45,7 +45,23 @@ std::vector<std::vector<int>> by_group(const DesignSpace& space, const std::vect
     return members;
 }
 
-/// Splits that are possible, in the order of their first patch.
+/// A split each for the fields that the child has and the parent has not.
+void offer_fields(const DesignSpace& parent, const DesignSpace& child, std::vector<SplitDecrease>& splits) {
+    const std::vector<int>& there = parent.fields.numbers;
+    for (int j = 0; j < child.num_shape(); ++j) {
+        const Variable& v = child.variables[j];
+        const int field = v.kind == VariableKind::field ? child.rest->parameters.user_variables[v.component].field : -1;
+        if (field < 0 || std::ranges::binary_search(there, field)) continue;
+        SplitDecrease more;
+        more.names = v.name;
+        more.field = field;
+        more.variables = {j};
+        more.new_variables = 1;
+        splits.push_back(std::move(more));
+    }
+}
+
+/// Splits that are possible, in the order of their first patch; fields come last.
 std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const DesignSpace& child,
                                            const std::vector<int>& parts) {
     const std::vector<int> group = split_groups(parent, child);
@@ -64,8 +80,10 @@ std::vector<SplitDecrease> possible_splits(const DesignSpace& parent, const Desi
             }
         split.variables = new_ones[g];
         split.new_variables = static_cast<int>(new_ones[g].size()) - static_cast<int>(old_ones[g].size());
+        has_parts |= !parent.has_patches;
         if (has_parts && split.new_variables > 0) splits.push_back(std::move(split));
     }
+    offer_fields(parent, child, splits);
     return splits;
 }
 
@@ -116,6 +134,16 @@ VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
     return sum;
 }
 
+/// The space's patches with the chosen ones split, and its fields with these.
+LevelSet refined(const DesignSpace& space, const std::vector<char>& chosen, const std::vector<int>& fields) {
+    LevelSet next{split_front(*space.rest->tree, *space.front, chosen), space.fields, space.has_patches};
+    next.fields.reach = more_fields(space.rest->parameters, space.fields).reach;
+    next.fields.numbers.insert(next.fields.numbers.end(), fields.begin(), fields.end());
+    std::ranges::sort(next.fields.numbers);
+    next.has_patches |= std::find(chosen.begin(), chosen.end(), 1) != chosen.end();
+    return next;
+}
+
 std::string percent(double share) { return text(std::isfinite(share) ? std::round(1000 * share) / 10 : 0.0, " %"); }
 
 /// One round of splits within the growth that is allowed, the largest gain first; adds to the plan.
@@ -142,8 +170,10 @@ public:
         }
     }
 
-    std::vector<char> operator()(RefinementPlan& plan) {
+    /// What the next level is made of.
+    LevelSet operator()(RefinementPlan& plan) {
         std::vector<char> chosen(facts_.space.front->depth.size(), 0);
+        std::vector<int> fields;
         std::vector<std::size_t> order;
         double held = 0;
         while (held < facts_.space.rest->parameters.marking_fraction * all_ || held == 0) {
@@ -156,6 +186,7 @@ public:
             held += split.decrease;
             plan.variables_after += split.new_variables;
             for (const int p : split.patches) chosen[p] = 1;
+            if (split.field >= 0) fields.push_back(split.field);
             order.push_back(*best);
             if (!columns_.empty()) forget(orthonormal(columns_[*best], round_off * lengths_[*best]));
             if (split.decrease <= 0) break;
@@ -167,7 +198,7 @@ public:
         splits_ = std::move(sorted);
         plan.expected += all_;
         plan.chosen += held;
-        return chosen;
+        return refined(facts_.space, chosen, fields);
     }
 
     double all() const { return all_; }
@@ -197,10 +228,14 @@ private:
                                  (2 * facts_.curvature);
             if (split.decrease < min_per_variable * split.new_variables) continue;
             // Where expected decreases agree (mirror images) the first counts, not the rounding.
-            if (split.new_variables <= variables && (!best || split.decrease > (1 + tie) * splits_[*best].decrease))
+            if (split.new_variables <= variables && (!best || worth(split) > (1 + tie) * worth(splits_[*best])))
                 best = s;
         }
         return best;
+    }
+    /// Patches have about as many parts each; beside fields, which come one by one, the number counts.
+    double worth(const SplitDecrease& split) const {
+        return facts_.space.rest->parameters.fields ? split.decrease / split.new_variables : split.decrease;
     }
     void forget(const MatrixXd& done) {
         open_ -= done * (done.transpose() * open_);
@@ -224,13 +259,27 @@ double expected_decrease(const DesignFacts& facts) {
 
 }  // namespace
 
+bool has_finer(const DesignSpace& space) {
+    const Parameters& p = space.rest->parameters;
+    if (more_fields(p, space.fields).numbers.size() > space.fields.numbers.size()) return true;
+    if (p.kinds.empty()) return false;  // finer patches without variables
+    if (!space.has_patches) return true;
+    const std::vector<int> parts = parts_of(*space.rest->tree, *space.front);
+    return *std::max_element(parts.begin(), parts.end()) > 1;
+}
+
+LevelSet refined_everywhere(const DesignSpace& space) {
+    LevelSet next = refined(space, std::vector<char>(space.front->depth.size(), 1), {});
+    next.fields = more_fields(space.rest->parameters, space.fields);
+    return next;
+}
+
 std::optional<Prospect> prospect(const DesignSpace& space, const VectorXd& x) {
     const PatchHierarchy& tree = *space.rest->tree;
     std::vector<int> parts = parts_of(tree, *space.front);
-    if (*std::max_element(parts.begin(), parts.end()) <= 1) return {};
-    const std::vector<char> everything(parts.size(), 1);
+    if (!has_finer(space)) return {};
     Prospect below;
-    below.children = refine(space, x, split_front(tree, *space.front, everything));
+    below.children = refine(space, x, refined_everywhere(space));
     below.splits = possible_splits(space, below.children.space, parts);
     below.parts = std::move(parts);
     below.metric.compute(below.children.space.metric);
@@ -256,42 +305,50 @@ std::optional<Forecast> make_forecast(const DesignFacts& facts) {
 
 RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecast, double min_per_variable) {
     const Parameters& parameters = facts.space.rest->parameters;
-    const PatchHierarchy& tree = *facts.space.rest->tree;
     RefinementPlan plan;
     plan.variables_before = plan.variables_after = facts.space.size();
     const double max_variables = parameters.max_variable_ratio * std::max(1, plan.variables_before);
     Choice choice(facts, forecast.below, max_variables, min_per_variable);
-    plan.front = split_front(tree, *facts.space.front, choice(plan));
+    plan.next = choice(plan);
     plan.splits = choice.splits();
     InheritedSpace present{facts.space, facts.x, {}};
     while (parameters.split == SplitRule::sensitivity && plan.variables_after < max_variables) {
-        present = refine(present.space, present.x, plan.front);
+        present = refine(present.space, present.x, plan.next);
         const DesignFacts next{present.space, present.x, facts.lagrangian, facts.curvature, facts.dJ_dv};
         const std::optional<Prospect> below = prospect(present.space, present.x);
         if (!below || below->splits.empty()) break;
         Choice deeper(next, *below, max_variables, min_per_variable);
         if (deeper.all() <= 0.5 * expected_decrease(next)) break;
         const int variables = plan.variables_after;
-        const std::vector<char> chosen = deeper(plan);
+        LevelSet finer = deeper(plan);
         if (plan.variables_after == variables) break;
         // One front for the caller: its parents are those of the space that the caller knows.
-        Front finer = split_front(tree, plan.front, chosen);
-        for (Patch& patch : finer.patches.patches) patch.parent = facts.space.patches().label[patch.triangles.front()];
-        plan.front = std::move(finer);
+        for (Patch& patch : finer.front.patches.patches)
+            patch.parent = facts.space.patches().label[patch.triangles.front()];
+        plan.next = std::move(finer);
         ++plan.rounds;
     }
     return plan;
 }
 
 std::string RefinementPlan::words() const {
-    int count = 0;
+    int of_patches = 0, all_of_patches = 0, of_fields = 0, all_of_fields = 0;
     std::string names;
-    for (const SplitDecrease& split : splits)
-        if (split.chosen && ++count <= 4)
-            names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
-    return text("splits ", count, " of ", splits.size(), " (", names, count > 4 ? ", ..." : "", "), which hold ",
-                expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0, " % of the expected decrease of ",
-                expected, "; ", variables_before, " -> ", variables_after, " variables");
+    for (const SplitDecrease& split : splits) {
+        const bool is_field = split.field >= 0;
+        ++(is_field ? all_of_fields : all_of_patches);
+        if (!split.chosen) continue;
+        const int count = of_patches + of_fields;
+        ++(is_field ? of_fields : of_patches);
+        if (count < 4) names += text(names.empty() ? "" : ", ", split.names, " ", percent(split.decrease / expected));
+        if (count == 4) names += ", ...";
+    }
+    std::string what = all_of_fields > 0 ? text("takes ", of_fields, " of ", all_of_fields, " fields") : "";
+    if (all_of_patches > 0 || what.empty())
+        what += text(what.empty() ? "" : " and ", "splits ", of_patches, " of ", all_of_patches);
+    return text(what, " (", names, "), which hold ", expected > 0 ? std::round(1000 * chosen / expected) / 10 : 100.0,
+                " % of the expected decrease of ", expected, "; ", variables_before, " -> ", variables_after,
+                " variables");
 }
 
 MatrixXd carried_hessian(const MatrixXd& parent_hessian, const MatrixXd& prolongation, const MatrixXd& child_metric,

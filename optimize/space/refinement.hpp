@@ -7,9 +7,10 @@
 /// they exist (DESIGN sections 4 and 6).
 namespace strake {
 
-/// The expected decrease by splitting a patch (or patches that are tied).
+/// The expected decrease by splitting a patch (or patches that are tied), or by a field more.
 struct SplitDecrease {
     std::vector<int> patches;  ///< ids in the front
+    int field = -1;            ///< number in `Parameters::fields`; -1: patches are split
     std::string names;
     std::vector<int> variables;  ///< of the children
     int new_variables = 0;
@@ -19,7 +20,7 @@ struct SplitDecrease {
 };
 
 struct RefinementPlan {
-    Front front;                        ///< of the next level
+    LevelSet next;                      ///< of the next level
     std::vector<SplitDecrease> splits;  ///< the chosen first, in their order
     int variables_before = 0, variables_after = 0;
     double expected = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
@@ -36,7 +37,12 @@ struct DesignFacts {
     const Points& dJ_dv;   ///< of the objective, n x 3
 };
 
-/// The children of all patches of a space that have parts: their variables, metric and prolongation.
+/// The space can be refined: some patch has parts, patches are still to join the fields, or there are more fields.
+bool has_finer(const DesignSpace& space);
+/// The level below with everything refined.
+LevelSet refined_everywhere(const DesignSpace& space);
+
+/// The children of all patches of a space that have parts, and the next fields: variables, metric and prolongation.
 struct Prospect {
     InheritedSpace children;
     std::vector<int> parts;             ///< per patch of the space
@@ -45,7 +51,7 @@ struct Prospect {
     Eigen::MatrixXd inherited;  ///< the prolongation, whitened by the metric
     Eigen::MatrixXd known;      ///< orthonormal columns: what the space itself can do, whitened by the metric
 };
-/// None where no patch has parts. Cost: the responses at rest that are not known yet.
+/// None where no patch has parts, and all fields are there. Cost: the responses at rest that are not known yet.
 std::optional<Prospect> prospect(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// The expected decrease by all details together: with g the gradient and M the metric of all children and P the

@@ -10,16 +10,11 @@ constexpr std::array automatic_steps{27, 60, 192};
 
 }  // namespace
 
-/// What is held by anything, and what the fields are not to move, is held by the fields.
-void ProblemBuilder::set_fields() {
+/// Per triangle: held by anything, or not to be moved by the fields.
+std::vector<char> ProblemBuilder::held_by_fields() {
     const FieldsEntry& entry = case_.parameters.fields;
     const Problem& problem = out_.problem;
-    Parameters& p = out_.problem.parameters;
-    if (!problem.attached.empty()) {
-        errors_.add(entry.place,
-                    "parameters.fields move everything alike and cannot be combined with attach; remove one of them");
-        return;
-    }
+    const Parameters& p = problem.parameters;
     std::vector<char> held(static_cast<std::size_t>(start_.mesh.num_triangles()), 0);
     const auto hold = [&](const std::vector<int>& triangles) {
         for (const int t : triangles) held[static_cast<std::size_t>(t)] = 1;
@@ -36,6 +31,18 @@ void ProblemBuilder::set_fields() {
         hold_marked(marked("parameters.fields.on", {*entry.on}), false);
     else
         hold_marked(p.variables_on, false);
+    return held;
+}
+
+void ProblemBuilder::set_fields() {
+    const FieldsEntry& entry = case_.parameters.fields;
+    Parameters& p = out_.problem.parameters;
+    if (!out_.problem.attached.empty()) {
+        errors_.add(entry.place,
+                    "parameters.fields move everything alike and cannot be combined with attach; remove one of them");
+        return;
+    }
+    const std::vector<char> held = held_by_fields();
     if (!errors_.empty()) return;
     FieldConditions conditions;
     for (int t = 0; t < start_.mesh.num_triangles(); ++t)

@@ -75,6 +75,7 @@ private:
     void set_motion_limits();
     void check_dof();
     void set_fields();  // build_fields.cpp
+    std::vector<char> held_by_fields();
     /// Per triangle: lies in one of these regions or patches; empty without names.
     std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
     std::vector<int> region_or_patch(const std::string& key, const Reference& reference);

@@ -192,6 +192,54 @@ TEST(Fields, ARunBeginsWithThemAndGoesOnWithPatches) {
     }
 }
 
+/// Vertices moved by one field more than the first level has: of all candidates the run takes this one.
+TEST(Fields, ARefinementTakesTheFieldThatTheGradientAsksFor) {
+    Problem problem = with_fields(27, {VariableKind::normal_load});
+    constexpr int wanted = 19, first = 12;
+    problem.parameters.field_steps = {first, 27};
+    problem.parameters.split = SplitRule::sensitivity;
+    problem.parameters.max_displacement = 0.1;
+    const Points target = problem.surface.vertices + 0.03 * problem.parameters.fields->field(wanted) +
+                          0.03 * problem.parameters.fields->field(3);
+    problem.quantities = {target_shape_same("match", problem.surface, with_vertices(problem.surface, target))};
+    problem.objective = problem.quantities[0].names[0];
+    problem.maximize = false;
+    problem.constraints.clear();
+    problem.optimize.max_evaluations = 25;
+    std::vector<std::vector<int>> fields;
+    RunEvents events;
+    events.level = [&](const LevelStart& level) { fields.push_back(level.space.fields.numbers); };
+    const RunResult r = optimize(problem, events);
+    ASSERT_GT(fields.size(), 1u) << r.reason;
+    EXPECT_EQ(fields[0].size(), static_cast<std::size_t>(first));
+    EXPECT_TRUE(std::ranges::binary_search(fields[1], wanted));
+    EXPECT_LT(fields[1].size(), 20u) << "fields that the target does not need";
+    EXPECT_LT(r.objective, 1e-6 * r.objective_start);
+    for (const LevelSummary& level : r.levels) EXPECT_LT(level.inherited_shape_change, 1e-10);
+}
+
+TEST(Fields, OfSuccessiveLevelsWhereNothingTellsWhichToTake) {
+    Problem problem = with_fields(12);
+    problem.parameters.field_steps = {4, 9, 12};
+    const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
+    const DesignSpace coarse = design_space(rest, 0);
+    EXPECT_FALSE(coarse.has_patches);
+    EXPECT_EQ(coarse.fields.numbers, (std::vector{0, 1, 2, 3}));
+    EXPECT_EQ(level_set(*rest, 1).fields.numbers.size(), 9u);
+    EXPECT_EQ(more_fields(problem.parameters, {{0, 1, 2, 3, 8}, 9}).numbers.size(), 12u) << "those passed over, too";
+    // Values of fields that a level does not have are carried, not lost.
+    const Eigen::VectorXd x = Eigen::VectorXd::LinSpaced(coarse.size(), 0.1, 0.4);
+    const InheritedSpace fewer = refine(coarse, x, LevelSet{*coarse.front, {{1, 3}, 4}, true});
+    EXPECT_EQ(count_of(fewer.space, VariableKind::field), 2);
+    const Eigen::VectorXd before = demand(coarse, x).fields, after = demand(fewer.space, fewer.x).fields;
+    EXPECT_LT((before - after).norm(), 1e-12 * before.norm());
+    Problem wrong = problem;
+    wrong.parameters.field_steps = {4, 4, 12};
+    EXPECT_THROW(rest_facts(wrong), InvalidInput);
+    wrong.parameters.field_steps = {4, 9};
+    EXPECT_THROW(rest_facts(wrong), InvalidInput);
+}
+
 TEST(Fields, AFitWithThemFindsATaperedAndFlattenedBody) {
     Problem problem = with_fields(27, {});
     TriMesh target = problem.surface;

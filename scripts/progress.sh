@@ -28,7 +28,7 @@ progress() {
             now=$((SECONDS - begin))
             if [ -t 2 ]; then
                 [ $more = no ] || printf '\r\033[K%s' "$(progress_line "$title" $done_count $total $now "$expected" "$doing" bar)" >&2
-            elif [ $more = yes ] && [ $((now - shown)) -ge 10 ]; then
+            elif [ $more = yes ] && [ $((now - shown)) -ge 8 ]; then
                 shown=$now
                 progress_line "$title" $done_count $total $now "$expected" "$doing" >&2
             fi

@@ -215,10 +215,10 @@ ProgramResult parse_named(const std::string& bytes, const std::vector<std::strin
         return found;
     }
     if (want_values && !result.contains("gradients") && !result.contains("gradient"))
-        refuse_result("missing_key",
-                      text("no '", outputs.size() > 1 ? "gradients" : "gradient", "' at the top; it has: ",
-                           names_in(result), ". For a program that gives values only, add `gradients: false` to the ",
-                           "quantity; with gradients, result.json is ", example(outputs, true)));
+        refuse_result("missing_key", text("no '", outputs.size() > 1 ? "gradients" : "gradient",
+                                          "' at the top; it has: ", names_in(result),
+                                          ". For a program that gives values only, add `gradients: false` to the ",
+                                          "quantity; with gradients, result.json is ", example(outputs, true)));
     for (const json& entry : entries(result, "gradients", "gradient", outputs)) {
         const auto [file, field] = file_and_field(entry, shown("gradients", "gradient", found.gradient_files.size()));
         found.gradient_files.push_back(file);

@@ -9,6 +9,9 @@ struct Continuation {
     bool is_changed = false, has_new_budget = false;
 };
 
+/// What keys meant when the run began is what they mean when it goes on.
+void keep_meaning(Case& the_case, const JournalFacts& facts);
+
 /// @throws InvalidInput naming what differs from the case that the run started with.
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir);
 

@@ -128,7 +128,7 @@ void resume(const ResumeArguments& args) {
     request.is_fit = facts.is_fit;
     if (!has("case.yaml")) request.folder->write_case(facts.case_yaml);
     load(request, dir, facts.case_dir);
-    request.the_case.parameters.limits_variables = facts.meaning < 2;
+    keep_meaning(request.the_case, facts);
     const Continuation now = continuation(request.the_case, facts, dir);
     const RunLimits limits = new_limits(args, journal.limits(), request.the_case, now.has_new_budget);
     begin_again(request, now, limits);

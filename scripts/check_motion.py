@@ -1,12 +1,15 @@
 #!/usr/bin/python3
 """Measures how far the shapes of a run are from their datum: check_motion.py RUN... [--strake PROGRAM] [--limit SHARE]
 or on real bodies: check_motion.py --bodies DATA --out FOLDER [--strake PROGRAM] [--limits 0.5,2,5] [--evaluations N]
+                   [--method NAME] [--edge-length SHARE] [--compare | --inactive] [--only PART]
 
 The datum is computed by `strake deform` from the case of the run: the surface under the given loads and strains. Measured
 are all surfaces that the run has kept: evaluations/*/surface.obj of a program (every evaluation), series/*.vtp and best.*.
 Prints one line a run: limit, shapes, the farthest vertex as a share of the limit, and its number.
-With --bodies the runs are made first: `strake init` writes the case of each body, whose volume is then made small, and a
-program that does nothing keeps every shape.
+With --bodies the runs are made first: `strake init` writes the case of each body, whose volume is then made small (of open ones the
+highest point high), and a program that does nothing keeps every shape. --edge-length remeshes the bodies in the case, in percent of the diagonal.
+--compare: the gain of each run against the best of three methods, from two starts, with three times the evaluations.
+--inactive: a goal that the limit does not touch (2 % less volume, or a point higher by 1 % of the diagonal), under 5 % and without limit in the same variables.
 Exit status: 0 all shapes are within their limit (1e-9), 1 one is not, 2 wrong usage.
 """
 
@@ -23,6 +26,7 @@ import numpy
 
 BODIES = ["cessna210_flowpanel.msh", "wing717_pyhyp.ply", "dpw_w1_pypan.tri", "supersonic_wing_body_pypan.stl",
           "bunny_closed_cgal.off"]
+OPEN = ["wing717_pyhyp.ply", "dpw_w1_pypan.tri"]
 TOLERANCE = 1e-9
 
 
@@ -86,24 +90,73 @@ def measure(run, strake, limit):
     return count > 0 and used <= 1 + TOLERANCE
 
 
-def make_run(body, share, args):
+def make_run(body, share, args, label="", evaluations=0, optimize="", goal="", limit=""):
     """@return the run folder."""
-    name = os.path.splitext(os.path.basename(body))[0] + f"_{share:g}"
+    name = os.path.splitext(os.path.basename(body))[0] + f"_{share:g}" + label
     run, case = os.path.join(args.out, name), os.path.join(args.out, name + ".yaml")
     subprocess.run([args.strake, "init", body, "-o", case], check=True, stdout=subprocess.DEVNULL)
     with open(case, encoding="utf-8") as file:
         text = file.read()
-    text = re.sub(r"max_displacement: \S+", f"max_displacement: {share:g}%", text)
+    text = re.sub(r"max_displacement: \S+", limit or f"max_displacement: {share:g}%", text)
     text = re.sub(r"(?ms)^(quantities|objective|constraints|optimize|output):.*?(?=^\S|\Z)", "", text)
-    text += ("quantities:\n  room: {type: volume}\n  keep: {command: [sh, -c, \"echo '{\\\"value\\\": 1}' > {result}\"], "
+    if args.edge_length:
+        text = re.sub(r"(?ms)^remesh:.*?(?=^\S|\Z)", "", text) + f"remesh: {{edge_length: {args.edge_length:g}%}}\n"
+    is_open = os.path.basename(body) in OPEN
+    kind = "extent, direction: [0, 0, 1], smoothing: 5%" if is_open else "volume"
+    goal = goal or ("'-room.max'" if is_open else "room")
+    text += (f"quantities:\n  room: {{type: {kind}}}\n  keep: {{command: [sh, -c, \"echo '{{\\\"value\\\": 1}}' > {{result}}\"], "
              "format: obj, gradients: false}\n"
-             "objective: {minimize: room}\n"
-             f"optimize: {{budget: {{evaluations: {args.evaluations}}}{args.method}}}\n"
+             f"objective: {{minimize: {goal}}}\n"
+             f"optimize: {{budget: {{evaluations: {evaluations or args.evaluations}}}{optimize or args.method}}}\n"
              "output: {keep: all, paraview: none, report: false}\n")
     with open(case, "w", encoding="utf-8") as file:
         file.write(text)
     subprocess.run([args.strake, "run", case, "--out", run, "-q"], check=False, stdout=subprocess.DEVNULL)
     return run
+
+
+def result_of(run):
+    with open(os.path.join(run, "run.json"), encoding="utf-8") as file:
+        return json.load(file)
+
+
+def compare(body, share, args):
+    """The run against the best of three methods, two starts, three times the budget: its share of that gain."""
+    run = make_run(body, share, args)
+    is_within = measure(run, args.strake, args.limit)
+    own = result_of(run)
+    gains = {}
+    for method in ["cobyla", "bobyqa", "sbplx"] if args.method else ["sqp", "mma", "lbfgs"]:
+        for starts in (1, 2):
+            other = make_run(body, share, args, f"_{method}_{starts}", 3 * args.evaluations,
+                             f", method: {method}" + (", starts: 2" if starts == 2 else ""))
+            is_within &= measure(other, args.strake, args.limit)
+            result = result_of(other)
+            gains[f"{method}, {starts} start{'s' if starts == 2 else ''}"] = result["objective_start"] - result["objective"]
+    best = max(gains, key=gains.get)
+    start = own["objective_start"]
+    print(f"  {os.path.basename(body)} at {share:g} %: gain {start - own['objective']:.8g}, the best ({best}) {gains[best]:.8g}; "
+          f"share {(start - own['objective']) / gains[best]:.4f}; objectives differ by "
+          f"{100 * abs(own['objective'] - start + gains[best]) / abs(start - gains[best]):.3f} %", flush=True)
+    return is_within
+
+
+def without_active_limit(body, args):
+    facts = json.loads(subprocess.run([args.strake, "info", body, "--json"], check=True, stdout=subprocess.PIPE,
+                                      stderr=subprocess.DEVNULL).stdout)
+    if facts["volume"]:
+        goal = f"'(room / {abs(facts['volume']):.17g} - 0.98)^2'"
+    else:
+        goal = f"'((room.max - {facts['box'][1][2]:.17g}) / {0.01 * facts['diagonal']:.17g} - 1)^2'"
+    results = []
+    for label, limit in (("_under", "max_displacement: 5%"), ("_free", "max_displacement: 100%, variable_scale: 5%")):
+        run = make_run(body, 5, args, label, 5 * args.evaluations, goal=goal, limit=limit)
+        results.append(result_of(run))
+        result = results[-1]
+        print(f"{run}: {result['status']}, {result['evaluations']} evaluations, {result['objective_start']:.8g} to "
+              f"{result['objective']:.8g}, limit active: {result.get('motion_limit', {}).get('active')}", flush=True)
+    gain = [r["objective_start"] - r["objective"] for r in results]
+    return abs(gain[0] / gain[1] - 1) <= 1e-3 and results[0]["evaluations"] <= 1.1 * results[1]["evaluations"]
 
 
 def main():
@@ -117,6 +170,9 @@ def main():
     parser.add_argument("--evaluations", type=int, default=12)
     parser.add_argument("--method", default="", help="method without gradients, for example cobyla")
     parser.add_argument("--only", default="", help="part of a body's name")
+    parser.add_argument("--edge-length", type=float, default=0, help="percent of the diagonal: remesh the bodies")
+    parser.add_argument("--compare", action="store_true")
+    parser.add_argument("--inactive", action="store_true")
     args = parser.parse_args()
     if bool(args.bodies) == bool(args.runs) or (args.bodies and not args.out):
         parser.error("either runs, or --bodies and --out")
@@ -125,7 +181,12 @@ def main():
     if args.bodies:
         os.makedirs(args.out, exist_ok=True)
         bodies = [os.path.join(args.bodies, name) for name in BODIES if args.only in name]
-        runs = (make_run(body, float(share), args) for body in bodies for share in args.limits.split(","))
+        shares = [float(share) for share in args.limits.split(",")]
+        if args.compare:
+            return 0 if all([compare(body, share, args) for body in bodies for share in shares]) else 1
+        if args.inactive:
+            return 0 if all([without_active_limit(body, args) for body in bodies]) else 1
+        runs = (make_run(body, share, args) for body in bodies for share in shares)
     is_within = True
     for run in runs:
         is_within &= measure(run, args.strake, args.limit)

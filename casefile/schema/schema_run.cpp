@@ -124,7 +124,8 @@ std::vector<Key> stopping_keys() {
         {.path = "optimize.tolerances", .doc = "Convergence criteria of a level.", .fallback = "{}"},
         {.path = "optimize.tolerances.objective",
          .type = Type::number,
-         .doc = "Relative change of the objective.",
+         .doc = "Share of the decrease that the run has gained so far; of a fit: relative change of the mean square "
+                "distance.",
          .fallback = "1e-6",
          .limits = positive},
         {.path = "optimize.tolerances.step",

@@ -24,7 +24,8 @@ struct JournalFacts {
     std::filesystem::path case_dir;  ///< of the file that the run was started with, absolute
     std::string host;                ///< machine on which the run began
     bool is_fit = false;
-    /// 1: `max_displacement` bounds variables (`Parameters::limits_variables`); 2: shapes.
+    /// 1: `max_displacement` bounds variables (`Parameters::limits_variables`); 2: shapes,
+    /// and `objective_tolerance` is a share of the gain (`OptimizeOptions::is_relative_to_objective`).
     int meaning = 2;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

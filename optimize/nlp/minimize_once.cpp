@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/nlp/model/conflict.hpp"
 #include "optimize/nlp/model/restoration.hpp"
+#include "optimize/nlp/model/slope_check.hpp"
 #include "optimize/nlp/model/verdict.hpp"
 #include "optimize/nlp/nlopt/augmented_lagrangian.hpp"
 #include "optimize/nlp/program/finite_differences.hpp"
@@ -19,6 +20,7 @@ constexpr double global_share = 0.7;  ///< of the evaluations; the rest polishes
 constexpr double max_failing = 0.75;  ///< of the evaluations: with more, nothing is known of convergence
 constexpr int max_confirmations = 5, separable_confirmations = 20;
 constexpr double border_share = 1e-2;  ///< of the total decrease: with less, a fresh start along the border ends
+constexpr double much_longer = 3;      ///< a better difference step is told
 constexpr int max_returns = 5;         ///< of a method without gradients, from what looked like a border
 constexpr double fresh_share = 0.1;    ///< of the mean curvature: a fresh model must find soft directions
 constexpr int restoration_steps = 40, max_feasibility_phases = 2;
@@ -41,17 +43,13 @@ public:
         result_.is_feasible = guard_.has_best && guard_.best_feasible;
         result_.evaluations = guard_.evaluations;
         result_.failures = guard_.failures;
+        result_.noise = guard_.evidence.noise();
+        result_.largest_gradient = guard_.largest_gradient;
         return result_;
     }
 
 private:
     bool is_constrained() const { return guard_.program.num_inequalities + guard_.program.num_equalities > 0; }
-
-    /// Not all of them are differences.
-    bool has_own_gradients() const {
-        const auto& d = guard_.program.differences;
-        return guard_.wants_gradient && !(d && d->objective && d->rows.empty());
-    }
 
     bool evaluate_start(Evaluation& evaluation) {
         const NonlinearProgram& p = guard_.program;
@@ -77,9 +75,10 @@ private:
         if (guard_.free.empty()) return end(MinimizeStop::converged, "all variables are fixed"), false;
         guard_.scale = objective_scale(guard_);
         if (guard_.wants_gradient && !method_->is_global && guard_.best.gradient.isZero(0) && guard_.best_feasible) {
-            result_.is_flat = true;
             end(MinimizeStop::converged,
                 "the gradient is zero at the start: the objective does not change with any variable");
+            confirm_gradient();
+            result_.is_flat = !result_.gradient_inconsistent;
             return false;
         }
         if (static_cast<int>(guard_.free.size()) < method_->min_variables) {
@@ -103,8 +102,7 @@ private:
         guard_.limit = all;
         take(found);
         settle(found);
-        if (found.stop == MinimizeStop::evaluations)
-            end(found.stop, text("the limit of evaluations is reached (", guard_.evaluations, ")"));
+        if (found.stop == MinimizeStop::evaluations) end(found.stop, guard_.limit_words());
         if (found.is_at_border && (guard_.cause == StopCause::failure || guard_.cause == StopCause::none))
             follow_border();
         second_opinion();
@@ -156,7 +154,7 @@ private:
         const double before = guard_.best.objective;
         const MinimizeResult own = result_;
         run_sqp();
-        if (before - guard_.best.objective > 10 * guard_.options.objective_tolerance * std::abs(before))
+        if (before - guard_.best.objective > 10 * guard_.decrease_tolerance(before))
             result_.reason = text(result_.reason, " (sqp went on where ", method_->name, " had stopped)");
         else if (own.stop == MinimizeStop::converged && result_.stop == MinimizeStop::roundoff)
             end(own.stop, own.reason);
@@ -233,7 +231,7 @@ private:
 
     /// A quasi-Newton method may stop early: a fresh start shows it, which the gradient may ask for once.
     bool wants_confirmation(double before, bool feasible_before, bool uncertain) {
-        const double floor = 10 * guard_.options.objective_tolerance * std::abs(guard_.best.objective);
+        const double floor = 10 * guard_.decrease_tolerance(guard_.best.objective);
         const bool gained = before - guard_.best.objective > floor || feasible_before != guard_.best_feasible;
         const bool wanted = (guard_.options.confirm && gained) || uncertain;
         if (!wanted || ++confirmations_ > max_confirmations) return false;
@@ -284,7 +282,7 @@ private:
 
     void find_conflict(const Restoration& r) {
         end(MinimizeStop::roundoff, "no step reduces the violation of the constraints");
-        if (has_own_gradients()) check_slopes(guard_, result_);
+        if (guard_.has_own_gradients()) check_slopes(guard_, result_);
         if (result_.gradient_inconsistent) return;  // a conflict by wrong gradients is none
         result_.conflict =
             conflicting_constraints(guard_.program, r.x, r.evaluation, guard_.options.constraint_tolerance);
@@ -297,17 +295,26 @@ private:
         end(MinimizeStop::roundoff, text(what, "; the least violation is ", guard_.best_violation));
     }
 
+    /// No search has converged, or is stuck, by a gradient that the values contradict.
+    void confirm_gradient() {
+        if (!result_.conflict.empty() || result_.gradient_inconsistent || !guard_.has_own_gradients()) return;
+        const bool is_old = guard_.options.is_relative_to_objective;
+        const bool has_converged = result_.stop == MinimizeStop::converged && !(is_old && !expects_more(guard_));
+        const bool is_open = guard_.cause == StopCause::none || guard_.cause == StopCause::failure;
+        const bool is_short = !is_old && guard_.cause == StopCause::evaluations && guard_.evidence.is_contradicted() &&
+                              guard_.limit == guard_.options.max_evaluations;
+        if (!is_short && !(is_open && (has_converged || result_.stop == MinimizeStop::roundoff))) return;
+        guard_.may_use_reserve = true;
+        guard_.cause = StopCause::none;
+        check_slopes(guard_, result_);
+        if (result_.gradient_inconsistent) result_.stop = MinimizeStop::roundoff;
+    }
+
     /// What the end says about the problem.
     void judge() {
         if (!guard_.has_best) return;
-        const bool open = guard_.cause == StopCause::none || guard_.cause == StopCause::failure;
-        if (open && result_.conflict.empty() && !result_.gradient_inconsistent && has_own_gradients()) {
-            guard_.cause = StopCause::none;
-            if (result_.stop == MinimizeStop::roundoff ||
-                (result_.stop == MinimizeStop::converged && expects_more(guard_)))
-                check_slopes(guard_, result_);
-            if (result_.gradient_inconsistent) result_.stop = MinimizeStop::roundoff;
-        }
+        confirm_gradient();
+        advise_on_differences();
         result_.active_bounds = count_active_bounds(guard_);
         if (guard_.evaluations - guard_.failures > 1 && guard_.lowest == guard_.highest) {
             result_.is_flat = true;
@@ -315,9 +322,22 @@ private:
                 "; the objective has been the same at every evaluation; check that it depends on the variables";
         }
         if (guard_.failures > 0 && result_.stop != MinimizeStop::no_valid_step)
-            result_.reason += text("; ", guard_.failures, " of ", guard_.evaluations, " evaluations failed");
+            result_.reason += text("; ", guard_.failures, " of ", guard_.evaluations, " evaluations",
+                                   guard_.options.scope, " failed");
         if (result_.stop == MinimizeStop::converged && guard_.failures > max_failing * guard_.evaluations)
             result_.stop = MinimizeStop::no_valid_step;  // too few values to say more
+    }
+
+    /// Tells of a difference step that measures noise.
+    void advise_on_differences() const {
+        const double noise = guard_.evidence.noise();
+        if (!guard_.program.differences || !(noise > 0) || result_.hessian.size() == 0) return;
+        const double curvature = result_.hessian.trace() / metric_of(guard_.program).trace();
+        const double step = guard_.program.differences->step, best = best_difference_step(noise, curvature);
+        if (best > much_longer * step)
+            guard_.report_event(text("the values have noise of about ", noise, ": differences over steps of ", step,
+                                     " see no slopes below ", noise / step, "; a difference_step of about ", best,
+                                     " has the least error"));
     }
 
     void take(const SearchEnd& found) {

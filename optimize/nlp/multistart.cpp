@@ -21,6 +21,7 @@ public:
         best_.evaluations = evaluations_;
         best_.shrinks = shrinks_;
         best_.failures = failures_;
+        best_.confirmations = confirmations_;
         if (starts_ > 1) best_.reason += text(" (best of ", starts_, " starts, number ", best_start_ + 1, ")");
         return best_;
     }
@@ -44,6 +45,7 @@ private:
         evaluations_ += r.evaluations;
         shrinks_ += r.shrinks;
         failures_ += r.failures;
+        confirmations_ += r.confirmations;
         if (k == 0 || is_better(r)) best_ = r, best_start_ = k;
         is_over_ = r.stop == MinimizeStop::stopped || r.best.is_fatal || is_fatal_;
         if (options_.on_event)
@@ -89,7 +91,7 @@ private:
     const NonlinearProgram& program_;
     const MinimizeOptions& options_;
     MinimizeResult best_;
-    int best_start_ = 0, starts_ = 0, evaluations_ = 0, shrinks_ = 0, failures_ = 0;
+    int best_start_ = 0, starts_ = 0, evaluations_ = 0, shrinks_ = 0, failures_ = 0, confirmations_ = 0;
     bool is_over_ = false, is_fatal_ = false, has_any_ = false, any_feasible_ = false;
     double objective_ = 0, violation_ = 0, merit_ = std::numeric_limits<double>::infinity();
     double begin_ = now();

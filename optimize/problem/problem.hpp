@@ -119,7 +119,10 @@ struct OptimizeOptions {
     /// Refine when the gain per evaluation falls below this fraction of the level's best rate, or finer details are
     /// expected to gain more than the level; 0: only when its own search ends.
     double progress_below = 0.01;
-    double objective_tolerance = 1e-6;   ///< a level has converged below this relative change of the objective
+    double objective_tolerance = 1e-6;  ///< a level has converged below this share of what the run has gained
+    /// The meaning of runs before 0.2: `objective_tolerance` is relative to the objective, and a gradient is checked
+    /// only where the search got stuck.
+    bool is_relative_to_objective = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -73,7 +73,8 @@ private:
         state_.result.motion = program_.motion_at_end(level.best);
         conclude_run(state_.result,
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
-                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_});
+                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_, state_.problem.objective,
+                      state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
     }
 
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
@@ -141,7 +142,8 @@ private:
         // Where the values bend down all along the step, how much it gives cannot be said: that is tried.
         const bool is_open = probed && *probed >= max_correction;
         const double floor =
-            std::max(0.1 * state_.problem.optimize.objective_tolerance * std::max(std::abs(now), gained),
+            std::max(0.1 * state_.problem.optimize.objective_tolerance *
+                         (state_.problem.optimize.is_relative_to_objective ? std::max(std::abs(now), gained) : gained),
                      is_open ? 0 : min_gain * price(plan));
         refining_is_idle_ = rule == SplitRule::sensitivity && hessian_.size() > 0 && times * plan.chosen <= floor;
         if (refining_is_idle_) return false;
@@ -182,10 +184,12 @@ private:
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
         how.objective_tolerance = options.objective_tolerance;
-        // An objective that goes to zero, like a distance, is measured by what has been gained.
         const double gained = std::abs(state_.result.objective_start - state_.result.objective);
-        if (std::isfinite(gained)) how.objective_scale = 1e-3 * gained;
+        if (std::isfinite(gained)) how.gained_before = gained;
+        how.largest_gradient = largest_gradient_;
+        how.is_relative_to_objective = options.is_relative_to_objective;
         how.step_tolerance = options.step_tolerance;
+        how.scope = text(" of level ", state_.space.level);
         how.constraint_tolerance = options.constraint_tolerance;
         how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
@@ -281,6 +285,7 @@ private:
                         bool sees_values_only) {
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
+        largest_gradient_ = result.largest_gradient;
         parent_ = result.best;
         gradient_error_ = result.gradient_error;
         curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
@@ -308,7 +313,7 @@ private:
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
-    double curvature_ = 1, first_step_ = 0.5;
+    double curvature_ = 1, first_step_ = 0.5, largest_gradient_ = 0;
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level

@@ -116,6 +116,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     for (const std::string& words : evaluation.remarks) note(text("evaluation ", record.evaluation, ": ", words));
     if (is_level_best) {
         level_best = rank;
+        level_best_evaluation = record.evaluation;
         level_best_vertices = evaluation.vertices;
         level_best_x = x;
         level_best_objective = objective;

@@ -74,6 +74,7 @@ public:
     RunResult result;
     Rank level_best, run_best;
     Points level_best_vertices;
+    int level_best_evaluation = 0;
     Eigen::VectorXd level_best_x;  ///< empty: the level has no evaluation that is ok
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
 

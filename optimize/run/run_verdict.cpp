@@ -62,6 +62,14 @@ std::string failures_note(const RunEnd& end) {
                 " evaluations of this level failed: look at why (history.csv, the report) before you raise anything");
 }
 
+/// Fewer than the limit: the rest is too few for another step and the way back onto the constraints.
+std::string limit_words(const RunResult& r, const RunEnd& end) {
+    return text(
+        "the limit of evaluations is reached (",
+        r.evaluations < end.max_evaluations ? text(r.evaluations, " of ", end.max_evaluations) : text(r.evaluations),
+        ")");
+}
+
 /// The words may end with lines of a program's log.
 std::string no_valid_step_advice(const RunEnd& end, const std::string& words) {
     if (!end.last_failed_in_quantity)
@@ -89,6 +97,21 @@ void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
                           "); raise optimize.budget, or relax the constraints", bounds_note(r, end))
                    : text("no design within the bounds meets ", unmet, ", the least violation is ", r.max_violation,
                           " (", words, "); relax it or allow a larger max_displacement", bounds_note(r, end));
+}
+
+void gradient_inconsistent(RunResult& r, const RunEnd& end, const std::string& words) {
+    const MinimizeResult& l = end.level;
+    // Rows are scaled and turned to be <= 0, and what is maximized is minimized: the values are told as they are.
+    const ConstraintRow* row = l.slope_of < 0 ? nullptr : &end.rows.rows[static_cast<std::size_t>(l.slope_of)];
+    const double unit = row ? row->scale / row->sign : end.is_maximized ? -1 : 1;
+    r.status = "gradient_inconsistent";
+    r.reason = text("the values do not follow the gradient of ",
+                    row ? r.names[static_cast<std::size_t>(row->value)] : text(end.objective, ", the objective"),
+                    ": at the best design of level ", r.levels.empty() ? 0 : r.levels.back().level, " (evaluation ",
+                    end.level_best, "), ", l.slope_where, ", it changes by ", unit * l.slope_found,
+                    " where its gradient says ", unit * l.slope_expected, " (",
+                    words.substr(0, words.find("; the gradient is inconsistent")),
+                    "); check it with `strake gradient-check CASE`, or use a method without gradients (cobyla)");
 }
 
 void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
@@ -123,10 +146,8 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             break;
         default:
             r.status = "budget";
-            r.reason = text(end.level.stop == MinimizeStop::evaluations
-                                ? text("the limit of evaluations is reached (", r.evaluations, ")")
-                                : words,
-                            " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
+            r.reason = text(end.level.stop == MinimizeStop::evaluations ? limit_words(r, end) : words, " on level ",
+                            r.level, end.can_refine ? ", which is not the finest" : "",
                             "; raise optimize.budget to go on", failures_note(end), notes);
     }
 }
@@ -206,12 +227,7 @@ void conclude_run(RunResult& r, const RunEnd& end) {
             text(words, end.last_failed_in_quantity ? "; every quantity must have a finite value on the start surface"
                                                     : "; reduce the given loads and strains, or fix less");
     } else if (end.level.gradient_inconsistent) {
-        const int of = end.level.slope_of;
-        r.status = "gradient_inconsistent";
-        r.reason = text("the values do not follow the gradient of ",
-                        of < 0 ? std::string("the objective") : r.names[end.rows.rows[of].value], ": they change by ",
-                        end.level.slope_ratio, " of what it says (", words,
-                        "); check it with `strake gradient-check`, or use a method without gradients (cobyla)");
+        gradient_inconsistent(r, end, words);
     } else if (!end.is_feasible) {
         infeasible(r, end, words);
     } else {

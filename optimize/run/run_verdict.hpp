@@ -15,6 +15,10 @@ struct RunEnd {
     bool is_feasible = false;              ///< there is a feasible design
     bool can_refine = false;               ///< there are finer patches
     bool refining_is_idle = false;         ///< they are not expected to gain anything
+    std::string objective;                 ///< its name
+    bool is_maximized = false;
+    int max_evaluations = 0;  ///< of the run
+    int level_best = 0;       ///< number of the evaluation that is the best of the last level
 };
 
 /// Fills status, reason and the names of conflicting constraints. @pre the other fields of the result are final.

@@ -105,7 +105,7 @@ const Evaluation* NloptRun::evaluation(const double* z, bool gradient) {
 }
 
 double NloptRun::value_of(const Evaluation& s) const {
-    return s.objective / guard_.scale + (lagrangian_ ? lagrangian_->value(guard_.program, s) : 0.0);
+    return (s.objective - guard_.offset()) / guard_.scale + (lagrangian_ ? lagrangian_->value(guard_.program, s) : 0.0);
 }
 
 VectorXd NloptRun::gradient_of(const Evaluation& s) const {

@@ -82,12 +82,15 @@ private:
 
     bool wants_confirmation(const Level& before) {
         const Level now = level();
-        const double unit = lagrangian_ ? std::max(1.0, std::abs(now.value)) : std::abs(now.value);
-        const bool gained =
-            before.value - now.value > 10 * options_.objective_tolerance * unit || before.feasible != now.feasible;
+        const bool gained = before.value - now.value > 10 * tolerance(now) || before.feasible != now.feasible;
         if (!gained || ++confirmations_ > options_.confirmations) return false;
         report("converged; a fresh start from here confirms or continues");
         return true;
+    }
+
+    double tolerance(const Level& now) const {
+        if (lagrangian_) return options_.objective_tolerance * std::max(1.0, std::abs(now.value));
+        return now.feasible ? guard_.decrease_tolerance(now.value) : options_.objective_tolerance * std::abs(now.value);
     }
 
     bool shrink(const Level& before) {
@@ -180,7 +183,7 @@ SearchEnd end_by_cause(const Guard& guard) {
     switch (guard.cause) {
         case StopCause::evaluations:
             end.stop = MinimizeStop::evaluations;
-            end.reason = text("the limit of evaluations is reached (", guard.evaluations, ")");
+            end.reason = guard.limit_words();
             end.is_final = guard.limit >= guard.options.max_evaluations;
             break;
         case StopCause::time:

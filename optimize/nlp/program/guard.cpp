@@ -11,6 +11,8 @@ namespace strake {
 namespace {
 
 constexpr std::size_t max_failed_points = 64;  ///< in a row: searches end before, but global ones
+constexpr int reserved = 2;                    ///< evaluations for the check of a gradient that steps contradict
+constexpr int least_budget = 8;                ///< of which they may be taken
 
 /// Gradient-free methods never call `differentiate`.
 NonlinearProgram prepared(NonlinearProgram p, const MethodFacts& method) {
@@ -31,7 +33,8 @@ Guard::Guard(const NonlinearProgram& p, const MinimizeOptions& o)
       options(o),
       method(method_facts(o.method)),
       limit(o.max_evaluations),
-      best_x(p.start) {
+      best_x(p.start),
+      largest_gradient(o.largest_gradient) {
     for (Eigen::Index j = 0; j < p.start.size(); ++j)
         if (p.lower[j] < p.upper[j]) free.push_back(static_cast<int>(j));
     wants_gradient = method.needs_gradients;
@@ -167,8 +170,28 @@ Evaluation Guard::count_and_evaluate(const Eigen::VectorXd& x) {
     return s;
 }
 
+double Guard::decrease_tolerance(double objective) const {
+    if (options.is_relative_to_objective)
+        return options.objective_tolerance * std::max(std::abs(objective), 1e-3 * options.gained_before);
+    const double change = std::abs(start_objective - objective);
+    const double gained = std::max(options.gained_before, std::isfinite(change) ? change : 0);
+    return std::max(options.objective_tolerance * gained, resolution(objective, evidence.noise()));
+}
+
+std::string Guard::limit_words() const {
+    const int all = options.max_evaluations;
+    return text("the limit of evaluations", options.scope, " is reached (",
+                evaluations < all ? text(evaluations, " of ", all) : text(all), ")");
+}
+
+int Guard::reserve() const {
+    const bool is_wanted = !may_use_reserve && limit == options.max_evaluations && limit >= least_budget &&
+                           !options.is_relative_to_objective && has_own_gradients() && evidence.is_contradicted();
+    return is_wanted ? reserved : 0;
+}
+
 Evaluation Guard::evaluation_of(const Eigen::VectorXd& x) {
-    if (evaluations >= limit) stop(StopCause::evaluations);
+    if (evaluations >= limit - reserve()) stop(StopCause::evaluations);
     if (options.max_seconds > 0 && evaluations > 0 && now() - begin_ > options.max_seconds) stop(StopCause::time);
     if (patience_ > 0 && evaluations - gained_at_ >= patience_) stop(StopCause::stalled);
     ++evaluations;
@@ -215,6 +238,8 @@ void Guard::evaluate(const Eigen::VectorXd& x) {
 }
 
 void Guard::rank(const Eigen::VectorXd& x) {
+    if (!has_best) start_objective = last_.objective;
+    if (wants_gradient) evidence.add_values(x, last_);
     const double violation = largest_violation(program, last_.constraints);
     const bool feasible = violation <= options.constraint_tolerance;
     const bool better =
@@ -222,7 +247,7 @@ void Guard::rank(const Eigen::VectorXd& x) {
         (feasible == best_feasible && (feasible ? last_.objective < best.objective : violation < best_violation));
     if (better) {
         const double gain = feasible ? best.objective - last_.objective : best_violation - violation;
-        const double floor = feasible ? options.objective_tolerance * std::abs(last_.objective) : 0;
+        const double floor = feasible ? decrease_tolerance(last_.objective) : 0;
         if (!has_best || feasible != best_feasible || gain > floor) gained_at_ = evaluations;
         has_best = true;
         best = last_;
@@ -275,6 +300,7 @@ void Guard::differentiate(const Eigen::VectorXd& x) {
     if (program.differences) add_differences(x, s);
     last_ = s;
     check_gradient(x);
+    if (!last_.is_partly_guessed) evidence.add_gradients(x, last_);
     last_x_ = x;
     if (has_best && best_x == x) best = last_;
 }

@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/nlp/program/failure_border.hpp"
+#include "optimize/nlp/program/gradient_evidence.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/minimize_options.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
@@ -50,6 +51,20 @@ public:
     /// The guessed part of the best point's gradient is evaluated when the gradient is asked for again.
     void forget_guessed();
 
+    /// Decreases from this objective on that are as good as none: `objective_tolerance` of what has been gained, or
+    /// what the values do not resolve.
+    double decrease_tolerance(double objective) const;
+    /// What NLopt's methods minimize is the objective without this: their tolerances are relative to what they see.
+    double offset() const { return options.is_relative_to_objective ? 0 : start_objective; }
+    /// The search wants gradients, and not all of them are differences.
+    bool has_own_gradients() const {
+        return wants_gradient &&
+               !(program.differences && program.differences->objective && program.differences->rows.empty());
+    }
+
+    /// "the limit of evaluations is reached (9)", with `MinimizeOptions::scope`.
+    std::string limit_words() const;
+
     void report_event(const std::string& words) const {
         if (options.on_event) options.on_event(words);
     }
@@ -81,6 +96,10 @@ public:
     bool failed_on_the_way = false;  ///< the last failure says nothing about its point (`Evaluation::is_of_step`)
     int evaluations = 0, failures = 0;
     FailureBorder border;
+    GradientEvidence evidence;     ///< of a program with gradients of its own
+    double largest_gradient = 0;   ///< of the Lagrangian, in the dual of the metric
+    bool may_use_reserve = false;  ///< of the two evaluations that a contradicted gradient's check needs
+    double start_objective = std::numeric_limits<double>::quiet_NaN();
 
 private:
     [[noreturn]] void stop(StopCause why);
@@ -95,6 +114,7 @@ private:
     void add_differences(const Eigen::VectorXd& x, Evaluation& evaluation);
     void check_gradient(const Eigen::VectorXd& x);
     double now() const;  ///< seconds
+    int reserve() const;
     bool report(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
 
     const GradientGuess* guess_ = nullptr;  ///< of the next gradient

@@ -19,10 +19,14 @@ struct MinimizeStep {
 
 struct MinimizeOptions {
     Method method = Method::sqp;
-    int max_evaluations = 200;           ///< >= 1
-    double max_seconds = 0;              ///< 0: no limit
-    double objective_tolerance = 1e-6;   ///< relative change
-    double objective_scale = 0;          ///< sqp: changes are relative to this where the objective is smaller
+    int max_evaluations = 200;          ///< >= 1
+    double max_seconds = 0;             ///< 0: no limit
+    double objective_tolerance = 1e-6;  ///< a share of the decrease gained so far
+    double gained_before = 0;           ///< >= 0: by searches that this one continues
+    double largest_gradient = 0;        ///< >= 0: of these searches, in the dual of the metric, of the Lagrangian
+    /// As before 0.2: changes are relative to the objective or to 1e-3 of the gain, and gradients that led to an end
+    /// are not confirmed. For runs that began so.
+    bool is_relative_to_objective = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
@@ -31,8 +35,9 @@ struct MinimizeOptions {
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;
-    unsigned seed = 1;                                 ///< of random starts and of NLopt's random methods
-    bool exceptions_are_failures = false;              ///< of the callbacks; except InvalidInput and std::bad_alloc
+    unsigned seed = 1;                     ///< of random starts and of NLopt's random methods
+    bool exceptions_are_failures = false;  ///< of the callbacks; except InvalidInput and std::bad_alloc
+    std::string scope;                     ///< of the counts of evaluations in reasons, for example " of level 2"
     std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here; not called for differences
     /// sqp: called with the decrease that the model still expects and its Hessian, at every differentiated point that
     /// nearly meets the constraints; return false to stop here.
@@ -69,10 +74,16 @@ struct MinimizeResult {
     bool gradient_inconsistent = false;
     double slope_ratio = std::numeric_limits<double>::quiet_NaN();
     int slope_of = -1;
-    int active_bounds = 0;    ///< variables that a bound keeps from a better value (without gradients: at a bound)
-    bool is_flat = false;     ///< all evaluations gave the same objective, or its gradient is zero at a start
-    double radius = 0;        ///< sqp: of the trust region at the end
-    Eigen::MatrixXd hessian;  ///< sqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
+    double slope_expected = std::numeric_limits<double>::quiet_NaN();  ///< change of this value by its gradient
+    double slope_found = std::numeric_limits<double>::quiet_NaN();     ///< and by its values
+    std::string slope_where;                                           ///< along which step, in words
+    int confirmations = 0;        ///< evaluations that only served to confirm the gradient
+    double noise = 0;             ///< of the objective, standard deviation; 0: not known
+    double largest_gradient = 0;  ///< of this search and those before
+    int active_bounds = 0;        ///< variables that a bound keeps from a better value (without gradients: at a bound)
+    bool is_flat = false;         ///< all evaluations gave the same objective, or its gradient is zero at a start
+    double radius = 0;            ///< sqp: of the trust region at the end
+    Eigen::MatrixXd hessian;      ///< sqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
     Eigen::MatrixXd gradient_error;  ///< sqp: columns, by which the gradient of `best` may be off; empty: none
 };
 

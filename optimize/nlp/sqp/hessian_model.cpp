@@ -67,7 +67,10 @@ void HessianModel::add_rejected_curvature(const Evaluation& trial, const VectorX
     const double largest = std::abs(slope.dot(d)) * std::sqrt(length2) / radius;
     const double excess = std::min(2 * rise, largest) - known;
     const double rounding =
-        trust_region.rounding_share * now_.guard.options.objective_tolerance * std::abs(at.objective);
+        now_.guard.options.is_relative_to_objective
+            ? trust_region.rounding_share * now_.guard.options.objective_tolerance * std::abs(at.objective)
+            : std::max(trust_region.rounding_share * now_.guard.decrease_tolerance(at.objective),
+                       resolution(at.objective, now_.guard.evidence.noise()));
     if (excess > rounding && length2 > 0) B_ += excess / (length2 * length2) * Md * Md.transpose();
 }
 

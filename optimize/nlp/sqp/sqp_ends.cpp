@@ -10,14 +10,24 @@ namespace strake {
 using Eigen::VectorXd;
 
 bool SqpSearch::is_small(double expected_decrease) const {
-    const double size =
-        std::max({std::abs(now_.at.objective), guard_.options.objective_scale, std::numeric_limits<double>::min()});
-    return expected_decrease <= trust_region.small_decrease * guard_.options.objective_tolerance * size;
+    const double share = guard_.options.is_relative_to_objective ? trust_region.small_decrease : 1;
+    return expected_decrease <=
+           std::max(share * guard_.decrease_tolerance(now_.at.objective), std::numeric_limits<double>::min());
+}
+
+double SqpSearch::projected_gradient() const {
+    VectorXd g = lagrangian_gradient(now_);
+    for (Eigen::Index j = 0; j < g.size(); ++j)
+        if (leaves_bounds(now_.program, now_.x, j, -g[j])) g[j] = 0;
+    return dual_norm(now_.program, g);
 }
 
 bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
     const bool is_feasible = now_.is_met(now_.at), is_limited = steps_.is_limited();
     const double step_tolerance = guard_.options.step_tolerance;
+    if (is_feasible && !guard_.options.is_relative_to_objective &&
+        projected_gradient() <= guard_.options.objective_tolerance * guard_.largest_gradient)
+        return end(MinimizeStop::converged, "the projected gradient is below the tolerance");
     if (is_limited && steps_.radius > step_tolerance) {
         if (!is_feasible || rejections_ == 0) return false;
         // A step that is short because longer ones were rejected has a small expected decrease in any case.
@@ -131,8 +141,7 @@ bool SqpSearch::model_failed() {
 bool SqpSearch::ended_by_guard() {
     switch (guard_.cause) {
         case StopCause::evaluations:
-            return end(MinimizeStop::evaluations,
-                       text("the limit of evaluations is reached (", guard_.evaluations, ")"));
+            return end(MinimizeStop::evaluations, guard_.limit_words());
         case StopCause::time:
             return end(MinimizeStop::time, "the time limit is reached");
         case StopCause::stopped:

@@ -25,10 +25,12 @@ SqpEnd SqpSearch::run() {
     // What is known holds at the start, not where an earlier search from there has ended.
     const NonlinearProgram& p = now_.program;
     if (p.hessian.size() > 0 && guard_.best_x == p.start) hessian_.start_from(p.hessian);
+    guard_.largest_gradient = std::max(guard_.largest_gradient, projected_gradient());
     if (!is_outpaced())
         while (!step()) {
         }
     restore();
+    if (end_.stop == MinimizeStop::evaluations) end_.reason = guard_.limit_words();  // restoring has taken some
     end_.radius = steps_.radius;
     end_.accepted = accepted_;
     if (guard_.best_x == now_.x && !gradient_.is_exact())
@@ -67,8 +69,7 @@ VectorXd SqpSearch::within_limits(VectorXd d) {
 
 bool SqpSearch::step() {
     if (needs_restoration() && guard_.evaluations + trust_region.max_restorations >= guard_.options.max_evaluations)
-        return end(MinimizeStop::evaluations,
-                   text("the limit of evaluations is reached (", guard_.options.max_evaluations, ")"));
+        return end(MinimizeStop::evaluations, guard_.limit_words());
     // The present metric once per point: to come back to the point after a failure costs an equilibrium.
     const VectorXd d = within_limits(failures_ + rejections_ == 0 ? steps_.step_in_present_metric()
                                                                   : steps_.step(now_.at.constraints));
@@ -172,17 +173,17 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
                     trial.gradient - now_.at.gradient + (trial.jacobian - now_.at.jacobian).transpose() * lambda);
     hessian_.mark_accepted();
     merit_.adapt_penalty(trust_region.penalty_factor * lambda.lpNorm<Eigen::Infinity>(), now_.is_met(trial));
-    const double objective_tolerance = guard_.options.objective_tolerance;
-    const double objective = std::max(std::abs(trial.objective), guard_.options.objective_scale);
-    const bool is_small = decrease <= objective_tolerance * objective && !steps_.is_limited() && now_.is_met(trial);
+    const bool is_small =
+        decrease <= guard_.decrease_tolerance(trial.objective) && !steps_.is_limited() && now_.is_met(trial);
     // Far from feasible the violations are most of the merit: where it stands still, they cannot be met.
     const bool is_stalled =
         largest_violation(now_.program, trial.constraints) > trust_region.stalled_violation * now_.tolerance() &&
-        decrease <= trust_region.stalled_decrease * objective_tolerance * std::abs(merit_.of(trial));
+        decrease <= trust_region.stalled_decrease * guard_.options.objective_tolerance * std::abs(merit_.of(trial));
     small_decreases_ = is_small && !border_.is_known() ? small_decreases_ + 1 : 0;
     stalled_steps_ = is_stalled ? stalled_steps_ + 1 : 0;
     now_.x = x;
     now_.at = trial;
+    guard_.largest_gradient = std::max(guard_.largest_gradient, projected_gradient());
     steps_.forget_limits();
     failures_ = rejections_ = 0;
     ++accepted_;
@@ -194,9 +195,22 @@ bool SqpSearch::ends_by_progress() {
     const auto are_small = [&] { return small_decreases_ >= trust_region.max_small_decreases; };
     const auto are_stalled = [&] { return stalled_steps_ >= trust_region.max_stalled_steps; };
     if ((are_small() || are_stalled()) && complete_gradient()) small_decreases_ = stalled_steps_ = 0;
-    if (are_small()) return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
+    if (are_small()) return end_by_small_steps();
     if (are_stalled()) return end(MinimizeStop::roundoff, "the violation of the constraints no longer falls");
     return is_outpaced();
+}
+
+bool SqpSearch::end_by_small_steps() {
+    if (guard_.options.is_relative_to_objective)
+        return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
+    const VectorXd free = solve_model(steps_.model(now_.at.constraints, 0));
+    const double expected = free.size() > 0 ? merit_.expected_decrease(hessian_.matrix(), free) : 0;
+    const double tolerance = guard_.decrease_tolerance(now_.at.objective);
+    if (expected <= trust_region.unexpected_decrease * tolerance)
+        return end(MinimizeStop::converged, "the objective changes by less than the tolerance");
+    return end(MinimizeStop::roundoff,
+               text("no further progress: the last ", trust_region.max_small_decreases, " steps gained less than ",
+                    tolerance, " each, where the gradient predicts ", expected));
 }
 
 SqpEnd minimize_by_sqp(Guard& guard, double min_curvature) { return SqpSearch(guard, min_curvature).run(); }

@@ -40,10 +40,14 @@ private:
     bool accept(const Eigen::VectorXd& x, Evaluation& trial, double decrease, const ActiveSet& set);
     /// After many small decreases or stalled steps. True: the search has ended.
     bool ends_by_progress();
+    /// Converged, or stalled where more is expected.
+    bool end_by_small_steps();
 
     /// The model expects nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_stationary(const Eigen::VectorXd& d, double predicted);
     bool is_small(double expected_decrease) const;
+    /// Of the Lagrangian, without what bounds carry, in the dual of the metric.
+    double projected_gradient() const;
     /// What is guessed of the gradient is evaluated before the search ends. False: it goes on.
     bool ends_here();
     bool complete_gradient();

@@ -56,16 +56,17 @@ struct TrustRegionOptions {
     double constraint_rounding = 0.01;  ///< of the constraint tolerance: the same
 
     // The end.
-    int max_small_decreases = 2;        ///< decreases below the tolerance in a row that mean convergence
-    int max_stalled_steps = 4;          ///< the same while constraints are violated, where steps are less regular
-    double stalled_violation = 10;      ///< constraint tolerances: below, the merit is no longer mostly violation
-    double stalled_decrease = 10;       ///< objective tolerances, of the merit
-    double small_decrease = 0.1;        ///< of the objective tolerance: expected decreases below it are not tried
-    int max_rejections = 12;            ///< in a row: the gradient does not predict the values
-    int max_guessed_rejections = 2;     ///< in a row: the guessed part of the gradient may be the reason
-    double min_step = 1e-12;            ///< rejected steps below it end the search
-    int max_model_failures = 2;         ///< of the quadratic model's solver; the Hessian starts again in between
-    int max_restorations = 3;           ///< evaluations kept for the way back onto the constraints
+    int max_small_decreases = 2;      ///< decreases below the tolerance in a row that mean convergence
+    int max_stalled_steps = 4;        ///< the same while constraints are violated, where steps are less regular
+    double stalled_violation = 10;    ///< constraint tolerances: below, the merit is no longer mostly violation
+    double stalled_decrease = 10;     ///< objective tolerances, of the merit
+    double small_decrease = 0.1;      ///< of a tolerance that is relative to the objective (runs before 0.2)
+    double unexpected_decrease = 10;  ///< tolerances: where small steps end a search that expects more, it has stalled
+    int max_rejections = 12;          ///< in a row: the gradient does not predict the values
+    int max_guessed_rejections = 2;   ///< in a row: the guessed part of the gradient may be the reason
+    double min_step = 1e-12;          ///< rejected steps below it end the search
+    int max_model_failures = 2;       ///< of the quadratic model's solver; the Hessian starts again in between
+    int max_restorations = 3;         ///< evaluations kept for the way back onto the constraints
     double max_restoration_step = 0.5;  ///< a longer way back would leave what the search has found
     double handover_violation = 1e-3;   ///< below, a finer level may take over
 

@@ -51,8 +51,10 @@ TEST(RunVerdict, AGradientThatContradictsTheValuesIsNamed) {
     });
     const RunResult r = optimize(problem);
     EXPECT_EQ(r.status, "gradient_inconsistent") << r.reason;
-    EXPECT_TRUE(says(r.reason, "the objective")) << r.reason;
-    EXPECT_TRUE(says(r.reason, "gradient-check")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "the gradient of volume, the objective: at the best design of level 1 (evaluation "))
+        << r.reason;
+    EXPECT_TRUE(says(r.reason, " where its gradient says ")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "`strake gradient-check CASE`")) << r.reason;
     EXPECT_FALSE(r.is_done());
 }
 
@@ -158,6 +160,64 @@ TEST(RunVerdict, ABudgetThatIsTooSmallIsNamed) {
     EXPECT_EQ(r.status, "budget");
     EXPECT_TRUE(says(r.reason, "limit of evaluations is reached (3)")) << r.reason;
     EXPECT_TRUE(says(r.reason, "raise optimize.budget")) << r.reason;
+}
+
+/// What a level or a run says of its evaluations is what was evaluated.
+TEST(RunVerdict, CountsAgreeWithWhatWasEvaluated) {
+    int ended_at_limit = 0, ended_before = 0;
+    for (const int budget : {6, 9, 12, 13, 24}) {
+        SCOPED_TRACE(budget);
+        Problem problem = ellipsoid_problem(2, 2);
+        problem.parameters.kinds = {VariableKind::normal_load};
+        problem.objective = "volume";
+        problem.maximize = true;
+        problem.constraints = {{"area", {}, 1.01, {}, true}};
+        problem.optimize.max_evaluations = budget;
+        const RunResult r = optimize(problem);
+        int sum = 0;
+        for (const LevelSummary& level : r.levels) {
+            sum += level.evaluations;
+            const std::string start =
+                "the limit of evaluations of level " + std::to_string(level.level) + " is reached (";
+            if (!says(level.stop, "limit of evaluations")) continue;
+            ++ended_at_limit;
+            ASSERT_EQ(level.stop.rfind(start, 0), 0u) << level.stop;
+            EXPECT_EQ(std::stoi(level.stop.substr(start.size())), level.evaluations) << level.stop;
+        }
+        EXPECT_EQ(sum, r.evaluations);
+        EXPECT_LE(r.evaluations, budget);
+        if (r.status != "budget" || !says(r.reason, "limit of evaluations")) continue;
+        ended_before += r.evaluations < budget;
+        EXPECT_TRUE(says(r.reason, r.evaluations < budget
+                                       ? "(" + std::to_string(r.evaluations) + " of " + std::to_string(budget) + ")"
+                                       : "(" + std::to_string(budget) + ")"))
+            << r.reason;
+    }
+    EXPECT_GT(ended_at_limit, 0) << "else nothing is shown";
+    EXPECT_GT(ended_before, 0) << "else nothing is shown";
+}
+
+/// Failures are counted of the level that says so.
+TEST(RunVerdict, FailuresAreThoseOfTheLevel) {
+    Problem problem = volume_problem();
+    problem.tree = octants(problem.surface, 2);
+    int calls = 0;
+    problem.quantities[0].failing_shortens_step = true;
+    problem.quantities[0].evaluate = [&, honest = problem.quantities[0].evaluate](const QuantityRequest& request) {
+        if (++calls % 4 == 0) return QuantityResult{{}, {}, Failure{"exit", "3"}};
+        return honest(request);
+    };
+    const RunResult r = optimize(problem);
+    int told = 0;
+    for (const LevelSummary& level : r.levels) {
+        const auto at = level.stop.find(" evaluations of level " + std::to_string(level.level) + " failed");
+        if (!says(level.stop, "failed;") && at == std::string::npos) continue;
+        if (at == std::string::npos) continue;
+        ++told;
+        const auto before = level.stop.rfind(' ', at - 1);
+        EXPECT_EQ(std::stoi(level.stop.substr(before + 1)), level.evaluations) << level.stop;
+    }
+    EXPECT_GT(told, 0) << r.reason;
 }
 
 TEST(RunVerdict, ATrueOptimumIsConvergedWithoutReservations) {

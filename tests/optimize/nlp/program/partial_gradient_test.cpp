@@ -161,7 +161,7 @@ MinimizeResult minimized(Quadratic& q, bool inherits, double tolerance, double u
     MinimizeOptions how;
     how.max_evaluations = 5000;
     how.objective_tolerance = tolerance;
-    how.objective_scale = q.at(p.start);
+    how.gained_before = q.at(p.start);
     how.on_step = [&, from = q.at(p.start)](const MinimizeStep& step) {
         return step.evaluation.objective > until * from;
     };
@@ -185,6 +185,28 @@ TEST(PartialGradient, IsCompletedAtTheEnd) {
     EXPECT_EQ(r.gradient_error.cols(), 0);
     EXPECT_LT((r.best.gradient - q.gradient(r.x)).norm(), 1e-3 * q.gradient(VectorXd::Zero(n)).norm());
     EXPECT_LT(q.at(r.x), 1e-3 * q.at(VectorXd::Zero(n)));
+}
+
+/// x + d misses a bound by rounding where d = bound - x: the search is where it has evaluated, not beside it, or what
+/// is paid there at the end would not be part of the best point.
+TEST(PartialGradient, IsCompletedAtBoundsThatRoundingMisses) {
+    for (const double bound : {0.1, 0.07, 0.013, 0.0301}) {
+        SCOPED_TRACE(bound);
+        Quadratic q;
+        NonlinearProgram p = q.program();
+        for (int j = 0; j < n; ++j) p.lower[j] = -bound * (1 + 0.1 * j), p.upper[j] = bound * (1 + 0.07 * j);
+        p.start = 0.37 * p.upper;
+        p.start_gradient = q.inherited(p.start);
+        MinimizeOptions how;
+        how.max_evaluations = 5000;
+        how.objective_tolerance = 1e-4;
+        const MinimizeResult r = minimize(p, how);
+        EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+        EXPECT_GT(r.active_bounds, 0);
+        EXPECT_FALSE(r.best.is_partly_guessed);
+        ASSERT_EQ(r.best.gradient.size(), n);
+        EXPECT_LT((r.best.gradient - q.gradient(r.x)).norm(), 1e-3 * q.gradient(p.start).norm());
+    }
 }
 
 }  // namespace

@@ -1,0 +1,252 @@
+#include "optimize/nlp/model/slope_check.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/program/first_order.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <algorithm>
+#include <random>
+
+namespace strake {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+namespace {
+
+constexpr double probe = 1e-3;              ///< in the metric
+constexpr double rounding = 1e-9;           ///< of a variable
+constexpr double max_difference = 0.2;      ///< of the slope
+constexpr double max_bend = 0.1;            ///< of the slope: two steps to one side agree
+constexpr double max_bend_two_sided = 0.5;  ///< of what is wrong with the slope: a kink bends by all of it
+constexpr double noises = 15;               ///< 3 deviations, times what the extrapolation makes of noise
+constexpr double deviations = 5;            ///< of the last confirmed steps from the rule
+constexpr double cancelling = 0.02;         ///< of the sum of the entries: a slope nearly along the level set
+constexpr double least_unconfirmed = 1e-6;  ///< of a random direction: less is rounding
+constexpr int reflections = 4;              ///< at limits that the direction would cross
+
+bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool upper) {
+    const double range = p.upper[j] - p.lower[j];
+    const double slack = 1e-7 * (std::isfinite(range) ? range : 1.0);
+    return upper ? x[j] >= p.upper[j] - slack : x[j] <= p.lower[j] + slack;
+}
+
+VectorXd gradient_of(const Evaluation& s, Eigen::Index i) {
+    return i == 0 ? s.gradient : VectorXd(s.jacobian.row(i - 1).transpose());
+}
+
+/// Compares values next to a differentiated point with its gradients.
+class SlopeCheck {
+public:
+    SlopeCheck(Guard& guard, MinimizeResult& result)
+        : guard_(guard), p_(guard.program), result_(result), best_feasible_(guard.best_feasible) {
+        const bool has_gradient = guard.best.gradient.size() > 0;
+        x_ = has_gradient ? guard.best_x : guard.evidence.base();
+        at_ = has_gradient ? guard.best : guard.evidence.at_base();
+    }
+
+    void run(bool has_converged) {
+        if (x_.size() == 0 || at_.gradient.size() == 0) return;
+        if (const auto wrong = guard_.evidence.wrong_factor()) {
+            found_ = *wrong;
+            return accuse("over the last steps");
+        }
+        if (guard_.evaluations + 2 > guard_.limit) return;
+        if (!has_converged) return check_descent();
+        check_unconfirmed();
+    }
+
+private:
+    double norm(const VectorXd& d) const { return metric_norm(p_, d); }
+    VectorXd clamped(const VectorXd& x) const { return x.cwiseMax(p_.lower).cwiseMin(p_.upper); }
+    /// Where a limit lets nothing go there, the values say nothing of the gradient.
+    bool goes_to(const VectorXd& x) const {
+        const VectorXd there = clamped(x);
+        return (there - x).lpNorm<Eigen::Infinity>() <= rounding && guard_.inside(there) == there;
+    }
+
+    void check_descent() {
+        const VectorXd d = descent();
+        if (d.size() == 0 || !goes_to(x_ + d)) return;
+        const bool two_sided = goes_to(x_ - d);
+        if (!two_sided && !goes_to(x_ + 0.5 * d)) return;
+        if (two_sided ? compare_two_sides(d) : compare_one_side(d, false))
+            accuse(text("along a step of length ", probe));
+    }
+
+    void check_unconfirmed() {
+        bool leaves_bounds = false;
+        const VectorXd d = unconfirmed(leaves_bounds);
+        if (d.size() == 0) return;
+        const bool two_sided = !leaves_bounds && goes_to(x_ + d) && goes_to(x_ - d);
+        if (!two_sided && !(goes_to(x_ + 0.5 * d) && goes_to(x_ + d))) {
+            guard_.report_event("the gradient is not confirmed in all directions: a limit lets nothing go there");
+            return;
+        }
+        const bool is_wrong = two_sided ? compare_two_sides(d) : compare_one_side(d, true);
+        if (has_values_)
+            guard_.report_event(text("two evaluations in a direction that no step has taken ",
+                                     is_wrong ? "contradict" : "confirm", " the gradient"));
+        if (is_wrong) accuse(text("in a direction that no step has taken, along a step of length ", probe));
+    }
+
+    /// A step along the steepest descent; empty: there is none.
+    VectorXd descent() const {
+        VectorXd d = descent_direction(p_, x_, at_);
+        if (!best_feasible_) {
+            d.setZero();
+            for (Eigen::Index i = 0; i < at_.constraints.size(); ++i) {
+                const bool equality = i >= p_.num_inequalities;
+                if ((equality ? std::abs(at_.constraints[i]) : at_.constraints[i]) >
+                    guard_.options.constraint_tolerance)
+                    d -= (at_.constraints[i] > 0 ? 1.0 : -1.0) * at_.jacobian.row(i).transpose();
+            }
+            // Into the bounds: variables at one can go nowhere else.
+            for (Eigen::Index j = 0; j < d.size(); ++j)
+                if (at_bound(p_, x_, j, d[j] > 0)) d[j] = -d[j];
+        } else if (!(norm(d) > 0))
+            d = -at_.gradient;
+        d *= probe / std::max(norm(d), std::numeric_limits<double>::min());
+        d = clamped(x_ + d) - x_;
+        return d.allFinite() && norm(d) > 0.01 * probe ? d : VectorXd();
+    }
+
+    /// Random, but for what the steps have confirmed: the same at every run. Empty: all directions are.
+    VectorXd unconfirmed(bool& leaves_bounds) const {
+        const std::vector<int>& free = guard_.free;
+        const auto n = static_cast<Eigen::Index>(free.size());
+        const Eigen::LLT<MatrixXd> metric(MatrixXd(metric_of(p_)(free, free)));
+        std::mt19937 random(guard_.options.seed);
+        VectorXd r(n);
+        for (Eigen::Index j = 0; j < n; ++j) r[j] = 2 * (static_cast<double>(random()) / std::mt19937::max()) - 1;
+        r.normalize();
+        const auto& steps = guard_.evidence.confirmed();
+        MatrixXd known(n, static_cast<Eigen::Index>(steps.size()));
+        for (std::size_t k = 0; k < steps.size(); ++k) {
+            const VectorXd whitened = metric.matrixU() * VectorXd(steps[k](free));
+            known.col(static_cast<Eigen::Index>(k)) = whitened.normalized();
+        }
+        if (known.cols() > 0) {
+            Eigen::ColPivHouseholderQR<MatrixXd> qr(known);
+            qr.setThreshold(1e-3);  // steps that differ by less confirm one direction
+            const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
+            r -= basis * (basis.transpose() * r).eval();
+        }
+        if (!(r.norm() > least_unconfirmed)) return {};
+        VectorXd d = VectorXd::Zero(x_.size());
+        d(free) = VectorXd(metric.matrixU().solve(r));
+        d *= probe / norm(d);
+        for (const int j : free)
+            for (const bool upper : {false, true})
+                if (upper ? x_[j] + std::abs(d[j]) > p_.upper[j] : x_[j] - std::abs(d[j]) < p_.lower[j]) {
+                    leaves_bounds = true;
+                    d[j] = upper ? -std::abs(d[j]) : std::abs(d[j]);
+                }
+        keep_within_limits(d);
+        d = clamped(x_ + d) - x_;
+        return norm(d) > 0.01 * probe ? d : VectorXd();
+    }
+
+    void keep_within_limits(VectorXd& d) const {
+        const StepLimits& limits = at_.limits;
+        for (int round = 0; round < reflections; ++round)
+            for (Eigen::Index i = 0; i < limits.values.size(); ++i) {
+                const double beyond = limits.values[i] + limits.slopes.row(i).dot(d);
+                const double size = limits.slopes.row(i).squaredNorm();
+                if (beyond > -std::abs(limits.slopes.row(i).dot(d)) && limits.slopes.row(i).dot(d) > 0 && size > 0)
+                    d -= 2 * limits.slopes.row(i).dot(d) / size * limits.slopes.row(i).transpose();
+            }
+    }
+
+    bool value_at(const VectorXd& x, VectorXd& values) {
+        Evaluation s;
+        ++result_.confirmations;
+        if (guard_.try_at(clamped(x), false, s)) return values = values_of(s), true;
+        if (guard_.cause == StopCause::failure) guard_.cause = StopCause::none;
+        return false;
+    }
+
+    bool compare_one_side(const VectorXd& d, bool has_converged) {
+        VectorXd half, full;
+        if (!value_at(x_ + 0.5 * d, half) || !value_at(x_ + d, full)) return false;
+        has_values_ = true;
+        const VectorXd here = values_of(at_);
+        const VectorXd slope = 4 * (half - here) - (full - here), bend = 2 * (full - here) - 4 * (half - here);
+        for (Eigen::Index i = 0; i < here.size(); ++i) {
+            const double by_gradient = gradient_of(at_, i).dot(d);
+            const double size = std::max(std::abs(by_gradient), std::abs(slope[i]));
+            if (!(std::abs(bend[i]) < 2 * max_bend * size)) continue;
+            // Across a kink a convex value rises by more than its gradient says.
+            if (has_converged && slope[i] > by_gradient) continue;
+            if (is_wrong(i, d, by_gradient, slope[i], here[i])) return true;
+        }
+        return false;
+    }
+
+    bool compare_two_sides(const VectorXd& d) {
+        VectorXd ahead, behind;
+        if (!value_at(x_ + d, ahead) || !value_at(x_ - d, behind)) return false;
+        has_values_ = true;
+        const VectorXd here = values_of(at_);
+        const VectorXd slope = 0.5 * (ahead - behind), bend = 0.5 * (ahead + behind) - here;
+        for (Eigen::Index i = 0; i < here.size(); ++i) {
+            const double by_gradient = gradient_of(at_, i).dot(d);
+            if (!(std::abs(bend[i]) < max_bend_two_sided * std::abs(slope[i] - by_gradient))) continue;
+            if (is_wrong(i, d, by_gradient, slope[i], here[i])) return true;
+        }
+        return false;
+    }
+
+    bool is_wrong(Eigen::Index i, const VectorXd& d, double by_gradient, double slope, double here) {
+        const double size = std::max(std::abs(by_gradient), std::abs(slope)), off = std::abs(slope - by_gradient);
+        if (!(off > max_difference * size)) return false;
+        if (size < cancelling * gradient_of(at_, i).cwiseProduct(d).cwiseAbs().sum()) return false;
+        double unknown = noises * resolution(here, i == 0 ? guard_.evidence.noise() : 0);
+        if (const VectorXd known = guard_.evidence.deviations(); known.size() > i)
+            unknown = std::max(unknown, deviations * known[i]);
+        if (!(off > unknown)) return false;
+        found_ = {static_cast<int>(i) - 1, by_gradient, slope};
+        return true;
+    }
+
+    void accuse(const std::string& where) {
+        result_.gradient_inconsistent = true;
+        result_.slope_ratio = found_.ratio();
+        result_.slope_of = found_.row;
+        result_.slope_expected = found_.expected;
+        result_.slope_found = found_.found;
+        result_.slope_where = where;
+        result_.reason += text("; the gradient is inconsistent with the values: ", where, ", ",
+                               found_.row < 0 ? std::string("the objective") : text("constraint ", found_.row),
+                               " changes by ", std::round(1000 * found_.ratio()) / 1000, " of what its gradient says");
+    }
+
+    Guard& guard_;
+    const NonlinearProgram& p_;
+    MinimizeResult& result_;
+    bool best_feasible_, has_values_ = false;
+    VectorXd x_;
+    Evaluation at_;
+    SlopeMismatch found_;
+};
+
+}  // namespace
+
+bool expects_more(const Guard& guard) {
+    if (guard.best.gradient.size() == 0) return false;
+    const NonlinearProgram& p = guard.program;
+    VectorXd d = -lagrangian_gradient(p, guard.best_x, guard.best);
+    for (Eigen::Index j = 0; j < d.size(); ++j)
+        if (p.lower[j] == p.upper[j] || at_bound(p, guard.best_x, j, d[j] > 0)) d[j] = 0;
+    const double length = metric_norm(p, d);
+    return length > 0 && d.squaredNorm() / length * probe > 10 * guard.decrease_tolerance(guard.best.objective);
+}
+
+void check_slopes(Guard& guard, MinimizeResult& result) {
+    if (guard.cause != StopCause::none || !guard.has_best) return;
+    const bool has_converged = result.stop == MinimizeStop::converged && !expects_more(guard);
+    SlopeCheck(guard, result).run(has_converged);
+}
+
+}  // namespace strake

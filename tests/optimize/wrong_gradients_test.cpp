@@ -1,0 +1,179 @@
+#include "optimize/evaluate/evaluation.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <cstdlib>
+#include <iostream>
+
+/// Quantities whose gradient is not that of their value: no run ends `converged` by one, unless its point is an optimum
+/// by differences of the values, and each says what to do.
+namespace strake {
+namespace {
+
+using Eigen::VectorXd;
+
+struct Body {
+    const char* name;
+    TriMesh (*make)();
+};
+
+TriMesh centred_box() {
+    TriMesh box = box_surface({2, 1, 0.6}, 4);
+    box.vertices.rowwise() -= Eigen::RowVector3d(1, 0.5, 0.3);
+    return box;
+}
+
+const Body bodies[] = {{"ellipsoid",
+                        [] {
+                            return ellipsoid({1, 0.6, 0.4}, 2);
+                        }},
+                       {"box", centred_box},
+                       {"blade", [] {
+                            return ellipsoid({1, 0.5, 0.1}, 2);
+                        }}};
+
+/// The mean square distance of the vertices to where they shall be, over the square of the diagonal.
+Quantity mismatch(const TriMesh& start) {
+    Points target = start.vertices;
+    target.col(2) += 0.05 * start.vertices.col(0).cwiseAbs2() + 0.02 * start.vertices.col(1);
+    target.col(1) *= 1.06;
+    const double unit = std::pow(box_diagonal(start), 2) * static_cast<double>(target.rows()) * 1e-4;
+    Quantity q;
+    q.names = {"mismatch"};
+    q.evaluate = [=](const QuantityRequest& request) {
+        QuantityResult result;
+        const Points off = request.surface.vertices - target;
+        result.values = {off.squaredNorm() / unit};
+        result.dJ_dv = {Points(2 / unit * off)};
+        return result;
+    };
+    return q;
+}
+
+using Fault = std::function<void(QuantityResult& result, const TriMesh& surface)>;
+
+struct NamedFault {
+    const char* name;
+    Fault apply;
+    bool is_wrong = true;  ///< the gradient is not that of the value
+};
+
+double hash_noise(Eigen::Index i, Eigen::Index k) {
+    const double wave = std::sin(12.9898 * static_cast<double>(i) + 78.233 * static_cast<double>(k)) * 43758.5453;
+    return 2 * (wave - std::floor(wave)) - 1;
+}
+
+std::vector<NamedFault> all_faults() {
+    const auto flip = [](QuantityResult& r, const TriMesh&) { r.dJ_dv[0] *= -1; };
+    return {
+        {"none", [](QuantityResult&, const TriMesh&) {}, false},
+        {"sign", flip},
+        {"one_component", [](QuantityResult& r, const TriMesh&) { r.dJ_dv[0].col(2) *= -1; }},
+        {"zero_on_half",
+         [](QuantityResult& r, const TriMesh& surface) {
+             for (Eigen::Index v = 0; v < r.dJ_dv[0].rows(); ++v)
+                 if (surface.vertices(v, 0) > 0) r.dJ_dv[0].row(v).setZero();
+         }},
+        {"times_3", [](QuantityResult& r, const TriMesh&) { r.dJ_dv[0] *= 3; }},
+        {"of_another_quantity",
+         [](QuantityResult& r, const TriMesh& surface) {
+             r.dJ_dv[0] = area().evaluate({surface, true, 1, 0, {}}).dJ_dv[0];
+         }},
+        {"wrong_order", [](QuantityResult& r, const TriMesh&) { r.dJ_dv[0] = r.dJ_dv[0].colwise().reverse().eval(); }},
+        {"noise",
+         [](QuantityResult& r, const TriMesh&) {
+             const double size = 1e-3 * r.dJ_dv[0].cwiseAbs().maxCoeff();
+             for (Eigen::Index v = 0; v < r.dJ_dv[0].rows(); ++v)
+                 for (int k = 0; k < 3; ++k) r.dJ_dv[0](v, k) += size * hash_noise(v, k);
+         }},
+        {"large_constant", [](QuantityResult& r, const TriMesh&) { r.values[0] += 1e6; }, false},
+        {"large_constant_and_sign",
+         [flip](QuantityResult& r, const TriMesh& surface) {
+             r.values[0] += 1e6;
+             flip(r, surface);
+         }},
+    };
+}
+
+Problem problem_of(const Body& body, int levels, const Fault& fault) {
+    Problem problem;
+    problem.name = body.name;
+    problem.surface = body.make();
+    problem.tree = octants(problem.surface, levels);
+    problem.prism_height = VectorXd::Constant(problem.surface.num_vertices(), 0.05 * box_diagonal(problem.surface));
+    const Points c = triangle_centroids(problem.surface);
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        if (c(t, 0) < -0.75) problem.fixed.push_back(t);
+    problem.quantities = {mismatch(problem.surface)};
+    problem.quantities[0].evaluate = [honest = problem.quantities[0].evaluate, fault](const QuantityRequest& request) {
+        QuantityResult result = honest(request);
+        if (!request.want_sensitivities) result.dJ_dv = {Points::Zero(request.surface.num_vertices(), 3)};
+        fault(result, request.surface);
+        if (!request.want_sensitivities) result.dJ_dv.clear();
+        return result;
+    };
+    problem.objective = "mismatch";
+    problem.parameters.kinds = {VariableKind::load};
+    problem.parameters.max_displacement = 0.3;
+    problem.optimize.max_evaluations = 60;
+    return problem;
+}
+
+/// Norm of the objective's gradient by central differences, in the dual of the metric of the space.
+double slope_by_differences(const Problem& problem, const DesignSpace& space, const VectorXd& x) {
+    ShapeEvaluator evaluator(problem, space.rest, {});
+    evaluator.enter(space);
+    VectorXd g(space.size());
+    for (int j = 0; j < space.size(); ++j) {
+        const double h = 1e-3 / std::sqrt(space.metric(j, j));
+        VectorXd up = x, down = x;
+        up[j] += h, down[j] -= h;
+        const double above = evaluator.evaluate(up, 1).values[0], below = evaluator.evaluate(down, 1).values[0];
+        g[j] = (above - below) / (2 * h);
+    }
+    return std::sqrt(g.dot(space.metric.ldlt().solve(g)));
+}
+
+class WrongGradients : public testing::TestWithParam<int> {};
+
+/// A twentieth of the slope at the start leaves about 1 / 400 of the gain.
+constexpr double converged_slope = 0.05;
+
+}  // namespace
+
+TEST_P(WrongGradients, NoRunConvergesByOne) {
+    const NamedFault fault = all_faults()[static_cast<std::size_t>(GetParam())];
+    for (const Body& body : bodies)
+        for (const int levels : {1, 2, 3}) {
+            SCOPED_TRACE(std::string(fault.name) + " " + body.name + " " + std::to_string(levels));
+            const Problem problem = problem_of(body, levels, fault.apply);
+            const RunResult r = optimize(problem);
+            const double now = slope_by_differences(problem, r.space, r.x),
+                         first = slope_by_differences(problem, r.space, VectorXd::Zero(r.space.size()));
+            const bool is_optimum = now <= converged_slope * first;
+            if (std::getenv("STRAKE_TELL"))
+                std::cout << "TELL " << fault.name << " " << body.name << " " << levels << ": " << r.status
+                          << ", slope " << now / first << ", " << r.evaluations << " evaluations: " << r.reason << "\n";
+            if (r.status == "converged") {
+                EXPECT_TRUE(is_optimum) << now / first << " " << r.reason;
+            }
+            if (!fault.is_wrong) {
+                EXPECT_EQ(r.status, "converged") << r.reason;
+            } else if (r.status != "converged") {
+                EXPECT_EQ(r.status, "gradient_inconsistent") << r.reason;
+                EXPECT_NE(r.reason.find("`strake gradient-check CASE`"), std::string::npos) << r.reason;
+                EXPECT_NE(r.reason.find("gradient of mismatch, the objective: at the best design of level "),
+                          std::string::npos)
+                    << r.reason;
+                EXPECT_FALSE(r.is_done());
+            }
+        }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, WrongGradients, testing::Range(0, 10), [](const auto& test) {
+    return std::string(all_faults()[static_cast<std::size_t>(test.param)].name);
+});
+
+}  // namespace strake

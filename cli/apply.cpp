@@ -132,9 +132,19 @@ void write_moved(const ApplyArguments& args, const Other& other, const Points& m
     write_output(args.out, with_vertices(other.surface, moved), other.format);
 }
 
+constexpr double column_tolerance = 1e-6;  ///< diagonals, as for the surface
+
+bool is_extruded(const Deformation& d) { return d.kind && d.kind->type == ShapeKind::Type::extruded; }
+
+/// A two-dimensional mesh stays one: what moves a column is the mean over its points.
+Points in_columns(const Deformation& d, const Points& from, const Points& to) {
+    if (!is_extruded(d) || !to.allFinite()) return to;
+    return from + motion_of_columns(from, d.kind->axis, column_tolerance * box_diagonal(d.rest), to - from);
+}
+
 /// Gradients at the moved points become gradients at the run's vertices.
-void carry_back(const ApplyArguments& args, const Deformation& d, const SurfaceMap& map, const Points& moved,
-                const std::vector<std::int64_t>& ids) {
+void carry_back(const ApplyArguments& args, const Deformation& d, const SurfaceMap& map, const Points& from,
+                const Points& moved, const std::vector<std::int64_t>& ids) {
     GradientPlaces places;
     places.at = moved;
     places.ids = ids;
@@ -144,7 +154,10 @@ void carry_back(const ApplyArguments& args, const Deformation& d, const SurfaceM
     places.many = "points";
     Points back;
     try {
-        back = map.transpose(parse_gradient(read_bytes(args.sensitivities), args.sensitivities, places));
+        Points given = parse_gradient(read_bytes(args.sensitivities), args.sensitivities, places);
+        if (is_extruded(d))
+            given = motion_of_columns(from, d.kind->axis, column_tolerance * box_diagonal(d.rest), given);
+        back = map.transpose(given);
     } catch (const Refused& refused) {
         throw InputError(refused.failure.message);
     }
@@ -199,6 +212,7 @@ Applied apply(const ApplyArguments& args) {
     Points to = args.undo ? undone->points : map.moved(d.vertices);
     if (!args.hold.empty())
         to = from + hold_factors(other.volume.mesh, args.hold, map.distances()).asDiagonal() * (to - from);
+    if (!args.undo) to = in_columns(d, from, to);
     if (!to.allFinite()) throw SolverError("apply: a moved point is not finite");
     Applied applied = facts(args, d, from, to, map.distances());
     check_is_of_run(args, other, applied);
@@ -209,7 +223,7 @@ Applied apply(const ApplyArguments& args) {
     if (kind == Kind::volume) applied.unchecked_cells = other.volume.mesh.num_unchecked;
     applied.written = args.force || !applied.cells || applied.cells->newly_bad == 0;
     if (!args.sensitivities.empty())
-        carry_back(args, d, map, to, other.list.ids);
+        carry_back(args, d, map, from, to, other.list.ids);
     else if (applied.written)
         write_moved(args, other, to);
     return applied;

@@ -8,6 +8,7 @@
 #include "cli/commands.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
+#include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/problem/shell_setup.hpp"
@@ -100,6 +101,8 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
                                  {{region.box.min[0], region.box.min[1], region.box.min[2]},
                                   {region.box.max[0], region.box.max[1], region.box.max[2]}}}});
     j["fixed_triangles"] = problem.fixed.size();
+    j["supports"] = problem.supports;
+    j["kind"] = problem.parameters.invariance ? Json(to_string(problem.parameters.invariance->kind())) : Json(nullptr);
     j["attached"] = Json::array();
     for (const AttachedPart& part : problem.attached)
         j["attached"].push_back(
@@ -140,6 +143,25 @@ void print_region(const RegionTriangles& region) {
                box.max[1], box.max[2]);
 }
 
+/// What keeps the body where it is, and what kind of shape.
+void print_held(const Case& the_case, const Problem& problem) {
+    if (the_case.hold.by == HoldEntry::By::fixed)
+        fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
+    else if (the_case.hold.by == HoldEntry::By::none)
+        fmt::print("held        nothing: the fields neither move nor turn the body in the mean\n");
+    else
+        for (const int t : problem.supports) {
+            const Eigen::Vector3d x = area_centroid(problem.surface, {t});
+            fmt::print(
+                "held        triangle {} at ({:.6g}, {:.6g}, {:.6g}): the shell there, and the fields' place and "
+                "attitude\n",
+                t, x[0], x[1], x[2]);
+        }
+    if (const auto& invariance = problem.parameters.invariance)
+        fmt::print("kind        {}: {} vertices in {} classes that move alike\n", to_string(invariance->kind()),
+                   invariance->num_vertices(), invariance->num_classes());
+}
+
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
                  const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
@@ -152,7 +174,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     for (std::size_t k = 0; k < std::min(shown, built.regions.size()); ++k) print_region(built.regions[k]);
     if (built.regions.size() > shown)
         fmt::print("            and {} more regions (all with --json)\n", built.regions.size() - shown);
-    fmt::print("held        {} triangles fixed, {} given strains\n", problem.fixed.size(), problem.strains.size());
+    print_held(the_case, problem);
     for (const AttachedPart& part : problem.attached)
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
     if (axes) print_axes(*axes);

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/formats/vtp.hpp"
 #include "optimize/problem/shell_setup.hpp"
+#include "optimize/space/field_conditions.hpp"
 
 #include <sys/resource.h>
 #include <algorithm>
@@ -77,6 +78,14 @@ double evaluate_start(const Problem& problem, const std::shared_ptr<const RestFa
     return seconds;
 }
 
+void add_border(const RestFacts& rest, const std::vector<char>& held, const Variable& variable, const Points& dv,
+                CheckFacts::Border& border) {
+    const double turn = border_turn(rest, held, dv, border.move * rest.diagonal).degrees;
+    if (turn > std::max(border.by_fields, border.by_patches)) border.variable = variable.name;
+    double& most = variable.kind == VariableKind::field ? border.by_fields : border.by_patches;
+    most = std::max(most, turn);
+}
+
 }  // namespace
 
 CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
@@ -96,11 +105,15 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     const DesignSpace space = design_space(rest, wishes.level);
     std::vector<Field> modes;
     const bool wants_modes = !wishes.modes.empty();
+    const std::vector<char> held = pinned_triangles(*rest);
+    if (!problem.fixed.empty()) facts.border.emplace();
     facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
+        if (facts.border) add_border(*rest, held, variable, dv, *facts.border);
         if (wants_modes) modes.push_back({variable.name, dv});
     });
     if (wants_modes) write_modes(wishes.modes, problem, *facts.space, std::move(modes));
     if (space.size() == 0) return facts;
+    facts.can_make = capability(rest, field_conditions(problem));
     const double seconds = evaluate_start(problem, rest, space, facts);
     facts.cost = cost_of(problem, facts.space->rest_seconds, seconds);
     return facts;

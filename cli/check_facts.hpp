@@ -1,6 +1,8 @@
 #pragma once
 #include "casefile/build/build_problem.hpp"
 #include "core/repair/checkup.hpp"
+#include "optimize/check/border_turn.hpp"
+#include "optimize/check/capability.hpp"
 #include "optimize/check/start_check.hpp"
 #include "optimize/space/space_facts.hpp"
 
@@ -25,7 +27,14 @@ struct RunCost {
 struct CheckFacts {
     Checkup health;
     std::vector<HeldPart> parts;
-    std::optional<SpaceFacts> space;   ///< none: no shape variables, or not requested
+    std::optional<SpaceFacts> space;     ///< none: no shape variables, or not requested
+    std::optional<Capability> can_make;  ///< the same
+    struct Border {
+        double move = 0.1;                     ///< diagonals
+        double by_fields = 0, by_patches = 0;  ///< turn of normals beside what is held, degrees
+        std::string variable;                  ///< that turns them most
+    };
+    std::optional<Border> border;      ///< none: nothing is held, or no variables
     std::optional<StartAnswer> start;  ///< without the quantities of programs
     std::vector<std::string> unknown;  ///< constraints on program values, not known yet
     std::optional<RunCost> cost;

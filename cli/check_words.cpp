@@ -76,6 +76,50 @@ void print_cost(const RunCost& cost) {
         fmt::print("            plus the time of {}; strake check --evaluate measures it\n", joined(cost.programs));
 }
 
+std::string percent(double share) { return fmt::format("{:.0f}", std::floor(100 * share + 1e-9)); }
+
+/// A table of motions by level, then what would add the missing ones: a line of the case for those that it helps.
+void print_capability(const Capability& can) {
+    fmt::print("can make    % of the squared motion, by level:");
+    for (std::size_t k = 0; k < can.levels.size(); ++k)
+        fmt::print("{} {} ({} variables)", k == 0 ? "" : ",", can.levels[k], can.variables[k]);
+    fmt::print("\n");
+    for (const MotionShare& motion : can.motions) {
+        fmt::print("            {:<12}", motion.name);
+        for (const double share : motion.by_level) fmt::print("{:>5}", percent(share));
+        if (!motion.remedy.empty()) fmt::print("   {} with {}", percent(motion.with_remedy), motion.remedy);
+        fmt::print("\n");
+    }
+    if (can.levels_left_out > 0)
+        fmt::print("            not asked: {} finer level{} of many variables\n", can.levels_left_out,
+                   can.levels_left_out == 1 ? "" : "s");
+}
+
+void print_border(const CheckFacts& facts) {
+    const CheckFacts::Border& border = *facts.border;
+    if (border.variable.empty()) return;
+    fmt::print(
+        "border      normals beside what is held turn by up to {:.2g} degrees at a move of {:.0f} % of the diagonal "
+        "({})\n",
+        std::max(border.by_fields, border.by_patches), 100 * border.move, border.variable);
+    constexpr double a_crease = 2;
+    if (border.by_fields > a_crease)
+        fmt::print("            fields turn them by {:.2g}; less with parameters.keep: smooth_border\n",
+                   border.by_fields);
+}
+
+Json capability_json(const Capability& can) {
+    Json levels = Json::array(), motions = Json::array();
+    for (std::size_t k = 0; k < can.levels.size(); ++k)
+        levels.push_back({{"level", can.levels[k]}, {"variables", can.variables[k]}});
+    for (const MotionShare& motion : can.motions) {
+        motions.push_back({{"motion", motion.name}, {"share", motion.by_level}});
+        motions.back()["remedy"] = motion.remedy.empty() ? Json(nullptr) : Json(motion.remedy);
+        motions.back()["share_with_remedy"] = motion.remedy.empty() ? Json(nullptr) : json_number(motion.with_remedy);
+    }
+    return {{"levels", levels}, {"motions", motions}, {"levels_left_out", can.levels_left_out}};
+}
+
 Json space_json(const SpaceFacts& s) {
     Json still = Json::array();
     for (std::size_t v = 0; v < s.moves.size(); ++v)
@@ -116,6 +160,8 @@ void print_facts(const CheckFacts& facts) {
     print_health(facts.health);
     print_parts(facts.parts);
     if (facts.space) print_space(*facts.space);
+    if (facts.can_make) print_capability(*facts.can_make);
+    if (facts.border) print_border(facts);
     print_start(facts);
     if (facts.cost) print_cost(*facts.cost);
 }
@@ -132,6 +178,13 @@ void add_facts(Json& j, const CheckFacts& facts) {
     for (const HeldPart& part : facts.parts)
         j["parts"].push_back({{"triangles", part.triangles}, {"held", part.held}, {"by", part.by}});
     j["space"] = facts.space ? space_json(*facts.space) : Json(nullptr);
+    j["can_make"] = facts.can_make ? capability_json(*facts.can_make) : Json(nullptr);
+    j["border"] = nullptr;
+    if (facts.border)
+        j["border"] = {{"move", facts.border->move},
+                       {"turn_by_fields_deg", facts.border->by_fields},
+                       {"turn_by_patches_deg", facts.border->by_patches},
+                       {"variable", facts.border->variable}};
     j["start"] = facts.start ? start_json(*facts.start) : Json(nullptr);
     j["not_known_at_start"] = facts.unknown;
     j["cost"] = nullptr;

@@ -85,6 +85,13 @@ ValidityGuard guard_of(const Problem& problem) {
         problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry, attached_triangles(problem)}};
 }
 
+/// What of the displacement keeps the kind of shape that the case states.
+Points of_kind(const Problem& problem, const Points& vertices) {
+    const auto& invariance = problem.parameters.invariance;
+    if (!invariance) return vertices;
+    return problem.surface.vertices + invariance->projected(vertices - problem.surface.vertices);
+}
+
 /// The equilibrium, which must be a valid surface (DESIGN section 8).
 Points solved(const DeformArguments& args, const Problem& problem, const ShellSetup& setup, PrimoShell& shell,
               Equilibrium& end) {
@@ -97,7 +104,7 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
     };
     end = shell.solve(setup.loads, setup.motions, {}, progress);
     if (end.status != SolveStatus::converged) refuse(args, end, to_string(end.status), diagonal);
-    const Points vertices = shell.vertices();
+    const Points vertices = of_kind(problem, shell.vertices());
     const std::string defect = guard_of(problem).defect(vertices, shell.poses());
     if (defect.empty()) return vertices;
     end.reason = defect + "; reduce the loads and strains, or use a thicker shell";
@@ -106,7 +113,7 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
 
 /// The paper's single linear solve, valid or not.
 Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell, Equilibrium& end) {
-    const Points vertices = shell.linear_response(setup.loads, setup.motions);
+    const Points vertices = of_kind(problem, shell.linear_response(setup.loads, setup.motions));
     end.reason = "one linear solve at rest";
     const std::string defect = guard_of(problem).defect(vertices, shell.poses());
     if (!defect.empty()) fmt::print(stderr, "warning: the linear response is not a valid surface: {}\n", defect);

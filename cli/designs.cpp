@@ -51,7 +51,7 @@ Deformation run_deformation(const fs::path& run, const fs::path& design, int eva
     if (design.empty() && !fs::exists(file, ignored))
         throw InvalidInput(name + ": the run has no design yet (no levels/best.design)");
     const Case the_case = load_case(run / "case.yaml");
-    Deformation d{prepare_surface(the_case).mesh, {}, evaluation, the_case.symmetry};
+    Deformation d{prepare_surface(the_case).mesh, {}, evaluation, the_case.symmetry, the_case.invariance};
     if (evaluation > 0) {
         d.vertices = shape_of(run, evaluation, d.rest);
         return d;
@@ -64,7 +64,7 @@ Deformation run_deformation(const fs::path& run, const fs::path& design, int eva
 }
 
 Deformation surface_deformation(const fs::path& rest, const fs::path& moved) {
-    Deformation d{read_logged(rest).mesh, {}, 0, {}};
+    Deformation d{read_logged(rest).mesh, {}, 0, {}, {}};
     const TriMesh shape = read_logged(moved).mesh;
     if (!same_triangles(shape, d.rest))
         throw InputError(fmt::format("{}: {} vertices and {} triangles differ from those of {} ({} and {})",

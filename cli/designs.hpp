@@ -1,4 +1,5 @@
 #pragma once
+#include "core/fields/invariance.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/symmetry_plane.hpp"
 
@@ -17,6 +18,7 @@ struct Deformation {
     Points vertices;
     int evaluation = 0;  ///< 0: not from a run
     std::optional<SymmetryPlane> symmetry;
+    std::optional<ShapeKind> kind;  ///< that every design of the run keeps
 };
 
 /// @param design a stored design; empty: the run's best. @param evaluation one from the ParaView series; 0: use

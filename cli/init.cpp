@@ -31,6 +31,7 @@ namespace fs = std::filesystem;
 struct InitArguments {
     std::string surface, out = "case.yaml";
     int evaluations = 60;
+    std::string hold = "band";
     bool json = false, quiet = false;
 };
 
@@ -123,6 +124,11 @@ void write_patches(const fs::path& file, const Problem& problem) {
     write_vtp(file, problem.surface, {}, cells);
 }
 
+ProposedHold hold_of(const std::string& word) {
+    if (word == "point") return ProposedHold::point;
+    return word == "none" ? ProposedHold::none : ProposedHold::band;
+}
+
 void init(const InitArguments& args) {
     const fs::path case_file = args.out;
     if (case_file.extension() != ".yaml" && case_file.extension() != ".yml")
@@ -136,7 +142,7 @@ void init(const InitArguments& args) {
             throw InvalidInput(text("init: ", printable(file.string(), 400),
                                     " already exists and is never overwritten; choose another name with -o"));
     log_step("examining " + printable(args.surface, 400));
-    const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations});
+    const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations, hold_of(args.hold)});
     NewFile written(case_file, proposal.yaml);
     log_step("trying " + printable(case_file.string(), 400));
     const Case the_case = load_case(case_file, Purpose::run);
@@ -172,6 +178,12 @@ void add_init(CLI::App& app) {
     command->add_option("-o,--out,--output", args->out, "case file to write; never overwritten (default: case.yaml)");
     command->add_option("--evaluations", args->evaluations, "budget of the case (default: 60)")
         ->check(CLI::Range(1, 1000000));
+    command
+        ->add_option(
+            "--hold", args->hold,
+            "what keeps the body in its place: a band (default; twist and thickness at the root stay), one point "
+            "(everything but the place and attitude there is free), or none (fields alone)")
+        ->check(CLI::IsMember({"band", "point", "none"}));
     command->add_flag("--json", args->json, "print one JSON object instead of words");
     command->add_flag("-q,--quiet", args->quiet, "print nothing");
     command->callback([args] { init(*args); });

@@ -3,6 +3,7 @@
 #include "optimize/evaluate/validity.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
+#include "optimize/space/shape_map.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
 #include "report/recorded_run.hpp"
@@ -12,6 +13,8 @@ namespace strake::python {
 namespace {
 
 using namespace py::literals;
+
+constexpr double response_tolerance = 1e-11;
 
 /// An optimizer of the user's own knows bounds of variables only: within these each alone keeps to `max_displacement`.
 Problem boxed(Problem problem) {
@@ -47,29 +50,33 @@ public:
         const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
         if (end.status != SolveStatus::converged) throw EvaluationFailed(to_string(end.status) + ": " + end.reason);
         const Points vertices = with_fields(*rest_, wanted, shell_->vertices());
-        const std::string defect = guard_.defect(vertices, with_fields(*rest_, wanted, shell_->poses()));
+        const std::string defect = guard_.defect(vertices, with_fields(*rest_, wanted, shell_->poses(), vertices));
         if (!defect.empty()) {
             if (poses_) shell_->set_poses(*poses_);
             throw EvaluationFailed(defect);
         }
         poses_ = shell_->poses();
         x_ = x;
+        vertices_ = vertices;
         return vertices;
     }
 
     Eigen::VectorXd gradient(const Rows& dJ_dv) {
         check_rows(dJ_dv, surface_->num_vertices(), "DesignSpace.gradient: dJ_dv");
         need_shape();
-        return design_gradient(space_, x_, shell_->adjoint({dJ_dv}).at(0));
+        return design_gradient(space_, x_, surface_adjoint(*rest_, *shell_, {dJ_dv}, {}, &vertices_).at(0));
     }
 
     Points response(const Eigen::VectorXd& dx) {
         check(dx);
         need_shape();
         Points out = Points::Zero(surface_->num_vertices(), 3);
-        design_response(space_, *shell_, [&](int j, const Points& dv) {
-            if (dx[j] != 0) out += dx[j] * dv;
-        });
+        design_response(
+            space_, *shell_,
+            [&](int j, const Points& dv) {
+                if (dx[j] != 0) out += dx[j] * dv;
+            },
+            response_tolerance, &vertices_);
         return out;
     }
 
@@ -95,6 +102,7 @@ private:
     ValidityGuard guard_;
     std::unique_ptr<PrimoShell> shell_;
     Eigen::VectorXd height_, x_;  ///< x_: of the present shape; empty: none
+    Points vertices_;             ///< of x_
     std::optional<Poses> poses_;
 };
 

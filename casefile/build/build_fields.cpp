@@ -1,61 +1,126 @@
 #include "casefile/build/problem_builder.hpp"
 #include "core/fields/displacement_fields.hpp"
-#include "optimize/space/mirror.hpp"
+#include "core/fields/invariance.hpp"
+#include "core/mesh/geometry.hpp"
+#include "optimize/space/field_conditions.hpp"
+
+#include <algorithm>
+#include <limits>
 
 namespace strake {
 namespace {
 
 /// Sections moved, turned, scaled and sheared up to degree two along the axis; then to higher ones.
+constexpr double invariance_tolerance = 1e-6;  ///< of the start, in diagonals: ten times what single precision leaves
 constexpr std::array automatic_steps{27, 60, 192};
+/// Of shapes that are the same around an axis: there are fewer of a degree.
+constexpr std::array steps_about_axis{12, 27, 60};
 
 }  // namespace
 
-/// Per triangle: held by anything, or not to be moved by the fields.
-std::vector<char> ProblemBuilder::held_by_fields() {
-    const FieldsEntry& entry = case_.parameters.fields;
-    const Problem& problem = out_.problem;
-    const Parameters& p = problem.parameters;
-    std::vector<char> held(static_cast<std::size_t>(start_.mesh.num_triangles()), 0);
-    const auto hold = [&](const std::vector<int>& triangles) {
-        for (const int t : triangles) held[static_cast<std::size_t>(t)] = 1;
+void ProblemBuilder::set_invariance() {
+    if (!case_.invariance) return;
+    at(case_.invariance_place, "", [&] {
+        out_.problem.parameters.invariance =
+            std::make_shared<const Invariance>(start_.mesh, *case_.invariance, invariance_tolerance, case_.symmetry);
+        out_.problem.parameters.invariance->check_held(start_.mesh, out_.problem.fixed);
+    });
+    if (!out_.problem.attached.empty())
+        errors_.add(case_.attach.front().part.place,
+                    "attach: attached parts follow their hosts and keep no kind of shape; remove attach or invariance");
+    const auto& kinds = case_.parameters.variables;
+    if (std::find(kinds.begin(), kinds.end(), VariableKind::strain) != kinds.end())
+        errors_.add(case_.invariance_place,
+                    "invariance: strain variables move patches as rigid bodies, which no extruded, revolved or cyclic "
+                    "shape does; use fields, load or normal in parameters.variables");
+}
+
+/// Of a part: the triangle that holds the shell. Nearest to the point that was stated, else to the middle of the part,
+/// in half models of what of it lies on the plane.
+int ProblemBuilder::support_near(const std::vector<int>& part) const {
+    Eigen::Vector3d near = Eigen::Vector3d::Zero();
+    if (case_.hold.point) {
+        near = *case_.hold.point;
+    } else {
+        double weight = 0;
+        for (const bool only_cut : {true, false}) {
+            for (const int t : part)
+                for (int k = 0; k < 3; ++k) {
+                    const Eigen::Vector3d x = start_.mesh.vertices.row(start_.mesh.triangles(t, k));
+                    if (only_cut && !(case_.symmetry && std::abs(case_.symmetry->normal.dot(x) -
+                                                                 case_.symmetry->offset) < 1e-6 * start_.diagonal))
+                        continue;
+                    const double area = area_vector(start_.mesh, t).norm();
+                    near += area * x;
+                    weight += area;
+                }
+            if (weight > 0) break;
+        }
+        near /= weight;
+    }
+    int best = part.front();
+    double least = std::numeric_limits<double>::infinity();
+    for (const int t : part) {
+        const double distance = (area_centroid(start_.mesh, {t}) - near).norm();
+        if (distance < least) least = distance, best = t;
+    }
+    return best;
+}
+
+/// hold: point and none take the place of everything else that keeps the body where it is.
+void ProblemBuilder::check_hold() {
+    const char* word = case_.hold.by == HoldEntry::By::none ? "none" : "point";
+    const auto rival = [&](const Place& place, const char* key) {
+        errors_.add(place, text(key, " and hold: ", word, " exclude each other; remove one of them"));
     };
-    const auto hold_marked = [&](const std::vector<char>& marks, bool what) {
-        for (std::size_t t = 0; t < marks.size(); ++t) held[t] |= (marks[t] != 0) == what;
-    };
-    hold(problem.fixed);
-    for (const PrescribedStrain& strain : problem.strains) hold(strain.triangles);
-    for (const UserVariable& v : p.user_variables)
-        if (v.traction.rows() == 0) hold(v.triangles);
-    hold_marked(p.frozen, true);
-    if (entry.on)
-        hold_marked(marked("parameters.fields.on", {*entry.on}), false);
-    else
-        hold_marked(p.variables_on, false);
-    return held;
+    if (!case_.fixed.empty()) rival(case_.fixed_place, "fixed");
+    if (!case_.strains.empty()) rival(case_.strains.front().place, "strains");
+    if (purpose_ == Purpose::deform || !errors_.empty()) return;
+    if (!case_.parameters.fields.is_wanted && case_.hold.by == HoldEntry::By::none)
+        errors_.add(
+            case_.hold.place,
+            "hold: none leaves the shell without a support; use displacement fields (parameters: {fields: auto, "
+            "variables: []}), or hold: point");
+    else if (case_.hold.by == HoldEntry::By::none && (!case_.parameters.variables.empty() || !case_.loads.empty()))
+        errors_.add(case_.hold.place,
+                    text("hold: none: ", case_.loads.empty() ? "the variables of patches" : "loads",
+                         " need something to act against; write parameters.variables: [] and no loads, or hold: "
+                         "point"));
+}
+
+void ProblemBuilder::set_hold() {
+    if (case_.hold.by == HoldEntry::By::fixed) return;
+    check_hold();
+    if (!errors_.empty()) return;
+    const std::vector<int> number = edge_components(start_.mesh, start_.adjacent);
+    std::vector<char> is_attached(number.size(), 0);
+    for (const AttachedPart& part : out_.problem.attached)
+        for (const int t : part.triangles) is_attached[static_cast<std::size_t>(t)] = 1;
+    std::map<int, std::vector<int>> parts;
+    for (std::size_t t = 0; t < number.size(); ++t)
+        if (!is_attached[t]) parts[number[t]].push_back(static_cast<int>(t));
+    for (const auto& [which, part] : parts) out_.problem.supports.push_back(support_near(part));
+    std::sort(out_.problem.supports.begin(), out_.problem.supports.end());
 }
 
 void ProblemBuilder::set_fields() {
     const FieldsEntry& entry = case_.parameters.fields;
     Parameters& p = out_.problem.parameters;
-    if (!out_.problem.attached.empty()) {
-        errors_.add(entry.place,
-                    "parameters.fields move everything alike and cannot be combined with attach; remove one of them");
-        return;
-    }
-    const std::vector<char> held = held_by_fields();
+    std::vector<char> on = p.variables_on;
+    if (entry.on) on = marked("parameters.fields.on", {*entry.on});
     if (!errors_.empty()) return;
-    FieldConditions conditions;
-    for (int t = 0; t < start_.mesh.num_triangles(); ++t)
-        if (held[static_cast<std::size_t>(t)]) conditions.held.push_back(t);
-    conditions.cut = case_.symmetry;
-    if (p.mirror && !case_.symmetry) conditions.mirror = plane_of_symmetry(start_.mesh);
+    FieldConditions conditions = field_conditions(out_.problem, start_.mesh, on);
+    if (case_.hold.by == HoldEntry::By::point)
+        conditions.still = case_.hold.point.value_or(area_centroid(start_.mesh, out_.problem.supports));
+    const bool is_about_axis = case_.invariance && case_.invariance->type != ShapeKind::Type::extruded;
+    const auto& automatic = is_about_axis ? steps_about_axis : automatic_steps;
     FieldOptions options;
-    options.number = entry.number > 0 ? entry.number : automatic_steps.back();
+    options.number = entry.number > 0 ? entry.number : automatic.back();
     options.axis = entry.axis;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
         if (entry.number == 0)
-            for (const int step : automatic_steps)
+            for (const int step : automatic)
                 if (p.field_steps.empty() || p.field_steps.back() < fields->size())
                     p.field_steps.push_back(std::min(step, fields->size()));
         add_fields(p, fields);

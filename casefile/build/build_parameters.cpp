@@ -24,6 +24,7 @@ void ProblemBuilder::set_parameters() {
     p.marking_fraction = entry.marking_fraction;
     p.max_variable_ratio = entry.max_variable_ratio;
     p.mirror = entry.mirror;
+    p.keeps_smooth_border = entry.keeps_smooth_border;
     if (purpose_ == Purpose::deform) return;
     p.variables_on = marked("parameters.variables_on", entry.variables_on);
     if (!out_.problem.attached.empty()) {  // variables have nothing to move there

@@ -18,6 +18,8 @@ BuiltProblem ProblemBuilder::build() {
     set_heights();
     set_pins();
     set_attached();
+    set_invariance();
+    set_hold();
     set_parameters();
     errors_.throw_if_any();
     set_springs();

@@ -75,7 +75,10 @@ private:
     void set_motion_limits();
     void check_dof();
     void set_fields();  // build_fields.cpp
-    std::vector<char> held_by_fields();
+    void set_invariance();
+    void set_hold();
+    void check_hold();
+    int support_near(const std::vector<int>& part) const;
     /// Per triangle: lies in one of these regions or patches; empty without names.
     std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
     std::vector<int> region_or_patch(const std::string& key, const Reference& reference);

@@ -1,6 +1,7 @@
 #pragma once
 #include "casefile/model/built_in.hpp"
 #include "casefile/yaml/diagnostics.hpp"
+#include "core/fields/invariance.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/primo/shell.hpp"
 #include "core/remesh/remesh.hpp"
@@ -149,6 +150,14 @@ struct UserVariableEntry {
     bool is_motion() const { return kind == Kind::translate || kind == Kind::rotate; }
 };
 
+/// What keeps the body in its place.
+struct HoldEntry {
+    enum class By { fixed, point, none };
+    By by = By::fixed;
+    std::optional<Eigen::Vector3d> point;
+    Place place;
+};
+
 /// Displacement fields.
 struct FieldsEntry {
     bool is_wanted = false;
@@ -188,6 +197,7 @@ struct ParameterEntry {
     Place mirror_place;
     std::vector<UserVariableEntry> user_variables;
     FieldsEntry fields;
+    bool keeps_smooth_border = false;
 };
 
 struct ProgramParameterEntry {
@@ -270,6 +280,9 @@ struct Case {
     std::vector<Region> regions;
     std::vector<Reference> fixed;
     Place fixed_place;
+    HoldEntry hold;
+    std::optional<ShapeKind> invariance;
+    Place invariance_place;
     std::optional<SymmetryPlane> symmetry;
     Place symmetry_place;
     AeroGround aero;  ///< axes and coefficients; its plane is `symmetry`

@@ -85,6 +85,15 @@ std::string regions_text(const std::vector<ProposedRegion>& regions) {
     return out + "fixed: [" + names + "]\n";
 }
 
+std::string hold_text(ProposedHold hold, const std::vector<ProposedRegion>& regions) {
+    if (hold == ProposedHold::band) return regions_text(regions);
+    if (hold == ProposedHold::point)
+        return "\n# One triangle of each part keeps its place; everything else may change. Or hold regions: fixed: "
+               "[NAME].\nhold: point      # or {point: [x, y, z]}: the triangle nearest to it\n";
+    return "\n# Nothing is held: the fields neither move nor turn the body as a whole, and there are no loads.\nhold: "
+           "none\n";
+}
+
 std::string symmetry_text(const SymmetryPlane& plane) {
     const char axis = axis_letter(plane.normal);
     return "\n# Half model: the open edges lie on this plane, and the mirror image is accounted for. If this "
@@ -125,7 +134,8 @@ std::string angles_text(const CreaseAngles& angles) {
     return out + "\n";
 }
 
-std::string parameters_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& mirror) {
+std::string parameters_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& mirror,
+                            ProposedHold hold) {
     const CreaseAngles angles = crease_angles(surface.mesh, surface.checkup.adjacent);
     const int triangles = surface.mesh.num_triangles();
     const char* counts = triangles < 2000 ? "[2, 6]" : triangles < 10000 ? "[4, 12]" : "[4, 12, 32]";
@@ -137,7 +147,12 @@ std::string parameters_text(const RepairedSurface& surface, const std::optional<
     out += padded(text("  patches_per_level: ", counts), "approximate number, level by level");
     out += padded(text("  sharp_angle: ", angles.sharp_deg, "deg"),
                   "edges with larger angles are creases; few are near it");
-    out += padded("  variables: [normal]", "or load, strain, stiffness: strake explain variables");
+    if (hold == ProposedHold::none) {
+        out += padded("  fields: auto", "smooth motions of the whole body");
+        out += padded("  variables: []", "loads on patches would need hold: point");
+    } else {
+        out += padded("  variables: [normal]", "or load, strain, stiffness: strake explain variables");
+    }
     out += padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
     if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
     return out;
@@ -193,14 +208,16 @@ double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 *
 
 std::vector<std::string> sentences(const RepairedSurface& surface, const std::vector<ProposedRegion>& regions,
                                    const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
-                                   bool has_volume) {
+                                   bool has_volume, ProposedHold hold) {
     std::vector<std::string> found;
     for (std::size_t i = 0; i < surface.keys.size(); ++i)
         found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
     if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
     if (mirror) found.push_back("the body is symmetric; so are the variables");
     std::size_t parts = 0;
-    for (const ProposedRegion& region : regions)
+    if (hold == ProposedHold::point) found.emplace_back("held: one triangle of each part, near its middle");
+    if (hold == ProposedHold::none) found.emplace_back("held: nothing; fields alone change the shape");
+    for (const ProposedRegion& region : hold == ProposedHold::band ? regions : std::vector<ProposedRegion>{})
         if (region.name.starts_with("part_"))
             ++parts;
         else
@@ -236,18 +253,19 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const auto regions = held_regions(surface, half, mirror, proposal.down);
     proposal.has_volume = encloses_volume(surface, half);
     proposal.plane = half ? half : mirror;
-    proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume);
+    proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume, options.hold);
     const std::string shown = case_file.filename().string();
     proposal.yaml =
         "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
-        regions_text(regions) + (half ? symmetry_text(*half) : "") +
+        hold_text(options.hold, regions) + (half ? symmetry_text(*half) : "") +
         axes_text(surface.checkup, proposal.plane, proposal.down) +
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
         padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
         (surface.couple ? padded("  nonmanifold: couple", "edges with more than two triangles") : "") +
-        parameters_text(surface, mirror) + goal_text(surface, half, proposal.has_volume) + "\noptimize:\n" +
+        parameters_text(surface, mirror, options.hold) + goal_text(surface, half, proposal.has_volume) +
+        "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
     return proposal;
 }

@@ -10,8 +10,16 @@
 /// The case that `strake init` writes for a surface.
 namespace strake {
 
+/// What keeps the body in its place.
+enum class ProposedHold {
+    band,   ///< regions that do not move: what a part is mounted by
+    point,  ///< one triangle of each part: everything may change but the place and the attitude there
+    none    ///< nothing: fields alone, which neither move nor turn the body in the mean
+};
+
 struct ProposalOptions {
     int evaluations = 60;  ///< budget, >= 1
+    ProposedHold hold = ProposedHold::band;
 };
 
 /// A guess, with the reason that is written beside it.

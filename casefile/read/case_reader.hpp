@@ -44,6 +44,8 @@ private:
     void read_user_variables(const Value& map, const std::string& shown);
     // read_fields.cpp
     void read_fields(const Value& value);
+    void read_hold(const Value& value);
+    void read_invariance(const Value& map);
     // read_variables.cpp
     void read_program_parameter(const Entry& entry);
     // read_goals.cpp

@@ -72,6 +72,8 @@ void CaseReader::read(const Value& root) {
         case_.fixed = references(v);
         case_.fixed_place = v->place;
     }
+    map("hold", &CaseReader::read_hold);
+    map("invariance", &CaseReader::read_invariance);
     map("symmetry", &CaseReader::read_symmetry);
     map("axes", &CaseReader::read_axes);
     map("shell", &CaseReader::read_shell);

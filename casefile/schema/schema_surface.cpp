@@ -156,6 +156,47 @@ std::vector<Key> region_keys() {
     };
 }
 
+std::vector<Key> invariance_keys() {
+    return {
+        {.path = "invariance",
+         .doc = "The kind of shape that every design keeps, up to round-off, by fields and by patches. Exactly one of "
+                "extrude, revolve, cyclic. The start must be of the kind (to 1e-6 of the diagonal), and what is held."},
+        {.path = "invariance.extrude",
+         .type = Type::word,
+         .doc = "The same section all along this axis, for example of a two-dimensional flow; nothing moves along it.",
+         .words = {"x", "y", "z"}},
+        {.path = "invariance.extrude",
+         .type = Type::list,
+         .doc = "An axis of any direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "invariance.revolve",
+         .type = Type::word,
+         .doc = "A body of revolution about this axis; its vertices lie on rings.",
+         .words = {"x", "y", "z"}},
+        {.path = "invariance.revolve",
+         .type = Type::list,
+         .doc = "An axis of any direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "invariance.cyclic",
+         .type = Type::integer,
+         .doc = "The same in so many sectors of a turn about `about`; their triangles are copies of each other.",
+         .limits = {2, 10000}},
+        {.path = "invariance.about", .type = Type::word, .doc = "Axis of cyclic.", .words = {"x", "y", "z"}},
+        {.path = "invariance.about",
+         .type = Type::list,
+         .doc = "An axis of any direction; its length has no effect.",
+         .element = Type::number,
+         .count = 3},
+        {.path = "invariance.through",
+         .type = Type::list,
+         .doc = "A point of the axis of revolve or cyclic. Default: the origin.",
+         .element = Type::coordinate,
+         .count = 3},
+    };
+}
+
 std::vector<Key> held_keys() {
     return {
         {.path = "fixed",
@@ -163,6 +204,21 @@ std::vector<Key> held_keys() {
          .doc = "Regions that do not move.",
          .element = Type::name,
          .may_be_empty = true},
+        {.path = "hold",
+         .type = Type::word,
+         .doc = "What keeps the body in its place. fixed: the regions of `fixed`. point: one triangle near the middle, "
+                "without `fixed`: loads bend the shell about it, and displacement fields neither move nor turn the "
+                "body there. none: nothing; displacement fields neither move nor turn the body in the mean, and loads "
+                "have nothing to act against (`variables: []`).",
+         .fallback = "fixed",
+         .words = {"fixed", "point", "none"}},
+        {.path = "hold", .doc = "A point that keeps its place."},
+        {.path = "hold.point",
+         .type = Type::list,
+         .doc = "The triangle nearest to it is the one that the shell is held by.",
+         .required = true,
+         .element = Type::coordinate,
+         .count = 3},
         {.path = "symmetry", .doc = "Declares a half model; the mirror image is accounted for."},
         {.path = "symmetry.plane",
          .type = Type::word,
@@ -224,7 +280,7 @@ std::vector<Key> axes_keys() {
 }  // namespace
 
 std::vector<Key> surface_keys() {
-    return in_order({file_keys(), region_keys(), made_region_keys(), held_keys(), axes_keys()});
+    return in_order({file_keys(), region_keys(), made_region_keys(), invariance_keys(), held_keys(), axes_keys()});
 }
 
 }  // namespace strake

@@ -15,6 +15,13 @@ std::vector<Key> field_keys() {
          .fallback = "none",
          .limits = {1, 600},
          .words = {"none", "auto"}},
+        {.path = "parameters.keep",
+         .type = Type::word,
+         .doc =
+             "smooth_border: displacement fields leave what is held with no slope, so that no crease forms there; "
+             "`strake check` says by how much normals turn. none: they leave it with a slope, which more motions have.",
+         .fallback = "none",
+         .words = {"none", "smooth_border"}},
         {.path = "parameters.fields", .doc = "Displacement fields with what they act on."},
         {.path = "parameters.fields.number",
          .type = Type::integer,

@@ -61,7 +61,7 @@ struct CutOff {
     Points gradient;  ///< at the centroids
 };
 
-CutOff cut_off(const TriMesh& rest, const Points& centroid, const std::vector<int>& held) {
+CutOff cut_off(const TriMesh& rest, const Points& centroid, const std::vector<int>& held, bool is_smooth) {
     const Eigen::Index n = rest.num_vertices(), m = rest.num_triangles();
     CutOff cut{VectorXd::Ones(n), VectorXd::Ones(m), Points::Zero(m, 3)};
     for (const std::vector<int>& part : connected(rest, held)) {
@@ -72,13 +72,16 @@ CutOff cut_off(const TriMesh& rest, const Points& centroid, const std::vector<in
             for (int k = 0; k < 3; ++k) distance[rest.triangles(t, k)] = 0;
         const double largest = distance.maxCoeff();
         if (!(largest > 0)) throw InvalidInput("fields: all of the surface is held");
-        cut.at_vertices.array() *= distance.array() / largest;
+        const Eigen::ArrayXd ramps = distance.array() / largest;
+        cut.at_vertices.array() *= is_smooth ? Eigen::ArrayXd(ramps.square()) : ramps;
         for (Eigen::Index t = 0; t < m; ++t) {
             const Vector3d x = centroid.row(t);
             const ClosestPoint found = closest.find(x);
-            const double ramp = found.distance / largest;
+            const double linear = found.distance / largest;
+            const double ramp = is_smooth ? linear * linear : linear;
             const Vector3d slope =
-                found.distance > 0 ? Vector3d((x - found.point) / (found.distance * largest)) : Vector3d::Zero();
+                (is_smooth ? 2 * linear : 1) *
+                (found.distance > 0 ? Vector3d((x - found.point) / (found.distance * largest)) : Vector3d::Zero());
             cut.gradient.row(t) = ramp * cut.gradient.row(t) + cut.at_centroids[t] * slope.transpose();
             cut.at_centroids[t] *= ramp;
         }
@@ -101,6 +104,36 @@ MatrixXd function_values(const FieldFrame& frame, const Points& x, const std::ve
                 cut[v] * a.value[powers[f][0]] * b.value[powers[f][1]] * c.value[powers[f][2]];
     }
     return values;
+}
+
+/// Where the field and its gradient are wanted.
+struct PointValues {
+    Vector3d value = Vector3d::Zero();
+    Matrix3d by_local = Matrix3d::Zero();  ///< column k: by the local coordinate k
+    PointValues(const FieldFrame& frame, const std::vector<Powers>& powers, const Coefficients& c, const Vector3d& x) {
+        std::array<int, 3> degree{0, 0, 0};
+        for (const Powers& p : powers)
+            for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
+        const Vector3d at = frame.local(x);
+        const LegendreValues a(at[0], degree[0]), b(at[1], degree[1]), d(at[2], degree[2]);
+        for (std::size_t f = 0; f < powers.size(); ++f) {
+            const Vector3d own = c.row(static_cast<Eigen::Index>(f));
+            const auto [i, j, k] = powers[f];
+            value += a.value[i] * b.value[j] * d.value[k] * own;
+            by_local.col(0) += a.slope[i] * b.value[j] * d.value[k] * own;
+            by_local.col(1) += a.value[i] * b.slope[j] * d.value[k] * own;
+            by_local.col(2) += a.value[i] * b.value[j] * d.slope[k] * own;
+        }
+        for (int k = 0; k < 3; ++k) by_local.col(k) *= frame.half[k] > 0 ? 1 / frame.half[k] : 0;
+    }
+};
+
+/// The point that a field of this symmetry can leave alone: on the plane, and on the axis.
+Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, const std::optional<ShapeKind>& kind) {
+    if (kind && kind->type != ShapeKind::Type::extruded)
+        x = kind->through + (x - kind->through).dot(kind->axis) * kind->axis;
+    if (plane) x -= (plane->normal.dot(x) - plane->offset) * plane->normal;
+    return x;
 }
 
 /// Rotation of the polar decomposition, by Newton's iteration X <- (X + X^-T) / 2 (Higham 1986); det F > 0.
@@ -161,15 +194,19 @@ DisplacementFields::DisplacementFields(const TriMesh& rest, const FieldCondition
                                        const FieldOptions& options) {
     check(rest, conditions, options);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
-    frame_ = field_frame(rest, plane, conditions.cut.has_value(), options.axis);
+    frame_ = field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
     centroid_ = triangle_centroids(rest);
-    CutOff cut = cut_off(rest, centroid_, conditions.held);
+    CutOff cut = cut_off(rest, centroid_, conditions.held, conditions.smooth_border);
     cut_off_ = std::move(cut.at_centroids);
     cut_off_gradient_ = std::move(cut.gradient);
+    if (conditions.still && conditions.held.empty())
+        still_ = symmetric_point(*conditions.still, plane, conditions.kind);
     std::vector<FieldCandidate> rigid;
-    if (conditions.held.empty() && !conditions.keeps_rigid_motions) rigid = rigid_candidates(frame_, plane.has_value());
+    if (conditions.held.empty() && !conditions.keeps_rigid_motions)
+        rigid = rigid_candidates(frame_, plane.has_value(), conditions.kind);
     for (int tried = 2 * options.number + 20;; tried *= 2) {
-        const std::vector<FieldCandidate> candidates = field_candidates(frame_, plane.has_value(), tried);
+        const std::vector<FieldCandidate> candidates =
+            field_candidates(frame_, plane.has_value(), tried, conditions.kind);
         choose(rest, cut.at_vertices, rigid, candidates, options.number);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
         if (size() == options.number || are_all) break;
@@ -200,14 +237,40 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
             c.row(number.at(term.powers)) += term.factor * frame_.axes.col(term.axis).transpose();
         return c;
     };
-    for (const FieldCandidate& candidate : rigid) orthogonal.add(motion(candidate));
+    for (const FieldCandidate& candidate : rigid)
+        if (!still_) orthogonal.add(motion(candidate));
     for (const FieldCandidate& candidate : candidates) {
         if (size() == count) break;
-        const auto own = orthogonal.add(motion(candidate));
+        Coefficients whole = motion(candidate);
+        if (still_) {
+            Coefficients left = still_at(*still_, whole);
+            if (left.norm() < min_own_share * whole.norm()) continue;  // it was a motion of the whole
+            whole = std::move(left);
+        }
+        const auto own = orthogonal.add(std::move(whole));
         if (!own) continue;
         coefficients_.push_back(*own / (values_ * *own).rowwise().norm().maxCoeff());
         names_.push_back(candidate.name);
     }
+}
+
+/// Without the rigid motion that the field does at the point. The functions of first degree are among `powers_`.
+DisplacementFields::Coefficients DisplacementFields::still_at(const Vector3d& point, Coefficients motion) const {
+    const PointValues here(frame_, powers_, motion, point);
+    const Matrix3d gradient = here.by_local * frame_.axes.transpose();
+    const Matrix3d spin = 0.5 * (gradient - gradient.transpose());
+    Vector3d constant = here.value - spin * point;
+    for (std::size_t f = 0; f < powers_.size(); ++f) {
+        const auto& [i, j, k] = powers_[f];
+        if (i + j + k != 1) continue;
+        const int along = i == 1 ? 0 : j == 1 ? 1 : 2;
+        const Vector3d axis = frame_.axes.col(along);
+        motion.row(static_cast<Eigen::Index>(f)) -= frame_.half[along] * (spin * axis).transpose();
+    }
+    for (int k = 0; k < 3; ++k) constant += frame_.middle[k] * (spin * frame_.axes.col(k));
+    for (std::size_t f = 0; f < powers_.size(); ++f)
+        if (powers_[f] == Powers{0, 0, 0}) motion.row(static_cast<Eigen::Index>(f)) -= constant.transpose();
+    return motion;
 }
 
 /// Bits of rounding do not leave the plane of the cut.
@@ -242,24 +305,9 @@ VectorXd DisplacementFields::gradient(const Points& dJ_dv) const {
 
 std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
     const Coefficients sum = combined(z);
-    std::array<int, 3> degree{0, 0, 0};
-    for (const Powers& p : powers_)
-        for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
     std::vector<Matrix3d> turn(static_cast<std::size_t>(centroid_.rows()), Matrix3d::Identity());
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
-        const Vector3d at = frame_.local(centroid_.row(t));
-        const LegendreValues a(at[0], degree[0]), b(at[1], degree[1]), c(at[2], degree[2]);
-        Vector3d u = Vector3d::Zero();
-        Matrix3d by_local = Matrix3d::Zero();  // column k: du / d(local coordinate k)
-        for (std::size_t f = 0; f < powers_.size(); ++f) {
-            const Vector3d own = sum.row(static_cast<Eigen::Index>(f));
-            const auto [i, j, k] = powers_[f];
-            u += a.value[i] * b.value[j] * c.value[k] * own;
-            by_local.col(0) += a.slope[i] * b.value[j] * c.value[k] * own;
-            by_local.col(1) += a.value[i] * b.slope[j] * c.value[k] * own;
-            by_local.col(2) += a.value[i] * b.value[j] * c.slope[k] * own;
-        }
-        for (int k = 0; k < 3; ++k) by_local.col(k) *= frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
+        const auto [u, by_local] = PointValues(frame_, powers_, sum, centroid_.row(t));
         const Matrix3d F =
             Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
         if (F.determinant() > 0) turn[static_cast<std::size_t>(t)] = polar_rotation(F);

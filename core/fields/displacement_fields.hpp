@@ -25,6 +25,13 @@ struct FieldConditions {
     std::optional<SymmetryPlane> cut;
     /// Whole model: only symmetric fields. Not together with `cut`.
     std::optional<SymmetryPlane> mirror;
+    /// Every motion keeps this kind of shape, up to round-off; what is held is of the kind.
+    std::optional<ShapeKind> kind;
+    /// Where nothing is held: no field moves or turns the body at this point (in half models its image on the plane,
+    /// for shapes that are the same around an axis that on the axis). None: in the mean over the surface.
+    std::optional<Eigen::Vector3d> still;
+    /// The fields leave what is held with no slope: the cut-off is a product of squared ramps.
+    bool smooth_border = false;
     /// Rigid motions of the whole are taken out where nothing is held: they are there only by this.
     bool keeps_rigid_motions = false;
 };
@@ -65,9 +72,11 @@ private:
     Coefficients combined(const Eigen::VectorXd& z) const;
     void choose(const TriMesh& rest, const Eigen::VectorXd& cut, const std::vector<FieldCandidate>& rigid,
                 const std::vector<FieldCandidate>& candidates, int count);
+    Coefficients still_at(const Eigen::Vector3d& point, Coefficients motion) const;
     void keep_in_plane(const TriMesh& rest, const SymmetryPlane& plane);
 
     FieldFrame frame_;
+    std::optional<Eigen::Vector3d> still_;
     std::vector<std::array<int, 3>> powers_;  ///< of the functions: degrees along the axes of the frame
     Eigen::MatrixXd values_;                  ///< n x functions, cut-off included
     std::vector<Coefficients> coefficients_;  ///< per field

@@ -32,6 +32,8 @@ Eigen::MatrixXd coordinate_basis(const Eigen::MatrixXd& span) {
     return basis;
 }
 
+bool is_rotational(const std::optional<ShapeKind>& kind) { return kind && kind->type != ShapeKind::Type::extruded; }
+
 /// Principal axes of the covariance within the span of the columns.
 Eigen::MatrixXd principal_axes(const Matrix3d& covariance, const Eigen::MatrixXd& span) {
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(span.transpose() * covariance * span);
@@ -63,18 +65,34 @@ void name_axes(FieldFrame& frame) {
     }
 }
 
-/// Axes that are given by the plane and by the stated axis of the sections, orthonormal, the plane's normal first.
-std::vector<Vector3d> given_axes(const std::optional<SymmetryPlane>& plane, const std::optional<Vector3d>& axis) {
+/// Adds a direction, square to those before it. @throws InvalidInput: at an angle to one of them.
+void add_axis(std::vector<Vector3d>& given, const Vector3d& axis, const char* what) {
+    Vector3d left = axis;
+    for (const Vector3d& before : given) {
+        const double cosine = axis.dot(before), sine = axis.cross(before).norm();
+        if (sine > along && std::abs(cosine) > along) throw InvalidInput(text("fields: ", what));
+        if (sine <= along) return;
+        left -= cosine * before;
+    }
+    given.push_back(left.normalized());
+}
+
+/// Axes that are given by the plane, by the kind of shape and by the stated axis of the sections, orthonormal, the
+/// plane's normal first.
+std::vector<Vector3d> given_axes(const std::optional<SymmetryPlane>& plane, const std::optional<Vector3d>& axis,
+                                 const std::optional<ShapeKind>& kind) {
     std::vector<Vector3d> given;
     if (plane) given.push_back(plane->normal);
+    if (kind)
+        add_axis(given, kind->axis, "the axis of the invariance must lie in the plane of symmetry or be normal to it");
     if (!axis) return given;
     if (!(std::abs(axis->norm() - 1) < 1e-9))
         throw InvalidInput(text("fields: the axis has length ", axis->norm(), ", not 1"));
-    if (!plane) return {*axis};
-    const double cosine = axis->dot(plane->normal), sine = axis->cross(plane->normal).norm();
-    if (sine > along && std::abs(cosine) > along)
-        throw InvalidInput("fields: the axis must lie in the plane of symmetry or be normal to it");
-    if (sine > along) given.push_back((*axis - cosine * plane->normal).normalized());
+    if (is_rotational(kind) && kind->axis.cross(*axis).norm() > along)
+        throw InvalidInput(text("fields: the shape is ", to_string(*kind), "; the axis of the sections is that one"));
+    add_axis(given, *axis,
+             plane ? "the axis must lie in the plane of symmetry or be normal to it"
+                   : "the axis must be along or across that of the invariance");
     return given;
 }
 
@@ -97,6 +115,17 @@ Matrix3d all_axes(const TriMesh& rest, const std::optional<SymmetryPlane>& plane
     return all;
 }
 
+/// The middle lies on the axis, and both extents across it are the largest distance from it.
+void center_on(FieldFrame& frame, const TriMesh& rest, const ShapeKind& kind) {
+    const Points arm = rest.vertices.rowwise() - kind.through.transpose();
+    const Points across = arm - (arm * kind.axis) * kind.axis.transpose();
+    const double radius = across.rowwise().norm().maxCoeff();
+    for (int k = 1; k < 3; ++k) {
+        frame.middle[k] = frame.axes.col(k).dot(kind.through);
+        frame.half[k] = radius;
+    }
+}
+
 }  // namespace
 
 Vector3d FieldFrame::local(const Vector3d& x) const {
@@ -108,8 +137,8 @@ Vector3d FieldFrame::local(const Vector3d& x) const {
 }
 
 FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& plane, bool is_half,
-                       const std::optional<Vector3d>& axis) {
-    const Matrix3d axes = all_axes(rest, plane, given_axes(plane, axis));
+                       const std::optional<Vector3d>& axis, const std::optional<ShapeKind>& kind) {
+    const Matrix3d axes = all_axes(rest, plane, given_axes(plane, axis, kind));
     Vector3d low, high;
     for (int k = 0; k < 3; ++k) {
         const Eigen::VectorXd at = rest.vertices * axes.col(k);
@@ -122,8 +151,13 @@ FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& 
     }
     const Vector3d extent = high - low;
     std::array<int, 3> order{0, 1, 2};
-    const auto rank = [&](int k) { return axis && std::abs(axes.col(k).dot(*axis)) > 1 - 1e-9 ? 1e300 : extent[k]; };
-    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return rank(a) > rank(b) * (1 + 1e-9); });
+    const auto is_along = [&](int k, const Vector3d& d) { return std::abs(axes.col(k).dot(d)) > 1 - 1e-9; };
+    const auto rank = [&](int k) {
+        if (kind && is_along(k, kind->axis)) return is_rotational(kind) ? 2e300 : -1.0;
+        return axis && is_along(k, *axis) ? 1e300 : extent[k];
+    };
+    std::stable_sort(order.begin(), order.end(),
+                     [&](int a, int b) { return rank(a) > rank(b) + 1e-9 * std::abs(rank(b)); });
     FieldFrame frame;
     for (int k = 0; k < 3; ++k) {
         frame.axes.col(k) = axes.col(order[k]);
@@ -135,6 +169,7 @@ FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& 
         const double sign = frame.axes.col(k).dot(axes.col(order[k])) < 0 ? -1 : 1;
         frame.middle[k] = sign * 0.5 * (low[order[k]] + high[order[k]]);
     }
+    if (is_rotational(kind)) center_on(frame, rest, *kind);
     return frame;
 }
 

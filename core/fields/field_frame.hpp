@@ -1,4 +1,5 @@
 #pragma once
+#include "core/fields/invariance.hpp"
 #include "core/mesh/mesh.hpp"
 #include "core/mesh/symmetry_plane.hpp"
 
@@ -22,8 +23,11 @@ struct FieldFrame {
 /// symmetry is one of them. Where two principal moments agree within 1e-3 (round bodies) the coordinate directions
 /// decide.
 /// @param is_half the surface ends on the plane: moments and extents are those of the whole.
-/// @param axis of the sections; else the longest. @throws InvalidInput: neither in the plane nor normal to it.
+/// @param axis of the sections; else the longest.
+/// @param kind its axis is one of the frame: that of the sections where the shape is the same around it, with the
+/// middle on it and equal extents across; the last one where the shape is extruded along it.
+/// @throws InvalidInput: an axis that is neither in the plane nor normal to it, or so to that of `kind`.
 FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& plane, bool is_half,
-                       const std::optional<Eigen::Vector3d>& axis);
+                       const std::optional<Eigen::Vector3d>& axis, const std::optional<ShapeKind>& kind = {});
 
 }  // namespace strake

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <map>
 
 namespace strake {
 namespace {
@@ -109,19 +111,163 @@ private:
     std::vector<Ordered> found_;
 };
 
-}  // namespace
+/// Neither along the last axis of the frame nor changing along it.
+bool is_extruded(const FieldCandidate& candidate) {
+    return std::all_of(candidate.terms.begin(), candidate.terms.end(),
+                       [](const FieldCandidate::Term& term) { return term.axis != 2 && term.powers[2] == 0; });
+}
 
-std::vector<FieldCandidate> field_candidates(const FieldFrame& frame, bool is_symmetric, int count) {
-    Listing listing(frame, is_symmetric);
+/// t^n in Legendre polynomials.
+std::vector<double> monomial(int n) {
+    std::vector<double> by{1};
+    for (int k = 0; k < n; ++k) {
+        std::vector<double> next(by.size() + 1, 0);
+        for (std::size_t l = 0; l < by.size(); ++l) {
+            next[l + 1] += by[l] * (static_cast<double>(l) + 1) / (2.0 * static_cast<double>(l) + 1);
+            if (l > 0) next[l - 1] += by[l] * static_cast<double>(l) / (2.0 * static_cast<double>(l) + 1);
+        }
+        by = std::move(next);
+    }
+    return by;
+}
+
+using Complex = std::complex<double>;
+
+/// Coefficients of eta^(p + q - b) zeta^b in w^p w'^q.
+std::vector<Complex> powers_of_w(int p, int q) {
+    std::vector<Complex> by{1};
+    for (int k = 0; k < p + q; ++k) {
+        std::vector<Complex> next(by.size() + 1, 0);
+        for (std::size_t b = 0; b < by.size(); ++b) {
+            next[b] += by[b];
+            next[b + 1] += by[b] * Complex(0, k < p ? 1 : -1);
+        }
+        by = std::move(next);
+    }
+    return by;
+}
+
+/// Motions about the first axis of the frame that are the same in every sector.
+class RotationalListing {
+public:
+    RotationalListing(const FieldFrame& frame, bool is_symmetric, const ShapeKind& kind)
+        : frame_(frame), is_symmetric_(is_symmetric), kind_(kind) {
+        if (frame.half[1] > 0) reach_ = std::clamp(std::sqrt(frame.half[0] / frame.half[1]), 1.0, 6.0);
+    }
+
+    std::vector<FieldCandidate> up_to(double last) {
+        found_.clear();
+        last_ = last;
+        for (int i = 0; i <= std::min<double>(last, max_degree); ++i)
+            for (int p = 0; order_of(i, p) <= last && p <= max_degree; ++p)
+                for (int q = 0; order_of(i, p + q) <= last && p + q <= max_degree; ++q) both(i, p, q);
+        std::stable_sort(found_.begin(), found_.end(), [](const Ordered& a, const Ordered& b) {
+            return a.order != b.order ? a.order < b.order : a.rank < b.rank;
+        });
+        std::vector<FieldCandidate> candidates;
+        for (Ordered& one : found_) candidates.push_back(std::move(one.candidate));
+        return candidates;
+    }
+
+private:
+    double order_of(int i, int degree) const {
+        if (degree == 0) return i == 1 ? 0.9 : i;
+        return degree == 1 ? i + 0.5 : first_nonlinear + i + reach_ * degree;
+    }
+    bool is_same(int p_less_q) const {
+        return kind_.type == ShapeKind::Type::revolved ? p_less_q == 0 : p_less_q % kind_.count == 0;
+    }
+    std::string name(const char* what, int i, int p, int q) const {
+        if (p + q <= 1) return text("section.", what, ".", i);
+        return text("polynomial.", what, ".", i > 0 ? text(frame_.letter[0], i) : "", "r", p + q,
+                    p == q || p == q + 1 ? "" : text("t", p - q));
+    }
+
+    void both(int i, int p, int q) {
+        const bool turns = kind_.type == ShapeKind::Type::cyclic;
+        const std::string along = text("move_", frame_.letter[0]);
+        if (is_same(p - q) && p >= q) {
+            add(i, p, q, 0, axial(i, p, q, false), name(along.c_str(), i, p, q));
+            if (turns && p > q) add(i, p, q, 1, axial(i, p, q, true), name((along + "_sine").c_str(), i, p, q));
+        }
+        if (is_same(p - q - 1)) {
+            add(i, p, q, 2, across(i, p, q, Complex(1, 0)), name(p + q == 1 ? "scale" : "out", i, p, q));
+            if (turns) add(i, p, q, 3, across(i, p, q, Complex(0, 1)), name(p + q == 1 ? "twist" : "around", i, p, q));
+        }
+    }
+
+    void add(int i, int p, int q, int rank, std::vector<FieldCandidate::Term> terms, std::string name) {
+        FieldCandidate candidate{std::move(terms), std::move(name)};
+        if (candidate.terms.empty() || (is_symmetric_ && !is_even(frame_, candidate))) return;
+        found_.push_back({order_of(i, p + q), rank, std::move(candidate)});
+    }
+
+    /// A motion along `axis` by the real function sum_b by[b] eta^(n - b) zeta^b, times P_i(s).
+    static void add_terms(int i, int axis, const std::vector<double>& by, std::vector<FieldCandidate::Term>& terms) {
+        std::map<Powers, double> sum;
+        const int n = static_cast<int>(by.size()) - 1;
+        for (int b = 0; b <= n; ++b) {
+            if (by[static_cast<std::size_t>(b)] == 0) continue;
+            const std::vector<double> eta = monomial(n - b), zeta = monomial(b);
+            for (std::size_t j = 0; j < eta.size(); ++j)
+                for (std::size_t k = 0; k < zeta.size(); ++k)
+                    if (eta[j] * zeta[k] != 0)
+                        sum[{i, static_cast<int>(j), static_cast<int>(k)}] +=
+                            by[static_cast<std::size_t>(b)] * eta[j] * zeta[k];
+        }
+        for (const auto& [powers, factor] : sum) terms.push_back({axis, powers, factor});
+    }
+
+    static std::vector<FieldCandidate::Term> axial(int i, int p, int q, bool is_sine) {
+        std::vector<double> by;
+        for (const Complex& c : powers_of_w(p, q)) by.push_back(is_sine ? c.imag() : c.real());
+        std::vector<FieldCandidate::Term> terms;
+        add_terms(i, 0, by, terms);
+        return terms;
+    }
+
+    static std::vector<FieldCandidate::Term> across(int i, int p, int q, const Complex& factor) {
+        std::vector<double> eta, zeta;
+        for (const Complex& c : powers_of_w(p, q)) {
+            eta.push_back((factor * c).real());
+            zeta.push_back((factor * c).imag());
+        }
+        std::vector<FieldCandidate::Term> terms;
+        add_terms(i, 1, eta, terms);
+        add_terms(i, 2, zeta, terms);
+        return terms;
+    }
+
+    const FieldFrame& frame_;
+    bool is_symmetric_;
+    ShapeKind kind_;
+    double last_ = 0, reach_ = 1;
+    std::vector<Ordered> found_;
+};
+
+/// At least `count`, unless there are no more.
+template <class List>
+std::vector<FieldCandidate> listed(List&& list, int count, bool is_flat) {
     std::vector<FieldCandidate> candidates;
     for (double last = 3; last <= max_degree; last *= 1.25) {
-        candidates = listing.up_to(last);
+        candidates = list.up_to(last);
+        if (is_flat) std::erase_if(candidates, [](const FieldCandidate& c) { return !is_extruded(c); });
         if (static_cast<int>(candidates.size()) >= count) break;
     }
     return candidates;
 }
 
-std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_symmetric) {
+}  // namespace
+
+std::vector<FieldCandidate> field_candidates(const FieldFrame& frame, bool is_symmetric, int count,
+                                             const std::optional<ShapeKind>& kind) {
+    if (kind && kind->type != ShapeKind::Type::extruded)
+        return listed(RotationalListing(frame, is_symmetric, *kind), count, false);
+    return listed(Listing(frame, is_symmetric), count, kind.has_value());
+}
+
+std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_symmetric,
+                                             const std::optional<ShapeKind>& kind) {
     std::vector<FieldCandidate> candidates;
     for (int c = 0; c < 3; ++c) candidates.push_back({{{c, {0, 0, 0}, 1}}, "move"});
     for (int c = 0; c < 3; ++c) {
@@ -133,8 +279,12 @@ std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_sy
         if (frame.half[b] > 0) turn.terms.push_back({a, by_b, -frame.half[b]});
         candidates.push_back(turn);
     }
+    const bool is_rotational = kind && kind->type != ShapeKind::Type::extruded;
+    std::size_t number = 0;  // along the first axis, and about it
     std::erase_if(candidates, [&](const FieldCandidate& candidate) {
-        return candidate.terms.empty() || (is_symmetric && !is_even(frame, candidate));
+        const bool is_about_axis = number++ % 3 == 0;
+        return candidate.terms.empty() || (is_symmetric && !is_even(frame, candidate)) ||
+               (is_rotational && !is_about_axis) || (kind && !is_rotational && !is_extruded(candidate));
     });
     return candidates;
 }

@@ -23,11 +23,16 @@ struct FieldCandidate {
 /// The first motions in the order in which they are tried, at least `count` of them unless the frame has no more up to
 /// degree 40: affine ones, then sections by their degree along the axis, mixed with polynomials whose degree counts
 /// more along shorter axes (by the root of the extents' ratio). Only those that are symmetric where the frame has a
-/// plane.
-std::vector<FieldCandidate> field_candidates(const FieldFrame& frame, bool is_symmetric, int count);
+/// plane, and that keep the kind of shape. About an axis these are, with w = eta + i zeta across it and w' its
+/// conjugate,
+///   along the axis  P_i(s) w^p w'^q, p - q a multiple of the number of sectors;  across it  the same with p - q - 1;
+/// real and imaginary part, for revolved shapes only what does not turn: p = q, and p = q + 1.
+std::vector<FieldCandidate> field_candidates(const FieldFrame& frame, bool is_symmetric, int count,
+                                             const std::optional<ShapeKind>& kind = {});
 
-/// Rigid motions of the whole body, in the same terms; only symmetric ones where asked for.
-std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_symmetric);
+/// Rigid motions of the whole body, in the same terms; only symmetric ones, and those that keep the kind of shape.
+std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_symmetric,
+                                             const std::optional<ShapeKind>& kind = {});
 
 /// Legendre polynomials P_0..P_degree and their derivatives at s.
 struct LegendreValues {

@@ -4,6 +4,7 @@
 #include "optimize/journal/journal.hpp"
 #include "optimize/space/parameters.hpp"
 #include "optimize/space/response_metric.hpp"
+#include "optimize/space/shape_map.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -175,7 +176,7 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     options.tolerance = gradient_tolerance;
     options.prism_height = space().changes_height() || std::ranges::count(kinds, VariableKind::stiffness) > 0;
     try {
-        evaluation.sensitivities = shell().adjoint(evaluation.dJ_dv, options);
+        evaluation.sensitivities = surface_adjoint(*rest_, shell(), evaluation.dJ_dv, options, &evaluation.vertices);
     } catch (const SolverError& error) {  // an equilibrium on the brink of buckling
         evaluation.status = EvaluationStatus::unstable;
         evaluation.reason = error.what();
@@ -193,10 +194,11 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
 
 Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const Eigen::VectorXd& d) {
     if (!only_loads(space())) return {};
-    ShapeEvaluation unused;
-    if (!(solver_.last() && solver_.last_x() == x && solver_.is_at(x)) && !deform(x, unused)) return {};
+    ShapeEvaluation here;
+    if (!(solver_.last() && solver_.last_x() == x && solver_.is_at(x)) && !deform(x, here)) return {};
+    if (!solver_.settle(x, here)) return {};
     try {
-        return present_product(space(), shell(), d);
+        return present_product(space(), shell(), d, &here.vertices);
     } catch (const SolverError&) {
         return {};
     }
@@ -208,7 +210,8 @@ std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, 
     if (!only_loads(finer) || !only_loads(space()) || finer.num_parameters() > 0 || !deform(x, shape)) return {};
     Points moved;
     try {
-        moved = shell().response({load_forces(finer, step)}, probe_tolerance)[0] + field_motion(finer, step);
+        moved = surface_response(*rest_, shell(), {load_forces(finer, step)}, probe_tolerance, &shape.vertices)[0] +
+                field_motion(finer, step, &shape.vertices);
     } catch (const SolverError&) {
         return {};
     }

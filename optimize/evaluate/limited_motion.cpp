@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/model/quadratic_model.hpp"
+#include "optimize/space/shape_map.hpp"
 
 namespace strake {
 namespace {
@@ -80,7 +81,7 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
     if (end.status == SolveStatus::cancelled) throw Interrupted{};
     if (end.status != SolveStatus::converged) throw SolverError(end.reason);
     poses = shell.poses();
-    return {*rest, shell.vertices()};
+    return {*rest, Points(rest->surface.vertices + kept_motion(*rest, shell.vertices() - rest->surface.vertices))};
 }
 
 MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used) {
@@ -103,7 +104,7 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     options.prism_height =
         space.changes_height() || std::ranges::count(space.rest->parameters.kinds, VariableKind::stiffness) > 0;
     try {
-        at.sensitivities = solver.shell().adjoint(functionals, options);
+        at.sensitivities = surface_adjoint(*space.rest, solver.shell(), functionals, options, &vertices);
     } catch (const SolverError&) {  // on the brink of buckling nothing is known of steps
         return {};
     }

@@ -139,7 +139,7 @@ bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (!settle(x, result)) return false;
     last_ = shell_->poses();
     last_x_ = x;
-    result.reason = guard_.defect(result.vertices, with_fields(*rest_, shell_demand_, *last_));
+    result.reason = guard_.defect(result.vertices, with_fields(*rest_, shell_demand_, *last_, result.vertices));
     if (result.reason.empty()) return true;
     result.status = EvaluationStatus::invalid;
     result.vertices.resize(0, 3);

@@ -47,8 +47,6 @@ void check_fields(const Problem& problem) {
     if (fields->num_vertices() != problem.surface.num_vertices())
         throw InvalidInput(text("displacement fields of ", fields->num_vertices(), " vertices for a surface of ",
                                 problem.surface.num_vertices()));
-    if (!problem.attached.empty())
-        throw InvalidInput("displacement fields move everything alike: they cannot be combined with attached parts");
 }
 
 /// Joins the motion of an earlier variable of the same triangles. False: there is none.

@@ -12,6 +12,7 @@
 namespace strake {
 
 class DisplacementFields;
+class Invariance;
 
 enum class VariableKind {
     load,         ///< traction of a patch as a vector: three variables, or one for each of `load_directions`
@@ -87,11 +88,15 @@ struct Parameters {
     std::vector<UserVariable> user_variables;              ///< beside those of the patches
     /// Displacement fields: level 0 of the hierarchy, one user variable each (`add_fields`). The surface of a design is
     /// x0 + sum_b z_b field_b + E, E the equilibrium displacement of the shell at rest under the loads and motions of
-    /// the others. Null: none. Not together with attached parts.
+    /// the others; attached parts follow their hosts there. Null: none.
     std::shared_ptr<const DisplacementFields> fields;
     /// How many of the fields, the first ones, a run has as it refines: ascending, the last all of them. Empty: all of
     /// them from the start.
     std::vector<int> field_steps;
+    bool keeps_smooth_border = false;  ///< fields leave what is held with no slope
+    /// The kind of shape that every design keeps: its surface is x0 + P(...), P the projection of `Invariance`. Loads
+    /// act by what of them keeps it. Null: any shape. Not with kinds `strain`, nor with attached parts.
+    std::shared_ptr<const Invariance> invariance;
 };
 
 /// Makes the fields design variables: each a user variable that is called as it is.
@@ -150,6 +155,7 @@ struct Problem {
     PatchHierarchy tree;
     Eigen::VectorXd prism_height;  ///< per vertex
     std::vector<int> fixed;        ///< triangles
+    std::vector<int> supports;     ///< triangles that are fixed in the shell alone: fields may move them
     std::vector<PrescribedStrain> strains;
     std::vector<AttachedPart> attached;  ///< go with their hosts; their triangles are under nothing else of this struct
     std::optional<SymmetryPlane> symmetry;

@@ -1,11 +1,30 @@
 #include "optimize/problem/shell_setup.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
 #include "optimize/problem/place_user_variables.hpp"
 
+#include <algorithm>
+
 namespace strake {
 namespace {
+
+constexpr double same_motion = 1e-9;  ///< of a displacement: round-off
+
+/// Of the vertices of the triangles; zero elsewhere.
+Points rigid_displacement(const TriMesh& mesh, const std::vector<int>& triangles, const RigidMotion& motion) {
+    Points moved = Points::Zero(mesh.num_vertices(), 3);
+    const double angle = motion.rotation.norm();
+    const Eigen::Matrix3d turn =
+        angle > 0 ? Eigen::AngleAxisd(angle, motion.rotation / angle).toRotationMatrix() : Eigen::Matrix3d::Identity();
+    for (const int t : triangles)
+        for (int k = 0; k < 3; ++k) {
+            const Eigen::Vector3d arm = Eigen::Vector3d(mesh.vertices.row(mesh.triangles(t, k))) - motion.about;
+            moved.row(mesh.triangles(t, k)) = turn * arm - arm + motion.translation;
+        }
+    return moved;
+}
 
 void check_index(const char* what, int t, int num_triangles) {
     if (t < 0 || t >= num_triangles)
@@ -40,6 +59,35 @@ void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
     if (fixed > 0)
         setup.warnings.push_back(
             text("strain ", k + 1, ": ", fixed, " of its triangles are fixed as well and stay fixed"));
+}
+
+/// Rigid patches and parts that follow others would leave the kind of shape, or what was asked of them.
+void check_invariance(const Problem& problem, const ShellSetup& setup) {
+    const auto& invariance = problem.parameters.invariance;
+    if (!invariance) return;
+    if (invariance->num_vertices() != problem.surface.num_vertices())
+        throw InvalidInput(text("invariance: of ", invariance->num_vertices(), " vertices for a surface of ",
+                                problem.surface.num_vertices()));
+    if (!problem.attached.empty())
+        throw InvalidInput("invariance: attached parts follow their hosts and keep no kind of shape; remove attach");
+    if (std::ranges::count(problem.parameters.kinds, VariableKind::strain) > 0)
+        throw InvalidInput(
+            "invariance: strain variables move patches as rigid bodies, which no extruded, revolved or cyclic shape "
+            "does; use fields, load or normal");
+    invariance->check_held(problem.surface, problem.fixed);
+    for (std::size_t k = 0; k < setup.motions.size(); ++k) {
+        if (setup.motions[k].rotation.isZero(0) && setup.motions[k].translation.isZero(0)) continue;
+        std::vector<int> moved;
+        for (std::size_t t = 0; t < setup.options.pin.size(); ++t)
+            if (setup.options.pin[t] == static_cast<int>(k) + 1) moved.push_back(static_cast<int>(t));
+        invariance->check_held(problem.surface, moved);
+        const Points u = rigid_displacement(problem.surface, moved, setup.motions[k]);
+        const double off = invariance->deviation(u), size = u.rowwise().norm().maxCoeff();
+        if (off > same_motion * size)
+            throw InvalidInput(text("invariance: strain ", k + 1, " does not keep the shape ",
+                                    to_string(invariance->kind()), ": ", off, " of its displacement ", size,
+                                    " would have to be left out"));
+    }
 }
 
 /// What is attached moves with its host and cannot be held or moved by anything else.
@@ -88,6 +136,10 @@ ShellSetup shell_setup(const Problem& problem) {
         check_index("fixed", t, problem.surface.num_triangles());
         setup.options.pin[t] = fixed_prism;
     }
+    for (const int t : problem.supports) {
+        check_index("supports", t, problem.surface.num_triangles());
+        setup.options.pin[t] = fixed_prism;
+    }
     for (int k = 0; k < static_cast<int>(problem.strains.size()); ++k) {
         pin_strain(problem, k, setup);
         setup.motions.push_back(problem.strains[k].motion);
@@ -98,7 +150,10 @@ ShellSetup shell_setup(const Problem& problem) {
     setup.user_pinned = std::move(placed.pinned);
     setup.warnings.insert(setup.warnings.end(), placed.warnings.begin(), placed.warnings.end());
     check_attached(setup);
+    check_invariance(problem, setup);
     if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
+    if (problem.parameters.invariance && setup.loads.force.rows() > 0)
+        setup.loads.force = problem.parameters.invariance->pulled_back(setup.loads.force);
     setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
     return setup;
 }

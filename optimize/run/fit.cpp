@@ -17,6 +17,7 @@ using Eigen::VectorXd;
 /// nothing to refine.
 constexpr int fit_patience = 3, patience_on_last_level = 10;
 
+constexpr double jacobian_tolerance = 1e-11;  ///< of Jacobians
 constexpr double first_radius = 3;  ///< Ceres' own start is a full Gauss-Newton step, on a soft surface far too long
 
 /// Share of the first root mean square residual that is as good as zero.
@@ -137,7 +138,7 @@ private:
         if (shape.status == EvaluationStatus::ok) objective = measured(shape);
         ok_ = shape.status == EvaluationStatus::ok;
         Rank rank;
-        if (ok_) rank = {true, 0, objective};
+        if (ok_) rank = {true, 0, objective}, vertices_ = shape.vertices;
         if (!ok_) is_shape_refused_ = shape.status != EvaluationStatus::quantity_failed;
         if (!ok_ && !shape.may_go_on)
             fail(shape.reason);
@@ -154,8 +155,10 @@ private:
         if (!dr_dx) return true;
         dr_dx->resize(r.size(), state_.space.size());
         try {
-            design_response(state_.space, state_.evaluator.shell(),
-                            [&](int j, const Points& dv) { FitResiduals::set_column(rows_, j, dv, *dr_dx); });
+            design_response(
+                state_.space, state_.evaluator.shell(),
+                [&](int j, const Points& dv) { FitResiduals::set_column(rows_, j, dv, *dr_dx); }, jacobian_tolerance,
+                &vertices_);
         } catch (const SolverError& error) {
             fail(error.what());
             return false;
@@ -245,6 +248,7 @@ private:
     FitResiduals residuals_;
     RunState state_;
     FitResiduals::Rows rows_;  ///< at current_x_
+    Points vertices_;          ///< the same
     TriMesh matched_;          ///< where closest places are kept from; no vertices: found anew
     VectorXd current_x_, level_x_;
     bool ok_ = false, failed_ = false, out_of_budget_ = false, is_recovered_ = false;

@@ -94,7 +94,7 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
     if (out.end.status != SolveStatus::converged) return out;
     const ValidityGuard guard(one.rest->surface, one.rest->adjacent,
                               {a.problem.fixed, a.problem.symmetry, attached_triangles(a.problem)});
-    out.defect = guard.defect(out.vertices, with_fields(*one.rest, wanted, shell.poses()));
+    out.defect = guard.defect(out.vertices, with_fields(*one.rest, wanted, shell.poses(), out.vertices));
     return out;
 }
 

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/space/shape_map.hpp"
 #include "optimize/space/user_variables.hpp"
 
 namespace strake {
@@ -169,7 +170,7 @@ Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x) {
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     const Eigen::VectorXd value = dofs(space, x);
     ShellDemand result;
-    result.loads.force = traction_forces(space.rest->surface, total_traction(space, value));
+    result.loads.force = kept_forces(*space.rest, traction_forces(space.rest->surface, total_traction(space, value)));
     result.loads.spring = space.rest->setup.loads.spring;
     result.motions = motions(space, value);
     result.prism_height = heights(space, value);
@@ -188,29 +189,17 @@ bool ShellDemand::same_shell(const ShellDemand& other) const {
            std::equal(motions.begin(), motions.end(), other.motions.begin(), other.motions.end(), same_motion);
 }
 
-Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
-    if (demand.fields.size() == 0 || demand.fields.isZero(0)) return of_shell;
-    return of_shell + rest.parameters.fields->displacement(demand.fields);
-}
-
-Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell) {
-    if (demand.fields.size() == 0 || demand.fields.isZero(0)) return of_shell;
-    Poses turned = of_shell;
-    const std::vector<Eigen::Matrix3d> turn = rest.parameters.fields->rotations(demand.fields);
-    for (std::size_t t = 0; t < turn.size(); ++t) turned.rotation[t] = turned.rotation[t] * Eigen::Quaterniond(turn[t]);
-    return turned;
-}
-
 Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change) {
     Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
     add_traction(space, dofs(space, change), traction);
-    return traction_forces(space.rest->surface, traction);
+    return kept_forces(*space.rest, traction_forces(space.rest->surface, traction));
 }
 
-Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change) {
+Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change, const Points* surface) {
     const RestFacts& rest = *space.rest;
     if (!rest.parameters.fields) return Points::Zero(rest.surface.num_vertices(), 3);
-    return rest.parameters.fields->displacement(field_values(rest, space.user_values(dofs(space, change))));
+    const Eigen::VectorXd values = field_values(rest, space.user_values(dofs(space, change)));
+    return surface_rates(rest, rest.parameters.fields->displacement(values), surface);
 }
 
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
@@ -224,7 +213,8 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 }
 
 void design_response(const DesignSpace& space, PrimoShell& shell,
-                     const std::function<void(int j, const Points& dv)>& consume, double tolerance) {
+                     const std::function<void(int j, const Points& dv)>& consume, double tolerance,
+                     const Points* surface) {
     std::vector<std::array<Points, 6>> by_motion;
     for (const Variable& variable : space.variables) {
         if (variable.kind == VariableKind::stiffness)
@@ -239,7 +229,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
             continue;
         }
         if (space.variables[j].kind == VariableKind::field) {
-            consume(j, field_motion(space, Eigen::VectorXd::Unit(space.size(), j)));
+            consume(j, field_motion(space, Eigen::VectorXd::Unit(space.size(), j), surface));
             ++j;
             continue;
         }
@@ -247,7 +237,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
             Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
             for (const DegreeOfFreedom& move : space.variables[j].moves)
                 dv += motion_velocity(space, by_motion, move.index) * (move.factor * space.variables[j].unit);
-            consume(j++, dv);
+            consume(j++, surface_rates(*space.rest, dv, surface));
             continue;
         }
         std::vector<Points> forces;
@@ -255,7 +245,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
             forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
         }
-        const std::vector<Points> moved = shell.response(forces, tolerance);
+        const std::vector<Points> moved = surface_response(*space.rest, shell, forces, tolerance, surface);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);
     }
 }

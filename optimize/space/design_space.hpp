@@ -42,10 +42,11 @@ struct ShellDemand {
     bool same_shell(const ShellDemand& other) const;
 };
 
-/// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by the fields.
+/// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by the fields, attached parts with their
+/// hosts; of the kind of shape that is to be kept.
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell);
-/// Poses for the guard: the prisms' rotations, with the polar part of what the fields do.
-Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell);
+/// Poses for the guard: the prisms' rotations, with the polar part of what the fields do. @param surface n x 3
+Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell, const Points& surface);
 
 /// A dependent variable: others do the same, the direction from it to them moves nothing.
 struct DependentVariable {
@@ -132,18 +133,20 @@ ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x);
 /// Change of the vertex forces, n x 3, by a change of the load variables.
 Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change);
 
-/// Displacement of the surface by a change of the field variables, n x 3.
-Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change);
+/// Displacement of the surface by a change of the field variables, n x 3. @param surface of the design, where attached
+/// parts follow; null: at rest
+Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change, const Points* surface = nullptr);
 
 /// dJ/dx (size()) from dJ/d(force, motion, height) at x. One pass over the surface, however many variables.
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities);
 
 /// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
-/// that of `PrimoShell::response`. `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for
-/// stiffness variables.
+/// that of `PrimoShell::response`, `surface` as for `field_motion`. `consume(j, dv)` is called in the order of the
+/// variables. @throws InvalidInput for stiffness variables.
 void design_response(const DesignSpace& space, PrimoShell& shell,
-                     const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11);
+                     const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11,
+                     const Points* surface = nullptr);
 
 /// Physical values with names of the shape variables, for programs (`parameter_values` has the others).
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);

@@ -4,6 +4,7 @@
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_cache.hpp"
 #include "optimize/space/rest_shell.hpp"
+#include "optimize/space/shape_map.hpp"
 #include "optimize/space/user_variables.hpp"
 
 namespace strake {
@@ -144,6 +145,10 @@ PrimoShell shell_at_rest(const DesignSpace& space) {
     return shell;
 }
 
+Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion) {
+    return Reduction(rest)(motion, false).samples;
+}
+
 Responses responses_at_rest(const DesignSpace& space) {
     ResponseCache& cache = *space.rest->cache;
     cache.use(space.pin);
@@ -193,22 +198,23 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
     return metric;
 }
 
-Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d) {
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d,
+                                const Points* surface) {
     const Points force = load_forces(space, d);
-    const Points moved = shell.response({force}, response_tolerance)[0] + field_motion(space, d);
+    const Points moved = surface_response(*space.rest, shell, {force}, response_tolerance, surface)[0] + field_motion(space, d, surface);
     // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
     const Reduction reduce(*space.rest);
     const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;
-    const Points pull = 4 / (wanted * wanted) * reduce.weighted(moved);
-    const Points back = shell.response({pull}, response_tolerance)[0];
+    const Points pull = surface_pull(*space.rest, 4 / (wanted * wanted) * reduce.weighted(moved), surface);
+    const Points back = surface_response(*space.rest, shell, {pull}, response_tolerance, surface)[0];
     const Eigen::MatrixXd traction = leaf_tractions(space);
     Eigen::VectorXd product = traction.transpose() * reduce(back, true).work_integrals;
     product.tail(space.num_parameters()) = d.tail(space.num_parameters());
-    const Points by_loads = space.rest->parameters.fields ? Points(moved - field_motion(space, d)) : moved;
+    const Points by_loads = space.rest->parameters.fields ? Points(moved - field_motion(space, d, surface)) : moved;
     if (space.soft_work > 0) product += traction.transpose() * reduce(by_loads, true).work_integrals / space.soft_work;
     for (int j = 0; j < space.num_shape(); ++j)
         if (space.variables[j].kind == VariableKind::field)
-            product[j] = field_motion(space, Eigen::VectorXd::Unit(space.size(), j)).cwiseProduct(pull).sum();
+            product[j] = field_motion(space, Eigen::VectorXd::Unit(space.size(), j), surface).cwiseProduct(pull).sum();
     return product;
 }
 

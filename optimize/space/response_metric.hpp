@@ -20,6 +20,9 @@ struct Responses {
 /// variable.
 Responses responses_at_rest(const DesignSpace& space);
 
+/// A displacement of the surface (n x 3) as `Responses::samples` has it.
+Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion);
+
 /// The metric: the squared root mean square displacement (twice, over `variable_scale`) plus the elastic energy (over
 /// `soft_work`).
 Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses);
@@ -28,7 +31,9 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 double soft_work(const DesignSpace& space, const Responses& responses);
 
 /// The same metric at the equilibrium of `shell`, times d: near buckling it finds soft directions long. Two
-/// back-substitutions, however many variables. @pre all variables of the shape are loads.
-Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d);
+/// back-substitutions, however many variables. @param surface there (n x 3), where attached parts follow fields @pre
+/// all variables of the shape are loads.
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d,
+                                const Points* surface = nullptr);
 
 }  // namespace strake

@@ -31,6 +31,7 @@ regions:
   top:  {facing: -z, within: 60deg}
   side: {facing: [0, 1, 1]}
 fixed: [root]
+invariance: {extrude: y}
 symmetry: {plane: y, at: 0}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
 loads:
@@ -39,7 +40,7 @@ loads:
 strains:
   - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
 attach: [{part: nacelle, to: 0, how: follow}, {part: flap, to: nacelle, how: rigid}]
-parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, split: {containing: [1, {near: [0, 0, 0]}]}}
+parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], outputs: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
@@ -107,6 +108,8 @@ optimize:
 )";
 
 const char* robust_fit = R"(surface: {file: wing.obj}
+hold: {point: [0, 0, 0]}
+invariance: {cyclic: 6, about: [1, 0, 0], through: [0, 0, 1]}
 symmetry: {plane: {normal: [0, 1, 0]}, at: 0.5, coefficients: whole}
 parameters: {variables: [strain_translation, normal], free_border: 30%, split: {largest: 2}}
 quantities:
@@ -120,6 +123,8 @@ output: {paraview: none, keep: best}
 )";
 
 const char* goals = R"(surface: {file: wing.obj}
+hold: point
+invariance: {revolve: x}
 regions: {nose: {box: [[0, 0, 0], [1, 1, 1]]}}
 variables: {alpha: {start: 3deg, min: 0, max: 6deg}}
 axes: {downstream: +x, up: [0, 0, 1]}

@@ -1,5 +1,8 @@
 #include "core/fields/displacement_fields.hpp"
+#include "core/fields/invariance.hpp"
+#include "core/mesh/geometry.hpp"
 #include "tests/casefile/build_fixture.hpp"
+#include "tests/kinds_of_shape.hpp"
 
 namespace strake {
 namespace {
@@ -49,6 +52,60 @@ TEST_F(FieldsOfACase, MoveOnlyTheirRegionAndNothingThatIsFrozen) {
         }
         EXPECT_GT(largest, 0.1);
     }
+}
+
+TEST_F(FieldsOfACase, MayHoldAPointOrNothing) {
+    const TriMesh mesh = box_surface({4, 1, 0.5}, 8);
+    surface(mesh);
+    const std::string goal = "objective: {minimize: area}\n";
+    const Problem none = build("hold: none\n" + goal + "parameters: {fields: 12, variables: []}\n").problem;
+    EXPECT_TRUE(none.fixed.empty());
+    EXPECT_EQ(none.supports.size(), 1u) << "of the shell alone";
+    const Eigen::VectorXd area = vertex_areas(mesh);
+    for (int b = 0; b < 12; ++b)
+        EXPECT_LT((area.transpose() * none.parameters.fields->field(b)).norm(), 1e-9 * area.sum()) << "in the mean";
+    const Problem point = build("hold: {point: [0, 0.5, 0.25]}\n" + goal + "parameters: {fields: 12}\n").problem;
+    ASSERT_EQ(point.supports.size(), 1u);
+    EXPECT_LT(area_centroid(mesh, point.supports)[0], 0.5);
+    bool moves_near = false;
+    for (int b = 0; b < 12; ++b) {
+        const Points u = point.parameters.fields->field(b);
+        for (int v = 0; v < mesh.num_vertices(); ++v) moves_near |= mesh.vertices(v, 0) == 0 && u.row(v).norm() > 0.05;
+    }
+    EXPECT_TRUE(moves_near) << "the end may swell";
+    EXPECT_EQ(build("hold: point\n" + goal).problem.supports.size(), 1u);
+    EXPECT_TRUE(build("hold: fixed\n" + std::string(body)).problem.supports.empty());
+
+    EXPECT_TRUE(contains(error("hold: none\n" + goal), "hold: none leaves the shell without a support"));
+    EXPECT_TRUE(contains(error("hold: none\n" + goal + "parameters: {fields: 6}\n"), "need something to act against"));
+    EXPECT_TRUE(contains(error("hold: point\n" + std::string(body)), "fixed and hold: point exclude each other"));
+    EXPECT_TRUE(contains(error("hold: rim\n" + goal), "case.yaml:3:"));
+}
+
+TEST_F(FieldsOfACase, KeepAKindOfShape) {
+    surface(extruded_section(16, 3));
+    const std::string goal = "objective: {maximize: volume}\nregions: {front: {box: [[-9, -9, -9], [-0.3, 9, 9]]}}\n";
+    const std::string held = goal + "fixed: [front]\n";
+    const Problem problem =
+        build(held + "invariance: {extrude: y}\nparameters: {fields: 9, variables: [normal]}\n").problem;
+    ASSERT_NE(problem.parameters.invariance, nullptr);
+    for (int b = 0; b < 9; ++b)
+        EXPECT_LT(problem.parameters.invariance->deviation(problem.parameters.fields->field(b)), 1e-9);
+    EXPECT_EQ(build(held).problem.parameters.invariance, nullptr) << "none by default";
+    const auto refusal = [&](const std::string& words) { return error(held + "invariance: " + words + "\n"); };
+    EXPECT_TRUE(contains(refusal("{extrude: x}"), "case.yaml:6:13: invariance: the surface is not extruded along x"))
+        << refusal("{extrude: x}");
+    EXPECT_TRUE(contains(refusal("{revolve: y}"), "not revolved about y")) << refusal("{revolve: y}");
+    EXPECT_TRUE(contains(refusal("{extrude: y, revolve: y}"), "exactly one of extrude, revolve, cyclic"));
+    EXPECT_TRUE(contains(refusal("{cyclic: 6}"), "needs its axis, about"));
+    EXPECT_TRUE(contains(refusal("{cyclic: 1, about: x}"), "must be in [2, 10000]"))
+        << refusal("{cyclic: 1, about: x}");
+    EXPECT_TRUE(contains(refusal("{extrude: y, through: [0, 0, 0]}"), "belongs to revolve and cyclic"));
+    EXPECT_TRUE(contains(refusal("{extrude: y}\nparameters: {variables: [strain]}"), "strain variables move patches"));
+    const std::string one_side =
+        "objective: {maximize: volume}\nregions: {corner: {box: [[-9, -9, -9], [-0.3, 0.5, 9]]}}\n"
+        "fixed: [corner]\ninvariance: {extrude: y}\n";
+    EXPECT_TRUE(contains(error(one_side), "what is held must be extruded along y, too")) << error(one_side);
 }
 
 TEST_F(FieldsOfACase, WrongOnesAreErrorsWithTheirLine) {

@@ -3,10 +3,10 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 #include "surfaces.hpp"
+#include "tests/core/fields/left_over.hpp"
 #include "tests/core/patches/shapes.hpp"
 
 #include <gtest/gtest.h>
-#include <Eigen/QR>
 #include <Eigen/SVD>
 #include <functional>
 #include <random>
@@ -24,20 +24,6 @@ Points motion_of(const TriMesh& mesh, const Motion& motion) {
     Points u(mesh.num_vertices(), 3);
     for (int v = 0; v < mesh.num_vertices(); ++v) u.row(v) = motion(mesh.vertices.row(v)).transpose();
     return u;
-}
-
-/// Share of the squared motion (by area) that no combination of the fields makes, by least squares in all unknowns: no
-/// use is made of their orthogonality.
-double left_over(const TriMesh& mesh, const DisplacementFields& fields, const Points& wanted) {
-    const VectorXd weight = vertex_areas(mesh).cwiseSqrt();
-    Eigen::MatrixXd columns(3 * mesh.num_vertices(), fields.size());
-    const auto flat = [&](const Points& u) {
-        const Points scaled = weight.asDiagonal() * u;
-        return VectorXd(VectorXd::Map(scaled.data(), scaled.size()));
-    };
-    for (int b = 0; b < fields.size(); ++b) columns.col(b) = flat(fields.field(b));
-    const VectorXd target = flat(wanted);
-    return (columns * columns.colPivHouseholderQr().solve(target) - target).squaredNorm() / target.squaredNorm();
 }
 
 std::vector<int> triangles_where(const TriMesh& mesh, const std::function<bool(const Vector3d&)>& inside) {

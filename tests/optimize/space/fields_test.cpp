@@ -6,6 +6,8 @@
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/QR>
+#include <map>
 
 using namespace strake;
 
@@ -268,4 +270,247 @@ TEST(Fields, WrongOnesAreRefused) {
     problem = with_fields(6);
     problem.surface = ellipsoid({1, 0.6, 0.4}, 3);
     EXPECT_THROW(rest_facts(problem), InvalidInput) << "of another surface";
+}
+
+namespace {
+
+/// Fields that move a body, with a small one beside it that follows.
+Problem with_attached(AttachHow how) {
+    Problem problem = ellipsoid_problem(2, 2);
+    const TriMesh pod = ellipsoid({0.2, 0.1, 0.1}, 1);
+    const int first = problem.surface.num_vertices(), m = problem.surface.num_triangles();
+    TriMesh both = problem.surface;
+    both.vertices.conservativeResize(first + pod.num_vertices(), 3);
+    both.vertices.bottomRows(pod.num_vertices()) = pod.vertices.rowwise() + Eigen::RowVector3d(0.4, 0, -0.65);
+    both.triangles.conservativeResize(m + pod.num_triangles(), 3);
+    both.triangles.bottomRows(pod.num_triangles()) = pod.triangles.array() + first;
+    AttachedPart part{"pod", {}, {}, how};
+    for (int t = 0; t < both.num_triangles(); ++t) (t < m ? part.host : part.triangles).push_back(t);
+    std::erase_if(part.host, [&](int t) { return triangle_centroids(both)(t, 2) > 0; });
+    problem.surface = both;
+    problem.tree = octants(both, 2);
+    problem.prism_height = Eigen::VectorXd::Constant(both.num_vertices(), 0.05 * box_diagonal(both));
+    problem.attached = {part};
+    problem.parameters.variables_on.assign(static_cast<std::size_t>(both.num_triangles()), 1);
+    for (const int t : part.triangles) problem.parameters.variables_on[static_cast<std::size_t>(t)] = 0;
+    problem.quantities = {volume(both), area()};
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    add_fields(problem.parameters, std::make_shared<const DisplacementFields>(both, conditions, FieldOptions{9, {}}));
+    return problem;
+}
+
+}  // namespace
+
+TEST(Fields, AttachedPartsFollowTheirHostsWhereTheseAreInTheEnd) {
+    for (const AttachHow how : {AttachHow::rigid, AttachHow::follow}) {
+        Evaluated e(with_attached(how), 1);
+        const Eigen::VectorXd x = 0.5 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+        ShapeEvaluation here = e.at(x);
+        const std::vector<int>& part = e.problem.attached[0].triangles;
+        const int first = e.problem.surface.triangles(part.front(), 0);
+        double moved = 0, stretched = 0;
+        for (const int t : part)
+            for (int k = 0; k < 3; ++k) {
+                const int v = e.problem.surface.triangles(t, k), w = e.problem.surface.triangles(t, (k + 1) % 3);
+                const auto length = [&](const Points& at) { return (at.row(v) - at.row(w)).norm(); };
+                stretched =
+                    std::max(stretched, std::abs(length(here.vertices) / length(e.problem.surface.vertices) - 1));
+                moved = std::max(moved, (here.vertices.row(v) - e.problem.surface.vertices.row(v)).norm());
+            }
+        EXPECT_GE(first, 0);
+        EXPECT_GT(moved, 0.01);
+        if (how == AttachHow::rigid) {
+            EXPECT_LT(stretched, 1e-12) << "a rigid part stays so";
+        }
+        e.evaluator.differentiate(here);
+        for (int i = 0; i < 2; ++i) {
+            const Eigen::VectorXd g = here.gradients.row(i);
+            const auto J = [&](const Eigen::VectorXd& y) { return e.at(y).values[i]; };
+            EXPECT_NEAR(taylor_order(J, x, g, p, 3e-3), 2, 0.15) << i;
+            EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 3e-3), 1, 0.15) << "the test can fail";
+        }
+        const ShapeEvaluation again = e.at(x);
+        std::vector<Points> rates;
+        design_response(
+            e.space, e.evaluator.shell(), [&](int, const Points& dv) { rates.push_back(dv); }, 1e-11, &again.vertices);
+        for (int j = 0; j < e.space.size(); j += 4) {
+            const Eigen::VectorXd h = 1e-4 * Eigen::VectorXd::Unit(e.space.size(), j);
+            const Points slope = (e.at(x + h).vertices - e.at(x - h).vertices) / 2e-4;
+            EXPECT_LT((slope - rates[static_cast<std::size_t>(j)]).norm(), 1e-5 * slope.norm()) << j;
+        }
+    }
+}
+
+/// Every field alone, and every patch beside them: remainders of second order, at rest and after large moves.
+TEST(Fields, EveryVariableHasItsExactDerivative) {
+    Evaluated e(with_fields(27, {VariableKind::normal_load}), 1);
+    for (const double size : {0.0, 0.7}) {
+        const Eigen::VectorXd x = size * random_vector(e.space.size(), 11);
+        ShapeEvaluation here = e.at(x);
+        e.evaluator.differentiate(here);
+        const Eigen::VectorXd g = here.gradients.row(0), area = here.gradients.row(1);
+        for (int j = 0; j < e.space.size(); ++j) {
+            const Eigen::VectorXd p = Eigen::VectorXd::Unit(e.space.size(), j);
+            // The area has a curvature in every direction; a volume may be linear in a field.
+            const auto J = [&](const Eigen::VectorXd& y) { return e.at(y).values[1]; };
+            EXPECT_NEAR(taylor_order(J, x, area, p, 1e-2), 2, 0.3) << e.space.variables[j].name << ' ' << size;
+            const Eigen::VectorXd wrong = area + (0.1 * std::abs(area[j]) + 0.01 * area.norm()) * p;
+            EXPECT_NEAR(taylor_order(J, x, wrong, p, 1e-2), 1, 0.3) << "the test can fail";
+        }
+    }
+}
+
+namespace {
+
+/// A crooked box, held below, with fields and the patches of `tree`; the half has the plane y = 1 as its cut.
+Problem box_problem(const TriMesh& mesh, bool is_half) {
+    Problem problem;
+    problem.surface = mesh;
+    problem.tree.levels.push_back(level_by(mesh, nullptr, [](int) { return 0; }));
+    const Points c = triangle_centroids(mesh);
+    problem.tree.levels.push_back(level_by(mesh, &problem.tree.levels.back(), [&](int t) { return c(t, 2) > 0.6; }));
+    problem.prism_height = Eigen::VectorXd::Constant(mesh.num_vertices(), 0.1);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (c(t, 2) < 0.3) problem.fixed.push_back(t);
+    problem.parameters.load_directions = {Eigen::Vector3d::UnitX(), Eigen::Vector3d::UnitZ()};
+    // The plane of the whole and the half's cut are the same; diagonals are not.
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    const SymmetryPlane plane{Eigen::Vector3d::UnitY(), 1};
+    if (is_half) problem.symmetry = plane, conditions.cut = plane;
+    if (!is_half) conditions.mirror = plane;
+    problem.quantities = {area()};
+    add_fields(problem.parameters, std::make_shared<const DisplacementFields>(mesh, conditions, FieldOptions{12, {}}));
+    for (UserVariable& v : problem.parameters.user_variables) v.unit = 0.02;
+    return problem;
+}
+
+}  // namespace
+
+/// The same fields and tractions, by physical values: the half's surface is that of the whole, to 1e-10.
+TEST(Fields, BesidePatchesHalfAndWholeModelsAgree) {
+    const HalfAndWhole box = crooked_box(4);
+    const auto half = rest_facts(box_problem(box.half, true)), whole = rest_facts(box_problem(box.whole, false));
+    const DesignSpace of_half = design_space(half, 1), of_whole = design_space(whole, 1);
+    ASSERT_EQ(of_half.size(), of_whole.size());
+    Eigen::VectorXd x = 0.3 * random_vector(of_half.size(), 3), y = x;
+    for (int j = 0; j < x.size(); ++j) {
+        ASSERT_EQ(of_half.variables[j].name, of_whole.variables[j].name);
+        y[j] = x[j] * of_half.variables[j].unit / of_whole.variables[j].unit;
+    }
+    const auto shape = [](const std::shared_ptr<const RestFacts>& rest, const DesignSpace& space,
+                          const Eigen::VectorXd& at) {
+        const ShellDemand wanted = demand(space, at);
+        ShellOptions options = rest->setup.options;
+        PrimoShell shell(rest->surface, options);
+        EXPECT_EQ(shell.solve(wanted.loads).status, SolveStatus::converged);
+        return with_fields(*rest, wanted, shell.vertices());
+    };
+    const Points a = shape(half, of_half, x), b = shape(whole, of_whole, y);
+    double worst = 0, moved = 0;
+    for (int v = 0; v < box.half.num_vertices(); ++v) {
+        Eigen::Index w = 0;
+        ASSERT_LT((box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm().minCoeff(&w), 1e-12);
+        worst = std::max(worst, (a.row(v) - b.row(w)).norm());
+        moved = std::max(moved, (a.row(v) - box.half.vertices.row(v)).norm());
+    }
+    EXPECT_LT(worst, 1e-10 * whole->diagonal);
+    EXPECT_GT(moved, 1e-3);
+}
+
+/// The same x gives the same shape in other units and with other numbers of vertices and triangles.
+TEST(Fields, UnitsAndNumbersChangeNothing) {
+    Problem first = ellipsoid_problem(2, 2);
+    std::vector<int> vertex_order, triangle_order;
+    Problem second = first;
+    second.surface = renumbered(first.surface, 5, &vertex_order, &triangle_order);
+    second.surface.vertices *= 1000;
+    second.tree = octants(second.surface, 2);
+    second.prism_height *= 1000;
+    second.fixed.clear();
+    const Points c = triangle_centroids(second.surface);
+    for (int t = 0; t < second.surface.num_triangles(); ++t)
+        if (c(t, 0) < -750) second.fixed.push_back(t);
+    std::vector<Points> shapes;
+    std::vector<double> diagonals;
+    std::map<std::string, double> by_name;
+    for (Problem* problem : {&first, &second}) {
+        problem->parameters.kinds = {VariableKind::normal_load};
+        problem->quantities = {volume(problem->surface), area()};
+        FieldConditions conditions;
+        conditions.held = problem->fixed;
+        add_fields(problem->parameters,
+                   std::make_shared<const DisplacementFields>(problem->surface, conditions, FieldOptions{12, {}}));
+        Evaluated e(*problem, 1);
+        Eigen::VectorXd x(e.space.size());
+        for (int j = 0; j < x.size(); ++j) {
+            const auto [at, fresh] = by_name.try_emplace(e.space.variables[static_cast<std::size_t>(j)].name, 0.0);
+            if (fresh) at->second = 0.1 + 0.05 * j;
+            x[j] = at->second;
+        }
+        shapes.push_back(e.at(x).vertices);
+        diagonals.push_back(e.rest->diagonal);
+    }
+    for (int v = 0; v < first.surface.num_vertices(); ++v)
+        EXPECT_LT((shapes[1].row(v) / 1000 - shapes[0].row(vertex_order[static_cast<std::size_t>(v)])).norm(),
+                  1e-6 * diagonals[0]);
+}
+
+/// On what fields turn by 20 degrees a local load still bumps: E is that at rest and is not turned along, so the bump
+/// leans by as much. Its height along the normal is the cosine of that, 94 %, and the shape is a valid one.
+TEST(Fields, TwistedByTwentyDegreesTakeLocalBumps) {
+    Problem problem = ellipsoid_problem(3, 3);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    add_fields(problem.parameters,
+               std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{12, {}}));
+    Evaluated e(problem, 3);
+    // The rotation about x that grows from what is held to 20 degrees at the end, as far as the fields make it.
+    const int n = problem.surface.num_vertices();
+    Points twist(n, 3);
+    constexpr double degree = 3.14159265358979 / 180;
+    for (int v = 0; v < n; ++v) {
+        const Eigen::Vector3d x = problem.surface.vertices.row(v);
+        const double angle = 20 * degree * std::max(0.0, x[0] + 0.75) / 1.75;
+        twist.row(v) = Eigen::AngleAxisd(angle, Eigen::Vector3d::UnitX()) * x - x;
+    }
+    Eigen::MatrixXd columns(3 * n, 12);
+    for (int b = 0; b < 12; ++b) {
+        const Points u = problem.parameters.fields->field(b);
+        columns.col(b) = Eigen::VectorXd::Map(u.data(), u.size());
+    }
+    const Eigen::VectorXd z = columns.colPivHouseholderQr().solve(Eigen::VectorXd::Map(twist.data(), twist.size()));
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(e.space.size());
+    int bump = -1;
+    for (int j = 0; j < e.space.size(); ++j) {
+        const Variable& variable = e.space.variables[static_cast<std::size_t>(j)];
+        if (variable.kind == VariableKind::field)
+            x[j] = z[problem.parameters.user_variables[static_cast<std::size_t>(variable.component)].field] /
+                   variable.unit;
+        else if (variable.name.find("p1.p1.p1") != std::string::npos)
+            bump = j;
+    }
+    ASSERT_GE(bump, 0);
+    const Points twisted = e.at(x).vertices;
+    x[bump] = 0.6;
+    const Points bumped = e.at(x).vertices;
+    int top = 0;
+    const Points own = bumped - twisted;
+    own.rowwise().norm().maxCoeff(&top);
+    EXPECT_GT(own.row(top).norm(), 0.01 * e.rest->diagonal);
+    // The normals of both at the top of the bump.
+    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = Eigen::Vector3d::Zero();
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k)
+            if (problem.surface.triangles(t, k) == top) {
+                before += area_vector(problem.surface, t);
+                after += area_vector(with_vertices(problem.surface, twisted), t);
+            }
+    const double lean = std::acos(before.normalized().dot(after.normalized())) / degree;
+    EXPECT_GT(lean, 5) << "the surface has turned there";
+    EXPECT_LT(lean, 25);
+    const Eigen::Vector3d direction = own.row(top).normalized();
+    EXPECT_GT(direction.dot(after.normalized()), std::cos((lean + 20) * degree)) << "mostly along the new normal";
 }

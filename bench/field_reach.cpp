@@ -1,0 +1,113 @@
+#include "bench/shell_cases.hpp"
+#include "cases/geometry/closed_body.hpp"
+#include "core/fields/displacement_fields.hpp"
+#include "core/fields/typical_motions.hpp"
+
+#include <fmt/core.h>
+#include <Eigen/QR>
+#include <cstdlib>
+#include <filesystem>
+
+/// What displacement fields can make: percent of the squared displacement (by area) of typical motions, on six bodies.
+///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
+namespace {
+
+using namespace strake;
+using Eigen::MatrixXd;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+struct Body {
+    std::string name;
+    TriMesh mesh;
+    FieldConditions conditions;
+};
+
+/// The triangles of which all corners are below the share of the extent.
+std::vector<int> low_end(const TriMesh& mesh, int axis, double share) {
+    const Box box = bounding_box(mesh);
+    std::vector<int> held;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        bool is_in = true;
+        for (int k = 0; k < 3; ++k)
+            is_in &=
+                mesh.vertices(mesh.triangles(t, k), axis) <= box.min[axis] + share * (box.max[axis] - box.min[axis]);
+        if (is_in) held.push_back(t);
+    }
+    return held;
+}
+
+std::vector<Body> bodies(const std::string& folder) {
+    std::vector<Body> all;
+    const TriMesh wing = example::wing(5000), body = example::lifting_body(5000), tube = example::tube(4000),
+                  fuselage = example::fuselage(4000);
+    all.push_back({"wing, root held", wing, {}});
+    all.back().conditions.held = low_end(wing, 1, 0.05);
+    all.push_back({"lifting body, nose held", body, {}});
+    all.back().conditions.held = low_end(body, 0, 0.05);
+    all.push_back({"bent tube, nothing held", tube, {}});
+    all.push_back({"fuselage, nose held", fuselage, {}});
+    all.back().conditions.held = low_end(fuselage, 0, 0.05);
+    if (folder.empty()) return all;
+    for (const auto& [file, axis, name] : {std::tuple("oneraM6_su2_surface.stl", 1, "ONERA M6, root held"),
+                                           std::tuple("bwb_machline_medium.vtk", 0, "blended wing body, nose held")}) {
+        const auto path = std::filesystem::path(folder) / file;
+        if (!std::filesystem::exists(path)) continue;
+        all.push_back({name, read_surface(path).mesh, {}});
+        all.back().conditions.held = low_end(all.back().mesh, axis, 0.05);
+    }
+    return all;
+}
+
+/// The front half bends down, and its top rises in the middle.
+Points droop(const TriMesh& mesh, const FieldFrame& frame, bool front_is_high) {
+    Points u(mesh.num_vertices(), 3);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        const Vector3d at = frame.local(mesh.vertices.row(v));
+        const double s = front_is_high ? at[0] : -at[0];
+        const double down = std::max(0.0, s) * std::max(0.0, s), r = (s - 0.2) / 0.5;
+        const double canopy = std::abs(r) < 1 ? 0.5 * (1 - r * r) * (1 - r * r) * std::max(0.0, at[2]) : 0;
+        u.row(v) = (canopy - down) * frame.axes.col(2);
+    }
+    return u;
+}
+
+double share(const TriMesh& mesh, const DisplacementFields& fields, const Points& wanted, bool is_held) {
+    const VectorXd weight = vertex_areas(mesh).cwiseSqrt();
+    const auto flat = [&](const Points& u) {
+        const Points scaled = weight.asDiagonal() * u;
+        return VectorXd(VectorXd::Map(scaled.data(), scaled.size()));
+    };
+    const auto rigid = is_held ? std::vector<Points>{} : rigid_motions(mesh, {});
+    MatrixXd columns(3 * mesh.num_vertices(), fields.size() + static_cast<int>(rigid.size()));
+    for (int b = 0; b < fields.size(); ++b) columns.col(b) = flat(fields.field(b));
+    for (std::size_t k = 0; k < rigid.size(); ++k) columns.col(fields.size() + static_cast<int>(k)) = flat(rigid[k]);
+    const VectorXd target = flat(wanted);
+    return 1 - (columns * columns.colPivHouseholderQr().solve(target) - target).squaredNorm() / target.squaredNorm();
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+    const char* data = std::getenv("STRAKE_DATA");
+    const std::string folder = argc > 1 ? argv[1] : data ? data : "";
+    for (const Body& body : bodies(folder)) {
+        fmt::print("{}\n{:<10}", body.name, "");
+        std::vector<DisplacementFields> fields;
+        for (const int number : {27, 36, 60, 100}) {
+            fields.emplace_back(body.mesh, body.conditions, FieldOptions{number, {}});
+            fmt::print("{:>7}", fields.back().size());
+        }
+        std::vector<TypicalMotion> motions = typical_motions(body.mesh, body.conditions);
+        Points down = droop(body.mesh, fields[0].frame(), true);
+        for (const int t : body.conditions.held)
+            for (int k = 0; k < 3; ++k) down.row(body.mesh.triangles(t, k)).setZero();
+        motions.push_back({"droop", down});
+        for (const TypicalMotion& motion : motions) {
+            fmt::print("\n{:<10}", motion.name);
+            for (const DisplacementFields& one : fields)
+                fmt::print("{:7.1f}", 100 * share(body.mesh, one, motion.displacement, !body.conditions.held.empty()));
+        }
+        fmt::print("\n\n");
+    }
+}

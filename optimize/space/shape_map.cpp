@@ -1,0 +1,88 @@
+#include "optimize/space/shape_map.hpp"
+
+#include "core/fields/displacement_fields.hpp"
+#include "core/fields/invariance.hpp"
+
+namespace strake {
+namespace {
+
+bool has_fields(const ShellDemand& demand) { return demand.fields.size() > 0 && !demand.fields.isZero(0); }
+
+/// Parts that go with hosts which fields move as well; without fields the shell places them.
+const Attachments* attached_beside_fields(const RestFacts& rest) {
+    return rest.parameters.fields ? rest.setup.options.attached.get() : nullptr;
+}
+
+const Points& surface_or_rest(const RestFacts& rest, const Points* surface) {
+    return surface ? *surface : rest.surface.vertices;
+}
+
+}  // namespace
+
+Points kept_motion(const RestFacts& rest, const Points& motion) {
+    return rest.parameters.invariance ? rest.parameters.invariance->projected(motion) : motion;
+}
+
+Points kept_forces(const RestFacts& rest, const Points& force) {
+    return rest.parameters.invariance ? rest.parameters.invariance->pulled_back(force) : force;
+}
+
+Points surface_rates(const RestFacts& rest, const Points& motion, const Points* surface) {
+    Points rates = kept_motion(rest, motion);
+    if (const Attachments* attached = attached_beside_fields(rest))
+        attached->place_rates(surface_or_rest(rest, surface), rates);
+    return rates;
+}
+
+Points surface_pull(const RestFacts& rest, const Points& force, const Points* surface) {
+    Points pulled = force;
+    if (const Attachments* attached = attached_beside_fields(rest))
+        attached->pull_back(surface_or_rest(rest, surface), pulled);
+    return kept_forces(rest, pulled);
+}
+
+Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
+    if (!rest.parameters.invariance && !has_fields(demand)) return of_shell;
+    Points moved = of_shell;
+    if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
+    if (rest.parameters.invariance)
+        return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
+    if (const Attachments* attached = attached_beside_fields(rest)) attached->place(moved);
+    return moved;
+}
+
+Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell, const Points& surface) {
+    if (!has_fields(demand)) return of_shell;
+    Poses turned = of_shell;
+    const std::vector<Eigen::Matrix3d> turn = rest.parameters.fields->rotations(demand.fields);
+    for (std::size_t t = 0; t < turn.size(); ++t) turned.rotation[t] = turned.rotation[t] * Eigen::Quaterniond(turn[t]);
+    if (const Attachments* attached = attached_beside_fields(rest)) {
+        const std::vector<Eigen::Quaterniond> of_part = attached->rotations(surface);
+        for (std::size_t t = 0; t < turn.size(); ++t)
+            if (const int part = attached->part_of()[t]; part >= 0)
+                turned.rotation[t] = of_part[static_cast<std::size_t>(part)];
+    }
+    return turned;
+}
+
+std::vector<Points> surface_response(const RestFacts& rest, PrimoShell& shell, const std::vector<Points>& forces,
+                                     double tolerance, const Points* surface) {
+    std::vector<Points> moved = shell.response(forces, tolerance);
+    if (rest.parameters.invariance || attached_beside_fields(rest))
+        for (Points& one : moved) one = surface_rates(rest, one, surface);
+    return moved;
+}
+
+std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell& shell,
+                                                const std::vector<Points>& dJ_dv, const AdjointOptions& options,
+                                                const Points* surface) {
+    if (!rest.parameters.invariance && !attached_beside_fields(rest)) return shell.adjoint(dJ_dv, options);
+    std::vector<Points> kept;
+    for (const Points& one : dJ_dv) kept.push_back(surface_pull(rest, one, surface));
+    std::vector<ShellSensitivities> all = shell.adjoint(kept, options);
+    if (rest.parameters.invariance)
+        for (ShellSensitivities& one : all) one.force = kept_motion(rest, one.force);
+    return all;
+}
+
+}  // namespace strake

@@ -241,11 +241,17 @@ VectorXd DisplacementFields::gradient(const Points& dJ_dv) const {
 }
 
 std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
+    std::vector<Matrix3d> turn = local_maps(z);
+    for (Matrix3d& F : turn) F = F.determinant() > 0 ? polar_rotation(F) : Matrix3d(Matrix3d::Identity());
+    return turn;
+}
+
+std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
     const Coefficients sum = combined(z);
     std::array<int, 3> degree{0, 0, 0};
     for (const Powers& p : powers_)
         for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
-    std::vector<Matrix3d> turn(static_cast<std::size_t>(centroid_.rows()), Matrix3d::Identity());
+    std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
         const Vector3d at = frame_.local(centroid_.row(t));
         const LegendreValues a(at[0], degree[0]), b(at[1], degree[1]), c(at[2], degree[2]);
@@ -260,11 +266,10 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
             by_local.col(2) += a.value[i] * b.value[j] * c.slope[k] * own;
         }
         for (int k = 0; k < 3; ++k) by_local.col(k) *= frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
-        const Matrix3d F =
+        maps[static_cast<std::size_t>(t)] =
             Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
-        if (F.determinant() > 0) turn[static_cast<std::size_t>(t)] = polar_rotation(F);
     }
-    return turn;
+    return maps;
 }
 
 }  // namespace strake

@@ -175,7 +175,7 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     options.tolerance = gradient_tolerance;
     options.prism_height = space().changes_height() || std::ranges::count(kinds, VariableKind::stiffness) > 0;
     try {
-        evaluation.sensitivities = shell().adjoint(evaluation.dJ_dv, options);
+        evaluation.sensitivities = solver_.adjoint(evaluation.dJ_dv, options);
     } catch (const SolverError& error) {  // an equilibrium on the brink of buckling
         evaluation.status = EvaluationStatus::unstable;
         evaluation.reason = error.what();
@@ -208,7 +208,8 @@ std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, 
     if (!only_loads(finer) || !only_loads(space()) || finer.num_parameters() > 0 || !deform(x, shape)) return {};
     Points moved;
     try {
-        moved = shell().response({load_forces(finer, step)}, probe_tolerance)[0] + field_motion(finer, step);
+        moved = field_motion(finer, step);
+        if (shell()) moved += shell()->response({load_forces(finer, step)}, probe_tolerance)[0];
     } catch (const SolverError&) {
         return {};
     }

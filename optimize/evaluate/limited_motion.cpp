@@ -103,7 +103,7 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     options.prism_height =
         space.changes_height() || std::ranges::count(space.rest->parameters.kinds, VariableKind::stiffness) > 0;
     try {
-        at.sensitivities = solver.shell().adjoint(functionals, options);
+        at.sensitivities = solver.adjoint(functionals, options);
     } catch (const SolverError&) {  // on the brink of buckling nothing is known of steps
         return {};
     }

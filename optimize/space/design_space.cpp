@@ -105,11 +105,23 @@ Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::Vecto
     return by_triangle;
 }
 
+/// dJ/d(field) into the entries of the user variables that are fields.
+void add_field_gradient(const DesignSpace& space, const Points& dJ_dv, Eigen::VectorXd& gradient) {
+    const Parameters& p = space.rest->parameters;
+    if (!p.fields) return;
+    const Eigen::VectorXd by_field = p.fields->gradient(dJ_dv);
+    for (std::size_t g = 0; g < p.user_variables.size(); ++g)
+        if (const int field = p.user_variables[g].field; field >= 0)
+            gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
+}
+
 /// dJ/d(degree of freedom), all of them.
 Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& value,
                              const ShellSensitivities& sensitivities) {
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
+    add_field_gradient(space, sensitivities.vertex, gradient);
+    if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;
     if (heights_count) by_log_height = log_height_gradient(space, value, sensitivities);
@@ -122,12 +134,6 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
     }
     const std::vector<RigidMotion> moved = motions(space, value);
     add_user_gradient(rest, space.num_patch_dofs(), moved, sensitivities, gradient);
-    if (rest.parameters.fields) {
-        const Eigen::VectorXd by_field = rest.parameters.fields->gradient(sensitivities.vertex);
-        const auto& user = rest.parameters.user_variables;
-        for (std::size_t g = 0; g < user.size(); ++g)
-            if (user[g].field >= 0) gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[user[g].field];
-    }
     if (sensitivities.wrench.rows() == 0) return gradient;
     for (std::size_t p = 0; p < space.motion.size(); ++p) {
         if (space.motion[p] < 0) continue;
@@ -169,10 +175,12 @@ Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x) {
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     const Eigen::VectorXd value = dofs(space, x);
     ShellDemand result;
-    result.loads.force = traction_forces(space.rest->surface, total_traction(space, value));
-    result.loads.spring = space.rest->setup.loads.spring;
-    result.motions = motions(space, value);
-    result.prism_height = heights(space, value);
+    if (space.rest->has_shell) {
+        result.loads.force = traction_forces(space.rest->surface, total_traction(space, value));
+        result.loads.spring = space.rest->setup.loads.spring;
+        result.motions = motions(space, value);
+        result.prism_height = heights(space, value);
+    }
     if (space.rest->parameters.fields)
         result.fields = field_values(*space.rest, space.user_values(value) + space.carried_user_values);
     return result;
@@ -194,8 +202,10 @@ Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Point
 }
 
 Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell) {
-    if (demand.fields.size() == 0 || demand.fields.isZero(0)) return of_shell;
     Poses turned = of_shell;
+    if (turned.rotation.empty())
+        turned.rotation.assign(static_cast<std::size_t>(rest.surface.num_triangles()), Eigen::Quaterniond::Identity());
+    if (demand.fields.size() == 0 || demand.fields.isZero(0)) return turned;
     const std::vector<Eigen::Matrix3d> turn = rest.parameters.fields->rotations(demand.fields);
     for (std::size_t t = 0; t < turn.size(); ++t) turned.rotation[t] = turned.rotation[t] * Eigen::Quaterniond(turn[t]);
     return turned;
@@ -223,7 +233,7 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
     return gradient;
 }
 
-void design_response(const DesignSpace& space, PrimoShell& shell,
+void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance) {
     std::vector<std::array<Points, 6>> by_motion;
     for (const Variable& variable : space.variables) {
@@ -231,7 +241,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
             throw InvalidInput(
                 "stiffness variables cannot be fitted: their forward response is not available; use load, "
                 "normal or strain variables, or `strake run` on the same target");
-        if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell.motion_response();
+        if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell->motion_response();
     }
     for (int j = 0; j < space.size();) {
         if (space.variables[j].kind == VariableKind::parameter) {
@@ -255,7 +265,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
         for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
             forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
         }
-        const std::vector<Points> moved = shell.response(forces, tolerance);
+        const std::vector<Points> moved = shell->response(forces, tolerance);
         for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);
     }
 }

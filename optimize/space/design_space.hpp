@@ -32,7 +32,7 @@ struct Variable {
     double offset = 0;                   ///< physical value at x = 0: the start of a parameter, else zero
 };
 
-/// What x asks of the shell.
+/// What x asks of the shell, and of the fields beside it. Without a shell: no forces, no motions, no heights.
 struct ShellDemand {
     Loads loads;
     std::vector<RigidMotion> motions;  ///< given strains first
@@ -44,7 +44,8 @@ struct ShellDemand {
 
 /// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by the fields.
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell);
-/// Poses for the guard: the prisms' rotations, with the polar part of what the fields do.
+/// Poses for the guard: the prisms' rotations, with the polar part of what the fields do. Without a shell (`of_shell`
+/// empty) that part alone.
 Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell);
 
 /// A dependent variable: others do the same, the direction from it to them moves nothing.
@@ -140,9 +141,9 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
                                 const ShellSensitivities& sensitivities);
 
 /// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
-/// that of `PrimoShell::response`. `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for
-/// stiffness variables.
-void design_response(const DesignSpace& space, PrimoShell& shell,
+/// that of `PrimoShell::response`. `shell` is null where the problem has none. `consume(j, dv)` is called in the order
+/// of the variables. @throws InvalidInput for stiffness variables.
+void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11);
 
 /// Physical values with names of the shape variables, for programs (`parameter_values` has the others).

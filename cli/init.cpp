@@ -84,7 +84,6 @@ std::string head_of(const std::string& words) {
 
 /// The finest level whose patches are still distinguishable.
 int shown_level(const PatchHierarchy& tree) {
-    if (tree.levels.size() < 2) return 0;
     int level = 1;
     while (level + 1 < static_cast<int>(tree.levels.size()) && tree.levels[level + 1].patches.size() <= 24) ++level;
     return level;

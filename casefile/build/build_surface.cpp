@@ -136,7 +136,7 @@ void ProblemBuilder::read_stored() {
     }
 }
 
-/// Fields need no patches.
+/// Fields need no patches: on level 1 there is again the whole.
 PatchHierarchy ProblemBuilder::whole_surface() const {
     Patch all;
     all.name = "all";
@@ -146,7 +146,9 @@ PatchHierarchy ProblemBuilder::whole_surface() const {
     PatchLevel level;
     level.label.assign(all.triangles.size(), 0);
     level.patches.push_back(std::move(all));
-    return {{std::move(level)}};
+    PatchLevel next = level;
+    next.patches[0].parent = 0;
+    return {{std::move(level), std::move(next)}};
 }
 
 void ProblemBuilder::build_tree() {

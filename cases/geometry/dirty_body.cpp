@@ -306,8 +306,9 @@ TriMesh rough_cut(Random& random) {
     const Points centre = triangle_centroids(body);
     TriMesh half = keep_triangles(body, [&](int t) { return centre(t, 1) > 0; });
     const double depth = 2e-5 * box_diagonal(body);
+    const auto away = [](double r) { return 0.7 * r + (r < 0 ? -0.3 : 0.3); };  // no vertex lies on the plane
     for (int v = 0; v < half.num_vertices(); ++v)
-        if (std::abs(half.vertices(v, 1)) < 1e-12) half.vertices(v, 1) = depth * random();
+        if (std::abs(half.vertices(v, 1)) < 1e-12) half.vertices(v, 1) = depth * away(random());
     std::vector<int> number(static_cast<std::size_t>(half.num_vertices()), -1);
     TriMesh out;
     out.triangles = half.triangles;

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double smallest_share = 1e-3;
 constexpr double least_determinant = 0.05;  ///< of a map that does not fold
+constexpr double chord_slack = 2;           ///< the estimate of a chord error, and how much a map shrinks
 constexpr double sliver = 1e-3;             ///< height over longest edge of triangles that say nothing
 constexpr double foldable_below = 120 * std::numbers::pi / 180, folded_above = 170 * std::numbers::pi / 180;
 
@@ -218,7 +219,7 @@ std::string ValidityGuard::intersection(const Points& vertices, const std::vecto
             const auto [s, t] = pair;
             const double error = chord_error(s, vertices, (*maps)[static_cast<std::size_t>(s)]) +
                                  chord_error(t, vertices, (*maps)[static_cast<std::size_t>(t)]);
-            return contacts_->is_near(s, t) && contacts_->distance(s, t) <= error;
+            return contacts_->is_near(s, t) && contacts_->distance(s, t) <= chord_slack * error;
         });
     if (!piercing_.empty())
         std::erase_if(pairs, [&](const std::array<int, 2>& pair) {

@@ -34,7 +34,8 @@ struct ValidityOptions {
 ///   thinner than a thousandth of their longest edge are not judged, nor are the edges at them, as any bending of an
 ///   edge turns them over;
 /// - intersections at contacts that are there at rest (`Contacts`) are none where the two triangles are nearer to each
-///   other at rest than the chord errors of the map across them; the map itself moves them apart alike.
+///   other at rest than twice the chord errors of the map across them. (Points of two flat triangles that meet are
+///   images of points that are nearer than the sum of the errors over the least stretch of the map.)
 class ValidityGuard {
 public:
     /// @throws InvalidInput when a fixed triangle is none. Cost: one search for intersections.

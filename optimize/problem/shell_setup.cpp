@@ -27,6 +27,8 @@ void refuse_elastic(const Problem& problem) {
     const auto refuse = [](const std::string& what) {
         throw InvalidInput(what + ": needs an elastic shell, and the problem has none");
     };
+    if (!problem.parameters.fields)
+        throw InvalidInput("the problem has no elastic shell, and no displacement fields that would move the surface");
     if (!problem.strains.empty()) refuse("strains");
     if (!problem.attached.empty()) refuse("attach");
     if (problem.given_traction.rows() > 0) refuse("given_traction");

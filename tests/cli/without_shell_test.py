@@ -51,7 +51,7 @@ def tearDownModule():
 class WithoutShell(unittest.TestCase):
     def test_a_run_gains_and_holds_what_is_held(self):
         run = json.loads(path("runs/a/run.json").read_text())
-        self.assertGreater(run["objective"], 1.01 * run["objective_start"])
+        self.assertGreater(run["objective"], 1.002 * run["objective_start"])
         rest, best = vertices("body.obj"), vertices("runs/a/best.obj")
         self.assertEqual(len(rest), len(best))
         held = [i for i, v in enumerate(rest) if v[0] < -1.7]
@@ -67,7 +67,7 @@ class WithoutShell(unittest.TestCase):
 
     def test_resume_step_report_and_mix(self):
         strake("resume", "runs/a", "--evaluations", "+2", "--quiet")
-        strake("step", "runs/a")
+        strake("step", "run.yaml", "--out", "runs/s", "--quiet")
         strake("report", "runs/a")
         strake("mix", "runs/a", "runs/a", "--weight", "0.5", "-o", "mixed.obj")
         self.assertEqual(len(vertices("mixed.obj")), len(vertices("body.obj")))

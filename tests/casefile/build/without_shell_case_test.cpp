@@ -44,7 +44,7 @@ TEST_F(CaseWithoutShell, RefusesWhatNeedsAShellWithItsLine) {
     surface(example::dirty_body("crossing_boxes"));
     const auto refusal = [&](const std::string& words) { return error(dirty + words); };
     EXPECT_TRUE(contains(refusal("parameters: {variables: [normal]}\n"),
-                         "case.yaml:9:26: parameters.variables need an elastic shell, and shell: none leaves it out"))
+                         "case.yaml:9:25: parameters.variables need an elastic shell, and shell: none leaves it out"))
         << refusal("parameters: {variables: [normal]}\n");
     EXPECT_TRUE(contains(refusal("loads: [{region: nose, spring: 2}]\n"), "loads need an elastic shell"));
     EXPECT_TRUE(contains(refusal("strains: [{region: nose, rotate: [0, 0, 1]}]\n"), "strains need an elastic shell"));

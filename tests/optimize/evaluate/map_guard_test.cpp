@@ -99,28 +99,27 @@ TEST(MapGuard, TJunctionsMayOverlapByTheChordError) {
 }
 
 /// Triangles that share a corner are as near as can be: that alone is no contact.
-TEST(MapGuard, NeighboursMayNotFoldOntoEachOther) {
+TEST(MapGuard, NeighboursMayNotPierceEachOther) {
     TriMesh mesh = hinge(1, 1);
     const int n = mesh.num_vertices();
-    mesh.vertices.conservativeResize(n + 1, 3);
-    mesh.vertices.row(n) << -0.6, -0.9, 0.4;  // a third one hangs at one end of the edge only
-    mesh.triangles.conservativeResize(3, 3);
-    const int corner = mesh.triangles(0, 0);
+    const Eigen::RowVector3i first = mesh.triangles.row(0);
+    const Eigen::RowVector3d at = mesh.vertices.row(first[0]),
+                             middle = mesh.vertices(first, Eigen::all).colwise().mean();
+    // A third triangle hangs at a corner: through the first one, and, turned in its own plane, away from it.
+    const Eigen::RowVector3d above = middle + Eigen::RowVector3d(0, 0, 0.2),
+                             below = 2 * middle - at - Eigen::RowVector3d(0, 0, 0.2);
     mesh.vertices.conservativeResize(n + 2, 3);
-    mesh.vertices.row(n + 1) << -0.3, -1.2, 0.6;
-    mesh.triangles.row(2) << corner, n, n + 1;
+    mesh.vertices.row(n) = 2 * at - above;
+    mesh.vertices.row(n + 1) = 2 * at - below;
+    mesh.triangles.conservativeResize(3, 3);
+    mesh.triangles.row(2) << first[0], n, n + 1;
     const ValidityGuard guard(mesh, adjacency(mesh), by_map());
     const std::vector<Eigen::Matrix3d> still(3, Eigen::Matrix3d::Identity());
     ASSERT_EQ(guard.defect(mesh.vertices, still), "");
     Points moved = mesh.vertices;
-    const Eigen::RowVector3d at = mesh.vertices.row(corner);
-    const Eigen::RowVector3d middle =
-        (mesh.vertices.row(mesh.triangles(0, 0)) + mesh.vertices.row(mesh.triangles(0, 1)) +
-         mesh.vertices.row(mesh.triangles(0, 2))) /
-        3;
-    moved.row(n) = middle + Eigen::RowVector3d(0, 0, 0.2);
-    moved.row(n + 1) = middle + (middle - at) - Eigen::RowVector3d(0, 0, 0.2);
-    EXPECT_NE(guard.defect(moved, still), "");
+    moved.row(n) = above;
+    moved.row(n + 1) = below;
+    EXPECT_NE(guard.defect(moved, still).find("intersect"), std::string::npos) << guard.defect(moved, still);
 }
 
 TEST(MapGuard, FoldsOfSpaceAreTold) {

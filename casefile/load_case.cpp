@@ -59,6 +59,28 @@ void name_after_file(Value& root, const std::filesystem::path& file) {
     root.entries.insert(root.entries.begin(), std::move(entry));
 }
 
+/// Without a shell other defaults hold: no variables of patches, all displacement fields.
+void set_defaults_without_shell(Value& root) {
+    const auto child = [](Value& map, const std::string& key) -> Value* {
+        for (Entry& entry : map.entries)
+            if (entry.key == key) return &entry.value;
+        return nullptr;
+    };
+    const auto add = [](Value& map, const std::string& key, const std::string& yaml) {
+        Entry entry{key, map.place, parse_yaml(yaml, "default of " + key)};
+        entry.value.place = map.place;
+        entry.value.from_default = true;
+        map.entries.push_back(std::move(entry));
+    };
+    const Value* shell = root.form == Value::Form::map ? child(root, "shell") : nullptr;
+    if (!shell || shell->form != Value::Form::scalar || shell->text != "none") return;
+    if (!child(root, "parameters")) add(root, "parameters", "{}");
+    Value& parameters = *child(root, "parameters");
+    if (parameters.form != Value::Form::map) return;
+    if (!child(parameters, "variables")) add(parameters, "variables", "[]");
+    if (!child(parameters, "fields")) add(parameters, "fields", "auto");
+}
+
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
 Case loaded(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
             const std::vector<std::string>& settings) {
@@ -77,6 +99,7 @@ Case loaded(const std::filesystem::path& file, Purpose purpose, const std::files
     }
     name_after_file(source->root, file);
     rename_old(source->root, errors);
+    set_defaults_without_shell(source->root);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
     set_formulas(the_case, errors);

@@ -179,7 +179,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
     if (axes) print_axes(*axes);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
-    for (std::size_t k = 1; is_search && k < problem.tree.levels.size(); ++k)
+    for (std::size_t k = 1; is_search && problem.has_shell && k < problem.tree.levels.size(); ++k)
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
                    max_variables(problem, problem.tree.levels[k], pin));

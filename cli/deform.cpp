@@ -3,6 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
@@ -11,6 +12,8 @@
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
+#include <charconv>
+#include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
 #include <utility>
@@ -20,7 +23,7 @@ namespace {
 
 struct DeformArguments {
     std::string case_file, out, prisms;
-    std::vector<std::string> settings;
+    std::vector<std::string> settings, fields;
     bool linear = false, json = false, quiet = false;
 };
 
@@ -81,8 +84,57 @@ void report(const DeformArguments& args, const Equilibrium& end, const std::stri
 }
 
 ValidityGuard guard_of(const Problem& problem) {
-    return {
-        problem.surface, adjacency(problem.surface), {problem.fixed, problem.symmetry, attached_triangles(problem)}};
+    return {problem.surface,
+            adjacency(problem.surface),
+            {problem.fixed, problem.symmetry, attached_triangles(problem), !problem.has_shell}};
+}
+
+std::string names_of(const DisplacementFields& fields) {
+    std::string all;
+    for (int b = 0; b < fields.size() && b < 12; ++b) all += (b > 0 ? ", " : "") + fields.name(b);
+    return fields.size() > 12 ? all + ", ... (strake check --json lists all)" : all;
+}
+
+/// "NAME=LENGTH": the number of the field, and how far it moves the surface at most.
+std::pair<int, double> field_value(const DisplacementFields& fields, const std::string& words, double diagonal) {
+    const std::size_t at = words.find('=');
+    const std::string name = words.substr(0, at), value = at == std::string::npos ? "" : words.substr(at + 1);
+    const bool is_share = !value.empty() && value.back() == '%';
+    const char* end = value.data() + value.size() - (is_share ? 1 : 0);
+    double length = 0;
+    const auto [stop, error] = std::from_chars(value.data(), end, length);
+    if (error != std::errc{} || stop != end || !std::isfinite(length))
+        throw InvalidInput(text("--field ", printable(words, 400),
+                                ": must be NAME=LENGTH, in the unit of the surface or like 2% of its diagonal"));
+    for (int b = 0; b < fields.size(); ++b)
+        if (fields.name(b) == name) return {b, is_share ? length / 100 * diagonal : length};
+    throw InvalidInput(
+        text("--field ", printable(words, 400), ": there is no field of that name; fields: ", names_of(fields)));
+}
+
+/// The surface moved by displacement fields alone.
+Points moved_by_fields(const DeformArguments& args, const Problem& problem, Equilibrium& end) {
+    const double diagonal = box_diagonal(problem.surface);
+    const DisplacementFields& fields = *problem.parameters.fields;
+    if (args.fields.empty())
+        throw InvalidInput(
+            text("deform: the case has shell: none, where displacement fields alone move the surface; "
+                 "name at least one with --field NAME=LENGTH. Fields: ",
+                 names_of(fields)));
+    if (args.linear || !args.prisms.empty())
+        throw InvalidInput("deform: --linear and --prisms need an elastic shell, and the case has shell: none");
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(fields.size());
+    for (const std::string& words : args.fields) {
+        const auto [field, value] = field_value(fields, words, diagonal);
+        z[field] += value;
+    }
+    const Points vertices = problem.surface.vertices + fields.displacement(z);
+    end.status = SolveStatus::converged;
+    end.reason = "moved by displacement fields";
+    const std::string defect = guard_of(problem).defect(vertices, fields.local_maps(z));
+    if (defect.empty()) return vertices;
+    end.reason = defect + "; reduce the values of the fields";
+    refuse(args, end, "invalid", diagonal);
 }
 
 /// What of the displacement keeps the kind of shape that the case states.
@@ -130,8 +182,16 @@ void deform_case(const DeformArguments& args) {
     for (const std::vector<std::string>* list : {&built.warnings, &std::as_const(setup).warnings})
         for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
 
-    PrimoShell shell(mesh, setup.options);
     Equilibrium end;
+    if (!built.problem.has_shell) {
+        const Points vertices = moved_by_fields(args, built.problem, end);
+        write_output(args.out, with_vertices(mesh, vertices), built.format);
+        report(args, end, "converged", largest_displacement(mesh.vertices, vertices), box_diagonal(mesh));
+        return;
+    }
+    if (!args.fields.empty())
+        throw InvalidInput("deform: --field needs shell: none in the case; a shell is deformed by loads and strains");
+    PrimoShell shell(mesh, setup.options);
     const Points vertices =
         args.linear ? linear(built.problem, setup, shell, end) : solved(args, built.problem, setup, shell, end);
     write_output(args.out, with_vertices(mesh, vertices), built.format);
@@ -162,6 +222,12 @@ void add_deform(CLI::App& app) {
     add_set_option(*command, args->settings);
     command->add_option("-o,--out,--output", args->out, "deformed surface; the extension selects the format")
         ->required();
+    command
+        ->add_option("--field", args->fields,
+                     "with shell: none: NAME=LENGTH moves the surface by this displacement field, at most by this "
+                     "length or percentage of the diagonal; repeatable")
+        ->expected(1)
+        ->take_all();
     command->add_flag("--linear", args->linear, "a single linear solve at rest instead of the equilibrium");
     command->add_option("--prisms", args->prisms, "write the deformed prisms for ParaView (.vtp)");
     command->add_flag("--json", args->json, "print the results as JSON");

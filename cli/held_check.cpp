@@ -18,6 +18,7 @@ bool has_strains(const Problem& problem) {
 
 std::vector<std::string> check_shell(const Case& the_case, const Problem& problem) {
     const ShellSetup setup = shell_setup(problem);
+    if (!problem.has_shell) return setup.warnings;  // fields hold what is fixed, and need nothing that is
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     if (is_search && has_strains(problem)) return setup.warnings;  // pinned strain patches hold, too
     const Eigen::VectorXd spring =

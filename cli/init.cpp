@@ -1,6 +1,7 @@
 #include "casefile/build/build_problem.hpp"
 #include "casefile/load_case.hpp"
 #include "casefile/propose/propose.hpp"
+#include "casefile/propose/trial.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/held_check.hpp"
@@ -62,6 +63,25 @@ private:
     fs::path file_;
     bool is_ours_ = false;
 };
+
+constexpr double max_trial_seconds = 60;
+
+std::string way_words(ProposedWay way) {
+    switch (way) {
+        case ProposedWay::shell:
+            return "an elastic shell on the surface";
+        case ProposedWay::remeshed_shell:
+            return "an elastic shell on new triangles";
+        case ProposedWay::fields:
+            return "displacement fields alone";
+    }
+    return "";
+}
+
+std::string head_of(const std::string& words) {
+    const std::string line = words.substr(0, words.find('\n'));
+    return line.size() < words.size() && line.ends_with(':') ? line.substr(0, line.size() - 1) : line;
+}
 
 /// The finest level whose patches are still distinguishable.
 int shown_level(const PatchHierarchy& tree) {
@@ -129,6 +149,83 @@ ProposedHold hold_of(const std::string& word) {
     return word == "none" ? ProposedHold::none : ProposedHold::band;
 }
 
+/// A way to move the surface, built and tried; not `built`: it cannot be, for the reason in `trial`.
+struct Attempt {
+    ProposedCase proposal;
+    std::optional<BuiltProblem> built;
+    std::vector<std::string> notes;  ///< of the shell
+    Trial trial;
+    std::exception_ptr refused;
+};
+
+Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWay way, const std::string& reason) {
+    Attempt made;
+    try {
+        made.proposal = propose_case(args.surface, case_file, {args.evaluations, hold_of(args.hold), way, reason});
+        const NewFile written(case_file, made.proposal.yaml);
+        log_step("trying " + printable(case_file.string(), 400) + ": " + way_words(way));
+        const Case the_case = load_case(case_file, Purpose::run);
+        made.built = build_problem(the_case, Purpose::run);
+        made.notes = check_shell(the_case, made.built->problem);
+        made.trial = try_deformations(made.built->problem, max_trial_seconds);
+    } catch (const OutputError&) {
+        throw;
+    } catch (const std::exception& error) {
+        made.refused = std::current_exception();
+        made.built.reset();
+        made.trial.reason = error.what();
+    }
+    return made;
+}
+
+std::string words_of(ProposedWay way, const Attempt& made) {
+    const std::string shown = way_words(way) + ": ";
+    if (!made.built) return shown + "refused, " + head_of(made.trial.reason);
+    if (made.trial.tried == 0) return shown + fmt::format("no test deformation in {:.0f} s", made.trial.seconds);
+    std::string words = fmt::format("{}{} of {} test deformations fail in {:.1f} s", shown, made.trial.failed,
+                                    made.trial.tried, made.trial.seconds);
+    return made.trial.failed > 0 ? words + ", " + head_of(made.trial.reason) : words;
+}
+
+/// What is not finished in time on a surface without defects is the size of the surface, no fault of the way.
+bool is_sound(const Attempt& made) {
+    if (!made.built) return false;
+    if (made.trial.is_out_of_time && made.trial.tried == 0) return !made.proposal.is_dirty;
+    return made.trial.is_sound();
+}
+
+struct Chosen {
+    ProposedCase proposal;
+    std::optional<BuiltProblem> built;
+    std::vector<std::string> notes, tried;
+};
+
+double failing(const Attempt& made) {
+    return !made.built ? 2.0 : made.trial.tried == 0 ? 1.0 : static_cast<double>(made.trial.failed) / made.trial.tried;
+}
+
+/// The first of a shell, a shell on new triangles (of surfaces with slivers) and displacement fields alone that test
+/// deformations find sound, else the one that fails least. @throws what the first refuses where none can be built.
+Chosen choose(const InitArguments& args, const fs::path& case_file) {
+    log_step("examining " + printable(args.surface, 400));
+    Attempt best;
+    std::vector<std::string> tried;
+    bool has_slivers = false;
+    std::exception_ptr refused;
+    for (const ProposedWay way : {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::fields}) {
+        if (way == ProposedWay::remeshed_shell && !has_slivers) continue;
+        const std::string reason = tried.empty() ? "" : text("Chosen by trial. ", tried.front());
+        Attempt made = attempt(args, case_file, way, reason);
+        if (way == ProposedWay::shell) has_slivers = made.proposal.has_slivers, refused = made.refused;
+        tried.push_back(words_of(way, made));
+        const bool is_first = tried.size() == 1, ends = is_sound(made);
+        if (is_first || ends || failing(made) < failing(best)) best = std::move(made);
+        if (ends) break;
+    }
+    if (!best.built) std::rethrow_exception(refused);
+    return {std::move(best.proposal), std::move(best.built), std::move(best.notes), std::move(tried)};
+}
+
 void init(const InitArguments& args) {
     const fs::path case_file = args.out;
     if (case_file.extension() != ".yaml" && case_file.extension() != ".yml")
@@ -141,13 +238,10 @@ void init(const InitArguments& args) {
             fs::exists(fs::symlink_status(file, ignored)))
             throw InvalidInput(text("init: ", printable(file.string(), 400),
                                     " already exists and is never overwritten; choose another name with -o"));
-    log_step("examining " + printable(args.surface, 400));
-    const ProposedCase proposal = propose_case(args.surface, case_file, {args.evaluations, hold_of(args.hold)});
+    Chosen chosen = choose(args, case_file);
+    const ProposedCase& proposal = chosen.proposal;
+    const BuiltProblem& built = *chosen.built;
     NewFile written(case_file, proposal.yaml);
-    log_step("trying " + printable(case_file.string(), 400));
-    const Case the_case = load_case(case_file, Purpose::run);
-    const BuiltProblem built = build_problem(the_case, Purpose::run);
-    const std::vector<std::string> notes = check_shell(the_case, built.problem);
     write_atomically(svg, picture(built.problem, proposal));
     write_patches(vtp, built.problem);
     written.keep();
@@ -156,13 +250,15 @@ void init(const InitArguments& args) {
                                  {"picture", svg.string()},
                                  {"paraview", vtp.string()},
                                  {"found", proposal.found}};
+        j["tried"] = chosen.tried;
         j["warnings"] = built.warnings;
         fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
         return;
     }
     if (args.quiet) return;
     for (const std::string& line : proposal.found) fmt::print("{}\n", line);
-    for (const std::string& line : notes) fmt::print(stderr, "warning: {}\n", line);
+    for (const std::string& line : chosen.tried) fmt::print("tried        {}\n", line);
+    for (const std::string& line : chosen.notes) fmt::print(stderr, "warning: {}\n", line);
     fmt::print("wrote        {}, {} (open in a browser), {} (ParaView)\n", printable(case_file.string(), 400),
                printable(svg.string(), 400), printable(vtp.string(), 400));
     fmt::print("next         strake check {0}; strake run {0}\n", typed_path(case_file.string()));

@@ -1,6 +1,6 @@
 #include "casefile/build/build_problem.hpp"
 #include "core/error.hpp"
-#include "optimize/evaluate/validity.hpp"
+#include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
 #include "optimize/space/shape_map.hpp"
@@ -29,7 +29,7 @@ public:
         : surface_(p.surface),
           rest_(rest_facts(boxed(p.problem))),
           space_(design_space(rest_, level)),
-          guard_(rest_->surface, rest_->adjacent, {p.problem.fixed, p.problem.symmetry}) {}
+          guard_(guard_of(p.problem, *rest_)) {}
 
     const DesignSpace& space() const { return space_; }
     const SurfacePointer& surface() const { return surface_; }
@@ -37,6 +37,7 @@ public:
     Points shape(const Eigen::VectorXd& x) {
         check(x);
         const ShellDemand wanted = demand(space_, x);
+        if (!rest_->has_shell) return shape_by_fields(x, wanted);
         if (!shell_ || height_ != wanted.prism_height) {
             ShellOptions options = rest_->setup.options;
             options.pin = space_.pin;
@@ -50,7 +51,7 @@ public:
         const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
         if (end.status != SolveStatus::converged) throw EvaluationFailed(to_string(end.status) + ": " + end.reason);
         const Points vertices = with_fields(*rest_, wanted, shell_->vertices());
-        const std::string defect = guard_.defect(vertices, with_fields(*rest_, wanted, shell_->poses(), vertices));
+        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, shell_->poses());
         if (!defect.empty()) {
             if (poses_) shell_->set_poses(*poses_);
             throw EvaluationFailed(defect);
@@ -64,7 +65,7 @@ public:
     Eigen::VectorXd gradient(const Rows& dJ_dv) {
         check_rows(dJ_dv, surface_->num_vertices(), "DesignSpace.gradient: dJ_dv");
         need_shape();
-        return design_gradient(space_, x_, surface_adjoint(*rest_, *shell_, {dJ_dv}, {}, &vertices_).at(0));
+        return design_gradient(space_, x_, surface_adjoint(*rest_, shell_.get(), {dJ_dv}, {}, &vertices_).at(0));
     }
 
     Points response(const Eigen::VectorXd& dx) {
@@ -72,7 +73,7 @@ public:
         need_shape();
         Points out = Points::Zero(surface_->num_vertices(), 3);
         design_response(
-            space_, *shell_,
+            space_, shell_.get(),
             [&](int j, const Points& dv) {
                 if (dx[j] != 0) out += dx[j] * dv;
             },
@@ -87,6 +88,14 @@ public:
     }
 
 private:
+    Points shape_by_fields(const Eigen::VectorXd& x, const ShellDemand& wanted) {
+        x_.resize(0);
+        Points vertices = with_fields(*rest_, wanted, rest_->surface.vertices);
+        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, {});
+        if (!defect.empty()) throw EvaluationFailed(defect);
+        x_ = x;
+        return vertices;
+    }
     void check(const Eigen::VectorXd& x) const {
         if (x.size() != space_.size())
             throw InvalidInput(text("DesignSpace: x has ", x.size(), " numbers, must be ", space_.size()));

@@ -8,6 +8,7 @@
 #include "objectives/fit/measured_points.hpp"
 #include "objectives/fit/target_shape.hpp"
 #include "objectives/geometry/measures.hpp"
+#include "objectives/quantity/closed.hpp"
 #include "optimize/journal/journal.hpp"
 
 #include <algorithm>
@@ -62,8 +63,12 @@ void ProblemBuilder::set_goals() {
     out_.problem.fitting.loss_scale = scale.is_relative_to_diagonal ? scale.value : scale.value / start_.diagonal;
 }
 
-Quantity ProblemBuilder::make(const QuantityEntry&, const VolumeEntry&) { return volume(start_.mesh, case_.symmetry); }
-Quantity ProblemBuilder::make(const QuantityEntry&, const AreaEntry&) { return area(); }
+/// Where there is no shell the surface may be open.
+Quantity ProblemBuilder::make(const QuantityEntry&, const VolumeEntry&) {
+    const bool is_open = !case_.has_shell && !open_edges(start_.mesh, start_.adjacent, case_.symmetry).empty();
+    return is_open ? closed_volume(start_.mesh, case_.symmetry) : volume(start_.mesh, case_.symmetry);
+}
+Quantity ProblemBuilder::make(const QuantityEntry&, const AreaEntry&) { return area(!case_.has_shell); }
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const TargetShapeEntry& target) {
     const TriMesh shape = read_surface(target.file).mesh;
     return target.same_connectivity ? target_shape_same(entry.name, start_.mesh, shape)

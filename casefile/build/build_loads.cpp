@@ -27,6 +27,7 @@ std::vector<char> ProblemBuilder::loaded_by_variables() const {
 
 /// Springs under the loaded region: prescribed loads, and triangles that may carry load variables.
 void ProblemBuilder::set_springs() {
+    if (!case_.has_shell) return;
     const int m = start_.mesh.num_triangles();
     Eigen::VectorXd own = Eigen::VectorXd::Zero(m);
     std::vector<char> loaded = loaded_by_variables(), has_own(m, 0);

@@ -25,7 +25,7 @@ void ProblemBuilder::set_parameters() {
     p.max_variable_ratio = entry.max_variable_ratio;
     p.mirror = entry.mirror;
     p.keeps_smooth_border = entry.keeps_smooth_border;
-    if (purpose_ == Purpose::deform) return;
+    if (purpose_ == Purpose::deform && case_.has_shell) return;
     p.variables_on = marked("parameters.variables_on", entry.variables_on);
     if (!out_.problem.attached.empty()) {  // variables have nothing to move there
         if (p.variables_on.empty()) p.variables_on.assign(start_.mesh.num_triangles(), 1);
@@ -36,6 +36,7 @@ void ProblemBuilder::set_parameters() {
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
     set_user_values();
     if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
+    if (purpose_ == Purpose::deform) return;
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
     if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
         errors_.add(entry.mirror_place,

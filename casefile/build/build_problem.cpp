@@ -13,9 +13,10 @@ BuiltProblem ProblemBuilder::build() {
     Problem& problem = out_.problem;
     problem.name = case_.name;
     problem.symmetry = case_.symmetry;
+    problem.has_shell = case_.has_shell;
     problem.couple_nonmanifold = case_.couple_nonmanifold;
     problem.solver = case_.solver;
-    set_heights();
+    if (problem.has_shell) set_heights();
     set_pins();
     set_attached();
     set_invariance();

@@ -11,6 +11,8 @@
 #include "optimize/space/mirror.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -24,6 +26,15 @@ Box triangle_box(const TriMesh& mesh, const std::vector<int>& triangles) {
             box.max = box.max.cwiseMax(mesh.vertices.row(mesh.triangles(t, k)).transpose());
         }
     return box;
+}
+
+/// The key that moves a cut onto the plane, where it is near. @param off of the edge nearest to the plane, diagonals.
+std::string snap_remedy(double off) {
+    constexpr double near = 1e-2;
+    if (!(off <= near)) return "";
+    const double percent = std::pow(10, std::ceil(std::log10(200 * off)));
+    return text("; the nearest one is ", 100 * off, " % of the diagonal away: symmetry: {snap: ", percent,
+                "%} moves open edges so near to the plane onto it");
 }
 
 }  // namespace
@@ -44,7 +55,7 @@ void ProblemBuilder::read_start() {
     start_.diagonal = box_diagonal(start_.mesh);
     check_symmetry_plane();
     errors_.throw_if_any();
-    SurfaceDemands demands{case_.couple_nonmanifold, false, case_.symmetry};
+    SurfaceDemands demands{!case_.has_shell, case_.couple_nonmanifold, false, case_.symmetry};
     if (purpose_ != Purpose::deform)
         for (const QuantityEntry& quantity : case_.quantities)
             demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
@@ -60,7 +71,7 @@ void ProblemBuilder::read_start() {
 void ProblemBuilder::check_symmetry_plane() {
     if (!case_.symmetry) return;
     const SymmetryPlane& plane = *case_.symmetry;
-    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest;
+    double lowest = std::numeric_limits<double>::infinity(), highest = -lowest, nearest = lowest;
     for (int e = 0; e < start_.adjacent.num_edges(); ++e) {
         if (start_.adjacent.edge_triangles[e].size() != 1) continue;
         const auto [a, b] = start_.adjacent.edges[e];
@@ -69,6 +80,7 @@ void ProblemBuilder::check_symmetry_plane() {
         if (std::max(std::abs(one), std::abs(other)) <= 1e-6 * start_.diagonal) return;
         lowest = std::min({lowest, one, other});
         highest = std::max({highest, one, other});
+        nearest = std::min(nearest, std::max(std::abs(one), std::abs(other)));
     }
     const Eigen::Vector3d& n = plane.normal;
     const std::string shown = text("symmetry: no open edge on the symmetry plane with normal (", n[0], ", ", n[1], ", ",
@@ -78,7 +90,7 @@ void ProblemBuilder::check_symmetry_plane() {
     else
         errors_.add(case_.symmetry_place,
                     text(shown, ": the open edges of the half lie between ", plane.offset + lowest, " and ",
-                         plane.offset + highest, " along that normal"));
+                         plane.offset + highest, " along that normal", snap_remedy(nearest / start_.diagonal)));
 }
 
 Split ProblemBuilder::split() {
@@ -124,10 +136,30 @@ void ProblemBuilder::read_stored() {
     }
 }
 
+/// Fields need no patches: on level 1 there is again the whole.
+PatchHierarchy ProblemBuilder::whole_surface() const {
+    Patch all;
+    all.name = "all";
+    all.triangles.resize(static_cast<std::size_t>(start_.mesh.num_triangles()));
+    std::iota(all.triangles.begin(), all.triangles.end(), 0);
+    all.area = start_.area.sum();
+    PatchLevel level;
+    level.label.assign(all.triangles.size(), 0);
+    level.patches.push_back(std::move(all));
+    PatchLevel next = level;
+    next.patches[0].parent = 0;
+    return {{std::move(level), std::move(next)}};
+}
+
 void ProblemBuilder::build_tree() {
     if (purpose_ == Purpose::deform && !needs_patches(case_.regions, start_.mesh)) return;
     const ParameterEntry& p = case_.parameters;
     PatchHierarchy& tree = out_.problem.tree;
+    if (!case_.has_shell && p.levels_deg.empty() && p.patches_per_level.empty() &&
+        !needs_patches(case_.regions, start_.mesh)) {
+        tree = whole_surface();
+        return;
+    }
     if (!p.levels_deg.empty()) {
         tree = segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
     } else {

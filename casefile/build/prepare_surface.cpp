@@ -1,6 +1,7 @@
 #include "casefile/build/prepare_surface.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
 
 namespace strake {
@@ -62,6 +63,27 @@ void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, 
 
 }  // namespace
 
+Snapped snap_open_edges(const SymmetryPlane& plane, double reach, TriMesh& mesh) {
+    const Adjacency adjacent = adjacency(mesh);
+    Points& x = mesh.vertices;
+    std::vector<char> snaps(static_cast<std::size_t>(mesh.num_vertices()), 0);
+    const auto away = [&](int v) { return plane.normal.dot(x.row(v)) - plane.offset; };
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        const auto [a, b] = adjacent.edges[e];
+        if (adjacent.edge_triangles[e].size() == 1 && std::abs(away(a)) <= reach && std::abs(away(b)) <= reach)
+            snaps[static_cast<std::size_t>(a)] = snaps[static_cast<std::size_t>(b)] = 1;
+    }
+    Snapped done;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        const double off = away(v);
+        if (!snaps[static_cast<std::size_t>(v)] || off == 0) continue;
+        x.row(v) -= off * plane.normal.transpose();
+        done.farthest = std::max(done.farthest, std::abs(off));
+        ++done.vertices;
+    }
+    return done;
+}
+
 PreparedSurface prepare_surface(const Case& the_case) {
     SurfaceFile file = read_surface(the_case.surface);
     check_coordinates(the_case.surface, file.mesh);
@@ -81,7 +103,14 @@ PreparedSurface prepare_surface(const Case& the_case) {
     if (the_case.repair)
         at(the_case.repair->place, [&] { repair_start(*the_case.repair, the_case.symmetry, surface); });
     if (the_case.remesh) at(the_case.remesh->place, [&] { remesh(*the_case.remesh, the_case.stop_wanted, surface); });
-    surface.is_changed = the_case.repair || the_case.remesh;
+    surface.is_changed = the_case.repair || the_case.remesh || the_case.symmetry_snap;
+    if (the_case.symmetry && the_case.symmetry_snap) {
+        const double diagonal = box_diagonal(surface.mesh);
+        const Snapped done = snap_open_edges(*the_case.symmetry, the_case.symmetry_snap->in(diagonal), surface.mesh);
+        surface.notes.push_back(text("symmetry: ", done.vertices,
+                                     " vertices of open edges moved onto the plane, by at ", "most ", done.farthest,
+                                     " (", 100 * done.farthest / diagonal, " % of the diagonal)"));
+    }
     return surface;
 }
 

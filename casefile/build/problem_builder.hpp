@@ -47,6 +47,7 @@ private:
     void check_symmetry_plane();
     Split split();
     void build_tree();
+    PatchHierarchy whole_surface() const;
     void read_stored();
     void evaluate_regions();
     // build_shell.cpp

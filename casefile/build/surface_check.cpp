@@ -157,6 +157,8 @@ std::vector<int> cracked_edges(const StartSurface& start) {
 void check_surface(const std::filesystem::path& file, const StartSurface& start, const SurfaceDemands& demands) {
     const std::string name = printable(file.string(), 400);
     if (start.mesh.num_triangles() == 0) throw SurfaceRefused(text(name, ": the surface has no triangles"));
+    if (!(start.diagonal > 0) || !(start.area.sum() > 0)) throw SurfaceRefused(text(name, ": the surface has no area"));
+    if (demands.any) return;
     const TopologyFacts facts = topology(start.mesh, start.adjacent);
     Report report(start);
     report.triangles(

@@ -5,6 +5,7 @@
 namespace strake {
 
 struct SurfaceDemands {
+    bool any = false;  ///< nothing but triangles and an area
     bool couple_nonmanifold = false;
     bool volume = false;  ///< closed (together with the symmetry plane) and consistently oriented
     std::optional<SymmetryPlane> symmetry;

@@ -68,6 +68,25 @@ void check_thickness(const Case& c, Diagnostics& errors) {
             errors.add(region.place, "regions.default: 'default' is a key of shell.thickness; use another name");
 }
 
+/// Without a shell the fields alone move the surface.
+void check_without_shell(const Value& root, const Case& c, Diagnostics& errors) {
+    if (c.has_shell) return;
+    const auto refuse = [&](const Place& place, const std::string& what) {
+        errors.add(place, what + " an elastic shell, and shell: none leaves it out; remove one of the two");
+    };
+    if (!c.strains.empty()) refuse(c.strains.front().place, "strains need");
+    if (!c.loads.empty()) refuse(c.loads.front().place, "loads need");
+    if (!c.attach.empty()) refuse(c.attach.front().part.place, "attach needs");
+    const Value* parameters = root.find("parameters");
+    const Value* variables = parameters ? parameters->find("variables") : nullptr;
+    if (variables && !variables->entries.empty()) refuse(variables->place, "parameters.variables need");
+    for (const UserVariableEntry& given : c.parameters.user_variables)
+        refuse(given.place, text("parameters.given '", given.name, "' needs"));
+    if (!c.parameters.fields.is_wanted)
+        errors.add(c.shell_place,
+                   "with shell: none the displacement fields alone move the surface; write parameters: {fields: auto}");
+}
+
 void check_levels(const Value& parameters, const ParameterEntry& p, Diagnostics& errors) {
     if (const Value* levels = parameters.find("levels"))
         for (std::size_t k = 1; k < p.levels_deg.size(); ++k)
@@ -300,6 +319,7 @@ void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics
     check_fixed(the_case, errors);
     check_loads(root.find("loads"), errors);
     check_thickness(the_case, errors);
+    check_without_shell(root, the_case, errors);
     check_parameters(root.find("parameters"), the_case, errors);
     check_user_variables(the_case, errors);
     check_program_parameters(root, the_case, errors);

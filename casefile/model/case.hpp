@@ -285,11 +285,14 @@ struct Case {
     Place invariance_place;
     std::optional<SymmetryPlane> symmetry;
     Place symmetry_place;
-    AeroGround aero;  ///< axes and coefficients; its plane is `symmetry`
+    std::optional<Length> symmetry_snap;  ///< open edges so near to the plane are moved onto it
+    AeroGround aero;                      ///< axes and coefficients; its plane is `symmetry`
     Length thickness;
     Place thickness_place;
     std::vector<ThicknessEntry> thickness_by_region;
-    double spring = 0;  ///< lambda_A under loaded regions that state none
+    double spring = 0;      ///< lambda_A under loaded regions that state none
+    bool has_shell = true;  ///< false: `shell: none`
+    Place shell_place;
     bool couple_nonmanifold = false;
     LinearSolver solver = LinearSolver::automatic;
     std::vector<LoadEntry> loads;

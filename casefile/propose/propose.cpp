@@ -1,10 +1,13 @@
 #include "casefile/propose/propose.hpp"
 
+#include "casefile/build/prepare_surface.hpp"
 #include "casefile/propose/propose_parts.hpp"
 #include "casefile/yaml/diagnostics.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/text/shell_word.hpp"
+#include "objectives/geometry/measures.hpp"
 #include "optimize/space/mirror.hpp"
 
 #include <algorithm>
@@ -94,12 +97,13 @@ std::string hold_text(ProposedHold hold, const std::vector<ProposedRegion>& regi
            "none\n";
 }
 
-std::string symmetry_text(const SymmetryPlane& plane) {
+std::string symmetry_text(const SymmetryPlane& plane, const std::optional<NearCut>& cut) {
     const char axis = axis_letter(plane.normal);
+    const std::string snap = cut ? text(", snap: ", cut->percent, "%") : "";
     return "\n# Half model: the open edges lie on this plane, and the mirror image is accounted for. If this "
            "opening\n"
            "# is not a symmetry plane, delete this line.\nsymmetry: {plane: " +
-           std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + "}\n";
+           std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + snap + "}\n";
 }
 
 /// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal.
@@ -184,7 +188,7 @@ std::string change_text(double rms, const std::string& of) {
                   text("(", shown.str(), ")^2: mean square displacement, ", of));
 }
 
-std::string goal_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half, bool has_volume) {
+std::string goal_text(const RepairedSurface& surface, double thickness, bool has_volume) {
     const double diagonal = surface.checkup.diagonal;
     std::string out =
         "\n# REPLACE THIS by your objective: a built-in quantity (docs/objectives.md) or your own program "
@@ -195,7 +199,7 @@ std::string goal_text(const RepairedSurface& surface, const std::optional<Symmet
     if (!has_volume)
         return out + padded("objective: {minimize: area}", "the surface encloses no volume") + stays +
                "constraints:\n" + change_text(0.005 * diagonal, "0.5 % of the diagonal");
-    const double thickness = mean_thickness(surface, half), rms = std::min(0.05 * thickness, 0.01 * diagonal);
+    const double rms = std::min(0.05 * thickness, 0.01 * diagonal);
     return out + "objective: {maximize: volume}\n" + stays + "constraints:\n" +
            padded("  area: {max: 1.01, relative: true}", "at most 1 % more than at the start") +
            change_text(rms, rms < 0.01 * diagonal ? "5 % of the mean thickness" : "1 % of the diagonal");
@@ -205,6 +209,35 @@ std::string goal_text(const RepairedSurface& surface, const std::optional<Symmet
 bool has_slivers(const Checkup& c) { return c.quality.fifth_percentile < 1e-4; }
 
 double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
+
+/// Volume is defined for fields wherever the surface, closed by cones, encloses some.
+std::optional<double> volume_in_cones(const TriMesh& mesh, const std::optional<SymmetryPlane>& half) {
+    try {
+        return closed_volume(mesh, half).evaluate({mesh, false, 1, 0, {}}).values.at(0);
+    } catch (const InvalidInput&) {
+        return {};
+    }
+}
+
+std::string remesh_text(const std::string& reason) {
+    return (reason.empty() ? "" : "\n# " + reason) + "\n" +
+           padded("remesh: {edge_length: auto}", "new triangles for the same shape; regions refer to them");
+}
+
+/// Fields alone: nothing has to be held.
+std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason) {
+    std::string out =
+        "\n# No elastic shell: displacement fields, smooth motions of space, move the body as it is, whatever its "
+        "triangles are.\n";
+    if (!reason.empty()) out += "# " + reason + "\n";
+    out +=
+        "# Nothing is held; motions of the whole body are left out. To hold something, declare a region and name it "
+        "under fixed.\nshell: none\nparameters:\n";
+    out += padded("  fields: auto", "27 at first, then those that the gradient asks for; strake check lists them");
+    out += padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
+    if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
+    return out;
+}
 
 std::vector<std::string> sentences(const RepairedSurface& surface, const std::vector<ProposedRegion>& regions,
                                    const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
@@ -238,6 +271,19 @@ std::vector<std::string> sentences(const RepairedSurface& surface, const std::ve
     return found;
 }
 
+std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
+                                             const std::optional<SymmetryPlane>& mirror, bool has_volume) {
+    std::vector<std::string> found;
+    for (std::size_t i = 0; i < surface.keys.size(); ++i)
+        found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
+    if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
+    if (mirror) found.push_back("the body is symmetric; so are the fields");
+    found.push_back("nothing is held");
+    found.push_back(has_volume ? "objective: the volume; replace it"
+                               : "objective: the area (the surface encloses no volume); replace it");
+    return found;
+}
+
 }  // namespace
 
 ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
@@ -245,27 +291,43 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     if (options.evaluations < 1) throw InvalidInput(text("evaluations = ", options.evaluations, " must be >= 1"));
     SurfaceFile read = read_surface(file);
     check_coordinates(file, read.mesh);
-    const RepairedSurface surface = repaired(file, std::move(read.mesh));
+    const std::optional<NearCut> cut = near_cut(read.mesh);
+    if (cut) snap_open_edges(cut->plane, cut->percent / 100 * box_diagonal(read.mesh), read.mesh);
+    const bool by_fields = options.way == ProposedWay::fields;
+    const RepairedSurface surface = by_fields ? as_it_is(std::move(read.mesh)) : repaired(file, std::move(read.mesh));
     const auto half = half_plane(surface.checkup);
     const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
-    const auto mirror = whole && surface.checkup.facts.components == 1 ? whole : std::nullopt;
+    const auto mirror = whole && (by_fields || surface.checkup.facts.components == 1) ? whole : std::nullopt;
     ProposedCase proposal;
-    const auto regions = held_regions(surface, half, mirror, proposal.down);
-    proposal.has_volume = encloses_volume(surface, half);
+    std::vector<ProposedRegion> regions;
+    if (!by_fields) regions = held_regions(surface, half, mirror, proposal.down);
+    const std::optional<double> volume = by_fields ? volume_in_cones(surface.mesh, half) : std::nullopt;
+    proposal.has_volume = by_fields ? volume.has_value() : encloses_volume(surface, half);
+    const double thickness = by_fields ? 2 * volume.value_or(0) / surface.checkup.area : mean_thickness(surface, half);
+    proposal.has_slivers = has_slivers(surface.checkup);
+    const auto& pairs = surface.checkup.pairs;
+    proposal.is_dirty = proposal.has_slivers || surface.couple || !pairs || !pairs->apart.empty();
     proposal.plane = half ? half : mirror;
-    proposal.found = sentences(surface, regions, half, mirror, proposal.has_volume, options.hold);
+    proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume)
+                               : sentences(surface, regions, half, mirror, proposal.has_volume, options.hold);
+    if (cut)
+        proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
+                                      " and is moved onto it (symmetry.snap)"));
+    if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const std::string shown = case_file.filename().string();
+    const std::string shell =
+        "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
+        padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
+        (surface.couple ? padded("  nonmanifold: couple", "edges with more than two triangles") : "");
     proposal.yaml =
         "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
-        hold_text(options.hold, regions) + (half ? symmetry_text(*half) : "") +
+        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") +
+        (by_fields ? "" : hold_text(options.hold, regions)) + (half ? symmetry_text(*half, cut) : "") +
         axes_text(surface.checkup, proposal.plane, proposal.down) +
-        "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
-        padded(text("  thickness: ", thickness_percent(surface.checkup), "%"), "of the diagonal") +
-        (surface.couple ? padded("  nonmanifold: couple", "edges with more than two triangles") : "") +
-        parameters_text(surface, mirror, options.hold) + goal_text(surface, half, proposal.has_volume) +
-        "\noptimize:\n" +
+        (by_fields ? fields_text(mirror, options.reason) : shell + parameters_text(surface, mirror, options.hold)) +
+        goal_text(surface, thickness, proposal.has_volume) + "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
     return proposal;
 }

@@ -17,9 +17,18 @@ enum class ProposedHold {
     none    ///< nothing: fields alone, which neither move nor turn the body in the mean
 };
 
+/// How the surface is made to move.
+enum class ProposedWay {
+    shell,           ///< an elastic shell on the surface, mended where it must be
+    remeshed_shell,  ///< the same on new triangles
+    fields           ///< displacement fields alone (`shell: none`), on the surface as it is; nothing is held
+};
+
 struct ProposalOptions {
     int evaluations = 60;  ///< budget, >= 1
-    ProposedHold hold = ProposedHold::band;
+    ProposedHold hold = ProposedHold::band;  ///< not of `ProposedWay::fields`, which hold nothing
+    ProposedWay way = ProposedWay::shell;
+    std::string reason;  ///< why this way, for the case and `found`; empty: nothing is said
 };
 
 /// A guess, with the reason that is written beside it.
@@ -33,6 +42,8 @@ struct ProposedCase {
     std::optional<SymmetryPlane> plane;              ///< of the half model, or of the whole one
     Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< toward the ground, if the body seems to stand; zero: unknown
     bool has_volume = false;
+    bool has_slivers = false;  ///< which new triangles would replace
+    bool is_dirty = false;     ///< slivers, parts that pierce each other or edges of more than two triangles remain
 };
 
 /// Proposes a case for the surface in `file`: its repairs (only what it needs), symmetry (of a half model with an open

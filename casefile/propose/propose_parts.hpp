@@ -15,8 +15,21 @@ struct RepairedSurface {
 /// @throws InputError if no repair helps.
 RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh);
 
+/// The surface as it is for displacement fields, which need no repair but that its triangles agree on what is outside.
+RepairedSurface as_it_is(TriMesh mesh);
+
 /// The plane of a half model: the coordinate plane in which its open boundary lies.
 std::optional<SymmetryPlane> half_plane(const Checkup& checkup);
+/// A half whose cut is not quite planar: `symmetry.snap` moves it onto the plane.
+struct NearCut {
+    SymmetryPlane plane;
+    double percent = 0;    ///< of the diagonal, for `symmetry.snap`
+    double deviation = 0;  ///< largest distance of its edges from the plane
+};
+/// The largest open border, where it lies within 1e-4 of the diagonal of a coordinate plane, but not of 1e-6, with all
+/// of the surface on one side.
+std::optional<NearCut> near_cut(const TriMesh& mesh);
+
 /// Every open edge lies on the plane, and neighbours agree.
 bool encloses_volume(const RepairedSurface& surface, const std::optional<SymmetryPlane>& plane);
 

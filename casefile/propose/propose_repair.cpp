@@ -1,6 +1,7 @@
 #include "casefile/propose/propose_parts.hpp"
 #include "casefile/yaml/diagnostics.hpp"
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/repair/repair.hpp"
 
 #include <algorithm>
@@ -20,6 +21,14 @@ public:
         result.keys.push_back(key);
         result.why.push_back(why);
     }
+    void orientation(const Checkup& c) {
+        const TopologyFacts& f = c.facts;
+        if (f.misoriented_edges.empty() && c.inward_components == 0) return;
+        add("orient: true", f.misoriented_edges.empty()
+                                ? text(c.inward_components, " closed parts face inward")
+                                : text("at ", f.misoriented_edges.size(), " edges the orientation changes"));
+        options.orient = true;
+    }
     void topology(const Checkup& c) {
         const TopologyFacts& f = c.facts;
         if (!f.duplicate_vertices.empty() && !f.boundary_loops.empty()) {
@@ -38,12 +47,7 @@ public:
             add("cracks: 1e-3%", text(c.crack_vertices.size(), " open vertices nearly coincide with others"));
             options.cracks = 1e-5 * diagonal_;
         }
-        if (!f.misoriented_edges.empty() || c.inward_components > 0) {
-            add("orient: true", f.misoriented_edges.empty()
-                                    ? text(c.inward_components, " closed parts face inward")
-                                    : text("at ", f.misoriented_edges.size(), " edges the orientation changes"));
-            options.orient = true;
-        }
+        orientation(c);
         if (!f.nonmanifold_edges.empty()) {
             add("split: true", text(f.nonmanifold_edges.size(), " edges have more than two triangles"));
             options.split = true;
@@ -108,6 +112,47 @@ RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh) {
     result.mesh = std::move(mesh);
     result.checkup = std::move(found);
     return result;
+}
+
+RepairedSurface as_it_is(TriMesh mesh) {
+    Checkup found = checkup(mesh);
+    Needs needs(found.diagonal);
+    needs.orientation(found);
+    RepairedSurface& result = needs.result;
+    if (!result.keys.empty()) {
+        RepairResult done = repair(std::move(mesh), needs.options);
+        mesh = std::move(done.mesh);
+        found = std::move(done.after);
+    }
+    result.mesh = std::move(mesh);
+    result.checkup = std::move(found);
+    return result;
+}
+
+std::optional<NearCut> near_cut(const TriMesh& mesh) {
+    constexpr double planar = 1e-6, nearly = 1e-4, size_of_cut = 0.2;  // of the diagonal
+    const Adjacency adjacent = adjacency(mesh);
+    const double diagonal = box_diagonal(mesh);
+    std::vector<int> largest;
+    double size = size_of_cut * diagonal;
+    for (const std::vector<int>& loop : topology(mesh, adjacent).boundary_loops) {
+        const Points at = mesh.vertices(loop, Eigen::all);
+        const double own = (at.colwise().maxCoeff() - at.colwise().minCoeff()).norm();
+        if (own > size) size = own, largest = loop;
+    }
+    if (largest.empty()) return {};
+    const Points border = mesh.vertices(largest, Eigen::all);
+    for (int k = 0; k < 3; ++k) {
+        const double low = border.col(k).minCoeff(), high = border.col(k).maxCoeff(), middle = 0.5 * (low + high);
+        if (high - low > 2 * nearly * diagonal) continue;
+        const double at = std::abs(middle) <= nearly * diagonal ? 0 : middle;
+        const double deviation = std::max(std::abs(low - at), std::abs(high - at));
+        const bool on_one_side = mesh.vertices.col(k).minCoeff() > low - nearly * diagonal ||
+                                 mesh.vertices.col(k).maxCoeff() < high + nearly * diagonal;
+        if (deviation <= planar * diagonal || deviation > nearly * diagonal || !on_one_side) continue;
+        return NearCut{{Eigen::Vector3d::Unit(k), at}, 0.02, deviation};
+    }
+    return {};
 }
 
 std::optional<SymmetryPlane> half_plane(const Checkup& checkup) {

@@ -3,6 +3,8 @@
 namespace strake {
 
 void CaseReader::read_shell(const Value& map) {
+    case_.shell_place = map.place;
+    case_.has_shell = map.form == Value::Form::map;
     if (const Value* spring = map.find("spring")) case_.spring = spring->number;
     if (const Value* mode = map.find("nonmanifold")) case_.couple_nonmanifold = mode->text == "couple";
     if (const Value* solver = map.find("solver"))

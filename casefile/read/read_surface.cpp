@@ -98,6 +98,7 @@ void CaseReader::read_symmetry(const Value& map) {
     case_.symmetry = symmetry;
     case_.symmetry_place = map.place;
     case_.aero.symmetry = symmetry;
+    if (const Value* snap = map.find("snap")) case_.symmetry_snap = length_of(*snap);
     const Value* coefficients = map.find("coefficients");
     case_.aero.whole_coefficients = coefficients && coefficients->text == "whole";
     // The case of a run folder holds every key; without this one it began when there were no such rules.

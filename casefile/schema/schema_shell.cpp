@@ -6,6 +6,11 @@ namespace {
 std::vector<Key> stiffness_keys() {
     return {
         {.path = "shell", .doc = "The elastic shell on the surface.", .fallback = "{}"},
+        {.path = "shell",
+         .type = Type::word,
+         .doc = "none: no shell is built, and parameters.fields alone move the surface (by default all of them). It "
+                "may then be any that can be read: piercing itself, of slivers, of many parts, not manifold.",
+         .words = {"none"}},
         {.path = "shell.thickness",
          .type = Type::length,
          .doc = "Full thickness of the shell; a thicker shell bends less.",

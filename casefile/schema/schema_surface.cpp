@@ -236,6 +236,13 @@ std::vector<Key> held_keys() {
          .type = Type::coordinate,
          .doc = "Distance of the plane from the origin along the unit normal.",
          .fallback = "0"},
+        {.path = "symmetry.snap",
+         .type = Type::length,
+         .doc =
+             "Open edges at most so far from the plane are moved onto it, before anything else but repair and remesh; "
+             "for cuts that are nearly planar. Default: none is moved, and both ends of the cut's edges must lie "
+             "within 1e-6 of the diagonal.",
+         .limits = positive},
         {.path = "symmetry.coefficients",
          .type = Type::word,
          .doc = "Force and moment coefficients of newtonian, friction and wave_drag are those of the half that is "

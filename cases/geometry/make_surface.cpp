@@ -1,4 +1,5 @@
 #include "cases/geometry/closed_body.hpp"
+#include "cases/geometry/dirty_body.hpp"
 #include "cases/geometry/lifting_body.hpp"
 #include "cases/geometry/slender_body.hpp"
 #include "cases/geometry/waverider.hpp"
@@ -56,27 +57,40 @@ const std::map<std::string, Kind> kinds{
     {"wavy_body", {6'000, [](int n) { return strake::example::wavy_body(n); }}},
 };
 
+std::string dirty_kinds() {
+    std::string words;
+    for (const std::string& kind : strake::example::dirty_body_kinds()) words += (words.empty() ? "" : ", ") + kind;
+    return words;
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     CLI::App app{"Makes an example surface from its definition", "make_surface"};
     std::string name, file;
     int triangles = 0;
-    app.add_option(
-           "surface", name,
-           "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid, wavy_body, nacelle, engine, "
-           "winged_vehicle, waverider (closed; cells of the last one crowd towards its edges), naca0012 (open ends)")
+    unsigned seed = 1;
+    std::vector<std::string> names = strake::example::dirty_body_kinds();
+    for (const auto& [kind, made] : kinds) names.push_back(kind);
+    app.add_option("surface", name,
+                   "wing (half model, open at y = 0), lifting_body, bluff_body, ellipsoid, wavy_body, nacelle, engine, "
+                   "winged_vehicle, waverider (closed; cells of the last one crowd towards its edges), naca0012 (open "
+                   "ends); and of a fixed size: " +
+                       dirty_kinds())
         ->required()
-        ->check(CLI::IsMember(kinds));
+        ->check(CLI::IsMember(names));
     app.add_option("--triangles", triangles,
                    "wanted number; defaults: wing 22000, lifting_body 30000, naca0012 10000, wavy_body 6000, engine "
                    "2000, winged_vehicle and waverider 100000, others 5000")
         ->check(CLI::Range(1, 5'000'000));
+    app.add_option("--seed", seed, "of the bodies of a fixed size (default: 1)");
     app.add_option("-o,--out", file, "surface file: .stl .obj .ply .off .tri")->required();
     CLI11_PARSE(app, argc, argv);
     try {
-        const Kind& kind = kinds.at(name);
-        const TriMesh mesh = kind.make(triangles > 0 ? triangles : kind.triangles);
+        const auto kind = kinds.find(name);
+        const TriMesh mesh = kind == kinds.end()
+                                 ? strake::example::dirty_body(name, seed)
+                                 : kind->second.make(triangles > 0 ? triangles : kind->second.triangles);
         strake::write_surface(file, mesh, strake::format_of(file));
         std::fprintf(stderr, "%s: %d vertices, %d triangles\n", file.c_str(), mesh.num_vertices(),
                      mesh.num_triangles());

@@ -304,15 +304,20 @@ VectorXd DisplacementFields::gradient(const Points& dJ_dv) const {
 }
 
 std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
+    std::vector<Matrix3d> turn = local_maps(z);
+    for (Matrix3d& F : turn) F = F.determinant() > 0 ? polar_rotation(F) : Matrix3d(Matrix3d::Identity());
+    return turn;
+}
+
+std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
     const Coefficients sum = combined(z);
-    std::vector<Matrix3d> turn(static_cast<std::size_t>(centroid_.rows()), Matrix3d::Identity());
+    std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
         const auto [u, by_local] = PointValues(frame_, powers_, sum, centroid_.row(t));
-        const Matrix3d F =
+        maps[static_cast<std::size_t>(t)] =
             Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
-        if (F.determinant() > 0) turn[static_cast<std::size_t>(t)] = polar_rotation(F);
     }
-    return turn;
+    return maps;
 }
 
 }  // namespace strake

@@ -62,6 +62,8 @@ public:
     Points field(int b) const;                            ///< n x 3, at z_b = 1
     Points displacement(const Eigen::VectorXd& z) const;  ///< n x 3: sum_b z_b field(b)
     Eigen::VectorXd gradient(const Points& dJ_dv) const;  ///< dJ/dz, exactly: the transpose of `displacement`
+    /// Per triangle: I + grad u at its centroid, the linear part of the map x -> x + u(x) there.
+    std::vector<Eigen::Matrix3d> local_maps(const Eigen::VectorXd& z) const;
     /// Per triangle: the rotation of the map x -> x + u(x) at its centroid, the polar part of I + grad u; the identity
     /// where the map is not locally invertible (determinant <= 0).
     std::vector<Eigen::Matrix3d> rotations(const Eigen::VectorXd& z) const;

@@ -129,10 +129,10 @@ Quantity volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmet
     return quantity;
 }
 
-Quantity area() {
+Quantity area(bool zero_areas) {
     Quantity quantity;
     quantity.names = {"area"};
-    quantity.evaluate = [](const QuantityRequest& request) {
+    quantity.evaluate = [zero_areas](const QuantityRequest& request) {
         const TriMesh& mesh = request.surface;
         if (auto failure = vertices_finite("area", mesh)) return QuantityResult{{}, {}, failure};
         if (!request.want_sensitivities) return finite({"area"}, one_value(surface_area(mesh), {}));
@@ -141,6 +141,7 @@ Quantity area() {
         for (int t = 0; t < mesh.num_triangles(); ++t) {
             const Vector3d s = area_vector(mesh, t);
             const double A = s.stableNorm();
+            if (A == 0 && zero_areas) continue;
             if (!(A > 0))
                 return QuantityResult{
                     {}, {}, Failure{"undefined", text("area: triangle ", t, " has area 0, no sensitivity there")}};

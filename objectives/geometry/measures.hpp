@@ -13,8 +13,15 @@ namespace strake {
 /// `evaluate` fails with kind `undefined` on a surface that is not finite.
 Quantity volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmetry = {});
 
+/// Volume of any surface, length cubed: the integral of its winding number. What pierces itself counts as often as it
+/// is enclosed, what faces inward counts negatively. Open edges are closed by cones: those that are connected (over
+/// vertices) share an apex, the mean of their ends weighted by their lengths at the start. The same as `volume` where
+/// that is defined. @throws InvalidInput when the volume is zero at the start.
+Quantity closed_volume(const TriMesh& start, const std::optional<SymmetryPlane>& symmetry = {});
+
 /// Surface area, length squared; for a half model, the area of the half. Fails with kind `undefined` when sensitivities
 /// are requested and a triangle has zero area (the area is not differentiable there), or when the area is not finite.
-Quantity area();
+/// @param zero_areas triangles of zero area are allowed; their derivative is taken as zero, a subgradient.
+Quantity area(bool zero_areas = false);
 
 }  // namespace strake

@@ -60,7 +60,8 @@ std::vector<Points> smooth_loads(const RestFacts& rest, int count) {
 /// area.
 std::vector<TypicalMotion> soft_modes(const DesignSpace& space, int count) {
     const RestFacts& rest = *space.rest;
-    PrimoShell shell = shell_at_rest(space);
+    const std::unique_ptr<PrimoShell> shell = shell_at_rest(space);
+    if (!shell) return {};
     const int block = count + 3;
     const VectorXd weight = rest.vertex_area.cwiseSqrt();
     VectorXd inverse = VectorXd::Zero(weight.size());
@@ -72,7 +73,7 @@ std::vector<TypicalMotion> soft_modes(const DesignSpace& space, int count) {
         const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(modes.rows(), block);
         std::vector<Points> forces = motions_of(basis, weight);
         for (Points& force : forces) force = kept_forces(rest, force);
-        modes = flat(surface_response(rest, shell, forces, mode_tolerance, nullptr), weight);
+        modes = flat(surface_response(rest, shell.get(), forces, mode_tolerance, nullptr), weight);
         ritz = basis.transpose() * modes;
     }
     const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (ritz + ritz.transpose()));

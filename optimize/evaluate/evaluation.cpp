@@ -176,7 +176,7 @@ void ShapeEvaluator::differentiate(ShapeEvaluation& evaluation) {
     options.tolerance = gradient_tolerance;
     options.prism_height = space().changes_height() || std::ranges::count(kinds, VariableKind::stiffness) > 0;
     try {
-        evaluation.sensitivities = surface_adjoint(*rest_, shell(), evaluation.dJ_dv, options, &evaluation.vertices);
+        evaluation.sensitivities = solver_.adjoint(evaluation.dJ_dv, options, evaluation.vertices);
     } catch (const SolverError& error) {  // an equilibrium on the brink of buckling
         evaluation.status = EvaluationStatus::unstable;
         evaluation.reason = error.what();

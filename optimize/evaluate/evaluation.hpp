@@ -70,8 +70,9 @@ public:
     const std::vector<std::string>& names() const { return calls_.names(); }
     int index_of(const std::string& name) const {
         return calls_.index_of(name);
-    }                                                ///< @throws InvalidInput with the known names
-    PrimoShell& shell() { return solver_.shell(); }  ///< at the equilibrium of the last evaluation, if that was ok
+    }  ///< @throws InvalidInput with the known names
+    /// At the equilibrium of the last evaluation, if that was ok; null: the problem has none.
+    PrimoShell* shell() { return solver_.shell(); }
     const DesignSpace& space() const { return solver_.space(); }
 
 private:

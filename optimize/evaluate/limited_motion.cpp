@@ -104,7 +104,7 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     options.prism_height =
         space.changes_height() || std::ranges::count(space.rest->parameters.kinds, VariableKind::stiffness) > 0;
     try {
-        at.sensitivities = surface_adjoint(*space.rest, solver.shell(), functionals, options, &vertices);
+        at.sensitivities = solver.adjoint(functionals, options, vertices);
     } catch (const SolverError&) {  // on the brink of buckling nothing is known of steps
         return {};
     }

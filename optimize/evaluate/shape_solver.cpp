@@ -1,6 +1,8 @@
 #include "optimize/evaluate/shape_solver.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
+#include "optimize/space/shape_map.hpp"
 
 namespace strake {
 namespace {
@@ -27,9 +29,20 @@ std::string to_string(EvaluationStatus status) {
     return "unknown";
 }
 
+ValidityGuard guard_of(const Problem& problem, const RestFacts& rest) {
+    return {rest.surface,
+            rest.adjacent,
+            {problem.fixed, problem.symmetry, attached_triangles(problem), !problem.has_shell}};
+}
+
+std::string defect_of(const ValidityGuard& guard, const RestFacts& rest, const ShellDemand& demand,
+                      const Points& vertices, const Poses& of_shell) {
+    if (rest.has_shell) return guard.defect(vertices, with_fields(rest, demand, of_shell, vertices));
+    return guard.defect(vertices, rest.parameters.fields->local_maps(demand.fields));
+}
+
 ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
-    : rest_(std::move(rest)),
-      guard_(rest_->surface, rest_->adjacent, {problem.fixed, problem.symmetry, attached_triangles(problem)}) {}
+    : rest_(std::move(rest)), guard_(guard_of(problem, *rest_)) {}
 
 void ShapeSolver::enter(const DesignSpace& space) {
     space_ = space;
@@ -94,6 +107,10 @@ bool ShapeSolver::settle(const Eigen::VectorXd& x, ShapeEvaluation& result) {
 
 bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     const ShellDemand wanted = demand(space_, x);
+    if (!rest_->has_shell) {
+        shell_demand_ = wanted;
+        return at_equilibrium(x, result);
+    }
     build_shell(wanted);
     if (rest_->parameters.fields && shell_x_.size() > 0 && wanted.same_shell(shell_demand_)) {
         shell_demand_ = wanted;
@@ -130,16 +147,21 @@ bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
 /// The shell is in the equilibrium of `shell_demand_`, beside which the fields move the surface.
 bool ShapeSolver::at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     shell_x_ = x;
-    result.vertices = with_fields(*rest_, shell_demand_, shell_->vertices());
+    result.vertices = with_fields(*rest_, shell_demand_, shell_ ? shell_->vertices() : rest_->surface.vertices);
     return true;
+}
+
+std::vector<ShellSensitivities> ShapeSolver::adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options,
+                                                     const Points& surface) {
+    return surface_adjoint(*rest_, shell_.get(), dJ_dv, options, &surface);
 }
 
 bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     last_.reset();
     if (!settle(x, result)) return false;
-    last_ = shell_->poses();
+    last_ = shell_ ? shell_->poses() : Poses{};
     last_x_ = x;
-    result.reason = guard_.defect(result.vertices, with_fields(*rest_, shell_demand_, *last_, result.vertices));
+    result.reason = defect_of(guard_, *rest_, shell_demand_, result.vertices, *last_);
     if (result.reason.empty()) return true;
     result.status = EvaluationStatus::invalid;
     result.vertices.resize(0, 3);
@@ -167,7 +189,8 @@ bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
 }
 
 bool ShapeSolver::begin_from(const Poses& poses, const Eigen::VectorXd& x, ShapeEvaluation& result) {
-    accepted_ = poses;
+    accepted_.reset();  // a design of a run without a shell has no poses: from rest
+    if (!rest_->has_shell || !poses.rotation.empty()) accepted_ = poses;
     if (!is_valid(x, result)) return false;
     remember(x);
     accept();

@@ -9,6 +9,14 @@
 /// From a design to its surface: x -> loads -> equilibrium -> a valid surface. Internal to the evaluator.
 namespace strake {
 
+/// The guard of a problem's shapes.
+ValidityGuard guard_of(const Problem& problem, const RestFacts& rest);
+
+/// What the guard says of a surface in the equilibrium of `demand`. @param of_shell poses of its prisms; without a
+/// shell none are looked at.
+std::string defect_of(const ValidityGuard& guard, const RestFacts& rest, const ShellDemand& demand,
+                      const Points& vertices, const Poses& of_shell);
+
 /// Keeps the shell, its factor and the poses of the last shapes between designs. Not thread-safe.
 class ShapeSolver {
 public:
@@ -42,7 +50,11 @@ public:
         if (last_) accepted_ = last_;
     }
 
-    PrimoShell& shell() { return *shell_; }
+    PrimoShell* shell() { return shell_.get(); }  ///< null: the problem has none
+    /// At the equilibrium of the last shape, `surface` (n x 3), one adjoint solve each; without a shell what is left is
+    /// `vertex`.
+    std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options,
+                                            const Points& surface);
     /// The shell is at the equilibrium of x.
     bool is_at(const Eigen::VectorXd& x) const { return shell_x_.size() == x.size() && shell_x_ == x; }
 

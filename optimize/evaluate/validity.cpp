@@ -10,12 +10,20 @@ namespace strake {
 namespace {
 
 constexpr double smallest_share = 1e-3;
+constexpr double least_determinant = 0.05;  ///< of a map that does not fold
+constexpr double chord_slack = 2;           ///< the estimate of a chord error, and how much a map shrinks
+constexpr double sliver = 1e-3;             ///< height over longest edge of triangles that say nothing
 constexpr double foldable_below = 120 * std::numbers::pi / 180, folded_above = 170 * std::numbers::pi / 180;
 
-double smallest_height(const Points& v, const Eigen::RowVector3i& t, double area) {
+double longest_edge(const Points& v, const Eigen::RowVector3i& t) {
     double longest = 0;
     for (int k = 0; k < 3; ++k) longest = std::max(longest, (v.row(t[(k + 1) % 3]) - v.row(t[k])).squaredNorm());
-    return longest > 0 ? 2 * area / std::sqrt(longest) : 0;
+    return std::sqrt(longest);
+}
+
+double smallest_height(const Points& v, const Eigen::RowVector3i& t, double area) {
+    const double longest = longest_edge(v, t);
+    return longest > 0 ? 2 * area / longest : 0;
 }
 
 std::string place(const Eigen::Vector3d& x) { return text("at (", x[0], ", ", x[1], ", ", x[2], ")"); }
@@ -70,9 +78,19 @@ ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, con
     if (!options.attached.empty()) let_cuts_wander(rest, adjacent, options.attached);
     for (int t = 0; t < triangles_.rows(); ++t)
         height_[t] = smallest_height(rest.vertices, triangles_.row(t), area_[t]);
+    if (options.by_map) {
+        std::vector<std::array<int, 2>> pairs = tree_.at_rest().apart;
+        pairs.insert(pairs.end(), tree_.at_rest().adjacent.begin(), tree_.at_rest().adjacent.end());
+        contacts_.emplace(rest, adjacent, std::move(pairs));
+        is_sliver_.resize(static_cast<std::size_t>(triangles_.rows()));
+        for (int t = 0; t < triangles_.rows(); ++t)
+            is_sliver_[static_cast<std::size_t>(t)] =
+                !(height_[t] > sliver * longest_edge(rest.vertices, triangles_.row(t)));
+    }
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (!adjacent.is_regular(e)) continue;
         const int a = adjacent.edge_triangles[e][0], b = adjacent.edge_triangles[e][1];
+        if (!is_sliver_.empty() && (is_sliver_[a] || is_sliver_[b])) continue;
         if (dihedral(normal_.row(a), normal_.row(b)) >= foldable_below) continue;
         hinge_.push_back({a, b});
         hinge_edge_.push_back(adjacent.edges[e]);
@@ -88,18 +106,61 @@ void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjace
             piercing_.insert(std::minmax(component_[s], component_[t]));
 }
 
+void ValidityGuard::check_size(Eigen::Index vertices, std::size_t per_triangle, const char* of) const {
+    if (vertices != rest_.rows() || static_cast<Eigen::Index>(per_triangle) != triangles_.rows())
+        throw InvalidInput(text("validity guard: ", vertices, " vertices and ", per_triangle, " ", of, ", expected ",
+                                rest_.rows(), " and ", triangles_.rows()));
+}
+
 std::string ValidityGuard::defect(const Points& vertices, const Poses& poses) const {
-    if (vertices.rows() != rest_.rows() || static_cast<Eigen::Index>(poses.rotation.size()) != triangles_.rows())
-        throw InvalidInput(text("validity guard: ", vertices.rows(), " vertices and ", poses.rotation.size(),
-                                " poses, expected ", rest_.rows(), " and ", triangles_.rows()));
+    check_size(vertices.rows(), poses.rotation.size(), "poses");
+    const auto turned = [&](int t) { return Eigen::Vector3d(poses.rotation[t] * Eigen::Vector3d(normal_.row(t))); };
+    return defect(vertices, turned, nullptr);
+}
+
+std::string ValidityGuard::defect(const Points& vertices, const std::vector<Eigen::Matrix3d>& maps) const {
+    check_size(vertices.rows(), maps.size(), "maps");
+    if (!contacts_) throw InvalidInput("validity guard: it was made for a surface that no map of space moves");
+    std::string words = folding(maps);
+    if (!words.empty()) return words;
+    const auto image = [&](int t) {
+        const Eigen::Matrix3d& F = maps[static_cast<std::size_t>(t)];
+        const Eigen::Vector3d n = normal_.row(t);  // the cofactors turn normals: det F > 0
+        return Eigen::Vector3d(F.determinant() * F.transpose().inverse() * n);
+    };
+    return defect(vertices, image, &maps);
+}
+
+std::string ValidityGuard::folding(const std::vector<Eigen::Matrix3d>& maps) const {
+    Finding folds;
+    for (std::size_t t = 0; t < maps.size(); ++t)
+        if (!(maps[t].determinant() > least_determinant)) folds.add(static_cast<int>(t));
+    if (folds.count == 0) return {};
+    return text("the displacement fields fold space at triangle ", folds.first, " (", folds.count, " in all), ",
+                place(centre(rest_, triangles_.row(folds.first))), " at rest");
+}
+
+/// By how much the edges miss the linear part of the map: more than any point of the flat triangle does.
+double ValidityGuard::chord_error(int t, const Points& vertices, const Eigen::Matrix3d& map) const {
+    double largest = 0;
+    for (int k = 0; k < 3; ++k) {
+        const int a = triangles_(t, k), b = triangles_(t, (k + 1) % 3);
+        const Eigen::Vector3d rest = (rest_.row(b) - rest_.row(a)).transpose();
+        largest = std::max(largest, ((vertices.row(b) - vertices.row(a)).transpose() - map * rest).norm());
+    }
+    return largest;
+}
+
+std::string ValidityGuard::defect(const Points& vertices, const Expected& expected,
+                                  const std::vector<Eigen::Matrix3d>* maps) const {
     for (int v = 0; v < vertices.rows(); ++v)
         if (!vertices.row(v).allFinite()) return text("vertex ", v, " is not finite");
     Points normal(triangles_.rows(), 3);
     std::string words = moved_fixed(vertices);
-    if (words.empty()) words = bad_triangles(vertices, poses, normal);
+    if (words.empty()) words = bad_triangles(vertices, expected, normal);
     if (words.empty()) words = folded(vertices, normal);
     if (words.empty()) words = parts_.inside_out(vertices);
-    if (words.empty()) words = intersection(vertices);
+    if (words.empty()) words = intersection(vertices, maps);
     if (words.empty()) words = parts_.swallowed(vertices);
     return words;
 }
@@ -114,7 +175,7 @@ std::string ValidityGuard::moved_fixed(const Points& vertices) const {
                 place(vertices.row(moved.first)));
 }
 
-std::string ValidityGuard::bad_triangles(const Points& vertices, const Poses& poses, Points& normal) const {
+std::string ValidityGuard::bad_triangles(const Points& vertices, const Expected& expected, Points& normal) const {
     Finding inverted, collapsed;
     for (int t = 0; t < triangles_.rows(); ++t) {
         const Eigen::Vector3d a = vertices.row(triangles_(t, 0)), b = vertices.row(triangles_(t, 1)),
@@ -122,10 +183,11 @@ std::string ValidityGuard::bad_triangles(const Points& vertices, const Poses& po
         const Eigen::Vector3d area_vector = 0.5 * (b - a).cross(c - a);
         const double area = area_vector.norm();
         normal.row(t) = area > 0 ? Eigen::Vector3d(area_vector / area) : Eigen::Vector3d::Zero();
+        if (!is_sliver_.empty() && is_sliver_[static_cast<std::size_t>(t)]) continue;
         if (area < smallest_share * area_[t] ||
             smallest_height(vertices, triangles_.row(t), area) < smallest_share * height_[t])
             collapsed.add(t);
-        else if (!(area_vector.dot(poses.rotation[t] * Eigen::Vector3d(normal_.row(t))) >= 0))
+        else if (!(area_vector.dot(expected(t)) >= 0))
             inverted.add(t);
     }
     for (const auto& [name, finding] : {std::pair("inverted", inverted), std::pair("collapsed", collapsed)})
@@ -150,8 +212,15 @@ std::string ValidityGuard::folded(const Points& vertices, const Points& normal) 
                 folded.count, " in all), ", place(0.5 * (vertices.row(v) + vertices.row(w))));
 }
 
-std::string ValidityGuard::intersection(const Points& vertices) const {
+std::string ValidityGuard::intersection(const Points& vertices, const std::vector<Eigen::Matrix3d>* maps) const {
     std::vector<std::array<int, 2>> pairs = tree_.fresh(vertices);
+    if (maps)
+        std::erase_if(pairs, [&](const std::array<int, 2>& pair) {
+            const auto [s, t] = pair;
+            const double error = chord_error(s, vertices, (*maps)[static_cast<std::size_t>(s)]) +
+                                 chord_error(t, vertices, (*maps)[static_cast<std::size_t>(t)]);
+            return contacts_->is_near(s, t) && contacts_->distance(s, t) <= chord_slack * error;
+        });
     if (!piercing_.empty())
         std::erase_if(pairs, [&](const std::array<int, 2>& pair) {
             return piercing_.contains(std::minmax(component_[pair[0]], component_[pair[1]]));

@@ -153,7 +153,10 @@ struct Problem {
     std::string name;
     TriMesh surface;
     PatchHierarchy tree;
-    Eigen::VectorXd prism_height;  ///< per vertex
+    /// false: no elastic shell is built, and `Parameters::fields` alone move the surface, which may then be any: not
+    /// manifold, piercing itself, of slivers. Without loads, strains, springs and attached parts; variables are fields.
+    bool has_shell = true;
+    Eigen::VectorXd prism_height;  ///< per vertex; empty without a shell
     std::vector<int> fixed;        ///< triangles
     std::vector<int> supports;     ///< triangles that are fixed in the shell alone: fields may move them
     std::vector<PrescribedStrain> strains;

@@ -33,12 +33,28 @@ void check_index(const char* what, int t, int num_triangles) {
 
 void check_sizes(const Problem& problem) {
     const int n = problem.surface.num_vertices(), m = problem.surface.num_triangles();
-    if (problem.prism_height.size() != n)
+    if (problem.has_shell && problem.prism_height.size() != n)
         throw InvalidInput(text("prism_height: ", problem.prism_height.size(), " values for ", n, " vertices"));
     if (problem.given_traction.rows() != 0 && problem.given_traction.rows() != m)
         throw InvalidInput(text("given_traction: ", problem.given_traction.rows(), " rows for ", m, " triangles"));
     if (problem.spring_per_area.size() != 0 && problem.spring_per_area.size() != m)
         throw InvalidInput(text("spring_per_area: ", problem.spring_per_area.size(), " values for ", m, " triangles"));
+}
+
+/// What needs a shell, in a problem that has none.
+void refuse_elastic(const Problem& problem) {
+    const auto refuse = [](const std::string& what) {
+        throw InvalidInput(what + ": needs an elastic shell, and the problem has none");
+    };
+    if (!problem.parameters.fields)
+        throw InvalidInput("the problem has no elastic shell, and no displacement fields that would move the surface");
+    if (!problem.strains.empty()) refuse("strains");
+    if (!problem.attached.empty()) refuse("attach");
+    if (problem.given_traction.rows() > 0) refuse("given_traction");
+    if (problem.spring_per_area.size() > 0) refuse("spring_per_area");
+    if (!problem.parameters.kinds.empty()) refuse("parameters.kinds");
+    for (const UserVariable& v : problem.parameters.user_variables)
+        if (v.field < 0) refuse("variable " + v.name);
 }
 
 void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
@@ -123,6 +139,7 @@ std::vector<int> attached_triangles(const Problem& problem) {
 
 ShellSetup shell_setup(const Problem& problem) {
     check_sizes(problem);
+    if (!problem.has_shell) refuse_elastic(problem);
     ShellSetup setup;
     setup.options.prism_height = problem.prism_height;
     setup.options.symmetry = problem.symmetry;

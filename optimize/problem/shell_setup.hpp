@@ -15,10 +15,11 @@ struct ShellSetup {
     std::vector<std::string> warnings;
 };
 
+/// Without a shell (`Problem::has_shell`) the pins alone: what is fixed.
 /// Pins: fixed triangles, then the given strains, then what user variables move. A triangle that is fixed and strained
 /// is fixed (warning and count); so are attached ones, which may be under nothing else.
-/// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left, and
-/// as `place_user_variables`.
+/// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left,;
+/// anything of a shell where there is none; and as `place_user_variables`.
 ShellSetup shell_setup(const Problem& problem);
 
 /// The triangles of all attached parts.

@@ -147,9 +147,11 @@ void read_demand(const Json& j, Reader& read, StoredDesign& d) {
 
 void read_shape(const Json& j, Reader& read, StoredDesign& d) {
     const int n = d.surface.vertices, m = d.surface.triangles;
-    d.poses.displacement = read.points(m);
-    const std::vector<double> q = read.doubles(4 * static_cast<std::size_t>(m));
-    for (int t = 0; t < m; ++t) d.poses.rotation.emplace_back(q[4 * t], q[4 * t + 1], q[4 * t + 2], q[4 * t + 3]);
+    if (j.value("shell", true)) {
+        d.poses.displacement = read.points(m);
+        const std::vector<double> q = read.doubles(4 * static_cast<std::size_t>(m));
+        for (int t = 0; t < m; ++t) d.poses.rotation.emplace_back(q[4 * t], q[4 * t + 1], q[4 * t + 2], q[4 * t + 3]);
+    }
     d.vertices = read.points(n);
     if (j.at("carried_traction")) d.carried_traction = read.points(m);
     if (j.at("carried_log_height")) {
@@ -194,6 +196,7 @@ std::string design_bytes(const StoredDesign& d) {
     j["given"] = named(d.given), j["variables"] = named(d.parameters), j["at_rest"] = named(d.at_rest);
     j["carried_traction"] = d.carried_traction.rows() > 0;
     j["carried_log_height"] = d.carried_log_height.size() > 0;
+    if (d.poses.rotation.empty()) j["shell"] = false;
     std::string bytes = first_line + j.dump() + "\n";
     for (const PatchLevel& level : d.tree.levels) put_ints(bytes, level.label);
     put_ints(bytes, d.core);

@@ -1,7 +1,7 @@
 #include "optimize/run/mixed_design.hpp"
 
 #include "core/error.hpp"
-#include "optimize/evaluate/validity.hpp"
+#include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
 namespace strake {
@@ -41,6 +41,7 @@ void check_alike(const Demand& a, const Demand& b) {
     const bool same_counts = one.num_vertices() == other.num_vertices() && one.num_triangles() == other.num_triangles();
     if (!same_counts || one.triangles != other.triangles || one.vertices != other.vertices)
         refuse("different surfaces at the start");
+    if (a.rest->has_shell != b.rest->has_shell) refuse("a shell in one of them only");
     if (a.pin != b.pin) refuse("different fixed or strained triangles");
     if (!same_plane(a.rest->setup.options.symmetry, b.rest->setup.options.symmetry)) refuse("different symmetry");
     if (a.rest->setup.options.couple_nonmanifold != b.rest->setup.options.couple_nonmanifold)
@@ -72,7 +73,8 @@ ShellDemand between(const ShellDemand& a, const ShellDemand& b, double w) {
         out.motions[k].translation = (1 - w) * a.motions[k].translation + w * b.motions[k].translation;
     }
     if (out.fields.size() > 0) out.fields = (1 - w) * a.fields + w * b.fields;
-    out.prism_height = ((1 - w) * a.prism_height.array().log() + w * b.prism_height.array().log()).exp();
+    if (out.prism_height.size() > 0)
+        out.prism_height = ((1 - w) * a.prism_height.array().log() + w * b.prism_height.array().log()).exp();
     return out;
 }
 
@@ -83,18 +85,24 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
     const Demand one = demand_of(a), other = demand_of(b);
     check_alike(one, other);
     const ShellDemand wanted = between(one.of_shell, other.of_shell, weight);
-    ShellOptions options = one.rest->setup.options;
-    options.pin = one.pin;
-    options.prism_height = wanted.prism_height;
-    PrimoShell shell(one.rest->surface, options);
-    shell.set_poses(weight < 0.5 ? a.design->poses : b.design->poses);
     MixedDesign out;
-    out.end = shell.solve(wanted.loads, wanted.motions);
-    out.vertices = with_fields(*one.rest, wanted, shell.vertices());
+    Poses poses;
+    if (one.rest->has_shell) {
+        ShellOptions options = one.rest->setup.options;
+        options.pin = one.pin;
+        options.prism_height = wanted.prism_height;
+        PrimoShell shell(one.rest->surface, options);
+        shell.set_poses(weight < 0.5 ? a.design->poses : b.design->poses);
+        out.end = shell.solve(wanted.loads, wanted.motions);
+        out.vertices = with_fields(*one.rest, wanted, shell.vertices());
+        poses = shell.poses();
+    } else {
+        out.end.status = SolveStatus::converged;
+        out.end.reason = "by displacement fields";
+        out.vertices = with_fields(*one.rest, wanted, one.rest->surface.vertices);
+    }
     if (out.end.status != SolveStatus::converged) return out;
-    const ValidityGuard guard(one.rest->surface, one.rest->adjacent,
-                              {a.problem.fixed, a.problem.symmetry, attached_triangles(a.problem)});
-    out.defect = guard.defect(out.vertices, with_fields(*one.rest, wanted, shell.poses(), out.vertices));
+    out.defect = defect_of(guard_of(a.problem, *one.rest), *one.rest, wanted, out.vertices, poses);
     return out;
 }
 

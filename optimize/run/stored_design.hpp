@@ -30,8 +30,8 @@ struct StoredDesign {
     std::vector<RigidMotion> carried_motion;  ///< per patch, or empty
     Points carried_traction;                  ///< m x 3, or empty
     Eigen::VectorXd carried_log_height;       ///< m, or empty
-    Poses poses;
-    Points vertices;                                         ///< n x 3, of the design
+    Poses poses;                              ///< empty: there was no shell
+    Points vertices;                          ///< n x 3, of the design
     std::vector<std::pair<std::string, double>> parameters;  ///< values of the parameters
     std::vector<std::pair<std::string, double>> at_rest;     ///< what relative limits are multiples of, by value name
 };

@@ -106,11 +106,23 @@ Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::Vecto
     return by_triangle;
 }
 
+/// dJ/d(field) into the entries of the user variables that are fields.
+void add_field_gradient(const DesignSpace& space, const Points& dJ_dv, Eigen::VectorXd& gradient) {
+    const Parameters& p = space.rest->parameters;
+    if (!p.fields) return;
+    const Eigen::VectorXd by_field = p.fields->gradient(dJ_dv);
+    for (std::size_t g = 0; g < p.user_variables.size(); ++g)
+        if (const int field = p.user_variables[g].field; field >= 0)
+            gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
+}
+
 /// dJ/d(degree of freedom), all of them.
 Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& value,
                              const ShellSensitivities& sensitivities) {
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
+    add_field_gradient(space, sensitivities.vertex, gradient);
+    if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;
     if (heights_count) by_log_height = log_height_gradient(space, value, sensitivities);
@@ -123,12 +135,6 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
     }
     const std::vector<RigidMotion> moved = motions(space, value);
     add_user_gradient(rest, space.num_patch_dofs(), moved, sensitivities, gradient);
-    if (rest.parameters.fields) {
-        const Eigen::VectorXd by_field = rest.parameters.fields->gradient(sensitivities.vertex);
-        const auto& user = rest.parameters.user_variables;
-        for (std::size_t g = 0; g < user.size(); ++g)
-            if (user[g].field >= 0) gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[user[g].field];
-    }
     if (sensitivities.wrench.rows() == 0) return gradient;
     for (std::size_t p = 0; p < space.motion.size(); ++p) {
         if (space.motion[p] < 0) continue;
@@ -170,10 +176,13 @@ Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x) {
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     const Eigen::VectorXd value = dofs(space, x);
     ShellDemand result;
-    result.loads.force = kept_forces(*space.rest, traction_forces(space.rest->surface, total_traction(space, value)));
-    result.loads.spring = space.rest->setup.loads.spring;
-    result.motions = motions(space, value);
-    result.prism_height = heights(space, value);
+    if (space.rest->has_shell) {
+        result.loads.force =
+            kept_forces(*space.rest, traction_forces(space.rest->surface, total_traction(space, value)));
+        result.loads.spring = space.rest->setup.loads.spring;
+        result.motions = motions(space, value);
+        result.prism_height = heights(space, value);
+    }
     if (space.rest->parameters.fields)
         result.fields = field_values(*space.rest, space.user_values(value) + space.carried_user_values);
     return result;
@@ -212,7 +221,7 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
     return gradient;
 }
 
-void design_response(const DesignSpace& space, PrimoShell& shell,
+void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance,
                      const Points* surface) {
     std::vector<std::array<Points, 6>> by_motion;
@@ -221,7 +230,7 @@ void design_response(const DesignSpace& space, PrimoShell& shell,
             throw InvalidInput(
                 "stiffness variables cannot be fitted: their forward response is not available; use load, "
                 "normal or strain variables, or `strake run` on the same target");
-        if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell.motion_response();
+        if (variable.kind == VariableKind::strain && by_motion.empty()) by_motion = shell->motion_response();
     }
     for (int j = 0; j < space.size();) {
         if (space.variables[j].kind == VariableKind::parameter) {

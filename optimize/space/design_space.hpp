@@ -32,7 +32,7 @@ struct Variable {
     double offset = 0;                   ///< physical value at x = 0: the start of a parameter, else zero
 };
 
-/// What x asks of the shell.
+/// What x asks of the shell, and of the fields beside it. Without a shell: no forces, no motions, no heights.
 struct ShellDemand {
     Loads loads;
     std::vector<RigidMotion> motions;  ///< given strains first
@@ -142,9 +142,9 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
                                 const ShellSensitivities& sensitivities);
 
 /// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
-/// that of `PrimoShell::response`, `surface` as for `field_motion`. `consume(j, dv)` is called in the order of the
-/// variables. @throws InvalidInput for stiffness variables.
-void design_response(const DesignSpace& space, PrimoShell& shell,
+/// that of `PrimoShell::response`, `surface` as for `field_motion`. `shell` is null where the problem has none.
+/// `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for stiffness variables.
+void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11,
                      const Points* surface = nullptr);
 

@@ -73,7 +73,7 @@ private:
 };
 
 /// Responses of the listed variables at the equilibrium of the shell, per unit of each.
-std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShell& shell,
+std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShell* shell,
                                               const std::vector<int>& wanted) {
     DesignSpace movers = space;
     movers.variables.clear();
@@ -129,17 +129,18 @@ static_assert(patch_dof::load == 0 && patch_dof::normal == 3,
 
 }  // namespace
 
-PrimoShell shell_at_rest(const DesignSpace& space) {
+std::unique_ptr<PrimoShell> shell_at_rest(const DesignSpace& space) {
     const RestFacts& rest = *space.rest;
+    if (!rest.has_shell) return nullptr;
     ShellOptions options = rest.setup.options;
     options.pin = space.pin;
-    PrimoShell shell(rest.surface, options);
+    auto shell = std::make_unique<PrimoShell>(rest.surface, options);
     std::vector<RigidMotion> still = rest.setup.motions;
     for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
     for (std::size_t p = 0; p < space.motion.size(); ++p)
         if (space.motion[p] >= 0) still.push_back({{0, 0, 0}, {0, 0, 0}, space.carried_motion[p].about});
-    const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still, {},
-                                          [&](const SolveRecord&) { return rest.cache->goes_on(); });
+    const Equilibrium start = shell->solve({{}, rest.setup.loads.spring}, still, {},
+                                           [&](const SolveRecord&) { return rest.cache->goes_on(); });
     if (start.status == SolveStatus::cancelled) throw Interrupted{};
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
     return shell;
@@ -160,8 +161,8 @@ Responses responses_at_rest(const DesignSpace& space) {
         if (space.variables[j].kind != VariableKind::stiffness && !cache.find(key_of(space, space.variables[j])))
             unknown.push_back(j);
     if (!unknown.empty()) {
-        PrimoShell shell = shell_at_rest(space);
-        std::vector<ResponseCache::Column> fresh = columns_at(by_one, shell, unknown);
+        const std::unique_ptr<PrimoShell> shell = shell_at_rest(space);
+        std::vector<ResponseCache::Column> fresh = columns_at(by_one, shell.get(), unknown);
         for (std::size_t i = 0; i < unknown.size(); ++i)
             cache.add(key_of(space, space.variables[unknown[i]]), std::move(fresh[i]));
     }
@@ -198,10 +199,12 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
     return metric;
 }
 
-Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d,
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, const Eigen::VectorXd& d,
                                 const Points* surface) {
+    if (!shell) return space.metric * d;  // fields do the same everywhere
     const Points force = load_forces(space, d);
-    const Points moved = surface_response(*space.rest, shell, {force}, response_tolerance, surface)[0] + field_motion(space, d, surface);
+    const Points moved =
+        surface_response(*space.rest, shell, {force}, response_tolerance, surface)[0] + field_motion(space, d, surface);
     // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
     const Reduction reduce(*space.rest);
     const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;

@@ -31,9 +31,9 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
 double soft_work(const DesignSpace& space, const Responses& responses);
 
 /// The same metric at the equilibrium of `shell`, times d: near buckling it finds soft directions long. Two
-/// back-substitutions, however many variables. @param surface there (n x 3), where attached parts follow fields @pre
-/// all variables of the shape are loads.
-Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell& shell, const Eigen::VectorXd& d,
+/// back-substitutions, however many variables. @pre all variables of the shape are loads or fields.
+/// @param shell null: there is none. @param surface there (n x 3), where attached parts follow fields
+Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, const Eigen::VectorXd& d,
                                 const Points* surface = nullptr);
 
 }  // namespace strake

@@ -57,6 +57,7 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     auto rest = std::make_shared<RestFacts>();
     check(problem.parameters, problem.surface.num_vertices(), problem.surface.num_triangles());
     check_parameters(problem.program_parameters);
+    rest->has_shell = problem.has_shell;
     rest->setup = shell_setup(problem);
     rest->surface = problem.surface;
     rest->adjacent = adjacency(problem.surface);

@@ -16,6 +16,7 @@ struct RestFacts {
     Points normal;         ///< m x 3, unit
     Eigen::VectorXd vertex_area;
     double diagonal = 0;
+    bool has_shell = true;  ///< `Problem::has_shell`
     ShellSetup setup;
     Points given_traction;  ///< m x 3, or empty
     std::shared_ptr<const PatchHierarchy> tree;

@@ -3,8 +3,8 @@
 
 namespace strake {
 
-/// The shell at rest with the pins of the space. Springs and pins belong to the rest state, given loads and motions do
-/// not. @throws UnheldPart, SolverError.
-PrimoShell shell_at_rest(const DesignSpace& space);
+/// The shell at rest with the pins of the space; null where the problem has none. Springs and pins belong to the rest
+/// state, given loads and motions do not. @throws UnheldPart, SolverError.
+std::unique_ptr<PrimoShell> shell_at_rest(const DesignSpace& space);
 
 }  // namespace strake

@@ -45,8 +45,7 @@ Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Point
     if (!rest.parameters.invariance && !has_fields(demand)) return of_shell;
     Points moved = of_shell;
     if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
-    if (rest.parameters.invariance)
-        return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
+    if (rest.parameters.invariance) return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
     if (const Attachments* attached = attached_beside_fields(rest)) attached->place(moved);
     return moved;
 }
@@ -65,21 +64,28 @@ Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses&
     return turned;
 }
 
-std::vector<Points> surface_response(const RestFacts& rest, PrimoShell& shell, const std::vector<Points>& forces,
+std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, const std::vector<Points>& forces,
                                      double tolerance, const Points* surface) {
-    std::vector<Points> moved = shell.response(forces, tolerance);
+    std::vector<Points> moved(forces.size(), Points::Zero(rest.surface.num_vertices(), 3));
+    if (!shell) return moved;
+    moved = shell->response(forces, tolerance);
     if (rest.parameters.invariance || attached_beside_fields(rest))
         for (Points& one : moved) one = surface_rates(rest, one, surface);
     return moved;
 }
 
-std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell& shell,
+std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell* shell,
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface) {
-    if (!rest.parameters.invariance && !attached_beside_fields(rest)) return shell.adjoint(dJ_dv, options);
+    if (shell && !rest.parameters.invariance && !attached_beside_fields(rest)) return shell->adjoint(dJ_dv, options);
     std::vector<Points> kept;
     for (const Points& one : dJ_dv) kept.push_back(surface_pull(rest, one, surface));
-    std::vector<ShellSensitivities> all = shell.adjoint(kept, options);
+    if (!shell) {
+        std::vector<ShellSensitivities> all;
+        for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}});
+        return all;
+    }
+    std::vector<ShellSensitivities> all = shell->adjoint(kept, options);
     if (rest.parameters.invariance)
         for (ShellSensitivities& one : all) one.force = kept_motion(rest, one.force);
     return all;

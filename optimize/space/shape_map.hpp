@@ -18,9 +18,10 @@ Points surface_rates(const RestFacts& rest, const Points& motion, const Points* 
 Points surface_pull(const RestFacts& rest, const Points& force, const Points* surface);
 
 /// `PrimoShell::response` and `adjoint` of the surface instead of the shell. @param forces as `kept_forces` has them.
-std::vector<Points> surface_response(const RestFacts& rest, PrimoShell& shell, const std::vector<Points>& forces,
+/// `shell` is null where the problem has none: forces then move nothing, and of the sensitivities `vertex` is left.
+std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, const std::vector<Points>& forces,
                                      double tolerance, const Points* surface);
-std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell& shell,
+std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell* shell,
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface);
 

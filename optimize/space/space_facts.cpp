@@ -43,11 +43,11 @@ SpaceFacts space_facts(const DesignSpace& space, const std::function<void(const 
     if (moving.num_shape() == 0) return facts;
     const auto begin = std::chrono::steady_clock::now();
     const std::clock_t cpu_begin = std::clock();
-    PrimoShell shell = shell_at_rest(moving);
+    const std::unique_ptr<PrimoShell> shell = shell_at_rest(moving);
     const double wall = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     // What others do on this machine now is no property of the case.
     facts.rest_seconds = std::min(wall, static_cast<double>(std::clock() - cpu_begin) / CLOCKS_PER_SEC);
-    design_response(moving, shell, [&](int j, const Points& dv) {
+    design_response(moving, shell.get(), [&](int j, const Points& dv) {
         const Variable& variable = moving.variables[static_cast<std::size_t>(j)];
         if (variable.kind == VariableKind::parameter) return;
         const Eigen::VectorXd size = dv.rowwise().norm();

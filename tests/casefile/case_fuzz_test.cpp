@@ -32,7 +32,7 @@ regions:
   side: {facing: [0, 1, 1]}
 fixed: [root]
 invariance: {extrude: y}
-symmetry: {plane: y, at: 0}
+symmetry: {plane: y, at: 0, snap: 0.01%}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
@@ -146,7 +146,16 @@ constraints:
   span.length: {equals: 1, relative: true}
 )";
 
-const char* seeds[] = {optimization, ties_and_starts, robust_fit, goals};
+const char* without_shell = R"(surface: {file: wing.obj}
+regions:
+  tip: {box: [[0.4, -1, -1], [3, 1, 1]]}
+fixed: [tip]
+shell: none
+parameters: {fields: {number: auto, axis: x}, variables: []}
+objective: {minimize: area}
+)";
+
+const char* seeds[] = {optimization, ties_and_starts, robust_fit, goals, without_shell};
 
 const char* pieces[] = {"{",    "}",   "[",    "]",    ":",   ": ",    "- ",  "&a ", "*a ",  "<<: ", "!x ",   "'",
                         "\"",   "\t",  "\n",   "# ",   "|\n", ">\n",   "? ",  "%",   "deg",  "mm",   "1e999", "-",

@@ -296,3 +296,27 @@ def test_fit_recovers_a_known_shape(body):
     problem.add_target("match", target, same_triangles=True)
     result = strake.fit(problem, ["match"])
     assert np.abs(result.vertices - target.vertices).max() < 1e-5
+
+
+def test_a_case_without_a_shell_moves_by_fields(body, tmp_path):
+    strake.write_surface(tmp_path / "body.obj", body)
+    changes = [("shell: {thickness: 5%}", "shell: none"),
+               ("parameters: {levels: auto, patches_per_level: [2, 4], variables: [normal]}", "parameters: {fields: 12}")]
+    text = CASE
+    for old, new in changes:
+        assert old in text
+        text = text.replace(old, new)
+    (tmp_path / "case.yaml").write_text(text)
+    problem = strake.load_case(tmp_path / "case.yaml")
+    space = strake.DesignSpace(problem, level=0)
+    assert len(space) == 12 and space.names[0].startswith("section.")
+    x = np.linspace(-0.2, 0.2, 12)
+    moved = space.shape(x)
+    weights = np.random.default_rng(1).normal(size=moved.shape)
+    slope = space.gradient(weights)
+    along = np.ones(12)
+    assert np.allclose(space.response(along), space.shape(x + along * 1e-3) / 1e-3 - moved / 1e-3, atol=1e-9)
+    assert np.isclose(slope @ along, np.sum(weights * space.response(along)), rtol=1e-10)
+    with pytest.raises(strake.EvaluationFailed, match="fold|inverted|intersect|collapsed"):
+        space.shape(60 * np.ones(12))
+    assert strake.run(problem).objective > body.volume

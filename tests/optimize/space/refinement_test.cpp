@@ -210,7 +210,7 @@ TEST(Refinement, CurvatureAlongDetailsIsTheSecondDifferenceOfTheValues) {
     ASSERT_EQ(evaluator.evaluate(x, 1).status, EvaluationStatus::ok);
     const DesignSpace fine = refine(coarse, x).space;
     const Eigen::VectorXd step = random_vector(fine.size(), 2);
-    const Points at = evaluator.shell().vertices(), moved = evaluator.shell().response({load_forces(fine, step)})[0];
+    const Points at = evaluator.shell()->vertices(), moved = evaluator.shell()->response({load_forces(fine, step)})[0];
     const auto sum = [&](double h) {
         const TriMesh surface = with_vertices(problem.surface, at + h * moved);
         double value = 0;

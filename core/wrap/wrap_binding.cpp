@@ -1,0 +1,238 @@
+#include "core/wrap/wrap_binding.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
+#include "core/mesh/closest_point.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/mesh/point_tree.hpp"
+#include "core/parallel.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
+#include <algorithm>
+#include <cmath>
+
+namespace strake {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Affine = Eigen::Matrix<double, Eigen::Dynamic, 4>;  ///< 1, x, y, z
+
+constexpr double near_edges = 2, depth_share = 1.5;   ///< radius of the local part: edges plus depths
+constexpr double full_until = 2, nothing_beyond = 5;  ///< it fades out between these, in edges from the wrap
+constexpr double flat = 1e-9;                         ///< smallest extent of a wrap over its largest
+constexpr int block = 64;
+
+double cube(double squared) { return squared * std::sqrt(squared); }
+
+/// Wendland's function of dimension 3 and smoothness 2.
+double wendland(double r) { return r < 1 ? std::pow(1 - r, 4) * (4 * r + 1) : 0; }
+
+double fade(double depth_in_edges) {
+    const double s = std::clamp((nothing_beyond - depth_in_edges) / (nothing_beyond - full_until), 0.0, 1.0);
+    return s * s * (3 - 2 * s);
+}
+
+Affine affine_rows(const Points& x) {
+    Affine rows(x.rows(), 4);
+    rows.col(0).setOnes();
+    rows.rightCols<3>() = x;
+    return rows;
+}
+
+/// Each as far as possible from those before it; the first one is the farthest from the mean. Ties: the smaller number.
+std::vector<int> farthest_points(const Points& x, int count) {
+    const Eigen::RowVector3d mean = x.colwise().mean();
+    VectorXd distance = (x.rowwise() - mean).rowwise().squaredNorm();
+    std::vector<int> chosen;
+    while (static_cast<int>(chosen.size()) < count) {
+        Index best = 0;
+        if (!(distance.maxCoeff(&best) > 0)) break;  // only copies of those chosen are left
+        chosen.push_back(static_cast<int>(best));
+        const VectorXd now = (x.rowwise() - x.row(best)).rowwise().squaredNorm();
+        distance = chosen.size() == 1 ? now : VectorXd(distance.cwiseMin(now));
+    }
+    return chosen;
+}
+
+double mean_edge(const TriMesh& mesh) {
+    const Adjacency adjacent = adjacency(mesh);
+    double sum = 0;
+    for (const auto& [a, b] : adjacent.edges) sum += (mesh.vertices.row(a) - mesh.vertices.row(b)).norm();
+    return sum / adjacent.num_edges();
+}
+
+void check(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options) {
+    if (wrap.num_triangles() == 0 || !(surface_area(wrap) > 0)) throw InvalidInput("wrap: it has no area");
+    if (!wrap.vertices.allFinite() || !body.allFinite()) throw InvalidInput("wrap: a coordinate is not finite");
+    if (!options.held.empty() && static_cast<Index>(options.held.size()) != body.rows())
+        throw InvalidInput(text("wrap: ", options.held.size(), " flags for ", body.rows(), " vertices of the body"));
+    if (options.centers < 4) throw InvalidInput(text("wrap: centers = ", options.centers, " must be >= 4"));
+}
+
+}  // namespace
+
+struct WrapBinding::Impl {
+    Eigen::RowVector3d middle;
+    double scale = 1;           ///< lengths are divided by it: the diagonal
+    Points wrap, body, center;  ///< scaled
+    Affine wrap_affine, body_affine;
+    Eigen::Matrix<double, 4, Eigen::Dynamic> fit;  ///< u -> coefficients of the nearest affine map
+    std::vector<int> centers;
+    Eigen::PartialPivLU<MatrixXd> system;
+    Eigen::SparseMatrix<double, Eigen::RowMajor> local;  ///< N x n
+    std::vector<char> held;
+    double edge = 0, depth = 0;  ///< unscaled
+
+    void factorize();
+    void spread(const TriMesh& surface);
+    Points radial(const Points& at, const MatrixXd& weights) const;
+    MatrixXd radial_transpose(const Points& at, const Points& values) const;
+    void hold(Points& rows) const;
+};
+
+/// [K P; P^T 0] for the weights of the radial functions and a linear part.
+void WrapBinding::Impl::factorize() {
+    const Index k = center.rows();
+    MatrixXd matrix = MatrixXd::Zero(k + 4, k + 4);
+    for (Index i = 0; i < k; ++i)
+        for (Index j = 0; j < i; ++j) matrix(i, j) = matrix(j, i) = cube((center.row(i) - center.row(j)).squaredNorm());
+    matrix.topRightCorner(k, 4) = affine_rows(center);
+    matrix.bottomLeftCorner(4, k) = affine_rows(center).transpose();
+    system.compute(matrix);
+}
+
+/// The local part: for each vertex of the body a weighted mean over vertices of the wrap.
+void WrapBinding::Impl::spread(const TriMesh& surface) {
+    const VectorXd area = vertex_areas(surface);
+    const ClosestPointTree closest(surface);
+    const PointTree tree(surface.vertices);
+    const Index rows = body.rows();
+    std::vector<std::vector<std::pair<int, double>>> weights(static_cast<std::size_t>(rows));
+    std::vector<double> depths(static_cast<std::size_t>(rows));
+    for_blocks(static_cast<int>(rows), block, [&](int begin, int end) {
+        std::vector<int> found;
+        for (int v = begin; v < end; ++v) {
+            const Eigen::Vector3d x = (scale * body.row(v) + middle).transpose();
+            const double away = depths[static_cast<std::size_t>(v)] = closest.find(x).distance;
+            const double share = fade(away / edge), radius = near_edges * edge + depth_share * away;
+            if (share == 0) continue;
+            tree.within(x, radius, found);
+            auto& row = weights[static_cast<std::size_t>(v)];
+            double sum = 0;
+            for (const int w : found) {
+                const double weight = area[w] * wendland((surface.vertices.row(w).transpose() - x).norm() / radius);
+                if (weight > 0) row.emplace_back(w, weight), sum += weight;
+            }
+            for (auto& [w, weight] : row) weight *= share / sum;
+        }
+    });
+    local.resize(rows, wrap.rows());
+    for (Index v = 0; v < rows; ++v) {
+        local.startVec(v);
+        for (const auto& [w, weight] : weights[static_cast<std::size_t>(v)]) local.insertBack(v, w) = weight;
+    }
+    local.finalize();
+    depth = depths.empty() ? 0 : *std::max_element(depths.begin(), depths.end());
+}
+
+/// sum_c weights_c |x - x_c|^3 at each point.
+Points WrapBinding::Impl::radial(const Points& at, const MatrixXd& weights) const {
+    Points values(at.rows(), 3);
+    for_blocks(static_cast<int>(at.rows()), block, [&](int begin, int end) {
+        for (int v = begin; v < end; ++v) {
+            const Eigen::ArrayXd r2 = (center.rowwise() - at.row(v)).rowwise().squaredNorm();
+            values.row(v) = (r2 * r2.sqrt()).matrix().transpose() * weights;
+        }
+    });
+    return values;
+}
+
+/// Its transpose: per centre the sum over the points, in their order.
+MatrixXd WrapBinding::Impl::radial_transpose(const Points& at, const Points& values) const {
+    MatrixXd sums(center.rows(), 3);
+    for_blocks(static_cast<int>(center.rows()), 4, [&](int begin, int end) {
+        for (int c = begin; c < end; ++c) {
+            const Eigen::ArrayXd r2 = (at.rowwise() - center.row(c)).rowwise().squaredNorm();
+            sums.row(c) = (r2 * r2.sqrt()).matrix().transpose() * values;
+        }
+    });
+    return sums;
+}
+
+void WrapBinding::Impl::hold(Points& rows) const {
+    for (std::size_t v = 0; v < held.size(); ++v)
+        if (held[v]) rows.row(static_cast<Index>(v)).setZero();
+}
+
+WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options)
+    : impl_(std::make_unique<Impl>()) {
+    check(wrap, body, options);
+    Impl& m = *impl_;
+    const Box box = bounding_box(wrap);
+    m.middle = 0.5 * (box.min + box.max).transpose();
+    m.scale = (box.max - box.min).norm();
+    m.wrap = (wrap.vertices.rowwise() - m.middle) / m.scale;
+    m.body = (body.rowwise() - m.middle) / m.scale;
+    m.wrap_affine = affine_rows(m.wrap);
+    m.body_affine = affine_rows(m.body);
+    m.held = options.held;
+    m.edge = mean_edge(wrap);
+    const VectorXd share = vertex_areas(wrap) / surface_area(wrap);
+    const Eigen::Matrix4d moments = m.wrap_affine.transpose() * share.asDiagonal() * m.wrap_affine;
+    const Eigen::FullPivLU<Eigen::Matrix4d> inverse(moments);
+    if (!(std::abs(inverse.matrixLU()(3, 3)) > flat * flat)) throw InvalidInput("wrap: it lies in a plane");
+    m.fit = inverse.solve(Eigen::Matrix<double, 4, Eigen::Dynamic>(m.wrap_affine.transpose() * share.asDiagonal()));
+    m.centers = farthest_points(m.wrap, options.centers);
+    m.center = m.wrap(m.centers, Eigen::all);
+    m.factorize();
+    m.spread(wrap);
+}
+
+WrapBinding::~WrapBinding() = default;
+WrapBinding::WrapBinding(WrapBinding&&) noexcept = default;
+WrapBinding& WrapBinding::operator=(WrapBinding&&) noexcept = default;
+
+Points WrapBinding::displacement(const Points& of_wrap) const {
+    const Impl& m = *impl_;
+    if (of_wrap.rows() != m.wrap.rows())
+        throw InvalidInput(text("wrap: ", of_wrap.rows(), " displacements for ", m.wrap.rows(), " vertices"));
+    const Index k = m.center.rows();
+    const Eigen::Matrix<double, 4, 3> nearest = m.fit * of_wrap;
+    const Points rest = of_wrap - m.wrap_affine * nearest;
+    MatrixXd right = MatrixXd::Zero(k + 4, 3);
+    right.topRows(k) = rest(m.centers, Eigen::all);
+    const MatrixXd solved = m.system.solve(right);
+    const MatrixXd weights = solved.topRows(k);
+    const Eigen::Matrix<double, 4, 3> linear = solved.bottomRows(4);
+    const Points left = rest - m.radial(m.wrap, weights) - m.wrap_affine * linear;
+    Points moved = m.body_affine * (nearest + linear) + m.radial(m.body, weights) + m.local * left;
+    m.hold(moved);
+    return moved;
+}
+
+Points WrapBinding::transpose(const Points& of_body) const {
+    const Impl& m = *impl_;
+    if (of_body.rows() != m.body.rows())
+        throw InvalidInput(text("wrap: ", of_body.rows(), " derivatives for ", m.body.rows(), " vertices of the body"));
+    const Index k = m.center.rows();
+    Points g = of_body;
+    m.hold(g);
+    const Eigen::Matrix<double, 4, 3> by_affine = m.body_affine.transpose() * g;
+    Points by_wrap = m.local.transpose() * g;  // by what the radial part leaves, then by what the affine part leaves
+    MatrixXd right(k + 4, 3);
+    right.topRows(k) = m.radial_transpose(m.body, g) - m.radial_transpose(m.wrap, by_wrap);
+    right.bottomRows(4) = by_affine - m.wrap_affine.transpose() * by_wrap;
+    const MatrixXd solved = m.system.transpose().solve(right);
+    for (Index c = 0; c < k; ++c) by_wrap.row(m.centers[static_cast<std::size_t>(c)]) += solved.row(c);
+    const Eigen::Matrix<double, 4, 3> by_fit = by_affine - m.wrap_affine.transpose() * by_wrap;
+    return by_wrap + m.fit.transpose() * by_fit;
+}
+
+const std::vector<int>& WrapBinding::centers() const { return impl_->centers; }
+double WrapBinding::edge_length() const { return impl_->edge; }
+double WrapBinding::largest_depth() const { return impl_->depth; }
+
+}  // namespace strake

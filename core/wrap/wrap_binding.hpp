@@ -1,0 +1,57 @@
+#pragma once
+#include "core/mesh/mesh.hpp"
+
+#include <memory>
+#include <vector>
+
+/// How a body follows the wrap around it: a fixed linear map B from displacements of the wrap's vertices (n x 3) to
+/// displacements of the body's (N x 3), and its exact transpose.
+///
+///     const WrapBinding binding(wrap, body.vertices, {held});
+///     body_now = body.vertices + binding.displacement(wrap_now - wrap.vertices);
+///     dJ_dwrap = binding.transpose(dJ_dbody);
+///
+/// B u = affine part + radial part + local part, one after another on what the ones before leave of u:
+///   the affine map nearest to u, in the mean over the wrap's area;
+///   sum_c a_c |x - x_c|^3 + b + A x, which interpolates the rest at up to 500 centres, each as far as possible from
+///   those before it (Duchon 1977: the interpolant of least bending energy in space);
+///   a mean of the rest over the wrap's vertices nearby (Shepard weights, area times Wendland's function of the
+///   distance over 2 edges plus 1.5 depths), fading out between 2 and 5 edges from the wrap.
+/// Such a map is smooth where the body is not: neighbours of a crease, slivers and parts that pierce each other move
+/// alike, where prisms and closest points of the wrap would tear them apart.
+///
+/// B 0 is 0, bit for bit. Affine maps are reproduced to round-off, except on what is held. It is not local: a bump
+/// moves the body elsewhere by some 1e-3 of its height. A wing thinner than the distance of the centres moves with the
+/// mean of its two sides: thickness does not go through a wrap.
+namespace strake {
+
+struct WrapBindingOptions {
+    std::vector<char> held = {};  ///< per vertex of the body: does not move, B's row is zero; empty: none
+    int centers = 500;            ///< at most so many, >= 4
+};
+
+class WrapBinding {
+public:
+    /// @throws InvalidInput: no triangle or no area, a wrong size of `held`, fewer than four centers, a coordinate
+    /// that is not finite; a wrap that lies in a plane.
+    /// Cost: one LU of the number of centres (0.1 s), and a search per vertex of the body.
+    WrapBinding(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options = {});
+    ~WrapBinding();
+    WrapBinding(WrapBinding&&) noexcept;
+    WrapBinding& operator=(WrapBinding&&) noexcept;
+
+    /// B u. @throws InvalidInput on a wrong size. Cost: centres times vertices of both; nothing of that size is stored.
+    Points displacement(const Points& of_wrap) const;
+    /// B^T g. The same cost.
+    Points transpose(const Points& of_body) const;
+
+    const std::vector<int>& centers() const;  ///< vertices of the wrap, in the order of choice
+    double edge_length() const;               ///< mean edge of the wrap
+    double largest_depth() const;             ///< of the body's vertices: distance from the wrap
+
+private:
+    struct Impl;
+    std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace strake

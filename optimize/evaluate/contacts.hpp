@@ -1,0 +1,42 @@
+#pragma once
+#include "core/mesh/adjacency.hpp"
+
+#include <array>
+#include <set>
+#include <utility>
+#include <vector>
+
+/// Where a surface pierces or touches itself at rest: parts that pass through each other, T-junctions, doubled faces.
+namespace strake {
+
+/// When such a surface is moved by a one-to-one map of space, its cuts stay where they are on it, up to the chord
+/// error: flat triangles do not follow the map. By that much a cut may wander to other triangles, and what touched may
+/// come to overlap. These are no new intersections.
+class Contacts {
+public:
+    /// @param intersecting pairs of triangles at rest.
+    Contacts(const TriMesh& rest, const Adjacency& adjacent, std::vector<std::array<int, 2>> intersecting);
+
+    /// Triangles s and t lie at a contact: they belong to two connected parts that pierce each other, have neighbours
+    /// (sharing a vertex) that intersect, or touch at rest: closer than 1e-5 of the diagonal, as open edges that count
+    /// as one. Those that share a corner touch where another corner of one lies on the other, as at a T-junction.
+    bool is_near(int s, int t) const;
+
+    /// Distance of two triangles at rest.
+    double distance(int s, int t) const;
+
+private:
+    bool shares_vertex(int s, int t) const;
+    bool touches(int s, int t) const;
+    double corner_distance(int v, int t) const;
+
+    Triangles triangles_;
+    Points rest_;
+    double touching_;
+    std::vector<int> component_;               ///< per triangle: its connected part
+    std::set<std::pair<int, int>> piercing_;   ///< of them, the smaller number first
+    std::vector<std::vector<int>> partners_;   ///< per triangle: those it intersects at rest
+    std::vector<std::vector<int>> at_vertex_;  ///< per vertex: its triangles with partners
+};
+
+}  // namespace strake

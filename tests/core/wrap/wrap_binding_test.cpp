@@ -1,0 +1,179 @@
+#include "core/wrap/wrap_binding.hpp"
+
+#include "cases/geometry/closed_body.hpp"
+#include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
+#include "core/mesh/closest_point.hpp"
+#include "core/mesh/geometry.hpp"
+#include "core/parallel.hpp"
+#include "derivatives.hpp"
+#include "surfaces.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/Geometry>
+#include <cmath>
+#include <numbers>
+
+using namespace strake;
+
+namespace {
+
+using Map = std::function<Eigen::RowVector3d(const Eigen::RowVector3d&)>;
+
+/// A smooth body inside of a somewhat larger one.
+struct Pair {
+    TriMesh wrap = example::superellipsoid(3000, {{2.04, 0.64, 0.49}, 2.5});
+    TriMesh body = example::superellipsoid(6000, {{2, 0.6, 0.45}, 2.5});
+};
+
+Points displaced(const Points& x, const Map& u) {
+    Points out(x.rows(), 3);
+    for (Eigen::Index v = 0; v < x.rows(); ++v) out.row(v) = u(x.row(v));
+    return out;
+}
+
+Points random_points(Eigen::Index rows, int seed) {
+    const Eigen::VectorXd all = random_vector(static_cast<int>(3 * rows), seed);
+    return Eigen::Map<const Points>(all.data(), rows, 3);
+}
+
+/// Bending of 5 % of the length.
+Map bend() {
+    return [](const Eigen::RowVector3d& x) { return Eigen::RowVector3d(0, 0, 0.05 * 4 * x[0] * x[0] / 4); };
+}
+/// Two periods over the length.
+Map wave() {
+    return
+        [](const Eigen::RowVector3d& x) { return Eigen::RowVector3d(0, 0, 0.04 * std::sin(std::numbers::pi * x[0])); };
+}
+
+/// Root mean square of the changes of dihedral angles between two positions of one surface, degrees.
+double roughness(const TriMesh& mesh, const Points& one, const Points& other) {
+    const Adjacency adjacent = adjacency(mesh);
+    const Points a = triangle_normals(with_vertices(mesh, one)), b = triangle_normals(with_vertices(mesh, other));
+    double sum = 0;
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        const auto sides = adjacent.edge_triangles[e];
+        sum += std::pow(dihedral(a.row(sides[0]), a.row(sides[1])) - dihedral(b.row(sides[0]), b.row(sides[1])), 2);
+    }
+    return std::sqrt(sum / adjacent.num_edges()) * 180 / std::numbers::pi;
+}
+
+/// What a binding to the closest triangle does.
+Points by_closest_triangle(const TriMesh& wrap, const Points& body, const Points& u) {
+    const ClosestPointTree tree(wrap);
+    Points out(body.rows(), 3);
+    for (Eigen::Index v = 0; v < body.rows(); ++v) {
+        const ClosestPoint at = tree.find(body.row(v));
+        const Eigen::Vector3d p0 = wrap.vertices.row(wrap.triangles(at.triangle, 0)),
+                              p1 = wrap.vertices.row(wrap.triangles(at.triangle, 1)),
+                              p2 = wrap.vertices.row(wrap.triangles(at.triangle, 2)), n = (p1 - p0).cross(p2 - p0);
+        const double a = (p2 - p1).cross(at.point - p1).dot(n) / n.squaredNorm(),
+                     b = (p0 - p2).cross(at.point - p2).dot(n) / n.squaredNorm();
+        out.row(v) = a * u.row(wrap.triangles(at.triangle, 0)) + b * u.row(wrap.triangles(at.triangle, 1)) +
+                     (1 - a - b) * u.row(wrap.triangles(at.triangle, 2));
+    }
+    return out;
+}
+
+}  // namespace
+
+TEST(WrapBinding, RestIsExactAndAffineMapsAreToRoundOff) {
+    const Pair pair;
+    const WrapBinding binding(pair.wrap, pair.body.vertices);
+    EXPECT_EQ(binding.displacement(Points::Zero(pair.wrap.num_vertices(), 3)),
+              Points::Zero(pair.body.num_vertices(), 3));
+    const Eigen::Matrix3d A = Eigen::Matrix3d::Random();
+    const Eigen::RowVector3d b(3, -1, 2);
+    const Map affine = [&](const Eigen::RowVector3d& x) { return Eigen::RowVector3d(x * A + b); };
+    const Points moved = binding.displacement(displaced(pair.wrap.vertices, affine));
+    EXPECT_LT((moved - displaced(pair.body.vertices, affine)).cwiseAbs().maxCoeff(), 1e-13);  // of lengths up to 5
+}
+
+TEST(WrapBinding, TransposeIsExact) {
+    const Pair pair;
+    std::vector<char> held(static_cast<std::size_t>(pair.body.num_vertices()), 0);
+    for (std::size_t v = 0; v < held.size(); v += 3) held[v] = 1;
+    for (const bool holds : {false, true}) {
+        const WrapBinding binding(pair.wrap, pair.body.vertices, {holds ? held : std::vector<char>{}, 300});
+        const Points u = random_points(pair.wrap.num_vertices(), 1), g = random_points(pair.body.num_vertices(), 2);
+        const double forward = binding.displacement(u).cwiseProduct(g).sum(),
+                     back = binding.transpose(g).cwiseProduct(u).sum();
+        const double scale = binding.displacement(u).norm() * g.norm();
+        EXPECT_LT(std::abs(forward - back), 1e-10 * scale) << holds;
+        EXPECT_GT(std::abs(forward - 1.001 * back), 1e-6 * std::abs(forward)) << "the test can fail";
+    }
+}
+
+TEST(WrapBinding, CentersAreInterpolatedAndHeldVerticesStay) {
+    const Pair pair;
+    const WrapBinding ahead(pair.wrap, pair.body.vertices, {{}, 200});
+    const Points at_centers = pair.wrap.vertices(ahead.centers(), Eigen::all);
+    std::vector<char> held(ahead.centers().size(), 0);
+    held[7] = 1;
+    const WrapBinding binding(pair.wrap, at_centers, {held, 200});
+    const Points u = displaced(pair.wrap.vertices, wave()), moved = binding.displacement(u);
+    for (std::size_t c = 0; c < held.size(); ++c) {
+        // Beside the interpolation there is the mean of what it leaves of the wrap's own wave.
+        EXPECT_LT((moved.row(static_cast<Eigen::Index>(c)) - u.row(ahead.centers()[c])).norm(), held[c] ? 1 : 2e-3);
+    }
+    EXPECT_TRUE(moved.row(7).isZero(0));
+}
+
+TEST(WrapBinding, SmoothMotionsArriveSmoothly) {
+    const Pair pair;
+    const WrapBinding binding(pair.wrap, pair.body.vertices);
+    const double diagonal = box_diagonal(pair.body);
+    for (const auto& [motion, off, rough] : {std::tuple(bend(), 2e-4, 0.05), std::tuple(wave(), 1e-3, 0.5)}) {
+        const Points u = displaced(pair.wrap.vertices, motion);
+        const Points exact = pair.body.vertices + displaced(pair.body.vertices, motion);
+        const Points carried = pair.body.vertices + binding.displacement(u);
+        EXPECT_LT((carried - exact).rowwise().norm().maxCoeff(), off * diagonal);
+        const double own = roughness(pair.body, carried, exact);
+        EXPECT_LT(own, rough);
+        const Points pasted = pair.body.vertices + by_closest_triangle(pair.wrap, pair.body.vertices, u);
+        EXPECT_GT(roughness(pair.body, pasted, exact), 3 * own) << "what the closest triangle would do";
+    }
+}
+
+TEST(WrapBinding, TurnsAndScalesWithTheBody) {
+    const Pair pair;
+    const Eigen::Matrix3d R = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();
+    const auto turned = [&](const Points& x, double scale) {
+        return Points((scale * x * R.transpose()).rowwise() + scale * Eigen::RowVector3d(5, -3, 1));
+    };
+    const Points u = displaced(pair.wrap.vertices, wave());
+    const Points here = WrapBinding(pair.wrap, pair.body.vertices).displacement(u);
+    const TriMesh other = with_vertices(pair.wrap, turned(pair.wrap.vertices, 1000));
+    const Points there = WrapBinding(other, turned(pair.body.vertices, 1000)).displacement(1000 * u * R.transpose());
+    EXPECT_LT((there / 1000 * R - here).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+TEST(WrapBinding, OneAndTwoThreadsGiveTheSameBits) {
+    const Pair pair;
+    const Points u = displaced(pair.wrap.vertices, wave()), g = random_points(pair.body.num_vertices(), 2);
+    Points moved[2], pulled[2];
+    for (const int threads : {1, 2}) {
+        set_num_threads(threads);
+        const WrapBinding binding(pair.wrap, pair.body.vertices, {{}, 150});
+        moved[threads - 1] = binding.displacement(u);
+        pulled[threads - 1] = binding.transpose(g);
+    }
+    set_num_threads(0);
+    EXPECT_EQ(moved[0], moved[1]);
+    EXPECT_EQ(pulled[0], pulled[1]);
+}
+
+TEST(WrapBinding, WrongOnesAreRefused) {
+    const Pair pair;
+    EXPECT_THROW(WrapBinding(TriMesh{}, pair.body.vertices), InvalidInput);
+    EXPECT_THROW(WrapBinding(strip(2, 1, 4, 4), pair.body.vertices), InvalidInput) << "in a plane";
+    EXPECT_THROW(WrapBinding(pair.wrap, pair.body.vertices, {{1, 0}, 100}), InvalidInput);
+    EXPECT_THROW(WrapBinding(pair.wrap, pair.body.vertices, {{}, 3}), InvalidInput);
+    Points bad = pair.body.vertices;
+    bad(3, 1) = std::numeric_limits<double>::quiet_NaN();
+    EXPECT_THROW(WrapBinding(pair.wrap, bad), InvalidInput);
+    const WrapBinding binding(pair.wrap, pair.body.vertices, {{}, 50});
+    EXPECT_THROW(binding.displacement(Points::Zero(3, 3)), InvalidInput);
+    EXPECT_THROW(binding.transpose(Points::Zero(3, 3)), InvalidInput);
+}

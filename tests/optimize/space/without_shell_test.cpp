@@ -1,0 +1,163 @@
+#include "cases/geometry/dirty_body.hpp"
+#include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
+#include "optimize/evaluate/evaluation.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/fit.hpp"
+#include "optimize/run/mixed_design.hpp"
+#include "optimize/run/stored_design.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+using namespace strake;
+
+namespace {
+
+/// Any surface, its first eighth along x held, moved by fields alone.
+Problem without_shell(const TriMesh& surface, int number) {
+    Problem problem;
+    problem.name = "dirty";
+    problem.surface = surface;
+    problem.has_shell = false;
+    problem.tree.levels = {level_by(surface, nullptr, [](int) { return 0; })};
+    const Points c = triangle_centroids(surface);
+    const double low = c.col(0).minCoeff(), high = c.col(0).maxCoeff();
+    FieldConditions conditions;
+    for (int t = 0; t < surface.num_triangles(); ++t)
+        if (c(t, 0) < low + (high - low) / 8) problem.fixed.push_back(t);
+    conditions.held = problem.fixed;
+    problem.parameters.kinds.clear();
+    add_fields(problem.parameters,
+               std::make_shared<const DisplacementFields>(surface, conditions, FieldOptions{number, {}}));
+    problem.quantities = {closed_volume(surface), area(true)};
+    return problem;
+}
+
+struct Evaluated {
+    Problem problem;
+    std::shared_ptr<const RestFacts> rest;
+    ShapeEvaluator evaluator;
+    DesignSpace space;
+    explicit Evaluated(Problem p)
+        : problem(std::move(p)),
+          rest(rest_facts(problem)),
+          evaluator(problem, rest, {"volume", "area"}),
+          space(design_space(rest, 0)) {
+        evaluator.enter(space);
+    }
+};
+
+}  // namespace
+
+TEST(WithoutShell, EveryDirtyBodyMovesExactlyByTheFields) {
+    for (const std::string& kind : example::dirty_body_kinds()) {
+        Evaluated e(without_shell(example::dirty_body(kind), 12));
+        const Points& rest = e.problem.surface.vertices;
+        const ShapeEvaluation start = e.evaluator.evaluate(Eigen::VectorXd::Zero(e.space.size()), 1);
+        ASSERT_EQ(start.status, EvaluationStatus::ok) << kind << ": " << start.reason;
+        EXPECT_EQ(start.vertices, rest) << "the bits of the file";
+        const Eigen::VectorXd x = 0.15 * random_vector(e.space.size(), 3);
+        const ShapeEvaluation at = e.evaluator.evaluate(x, 2);
+        ASSERT_EQ(at.status, EvaluationStatus::ok) << kind << ": " << at.reason;
+        const Points wanted = rest + field_motion(e.space, x);
+        EXPECT_LT((at.vertices - wanted).cwiseAbs().maxCoeff(), 1e-14 * e.rest->diagonal);
+        for (const int t : e.problem.fixed)
+            for (int k = 0; k < 3; ++k) {
+                const int v = e.problem.surface.triangles(t, k);
+                EXPECT_EQ(at.vertices.row(v), rest.row(v));
+            }
+        EXPECT_EQ(e.evaluator.shell(), nullptr);
+    }
+}
+
+TEST(WithoutShell, GradientsAreExact) {
+    for (const char* kind : {"wing_through_body", "holes", "inner_walls", "crossing_boxes"}) {
+        Evaluated e(without_shell(example::dirty_body(kind), 12));
+        const Eigen::VectorXd x = 0.1 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+        ShapeEvaluation here = e.evaluator.evaluate(x, 1);
+        ASSERT_EQ(here.status, EvaluationStatus::ok) << kind << ": " << here.reason;
+        e.evaluator.differentiate(here);
+        for (int i = 0; i < 2; ++i) {
+            const Eigen::VectorXd g = here.gradients.row(i);
+            const auto J = [&](const Eigen::VectorXd& y) { return e.evaluator.evaluate(y, 1).values.at(i); };
+            EXPECT_NEAR(taylor_order(J, x, g, p, 3e-3), 2, 0.15) << kind << ' ' << i;
+            EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 3e-3), 1, 0.15) << "the test can fail";
+        }
+    }
+}
+
+TEST(WithoutShell, TheMetricIsThatOfTheDisplacements) {
+    Evaluated e(without_shell(example::dirty_body("crossing_boxes"), 8));
+    Points moved[2] = {field_motion(e.space, Eigen::VectorXd::Unit(8, 1)),
+                       field_motion(e.space, Eigen::VectorXd::Unit(8, 4))};
+    const double reach = e.problem.parameters.max_displacement * e.rest->diagonal, all = e.rest->vertex_area.sum();
+    EXPECT_NEAR(moved[0].rowwise().norm().maxCoeff(), reach, 1e-9 * reach);
+    const double mean = (e.rest->vertex_area.asDiagonal() * moved[0]).cwiseProduct(moved[1]).sum() / all;
+    EXPECT_NEAR(e.space.metric(1, 4), 4 * mean / (reach * reach), 1e-6);
+    e.evaluator.evaluate(Eigen::VectorXd::Zero(8), 1);
+    const Eigen::VectorXd d = random_vector(8, 2);
+    EXPECT_LT((e.evaluator.metric_product(Eigen::VectorXd::Zero(8), d) - e.space.metric * d).norm(), 1e-12 * d.norm());
+}
+
+TEST(WithoutShell, ARunGainsAndItsDesignIsStored) {
+    Problem problem = without_shell(example::dirty_body("wing_through_body"), 12);
+    maximize_volume(problem, 1.01);
+    problem.optimize.max_evaluations = 12;
+    std::optional<StoredDesign> best;
+    RunEvents events;
+    events.accepted = [&](const AcceptedDesign& design) { best = stored_design(design); };
+    const RunResult r = optimize(problem, events);
+    EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
+    EXPECT_GT(r.objective, 1.005 * r.objective_start);
+    ASSERT_TRUE(best.has_value());
+    EXPECT_TRUE(best->poses.rotation.empty());
+    Problem again = problem;
+    again.optimize.max_evaluations = 4;
+    start_from(again, std::make_shared<const StoredDesign>(*best));
+    const RunResult more = optimize(again);
+    EXPECT_GE(more.objective, (1 - 1e-9) * r.objective) << more.reason;
+    const auto design = std::make_shared<const StoredDesign>(*best);
+    const MixedDesign same = mixed_design({problem, design}, {problem, design}, 0.3);
+    EXPECT_EQ(same.defect, "");
+    EXPECT_LT((same.vertices - design->vertices).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+TEST(WithoutShell, AFitFindsAStretchedBody) {
+    Problem problem = without_shell(example::dirty_body("crossing_cylinders"), 27);
+    TriMesh target = problem.surface;
+    const double low = target.vertices.col(0).minCoeff() + 0.55;
+    for (int v = 0; v < target.num_vertices(); ++v)
+        target.vertices(v, 2) += 0.02 * std::pow(std::max(0.0, target.vertices(v, 0) - low), 2);
+    problem.parameters.max_displacement = 0.2;
+    problem.quantities = {target_shape_same("match", problem.surface, target)};
+    problem.fit = {problem.quantities[0].names[0]};
+    problem.optimize.max_evaluations = 15;
+    const RunResult r = fit(problem);
+    EXPECT_LT((r.vertices - target.vertices).norm(), 0.2 * (target.vertices - problem.surface.vertices).norm())
+        << r.reason;
+}
+
+TEST(WithoutShell, WhatNeedsAShellIsRefused) {
+    const Problem problem = without_shell(example::dirty_body("crossing_boxes"), 6);
+    const auto refused = [](const Problem& wrong) { EXPECT_THROW(rest_facts(wrong), InvalidInput); };
+    Problem wrong = problem;
+    wrong.parameters.kinds = {VariableKind::load};
+    refused(wrong);
+    wrong = problem;
+    wrong.strains = {{{700}, {}}};
+    refused(wrong);
+    wrong = problem;
+    wrong.given_traction = Points::Zero(wrong.surface.num_triangles(), 3);
+    refused(wrong);
+    wrong = problem;
+    wrong.spring_per_area = Eigen::VectorXd::Ones(wrong.surface.num_triangles());
+    refused(wrong);
+    wrong = problem;
+    UserVariable load;
+    load.name = "push";
+    load.triangles = {0};
+    load.traction = Points::Ones(1, 3);
+    wrong.parameters.user_variables.push_back(load);
+    refused(wrong);
+}

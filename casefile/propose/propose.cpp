@@ -279,6 +279,11 @@ std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, con
     if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
     if (mirror) found.push_back("the body is symmetric; so are the fields");
     found.push_back("nothing is held");
+    if (has_slivers(surface.checkup))
+        found.push_back("note: 5 % of the triangles or more are slivers, which the fields carry along");
+    const auto& pairs = surface.checkup.pairs;
+    if (const std::size_t crossing = pairs ? pairs->apart.size() + pairs->adjacent.size() : 0; crossing > 0)
+        found.push_back(text("note: ", crossing, " pairs of triangles intersect; the fields move both of each alike"));
     found.push_back(has_volume ? "objective: the volume; replace it"
                                : "objective: the area (the surface encloses no volume); replace it");
     return found;

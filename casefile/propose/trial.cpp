@@ -8,7 +8,7 @@
 namespace strake {
 namespace {
 
-constexpr double probe_size = 0.5;
+constexpr double probe_size = 0.1;  ///< thin wings bear it, slivers do not
 constexpr int num_probes = 3;
 
 /// The first level that has variables of shape.

@@ -97,9 +97,19 @@ class WithoutShell(unittest.TestCase):
         self.assertFalse(path("out.obj").exists())
 
     def test_what_is_not_defined_says_so(self):
-        path("drag.yaml").write_text(CASE.replace("GOAL", "quantities: {d: {type: wave_drag, mach: 1.5}}\nobjective: {minimize: d}"))
-        done = subprocess.run([STRAKE, "check", "drag.yaml"], cwd=FOLDER.name, capture_output=True, text=True, check=False)
-        self.assertIn(done.returncode, (0, 2), done.stderr)
+        subprocess.run([MAKE_SURFACE, "holes", "-o", "holes.obj"], cwd=FOLDER.name, check=True, capture_output=True)
+        goal = "quantities: {d: {type: wave_drag}}\nobjective: {minimize: d}"
+        path("drag.yaml").write_text(CASE.replace("GOAL", goal).replace("body.obj", "holes.obj"))
+        self.assertIn("the surface is open or misoriented at", strake("check", "drag.yaml", status=2).stderr)
+        path("volume.yaml").write_text(CASE.replace("GOAL", RUN).replace("body.obj", "holes.obj"))
+        strake("check", "volume.yaml")
+
+    def test_init_proposes_what_it_has_tried(self):
+        subprocess.run([MAKE_SURFACE, "inner_walls", "-o", "walls.obj"], cwd=FOLDER.name, check=True, capture_output=True)
+        told = json.loads(strake("init", "walls.obj", "-o", "walls.yaml", "--json", "--evaluations", "4").stdout)
+        self.assertTrue(told["tried"][0].startswith("an elastic shell on the surface: "), told["tried"])
+        self.assertTrue("of 6 test deformations fail" in told["tried"][-1], told["tried"])
+        strake("run", "walls.yaml", "--out", "runs/walls", "--quiet")
 
 
 if __name__ == "__main__":

@@ -29,6 +29,8 @@ SqpEnd SqpSearch::run() {
         while (!step()) {
         }
     restore();
+    end_.last_x = now_.x;
+    end_.last = now_.at;
     end_.radius = steps_.radius;
     end_.accepted = accepted_;
     if (guard_.best_x == now_.x && !gradient_.is_exact())

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -18,6 +19,8 @@ constexpr double margin = 0.02;  ///< of the box beyond the surface, of its exte
 
 struct Lattice {
     std::array<int, 3> points{2, 2, 2};
+    bool is_spline =
+        false;  ///< cubic B-splines (of lower degree on fewer than four points), else Bernstein polynomials
     bool held_low = false, held_high = false;  ///< layers on the sides of the held axis
     int axis = 0;
 
@@ -63,7 +66,7 @@ Lattice choose_lattice(const EvidenceProblem& problem, const Box& box, int varia
         for (int j = 2; j <= max_points; ++j)
             for (int k = 2; k <= max_points; ++k) {
                 Lattice lattice{
-                    {i, j, k}, problem.ends.low.has_value(), problem.ends.high.has_value(), problem.ends.axis};
+                    {i, j, k}, false, problem.ends.low.has_value(), problem.ends.high.has_value(), problem.ends.axis};
                 if (lattice.variables() <= 0) continue;
                 const double off = std::abs(std::log(double(lattice.variables()) / variables));
                 Vector3d spacing(extent[0] / (i - 1), extent[1] / (j - 1), extent[2] / (k - 1));
@@ -81,6 +84,25 @@ double bernstein(int degree, int i, double u) {
     return binomial * std::pow(u, i) * std::pow(1 - u, degree - i);
 }
 
+/// B-spline i of `points` of degree min(3, points - 1) on clamped, evenly spaced knots over [0, 1] (Cox and de Boor).
+double b_spline(int points, int i, double u) {
+    const int degree = std::min(3, points - 1), spans = points - degree;
+    const auto knot = [&](int k) { return std::clamp(k - degree, 0, spans) / double(spans); };
+    std::array<double, 4> value{};  // of splines i to i + degree, of rising degree
+    for (int k = 0; k <= degree; ++k) {
+        const bool is_last = knot(i + k + 1) == 1 && u == 1 && knot(i + k) < 1;
+        value[static_cast<std::size_t>(k)] = (knot(i + k) <= u && u < knot(i + k + 1)) || is_last ? 1 : 0;
+    }
+    for (int d = 1; d <= degree; ++d)
+        for (int k = 0; k <= degree - d; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            const double up = knot(i + k + d) - knot(i + k), down = knot(i + k + d + 1) - knot(i + k + 1);
+            value[at] = (up > 0 ? (u - knot(i + k)) / up * value[at] : 0) +
+                        (down > 0 ? (knot(i + k + d + 1) - u) / down * value[at + 1] : 0);
+        }
+    return value[0];
+}
+
 /// Weight of control point `at` at every vertex; held vertices have none.
 VectorXd weight(const Points& v, const Box& box, const Lattice& lattice, const std::array<int, 3>& at,
                 const std::vector<char>& held) {
@@ -90,7 +112,9 @@ VectorXd weight(const Points& v, const Box& box, const Lattice& lattice, const s
         column[row] = 1;
         for (int c = 0; c < 3; ++c) {
             const double u = (v(row, c) - box.min[c]) / (box.max[c] - box.min[c]);
-            column[row] *= bernstein(lattice.points[c] - 1, at[c], std::clamp(u, 0.0, 1.0));
+            const double inside = std::clamp(u, 0.0, 1.0);
+            column[row] *= lattice.is_spline ? b_spline(lattice.points[c], at[c], inside)
+                                             : bernstein(lattice.points[c] - 1, at[c], inside);
         }
     }
     return column;
@@ -123,11 +147,11 @@ std::vector<char> held_vertices(const Problem& problem) {
     return held;
 }
 
-LinearMotion bezier_box(const EvidenceProblem& problem, int variables) {
+namespace {
+
+LinearMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lattice& lattice) {
     const TriMesh& surface = problem.problem.surface;
     const std::vector<char> held = held_vertices(problem.problem);
-    const Box box = moving_box(problem, held);
-    const Lattice lattice = choose_lattice(problem, box, variables);
     const MatrixXd all = weights(problem, box, lattice, held);
     const VectorXd largest = all.colwise().maxCoeff();
     std::vector<Eigen::Index> kept;
@@ -165,6 +189,27 @@ LinearMotion bezier_box(const EvidenceProblem& problem, int variables) {
         return g;
     };
     return motion;
+}
+
+}  // namespace
+
+LinearMotion bezier_box(const EvidenceProblem& problem, int variables) {
+    const Box box = moving_box(problem, held_vertices(problem.problem));
+    return motion_of(problem, box, choose_lattice(problem, box, variables));
+}
+
+LinearMotion spline_lattice(const EvidenceProblem& problem, std::array<int, 3> points) {
+    const Box box = moving_box(problem, held_vertices(problem.problem));
+    const Vector3d extent = box.max - box.min;
+    std::array<int, 3> order{0, 1, 2};  // the longest side first
+    std::stable_sort(order.begin(), order.end(), [&](int a, int b) { return extent[a] > extent[b]; });
+    std::sort(points.rbegin(), points.rend());
+    Lattice lattice{{}, true, problem.ends.low.has_value(), problem.ends.high.has_value(), problem.ends.axis};
+    for (std::size_t c = 0; c < 3; ++c) lattice.points[static_cast<std::size_t>(order[c])] = points[c];
+    // A layer on every held side, and one that moves.
+    int& across = lattice.points[static_cast<std::size_t>(lattice.axis)];
+    across = std::max(across, 1 + int(lattice.held_low) + int(lattice.held_high));
+    return motion_of(problem, box, lattice);
 }
 
 }  // namespace strake::evidence

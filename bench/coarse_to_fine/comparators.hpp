@@ -1,6 +1,8 @@
 #pragma once
 #include "bench/coarse_to_fine/problems.hpp"
 
+#include <array>
+
 /// What users have today in place of loads on patches: motions of the vertices that are linear in the variables.
 namespace strake::evidence {
 
@@ -22,6 +24,11 @@ struct LinearMotion {
 /// most 11 points a side with the number of variables nearest to `variables` (within 3 % where there is one), then with
 /// the most even spacing. Control points that move nothing are left out.
 LinearMotion bezier_box(const EvidenceProblem& problem, int variables);
+
+/// The lattice that is usual with solvers and that a user sets by hand: so many control points along the sides of the
+/// same box, most along its longest side, with cubic B-splines on clamped even knots (of degree 1 on two points); held
+/// layers as above.
+LinearMotion spline_lattice(const EvidenceProblem& problem, std::array<int, 3> points);
 
 /// Every vertex that is not held, moved through a Helmholtz filter (vertex morphing as in Kratos; Lazarov and
 /// Sigmund 2011): (M + r^2 K) u = M s for every component with u = 0 where held, M the lumped mass and K the stiffness

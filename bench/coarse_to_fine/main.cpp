@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <fstream>
 #include <map>
 
 /// strake_evidence: solves design problems in every way that is compared; profile.py makes tables and plots of it.
@@ -27,6 +28,8 @@ struct Settings {
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
     bool values_only = false;
+    /// Objectives, as minimized, at which a run has seen enough, by problem and method; none: it goes on.
+    std::map<std::pair<std::string, std::string>, double> enough;
 };
 
 std::string number(double value) {
@@ -54,39 +57,36 @@ void write_patches(const std::filesystem::path& file, const EvidenceProblem& pro
               {{"patch", solve.patches.label}, {"fineness", fineness}});
 }
 
-/// One line a solve in runs.csv, one an evaluation in trace.csv, what was said in notes.txt.
-struct Report {
-    std::string runs =
+/// One line in PROBLEM-SOLVER-METHOD-runs.csv, one an evaluation in -trace.csv, what was said in -notes.txt.
+void write(const std::filesystem::path& folder, const EvidenceProblem& problem, const Solve& s) {
+    const std::string key = s.problem + "," + s.solver + "," + s.method + ",";
+    const std::string runs =
         "problem,solver,method,triangles,variables,levels,evaluations,failures,start,final,cpu,inherited_change,"
-        "status,reason\n";
-    std::string trace = "problem,solver,method,evaluation,paid,cpu,best\n";
-    std::string notes;
-
-    void add(const EvidenceProblem& problem, const Solve& s) {
-        const std::string key = s.problem + "," + s.solver + "," + s.method + ",";
-        runs += key + std::to_string(problem.problem.surface.num_triangles()) + "," + std::to_string(s.variables) +
-                "," + s.levels + "," + std::to_string(s.evaluations) + "," + std::to_string(s.failures) + "," +
-                number(s.start) + "," + number(s.final) + "," + number(s.trace.empty() ? 0 : s.trace.back().cpu) + "," +
-                number(s.inherited_change) + "," + s.status + "," + quoted(s.reason) + "\n";
-        for (const TracePoint& p : s.trace)
-            trace += key + std::to_string(p.evaluation) + "," + std::to_string(p.paid) + "," + number(p.cpu) + "," +
-                     number(p.best) + "\n";
-        for (const std::string& note : s.notes) notes += key + " " + note + "\n";
-    }
-    void write(const std::filesystem::path& folder, const std::string& name) const {
-        write_atomically(folder / (name + "-runs.csv"), runs);
-        write_atomically(folder / (name + "-trace.csv"), trace);
-        write_atomically(folder / (name + "-notes.txt"), notes);
-    }
-};
+        "status,reason\n" +
+        key + std::to_string(problem.problem.surface.num_triangles()) + "," + std::to_string(s.variables) + "," +
+        s.levels + "," + std::to_string(s.evaluations) + "," + std::to_string(s.failures) + "," + number(s.start) +
+        "," + number(s.final) + "," + number(s.trace.empty() ? 0 : s.trace.back().cpu) + "," +
+        number(s.inherited_change) + "," + s.status + "," + quoted(s.reason) + "\n";
+    std::string trace = "problem,solver,method,evaluation,paid,cpu,best\n", notes;
+    for (const TracePoint& p : s.trace)
+        trace += key + std::to_string(p.evaluation) + "," + std::to_string(p.paid) + "," + number(p.cpu) + "," +
+                 number(p.best) + "\n";
+    for (const std::string& note : s.notes) notes += key + " " + note + "\n";
+    const std::string name = s.problem + "-" + s.solver + "-" + s.method;
+    write_atomically(folder / (name + "-trace.csv"), trace);
+    write_atomically(folder / (name + "-notes.txt"), notes);
+    write_atomically(folder / (name + "-runs.csv"), runs);  // last: it says that the others are there
+}
 
 bool wanted(const std::vector<std::string>& list, const std::string& name) {
     return list.empty() || std::find(list.begin(), list.end(), name) != list.end();
 }
 
-Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method method, int budget) {
+Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method method, const Settings& settings) {
+    const auto enough = settings.enough.find({problem.name, to_string(method)});
     try {
-        return solve(problem, solver, method, budget);
+        return enough == settings.enough.end() ? solve(problem, solver, method, settings.budget)
+                                               : solve(problem, solver, method, settings.budget, enough->second);
     } catch (const std::exception& e) {
         Solve failed;
         failed.problem = problem.name;
@@ -105,20 +105,40 @@ void run_problem(const std::string& name, const Settings& settings) {
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     const std::filesystem::path folder = settings.out;
-    Report report;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
             if (solver == Solver::filtered && method == Method::sqp) continue;
             if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
-            const Solve s = solve_or_say_why(problem, solver, method, settings.budget);
-            report.add(problem, s);
-            report.write(folder, name);
+            const std::string file = name + "-" + to_string(solver) + "-" + to_string(method) + "-runs.csv";
+            if (std::filesystem::exists(folder / file)) continue;  // by an earlier, interrupted call
+            const Solve s = solve_or_say_why(problem, solver, method, settings);
+            write(folder, problem, s);
             std::fprintf(stderr,
-                         "%-20s %-9s %-6s %5d variables %4d evaluations (%d failed) %8.1f s  %.6g -> %.6g  %s\n",
+                         "%-20s %-13s %-6s %5d variables %4d evaluations (%d failed) %8.1f s  %.6g -> %.6g  %s\n",
                          s.problem.c_str(), s.solver.c_str(), s.method.c_str(), s.variables, s.evaluations, s.failures,
                          s.trace.empty() ? 0 : s.trace.back().cpu, s.start, s.final, s.status.c_str());
-            if (solver == Solver::adaptive) write_patches(folder / (name + "-" + s.method + ".vtp"), problem, s);
+            if (solver == Solver::adaptive || solver == Solver::fields)
+                write_patches(folder / (name + "-" + s.solver + "-" + s.method + ".vtp"), problem, s);
         }
+}
+
+/// Rows PROBLEM,METHOD,OBJECTIVE below a line of names.
+void read_enough(const std::string& file, Settings& settings) {
+    std::ifstream in(file);
+    if (!in) throw InvalidInput(text("cannot read ", file));
+    std::string line;
+    for (std::getline(in, line); std::getline(in, line);) {
+        const std::size_t first = line.find(','), second = line.find(',', first + 1);
+        if (second == std::string::npos) throw InvalidInput(text(file, ": expected PROBLEM,METHOD,OBJECTIVE: ", line));
+        settings.enough[{line.substr(0, first), line.substr(first + 1, second - first - 1)}] =
+            std::stod(line.substr(second + 1));
+    }
+}
+
+std::vector<std::string> all_names() {
+    std::vector<std::string> names = problem_names();
+    names.insert(names.end(), physical_names().begin(), physical_names().end());
+    return names;
 }
 
 }  // namespace
@@ -126,16 +146,24 @@ void run_problem(const std::string& name, const Settings& settings) {
 int main(int argc, char** argv) {
     CLI::App app{"Solves the problems of the evidence suite in every way that is compared", "strake_evidence"};
     Settings settings;
-    bool list = false;
-    app.add_option("--problems", settings.problems, "names; default: all twelve")
+    bool list = false, physical = false;
+    std::string enough;
+    app.add_option("--problems", settings.problems, "names; default: the twelve with targets")
         ->delimiter(',')
-        ->check(CLI::IsMember(problem_names()));
-    app.add_option("--solvers", settings.solvers, "adaptive, uniform, finest, ffd, filtered; default: all")
+        ->check(CLI::IsMember(all_names()));
+    app.add_flag("--physical", physical, "the six physical problems");
+    std::vector<std::string> solvers;
+    for (const Solver solver : all_solvers()) solvers.push_back(to_string(solver));
+    app.add_option("--solvers", settings.solvers, "default: all of them")
         ->delimiter(',')
-        ->check(CLI::IsMember({"adaptive", "uniform", "finest", "ffd", "filtered"}));
+        ->check(CLI::IsMember(solvers));
+    app.add_option("--enough", enough, "CSV file PROBLEM,METHOD,OBJECTIVE: a run ends at that objective")
+        ->check(CLI::ExistingFile);
     app.add_option("--methods", settings.methods, "sqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
-    app.add_option("--triangles", settings.triangles, "of a surface, about")->check(CLI::Range(500, 1'000'000));
-    app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
+    app.add_option("--triangles", settings.triangles, "of a surface, about")
+        ->check(CLI::Range(500, 1'000'000))
+        ->take_last();
+    app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000))->take_last();
     app.add_option("--seed", settings.seed, "another seed makes another set of problems");
     app.add_option("--out", settings.out, "folder");
     const std::map<std::string, LevelStartHessian> starts{{"carried", LevelStartHessian::carried},
@@ -155,7 +183,9 @@ int main(int argc, char** argv) {
         "no gradients: sqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
+    if (physical) settings.problems = physical_names();
     try {
+        if (!enough.empty()) read_enough(enough, settings);
         if (list) {
             for (const std::string& name : settings.problems) {
                 const EvidenceProblem p = make_problem(name, settings.triangles, settings.seed);

@@ -8,30 +8,46 @@ namespace strake::evidence {
 namespace {
 
 using Maker = EvidenceProblem (*)(int, Draw&);
-const std::vector<std::pair<std::string, Maker>>& makers() {
-    static const std::vector<std::pair<std::string, Maker>> all{{"wing", wing_recovery},
-                                                                {"lifting_body", lifting_body_recovery},
-                                                                {"fuselage_nacelle", fuselage_recovery},
-                                                                {"bent_tube", bent_tube},
-                                                                {"blob", blob},
-                                                                {"bunny_like", bunny_like},
-                                                                {"volume_under_area", lifting_body_volume},
-                                                                {"volume_under_limits", wing_under_limits},
-                                                                {"local_bump", local_bump},
-                                                                {"global_twist", global_twist},
-                                                                {"noisy", noisy},
-                                                                {"many_minima", many_minima}};
+using Makers = std::vector<std::pair<std::string, Maker>>;
+
+const Makers& makers() {
+    static const Makers all{{"wing", wing_recovery},
+                            {"lifting_body", lifting_body_recovery},
+                            {"fuselage_nacelle", fuselage_recovery},
+                            {"bent_tube", bent_tube},
+                            {"blob", blob},
+                            {"bunny_like", bunny_like},
+                            {"volume_under_area", lifting_body_volume},
+                            {"volume_under_limits", wing_under_limits},
+                            {"local_bump", local_bump},
+                            {"global_twist", global_twist},
+                            {"noisy", noisy},
+                            {"many_minima", many_minima}};
     return all;
+}
+
+const Makers& physical_makers() {
+    static const Makers all{{"wave_drag", wave_drag_beside_fuselage}, {"lift_over_drag", newtonian_lift_over_drag},
+                            {"bending_energy", least_bending},        {"wing_volume", wing_within_thickness},
+                            {"frontal_area", least_frontal_area},     {"section_areas", wanted_section_areas}};
+    return all;
+}
+
+std::vector<std::string> names_of(const Makers& all) {
+    std::vector<std::string> names;
+    for (const auto& maker : all) names.push_back(maker.first);
+    return names;
 }
 
 }  // namespace
 
 const std::vector<std::string>& problem_names() {
-    static const std::vector<std::string> names = [] {
-        std::vector<std::string> all;
-        for (const auto& maker : makers()) all.push_back(maker.first);
-        return all;
-    }();
+    static const std::vector<std::string> names = names_of(makers());
+    return names;
+}
+
+const std::vector<std::string>& physical_names() {
+    static const std::vector<std::string> names = names_of(physical_makers());
     return names;
 }
 
@@ -42,10 +58,15 @@ std::vector<Method> methods_of(const EvidenceProblem& evidence) {
     return {Method::sqp, Method::cobyla};
 }
 
+EvidenceProblem with_automatic_fields(const EvidenceProblem& evidence) {
+    return with_displacement_fields(evidence, {27, 60, 192});
+}
+
 EvidenceProblem with_displacement_fields(EvidenceProblem evidence, std::vector<int> steps) {
     Problem& problem = evidence.problem;
     FieldConditions conditions;
     conditions.held = problem.fixed;
+    conditions.cut = problem.symmetry;
     FieldOptions options;
     options.number = steps.back();
     const auto fields = std::make_shared<const DisplacementFields>(problem.surface, conditions, options);
@@ -72,11 +93,11 @@ EvidenceProblem without_gradients(EvidenceProblem evidence) {
 }
 
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed) {
-    const auto& all = makers();
-    for (std::size_t i = 0; i < all.size(); ++i)
-        if (all[i].first == name) {
-            Draw draw(1000 * seed + i);
-            return all[i].second(triangles, draw);
+    std::uint64_t number = 0;
+    for (const Makers& all : {makers(), physical_makers()})
+        for (const auto& [known, make] : all) {
+            Draw draw(1000 * seed + number++);
+            if (known == name) return make(triangles, draw);
         }
     throw InvalidInput(text("no problem is called '", name, "'"));
 }

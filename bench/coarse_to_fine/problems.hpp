@@ -1,8 +1,9 @@
 #pragma once
 #include "optimize/problem/problem.hpp"
 
-/// The twelve design problems of the evidence suite: surface, held part, patches, variables, objective, constraints.
-/// Everything that is random comes from the seed; another seed makes another set of twelve.
+/// The design problems of the evidence suite: surface, held part, patches, variables, objective, constraints. Twelve
+/// with targets and limits by formula, six physical ones whose optimum nobody has drawn. Everything that is random
+/// comes from the seed; another seed makes another set.
 namespace strake::evidence {
 
 /// What is held: triangles whose centroid has its coordinate `axis` below `low` or above `high`.
@@ -24,7 +25,8 @@ struct EvidenceProblem {
 std::vector<Method> methods_of(const EvidenceProblem& evidence);
 
 /// In the order of the tables.
-const std::vector<std::string>& problem_names();
+const std::vector<std::string>& problem_names();   ///< the twelve
+const std::vector<std::string>& physical_names();  ///< the six
 
 /// @param triangles about; wings have at least 1 000, lifting bodies 1 500. @throws InvalidInput for an unknown name.
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed);
@@ -32,6 +34,8 @@ EvidenceProblem make_problem(const std::string& name, int triangles, unsigned se
 /// The same as a solver without gradients sees it: quantities give values only, sqp takes differences.
 EvidenceProblem without_gradients(EvidenceProblem evidence);
 
+/// The same with `parameters.fields: auto`.
+EvidenceProblem with_automatic_fields(const EvidenceProblem& evidence);
 /// The same with displacement fields, so many on successive levels (`Parameters::field_steps`).
 EvidenceProblem with_displacement_fields(EvidenceProblem evidence, std::vector<int> steps);
 

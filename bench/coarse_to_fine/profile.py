@@ -15,8 +15,9 @@ import os
 import sys
 
 SHARES = (0.9, 0.99, 0.999)
-STRAKE = ("adaptive", "uniform", "finest")
-COLOURS = {"adaptive": "#c0392b", "uniform": "#e08e0b", "finest": "#2c6fbb", "ffd": "#3a923a", "filtered": "#7d4fa8"}
+STRAKE = ("fields", "adaptive", "uniform", "finest")
+COLOURS = {"fields": "#222222", "adaptive": "#c0392b", "uniform": "#e08e0b", "finest": "#2c6fbb", "ffd": "#3a923a",
+           "lattice_4x4x4": "#17a2a2", "lattice_8x4x2": "#a0a01a", "filtered": "#7d4fa8"}
 
 
 def read(folder):

@@ -28,6 +28,8 @@ struct Tracer {
     int choosing = 0;   ///< differences by which its patches were chosen
     bool has_gradients = true;
     double begin = cpu_seconds();
+    double enough = -std::numeric_limits<double>::infinity();
+    bool has_enough() const { return !solve.trace.empty() && solve.trace.back().best <= enough; }
     /// @param objective as minimized; NaN: no value
     void add(double objective, bool feasible) {
         TracePoint point = solve.trace.empty() ? TracePoint{} : solve.trace.back();
@@ -45,18 +47,19 @@ struct Tracer {
     }
 };
 
-void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
-    Problem problem = evidence.problem;
+void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Tracer& tracer) {
+    Solve& result = tracer.solve;
+    Problem problem = solver == Solver::fields ? with_automatic_fields(evidence).problem : evidence.problem;
     if (solver == Solver::finest) problem.tree = finest_only(problem.tree);
-    if (solver == Solver::adaptive) problem.parameters.split = SplitRule::sensitivity;
+    const bool chooses = solver == Solver::adaptive || solver == Solver::fields;
+    if (chooses) problem.parameters.split = SplitRule::sensitivity;
     problem.optimize.method = method;
     problem.optimize.max_evaluations = budget;
-    Tracer tracer{result};
-    tracer.has_gradients = evidence.has_gradients;
     RunEvents events;
+    events.stop_wanted = [&] { return tracer.has_enough(); };
     std::optional<DesignSpace> above;
     events.level = [&](const LevelStart& level) {
-        const bool chosen = above && solver == Solver::adaptive && tracer.has_gradients;
+        const bool chosen = above && chooses && tracer.has_gradients;
         if (const auto all = chosen ? prospect(*above, VectorXd::Zero(above->size())) : std::nullopt)
             tracer.choosing = all->children.space.size();
         tracer.variables = level.space.size();
@@ -185,17 +188,18 @@ private:
 constexpr int max_for_dense_models = 300;
 struct EndedByItself {};
 
-void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Solve& result) {
-    Tracer tracer{result};
-    tracer.has_gradients = evidence.has_gradients;
+LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
+    if (solver == Solver::lattice_4x4x4) return spline_lattice(evidence, {4, 4, 4});
+    if (solver == Solver::lattice_8x4x2) return spline_lattice(evidence, {8, 4, 2});
     // As many variables as the last level of the tree has: those of its patches that are not wholly held.
-    LinearMotion motion;
-    if (solver == Solver::filtered) {
-        if (method == Method::sqp) throw InvalidInput("filtered vertices are too many for the dense models of sqp");
-        motion = filtered_vertices(evidence);
-    } else {
-        motion = bezier_box(evidence, variables_of_last_level(evidence.problem));
-    }
+    if (solver == Solver::ffd) return bezier_box(evidence, variables_of_last_level(evidence.problem));
+    if (method == Method::sqp) throw InvalidInput("filtered vertices are too many for the dense models of sqp");
+    return filtered_vertices(evidence);
+}
+
+void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Tracer& tracer) {
+    Solve& result = tracer.solve;
+    const LinearMotion motion = comparator_motion(evidence, solver, method);
     result.variables = tracer.variables = motion.size();
     result.levels = text(motion.size());
     result.notes.push_back(motion.name);
@@ -207,6 +211,7 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
     how.objective_tolerance = options.objective_tolerance;
     how.step_tolerance = options.step_tolerance;
     how.constraint_tolerance = options.constraint_tolerance;
+    how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };
     how.on_event = [&](const std::string& words) {
         result.notes.push_back(words);
         const bool is_second_opinion = words.find("sqp goes on") != std::string::npos;
@@ -222,6 +227,7 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
     }
     result.status = end.stop == MinimizeStop::converged       ? "converged"
                     : end.stop == MinimizeStop::evaluations   ? "budget"
+                    : end.stop == MinimizeStop::stopped       ? "enough"
                     : end.stop == MinimizeStop::no_valid_step ? "no_valid_step"
                     : end.stop == MinimizeStop::roundoff      ? "roundoff"
                                                               : "failed";
@@ -232,13 +238,20 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
 }  // namespace
 
 const std::vector<Solver>& all_solvers() {
-    static const std::vector<Solver> all{Solver::adaptive, Solver::uniform, Solver::finest, Solver::ffd,
-                                         Solver::filtered};
+    static const std::vector<Solver> all{Solver::fields,        Solver::adaptive, Solver::uniform,
+                                         Solver::finest,        Solver::ffd,      Solver::lattice_4x4x4,
+                                         Solver::lattice_8x4x2, Solver::filtered};
     return all;
 }
 
 std::string to_string(Solver solver) {
     switch (solver) {
+        case Solver::fields:
+            return "fields";
+        case Solver::lattice_4x4x4:
+            return "lattice_4x4x4";
+        case Solver::lattice_8x4x2:
+            return "lattice_8x4x2";
         case Solver::adaptive:
             return "adaptive";
         case Solver::uniform:
@@ -281,15 +294,17 @@ int variables_of_last_level(const Problem& problem) {
     return each * free;
 }
 
-Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget) {
+Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget, double enough) {
     Solve result;
     result.problem = problem.name;
     result.solver = to_string(solver);
     result.method = to_string(method);
-    if (solver == Solver::ffd || solver == Solver::filtered)
-        run_comparator(problem, solver, method, budget, result);
-    else
-        run_strake(problem, solver, method, budget, result);
+    Tracer tracer{result};
+    tracer.has_gradients = problem.has_gradients;
+    tracer.enough = enough;
+    const bool is_strake =
+        solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest;
+    (is_strake ? run_strake : run_comparator)(problem, solver, method, budget, tracer);
     return result;
 }
 

@@ -5,11 +5,14 @@
 namespace strake::evidence {
 
 enum class Solver {
-    adaptive,  ///< coarse to fine, patches split by sensitivity
-    uniform,   ///< coarse to fine, level by level of the tree
-    finest,    ///< the last level alone
-    ffd,       ///< Bezier box with about as many variables as `finest`
-    filtered   ///< every vertex through a Helmholtz filter; not with sqp, whose models are dense
+    fields,         ///< `parameters.fields: auto`: displacement fields first, patches split by sensitivity
+    adaptive,       ///< coarse to fine, patches split by sensitivity
+    uniform,        ///< coarse to fine, level by level of the tree
+    finest,         ///< the last level alone
+    ffd,            ///< Bezier box with about as many variables as `finest`
+    lattice_4x4x4,  ///< B-spline lattices as users set them
+    lattice_8x4x2,
+    filtered  ///< every vertex through a Helmholtz filter; not with sqp, whose models are dense
 };
 const std::vector<Solver>& all_solvers();
 std::string to_string(Solver solver);
@@ -41,7 +44,9 @@ struct Solve {
 /// Variables of `finest`: of the patches of the last level that are not wholly held.
 int variables_of_last_level(const Problem& problem);
 
-/// @param budget evaluations. @throws InvalidInput when the solver cannot use the method.
-Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget);
+/// @param budget evaluations. @param enough ends the solve once the best objective, as minimized, is no higher.
+/// @throws InvalidInput when the solver cannot use the method.
+Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget,
+            double enough = -std::numeric_limits<double>::infinity());
 
 }  // namespace strake::evidence

@@ -202,6 +202,8 @@ private:
             if (sqp.accepted > max_steps) result_.hessian = sqp.hessian;  // a fresh start may learn less
             max_steps = std::max(max_steps, sqp.accepted);
             result_.gradient_error = sqp.gradient_error;
+            result_.last_x = sqp.last_x;
+            result_.last = sqp.last;
             end(sqp.stop, sqp.reason);
             const bool uncertain = confirmations_ == 0 && expects_more(guard_);
             continues = sqp.is_at_border ? gained_at_border(before)

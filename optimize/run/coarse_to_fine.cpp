@@ -6,6 +6,7 @@
 #include "optimize/nlp/program/partial_gradient.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/run_verdict.hpp"
+#include "optimize/run/value_trial.hpp"
 #include "optimize/space/refinement.hpp"
 
 namespace strake {
@@ -18,7 +19,11 @@ constexpr double variables_at_price = 10;    ///< new ones that must gain `min_e
 constexpr double done_by_differences = 0.05;
 /// Nor does one cost more than so many gradients of the next.
 constexpr double patience_by_differences = 2;
+/// Where trials of a few directions tell what else there is, a level is left once a gradient gives no more than this
+/// share of what the level has gained; the trial may find that it is to go on.
+constexpr double early_by_differences = 0.3;
 constexpr int parts_of_a_patch = 4;
+constexpr int trial_share = 10;         ///< trials of directions that must still be affordable
 constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
 
 class Optimization {
@@ -66,6 +71,7 @@ private:
             state_.end_level(state_.space.size() == 0 ? "no variable of this level moves anything"
                                                       : level_words(level));
             if (!refines) break;
+            if (is_trial_wanted_) choose_by_trial(x, next);
         }
         if (!any)
             throw InvalidInput("nothing to optimize: no variable of any level moves anything; is all of it fixed?");
@@ -80,7 +86,7 @@ private:
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
     bool finish_or_refine(Eigen::VectorXd& x, MinimizeResult& level, std::optional<LevelSet>& next) {
         is_in_noise_ = level.stop == MinimizeStop::roundoff;
-        if (!may_continue(level) || !state_.can_refine()) return false;
+        if (is_last_ || !may_continue(level) || !state_.can_refine()) return false;
         if (choose_next(x, next)) return true;
         const bool was_left = level.stop == MinimizeStop::stopped || level.stop == MinimizeStop::outpaced;
         const bool has_spent_its_share = level.stop == MinimizeStop::evaluations;
@@ -110,8 +116,10 @@ private:
     bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
         next.reset();
         probed_ = 1;
+        is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
+        if (may_try()) return is_trial_wanted_ = true;
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
             state_.note("refinement: there are no sensitivities to choose by, every patch is split");
             next = refined_everywhere(state_.space);
@@ -150,6 +158,28 @@ private:
         expected_of_level_ = plan.chosen + still_expected_;
         next = plan.next;
         return true;
+    }
+
+    /// Values alone, and fields beside patches to choose from.
+    bool may_try() const {
+        const bool has_multipliers = last_.gradient.size() > 0 || state_.problem.constraints.empty();
+        return has_choice() && has_multipliers && state_.space.size() > 0 &&
+               state_.evaluations_left() > trial_share * trial_directions;
+    }
+    bool has_choice() const {
+        const Parameters& p = state_.rest->parameters;
+        return p.fields && !p.field_steps.empty() && !p.kinds.empty() && p.split == SplitRule::sensitivity &&
+               !program_.gives_lagrangian();
+    }
+
+    void choose_by_trial(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
+        const double gained = std::abs(state_.result.objective_start - state_.level_best_objective);
+        const double least = state_.problem.optimize.min_expected_gain * gained;
+        const TrialResult found =
+            next_by_values(state_, program_, {x, weight_, hessian_, last_y_, last_}, curvature_, least);
+        next = found.next;
+        is_last_ = found.is_idle;
+        has_stayed_ = found.stays;
     }
 
     /// Many variables must gain more than few: each takes its share of the search. Not where this level can do
@@ -191,7 +221,9 @@ private:
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.constraint_tolerance = options.constraint_tolerance;
-        how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
+        // Where trials choose, levels are left by what they gain.
+        const int share = last || (how.method == Method::sqp && may_try()) ? 1 : state_.levels_left() + 1;
+        how.max_evaluations = std::max(1, state_.evaluations_left() / share);
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
@@ -205,10 +237,9 @@ private:
     enum class Entry { first, refined, again, finished };
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
-        const bool last = entry == Entry::finished || state_.levels_left() == 0;
-        const Eigen::VectorXd weight_before = program_.weight();
+        const bool last = entry == Entry::finished || is_last_ || state_.levels_left() == 0;
         NonlinearProgram program = program_.enter(start);
-        carry_over(program, weight_before, entry == Entry::again || entry == Entry::finished);
+        carry_over(program, weight_, entry == Entry::again || entry == Entry::finished);
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global
         // search makes its progress in leaps.
@@ -250,11 +281,27 @@ private:
             program.metric = Eigen::MatrixXd::Identity(size, size);  // y is scaled by the diagonal
         const Eigen::MatrixXd inherits = is_same_level ? Eigen::MatrixXd::Identity(size, size) : state_.prolongation;
         if (known != LevelStartHessian::carried || hessian_.size() == 0 || inherits.cols() != hessian_.cols()) return;
-        const Eigen::MatrixXd P = program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
-        program.hessian = carried_hessian(hessian_, P, program.metric, curvature_ / probed_);
+        const Eigen::MatrixXd all =
+            program_.weight().asDiagonal() * inherits * weight_before.cwiseInverse().asDiagonal();
+        std::vector<Eigen::Index> kept;  // what is frozen now has no column
+        for (Eigen::Index j = 0; j < all.cols(); ++j)
+            if (!all.col(j).isZero(0)) kept.push_back(j);
+        if (kept.empty()) return;
+        const Eigen::MatrixXd P = all(Eigen::all, kept), hessian = hessian_(kept, kept);
+        program.hessian = carried_hessian(hessian, P, program.metric, curvature_ / probed_);
         if (program.differences && program.differences->objective)
-            program.start_gradient = inherited_gradient(parent_, gradient_error_, P, program.metric);
-        if (!is_same_level) program.guessed = carried_hessian(0 * hessian_, P, program.metric, curvature_ / probed_);
+            program.start_gradient = inherited_gradient(reduced(parent_, kept), kept_error(kept), P, program.metric);
+        if (!is_same_level) program.guessed = carried_hessian(0 * hessian, P, program.metric, curvature_ / probed_);
+    }
+
+    static Evaluation reduced(Evaluation evaluation, const std::vector<Eigen::Index>& kept) {
+        if (evaluation.gradient.size() == 0) return evaluation;
+        evaluation.gradient = evaluation.gradient(kept).eval();
+        evaluation.jacobian = evaluation.jacobian(Eigen::all, kept).eval();
+        return evaluation;
+    }
+    Eigen::MatrixXd kept_error(const std::vector<Eigen::Index>& kept) const {
+        return gradient_error_.size() > 0 ? Eigen::MatrixXd(gradient_error_(kept, Eigen::all)) : gradient_error_;
     }
 
     /// False: the details below are expected to gain more than this level, it has done its part. Where only the most
@@ -273,9 +320,15 @@ private:
     /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.
     std::function<bool(double, const Eigen::MatrixXd&)> by_differences_rule(int variables) const {
         const int evaluations_before = state_.result.evaluations, finer = variables * parts_of_a_patch;
-        return [this, evaluations_before, finer](double expected, const Eigen::MatrixXd&) {
-            const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+        const bool may_be_early = has_choice() && !has_stayed_;
+        double before = std::numeric_limits<double>::quiet_NaN();
+        return [=, this](double expected, const Eigen::MatrixXd&) mutable {
+            const double now = state_.level_best_objective;
+            const double gained = std::abs(state_.result.levels.back().objective_start - now);
+            const double last_gain = std::abs(std::exchange(before, now) - now);
             const int spent = state_.result.evaluations - evaluations_before;
+            if (may_be_early && last_gain <= early_by_differences * gained)
+                return false;  // what else there is may gain more
             return !(expected <= done_by_differences * gained || spent > patience_by_differences * finer);
         };
     }
@@ -286,7 +339,10 @@ private:
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
         largest_gradient_ = result.largest_gradient;
+        weight_ = program_.weight();
         parent_ = result.best;
+        last_y_ = result.last_x;
+        last_ = result.last;
         gradient_error_ = result.gradient_error;
         curvature_ = hessian_.size() > 0 ? shape_curvature(hessian_, program.metric) : 1;
         // Finer details move the shape by less than what they are details of.
@@ -311,6 +367,9 @@ private:
     RunState state_;
     LevelProgram program_;
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
+    Eigen::VectorXd weight_;          ///< y over x
+    Eigen::VectorXd last_y_;          ///< the last point of the level that was differentiated
+    Evaluation last_;                 ///< there
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
     double curvature_ = 1, first_step_ = 0.5, largest_gradient_ = 0;
@@ -318,6 +377,9 @@ private:
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false, is_in_noise_ = false;
+    bool is_trial_wanted_ = false;  ///< before the next level
+    bool has_stayed_ = false;       ///< after a trial, with what was there
+    bool is_last_ = false;          ///< the present level goes on to its end
 };
 
 }  // namespace

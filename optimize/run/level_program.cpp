@@ -25,9 +25,10 @@ std::vector<std::string> wanted_names(const Problem& problem) {
 
 /// Of the motion limit: more than what separates two solutions of the same equilibrium, and inherited shapes.
 constexpr double least_slack = 5e-7;
-/// By differences every design has others around it. More would be a limit of its own.
-constexpr double most_slack = 5e-3;
-constexpr double slack_over_step = 1.2;  ///< displacements are not quite linear in the step
+/// By differences every design has others around it. More would be a limit of its own, but where noise asks for it.
+constexpr double most_slack = 5e-3, most_slack_in_noise = 0.05;
+constexpr double most_difference_step = 0.1;  ///< of a step of 1 in the metric: beyond, a difference is no slope
+constexpr double slack_over_step = 1.2;       ///< displacements are not quite linear in the step
 /// Vertices that a step of the trust region may bring to their limit.
 constexpr double near_limit = 0.6;
 
@@ -119,7 +120,13 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
                           space.num_parameters() > 0;  // a program may give only some derivatives by parameters
     if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {
         Differences differences;
-        differences.step = options.difference_step;
+        differences.step = std::max(options.difference_step, difference_step_);
+        differences.max_step = most_difference_step;
+        differences.on_step = [this](double step) {
+            difference_step_ = step;
+            program_.differences->step = step;
+            keep_slack();
+        };
         differences.missing = may_miss;
         differences.objective = objective_gradient_ < 0;
         // One row per limit: inequalities first, then equalities, as the rows are.
@@ -146,14 +153,18 @@ void LevelProgram::narrow_bounds() {
     }
 }
 
+void LevelProgram::keep_slack() {
+    slack_ = least_slack;
+    if (!program_.differences) return;
+    const int shape = state_.space.num_shape();
+    const double widest = shape > 0 ? 1 / weight_.head(shape).minCoeff() : 0;  // a step of 1, over the limit
+    slack_ = std::clamp(slack_over_step * program_.differences->step * widest, least_slack,
+                        difference_step_ > 0 ? most_slack_in_noise : most_slack);
+}
+
 void LevelProgram::limit_motion() {
     if (state_.evaluator.motion_limit().is_none()) return;
-    slack_ = least_slack;
-    if (program_.differences) {
-        const int shape = state_.space.num_shape();
-        const double widest = shape > 0 ? 1 / weight_.head(shape).minCoeff() : 0;  // a step of 1, over the limit
-        slack_ = std::clamp(slack_over_step * program_.differences->step * widest, least_slack, most_slack);
-    }
+    keep_slack();
     program_.within = [this](const Eigen::VectorXd& y) {
         const Eigen::VectorXd x = unscaled(y), inside = state_.evaluator.within(x, slack_);
         if (inside == x) return y;

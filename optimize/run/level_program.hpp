@@ -50,6 +50,7 @@ private:
     Evaluation evaluate(const Eigen::VectorXd& x);
     void differentiate(Evaluation& sample);
     void limit_motion();
+    void keep_slack();
     void narrow_bounds();
     StepLimits step_limits(const MotionConditions& at) const;
     double sign() const { return state_.problem.maximize ? -1 : 1; }
@@ -61,7 +62,8 @@ private:
     NonlinearProgram program_;
     Eigen::VectorXd weight_;
     Eigen::VectorXd moved_y_,
-        moved_x_;       ///< the last point moved inside the motion limit, without the scaling's round-off
+        moved_x_;                 ///< the last point moved inside the motion limit, without the scaling's round-off
+    double difference_step_ = 0;  ///< that the noise of the values asks for; 0: that of the case
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;

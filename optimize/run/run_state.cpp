@@ -95,7 +95,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
                       const Points& dJ_dv) {
     const bool ok = evaluation.status == EvaluationStatus::ok;
     if (!level_has_started_) check_inheritance(evaluation, objective);
-    const bool is_level_best = ok && (!level_has_started_ || rank.better_than(level_best));
+    const bool is_level_best = ok && (!level_has_started_ || (!is_trying && rank.better_than(level_best)));
     level_has_started_ = true;
     EvaluationRecord record;
     record.evaluation = result.evaluations;

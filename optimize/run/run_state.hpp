@@ -77,6 +77,7 @@ public:
     int level_best_evaluation = 0;
     Eigen::VectorXd level_best_x;  ///< empty: the level has no evaluation that is ok
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
+    bool is_trying = false;  ///< only the first evaluation of the level counts as its best: the others are differences
 
 private:
     /// What `ask` leaves unfinished goes to the result.

@@ -10,6 +10,7 @@
 namespace strake::evidence {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int tiny = 800;
@@ -38,7 +39,10 @@ bool is_closed(const TriMesh& mesh) {
 TEST(Evidence, ProblemsAreSoundAndMadeBySeed) {
     ASSERT_EQ(problem_names().size(), 12u);
     int outside = 0;
-    for (const std::string& name : problem_names()) {
+    ASSERT_EQ(physical_names().size(), 6u);
+    std::vector<std::string> names = problem_names();
+    names.insert(names.end(), physical_names().begin(), physical_names().end());
+    for (const std::string& name : names) {
         SCOPED_TRACE(name);
         const EvidenceProblem p = make_problem(name, tiny, 1);
         const TriMesh& mesh = p.problem.surface;
@@ -48,7 +52,8 @@ TEST(Evidence, ProblemsAreSoundAndMadeBySeed) {
         EXPECT_LT(p.problem.fixed.size(), 0.4 * mesh.num_triangles());
         EXPECT_EQ(p.problem.tree.levels.size(), 4u);
         EXPECT_TRUE(intersections(mesh).apart.empty());
-        const bool is_wing = name == "wing" || name == "volume_under_limits" || name == "many_minima";
+        const bool is_wing =
+            name == "wing" || name == "volume_under_limits" || name == "many_minima" || name == "wing_volume";
         EXPECT_EQ(is_closed(mesh), !is_wing);
         EXPECT_GT(enclosed_volume(mesh), 0);
         const EvidenceProblem again = make_problem(name, tiny, 1), other = make_problem(name, tiny, 2);
@@ -71,6 +76,12 @@ TEST(Evidence, SensitivitiesOfItsOwnQuantitiesAreExact) {
     EXPECT_NEAR(order_of(minima.problem.quantities.at(0), 0, minima.problem.surface), 2, 0.1);
 }
 
+TEST(Evidence, SensitivitiesBesideAGivenBodyAreExact) {
+    const EvidenceProblem drag = make_problem("wave_drag", tiny, 1), areas = make_problem("section_areas", tiny, 1);
+    EXPECT_NEAR(order_of(drag.problem.quantities.at(0), 0, drag.problem.surface), 2, 0.2);
+    EXPECT_NEAR(order_of(areas.problem.quantities.at(0), 0, areas.problem.surface), 2, 0.2);
+}
+
 TEST(Evidence, NoiseIsSmallDeterministicAndThere) {
     const EvidenceProblem p = make_problem("noisy", tiny, 1);
     const auto value = [&](double shift) {
@@ -90,8 +101,10 @@ TEST_P(LinearMotions, KeepWhatIsHeldAndHaveExactGradients) {
         SCOPED_TRACE(name);
         const EvidenceProblem p = make_problem(name, tiny, 1);
         const TriMesh& mesh = p.problem.surface;
-        const LinearMotion motion =
-            GetParam() == Solver::ffd ? bezier_box(p, variables_of_last_level(p.problem)) : filtered_vertices(p);
+        const LinearMotion motion = GetParam() == Solver::ffd        ? bezier_box(p, variables_of_last_level(p.problem))
+                                    : GetParam() == Solver::filtered ? filtered_vertices(p)
+                                    : GetParam() == Solver::lattice_4x4x4 ? spline_lattice(p, {4, 4, 4})
+                                                                          : spline_lattice(p, {8, 4, 2});
         const VectorXd x = 0.3 * random_vector(motion.size(), 5), d = random_vector(motion.size(), 6);
         const Points moved = motion.vertices(x) - mesh.vertices;
         const std::vector<char> held = held_vertices(p.problem);
@@ -110,8 +123,27 @@ TEST_P(LinearMotions, KeepWhatIsHeldAndHaveExactGradients) {
         }
     }
 }
-INSTANTIATE_TEST_SUITE_P(Both, LinearMotions, testing::Values(Solver::ffd, Solver::filtered));
+INSTANTIATE_TEST_SUITE_P(All, LinearMotions,
+                         testing::Values(Solver::ffd, Solver::filtered, Solver::lattice_4x4x4, Solver::lattice_8x4x2));
 
+/// Where no end is held the control points together move every vertex alike: the weights are a partition of one.
+TEST(Evidence, SplineLatticeReproducesTranslations) {
+    EvidenceProblem p = make_problem("blob", tiny, 1);
+    p.problem.fixed.clear();
+    p.ends = {0, {}, {}};
+    for (const std::array<int, 3> points : {std::array{4, 4, 4}, std::array{8, 4, 2}}) {
+        const LinearMotion motion = spline_lattice(p, points);
+        const int n = motion.size() / 3;
+        ASSERT_EQ(n, 64);
+        // A variable's largest weight is scaled to the same step: weights are what the columns are over their largest.
+        MatrixXd columns(p.problem.surface.num_vertices(), n);
+        for (int j = 0; j < n; ++j)
+            columns.col(j) = (motion.vertices(VectorXd::Unit(motion.size(), j)) - p.problem.surface.vertices).col(0);
+        const VectorXd share = columns.colPivHouseholderQr().solve(VectorXd::Ones(columns.rows()));
+        EXPECT_LT((columns * share - VectorXd::Ones(columns.rows())).lpNorm<Eigen::Infinity>(), 1e-9);
+        EXPECT_GT(share.minCoeff(), 0);
+    }
+}
 TEST(Evidence, EverySolverLowersTheObjectiveAndTracesIt) {
     const EvidenceProblem p = make_problem("local_bump", tiny, 1);
     for (const Solver solver : all_solvers()) {

@@ -1,5 +1,7 @@
 #include "optimize/nlp/model/quadratic_model.hpp"
 
+#include "optimize/nlp/model/least_distance.hpp"
+
 #include <Eigen/Cholesky>
 #include <nlopt.hpp>
 #include <vector>
@@ -9,13 +11,6 @@ namespace {
 
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-/// min |w|^2 / 2 + q.w  s.t. rows w <= limit (the first `inequalities`), = limit (the rest).
-struct LeastDistance {
-    VectorXd q;
-    MatrixXd inequality_rows, equality_rows;
-    VectorXd inequality_limits, equality_limits;
-};
 
 double objective(unsigned n, const double* u, double* gradient, void* self) {
     const auto& p = *static_cast<LeastDistance*>(self);
@@ -40,7 +35,8 @@ void equalities(unsigned m, double* value, unsigned n, const double* u, double* 
     linear(m, value, n, u, gradient, p.equality_rows, p.equality_limits);
 }
 
-VectorXd solve(LeastDistance& p) {
+/// Where rounding stops the exact method: the same problem as a general one.
+VectorXd solve_by_slsqp(LeastDistance& p) {
     const auto n = static_cast<unsigned>(p.q.size());
     nlopt::opt opt(nlopt::LD_SLSQP, n);
     opt.set_min_objective(objective, &p);
@@ -62,6 +58,52 @@ VectorXd solve(LeastDistance& p) {
         return {};
     }
     return VectorXd::Map(u.data(), n);
+}
+
+/// The step of the model without its rows is that with them.
+bool keeps_to_rows(const QuadraticModel& m, const VectorXd& d) {
+    const Eigen::Index rows = m.constraints.size();
+    return rows == m.num_inequalities && (d.array() >= m.lower.array()).all() && (d.array() <= m.upper.array()).all() &&
+           (rows == 0 || ((m.constraints + m.jacobian * d).array() <= 0).all());
+}
+
+/// The last entry of w is `penalty` times the share of the violation that is left.
+LeastDistance least_distance(const QuadraticModel& model, const MatrixXd& K, const VectorXd& q) {
+    constexpr double penalty = 1e5;
+    const Eigen::Index n = q.size(), ineq = model.num_inequalities, rows = model.constraints.size();
+    std::vector<Eigen::Index> upper, lower;
+    for (Eigen::Index j = 0; j < n; ++j) {
+        if (std::isfinite(model.upper[j])) upper.push_back(j);
+        if (std::isfinite(model.lower[j])) lower.push_back(j);
+    }
+    const auto above = static_cast<Eigen::Index>(upper.size()), below = static_cast<Eigen::Index>(lower.size());
+    LeastDistance p;
+    p.q = VectorXd::Zero(n + 1);
+    p.q.head(n) = q;
+    p.inequality_rows = MatrixXd::Zero(above + below + ineq + 1, n + 1);
+    p.inequality_rows.topLeftCorner(above, n) = K(upper, Eigen::all);
+    p.inequality_rows.block(above, 0, below, n) = -K(lower, Eigen::all);
+    p.inequality_limits.resize(above + below + ineq + 1);
+    p.inequality_limits << model.upper(upper), -model.lower(lower), VectorXd::Zero(ineq + 1);
+    const MatrixXd AK = model.jacobian * K;
+    for (Eigen::Index i = 0; i < ineq; ++i) {
+        p.inequality_rows.row(above + below + i).head(n) = AK.row(i);
+        p.inequality_rows(above + below + i, n) = -std::max(model.constraints[i], 0.0) / penalty;
+        p.inequality_limits[above + below + i] = -model.constraints[i];
+    }
+    p.inequality_rows(above + below + ineq, n) = -1;  // the share is not negative
+    p.equality_rows = MatrixXd::Zero(rows - ineq, n + 1);
+    p.equality_limits = -model.constraints.tail(rows - ineq);
+    p.equality_rows.leftCols(n) = AK.bottomRows(rows - ineq);
+    p.equality_rows.col(n) = -model.constraints.tail(rows - ineq) / penalty;
+    // Rows of length 1, because all are compared with one tolerance.
+    const VectorXd row_length = p.inequality_rows.rowwise().norm();
+    for (Eigen::Index i = 0; i < row_length.size(); ++i)
+        if (row_length[i] > 0) p.inequality_rows.row(i) /= row_length[i], p.inequality_limits[i] /= row_length[i];
+    for (Eigen::Index i = 0; i < p.equality_rows.rows(); ++i)
+        if (const double norm = p.equality_rows.row(i).norm(); norm > 0)
+            p.equality_rows.row(i) /= norm, p.equality_limits[i] /= norm;
+    return p;
 }
 
 }  // namespace
@@ -91,42 +133,18 @@ VectorXd solve_model(const QuadraticModel& model) {
     if (!(unit > 0) || !std::isfinite(unit)) return {};
     const Eigen::LLT<MatrixXd> llt(model.hessian / unit);
     if (llt.info() != Eigen::Success) return {};
-    // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `least_step`); the last entry of w is `penalty` times
-    // the share of the violation that is left.
+    // Most models of free shapes end here, at a third of n^3 operations.
+    if (const VectorXd d = llt.solve(-model.gradient / unit); keeps_to_rows(model, d)) return d;
+    // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `least_step`).
     MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
     VectorXd q = K.transpose() * model.gradient / unit;
     const bool is_violated =
         (model.constraints.head(ineq).array() > 0).any() || (model.constraints.tail(rows - ineq).array() != 0).any();
     const double length = std::max(q.norm(), is_violated ? model.least_step : 0);
     if (length > 0) K *= length, q /= length;
-    constexpr double penalty = 1e5;
-    LeastDistance p;
-    p.q = VectorXd::Zero(n + 1);
-    p.q.head(n) = q;
-    p.inequality_rows = MatrixXd::Zero(2 * n + ineq + 1, n + 1);
-    p.inequality_rows.topLeftCorner(n, n) = K;
-    p.inequality_rows.block(n, 0, n, n) = -K;
-    p.inequality_limits.resize(2 * n + ineq + 1);
-    p.inequality_limits << model.upper, -model.lower, VectorXd::Zero(ineq + 1);
-    const MatrixXd AK = model.jacobian * K;
-    for (Eigen::Index i = 0; i < ineq; ++i) {
-        p.inequality_rows.row(2 * n + i).head(n) = AK.row(i);
-        p.inequality_rows(2 * n + i, n) = -std::max(model.constraints[i], 0.0) / penalty;
-        p.inequality_limits[2 * n + i] = -model.constraints[i];
-    }
-    p.inequality_rows(2 * n + ineq, n) = -1;  // t >= 0
-    p.equality_rows = MatrixXd::Zero(rows - ineq, n + 1);
-    p.equality_limits = -model.constraints.tail(rows - ineq);
-    p.equality_rows.leftCols(n) = AK.bottomRows(rows - ineq);
-    p.equality_rows.col(n) = -model.constraints.tail(rows - ineq) / penalty;
-    // Rows of length 1, because SLSQP compares all with one tolerance.
-    const VectorXd row_length = p.inequality_rows.rowwise().norm();
-    for (Eigen::Index i = 0; i < row_length.size(); ++i)
-        if (row_length[i] > 0) p.inequality_rows.row(i) /= row_length[i], p.inequality_limits[i] /= row_length[i];
-    for (Eigen::Index i = 0; i < p.equality_rows.rows(); ++i)
-        if (const double norm = p.equality_rows.row(i).norm(); norm > 0)
-            p.equality_rows.row(i) /= norm, p.equality_limits[i] /= norm;
-    const VectorXd w = solve(p);
+    LeastDistance p = least_distance(model, K, q);
+    VectorXd w = nearest_point(p);
+    if (w.size() == 0) w = solve_by_slsqp(p);
     if (w.size() == 0 || !w.allFinite()) return {};
     return (K * w.head(n)).cwiseMax(model.lower).cwiseMin(model.upper);
 }

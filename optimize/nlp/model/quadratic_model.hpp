@@ -24,8 +24,8 @@ struct QuadraticModel {
 };
 
 /// The step d. Where the linearized constraints cannot all be met within the bounds, a large penalty reduces their
-/// violation. Solved by NLopt's SLSQP in coordinates in which the Hessian is the identity, where its own first step is
-/// exact. An empty vector: the Hessian is not positive definite, or SLSQP failed.
+/// violation. Solved in coordinates in which the Hessian is the identity (least_distance.hpp), by NLopt's SLSQP where
+/// rounding stops that. An empty vector: the Hessian is not positive definite, or both failed.
 Eigen::VectorXd solve_model(const QuadraticModel& model);
 
 /// Active set of the model's solution d: constraints without slack, and variables that are at no bound.

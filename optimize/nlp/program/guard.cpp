@@ -1,6 +1,7 @@
 #include "optimize/nlp/program/guard.hpp"
 
 #include "core/error.hpp"
+#include "optimize/nlp/program/difference_step.hpp"
 #include "optimize/nlp/program/finite_differences.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 
@@ -327,8 +328,29 @@ void Guard::add_differences(const Eigen::VectorXd& x, Evaluation& s) {
         return;
     }
     s.is_partly_guessed = false;
-    if (!differentiate_by_differences(program, x, s, evaluate, expect))
+    const Evaluation before = s;
+    bool has_gradient = differentiate_by_differences(program, x, s, evaluate, expect);
+    if (has_gradient && follow_noise(x, s, evaluate)) {
+        s = before;
+        has_gradient = differentiate_by_differences(program, x, s, evaluate, expect);
+    }
+    if (!has_gradient)
         fail_gradient(x, text("no differences give the gradient at evaluation ", evaluations, ": ", failure));
+}
+
+bool Guard::follow_noise(const Eigen::VectorXd& x, const Evaluation& at,
+                         const std::function<Evaluation(const Eigen::VectorXd&)>& evaluate) {
+    Differences& how = *program.differences;
+    if (knows_noise_ || how.max_step <= how.step) return false;
+    knows_noise_ = true;
+    const std::optional<StepChoice> choice = step_above_noise(program, x, at, how.max_step, evaluate);
+    if (!choice) return false;
+    const std::string what = choice->value == 0 ? "the objective" : text("constraint ", choice->value - 1);
+    report_event(text(what, " carries noise of ", choice->noise, ": differences take steps of ", choice->step,
+                      " in place of ", how.step));
+    how.step = choice->step;
+    if (how.on_step) how.on_step(choice->step);
+    return true;
 }
 
 void Guard::check_gradient(const Eigen::VectorXd& x) {

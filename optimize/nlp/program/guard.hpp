@@ -69,7 +69,7 @@ public:
         if (options.on_event) options.on_event(words);
     }
 
-    const NonlinearProgram program;  ///< with differences where the method has or takes no gradients
+    NonlinearProgram program;  ///< with differences where the method has or takes no gradients
     const MinimizeOptions& options;
     const MethodFacts& method;
     std::vector<int> free;  ///< numbers of the variables whose bounds differ
@@ -113,6 +113,9 @@ private:
     void differentiate(const Eigen::VectorXd& x);
     void add_differences(const Eigen::VectorXd& x, Evaluation& evaluation);
     void check_gradient(const Eigen::VectorXd& x);
+    /// Once: a longer step of the differences, where the values carry noise. True: it is another one now.
+    bool follow_noise(const Eigen::VectorXd& x, const Evaluation& at,
+                      const std::function<Evaluation(const Eigen::VectorXd& x)>& evaluate);
     double now() const;  ///< seconds
     int reserve() const;
     bool report(const MinimizeStep& step) const { return !options.on_step || options.on_step(step); }
@@ -131,7 +134,7 @@ private:
     Eigen::VectorXd asked_, moved_;  ///< of the last call of `inside` that asked the program
     long requests_ = 0;
     int patience_ = 0, gained_at_ = 0;
-    bool reported_outside_ = false;
+    bool reported_outside_ = false, knows_noise_ = false;
     double begin_ = now();
 };
 

@@ -84,6 +84,8 @@ struct MinimizeResult {
     bool is_flat = false;         ///< all evaluations gave the same objective, or its gradient is zero at a start
     double radius = 0;            ///< sqp: of the trust region at the end
     Eigen::MatrixXd hessian;      ///< sqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
+    Eigen::VectorXd last_x;       ///< sqp: the last point that was differentiated; empty: none
+    Evaluation last;              ///< sqp: there, with gradients
     Eigen::MatrixXd gradient_error;  ///< sqp: columns, by which the gradient of `best` may be off; empty: none
 };
 

@@ -46,6 +46,11 @@ struct Differences {
     bool objective = true;   ///< false: `differentiate` gives its gradient
     std::vector<char> rows;  ///< per constraint: 0, `differentiate` gives its gradient; empty: differences for all
     bool missing = false;    ///< also for single entries that `differentiate` leaves NaN
+    /// > step: after a whole gradient the noise of the values is looked for, and where they carry more than the step
+    /// bears it becomes longer, up to this; 0: the step stays as it is.
+    double max_step = 0;
+    /// Told the new step. May be empty.
+    std::function<void(double step)> on_step;
 };
 
 struct NonlinearProgram {

@@ -19,6 +19,8 @@ struct SqpEnd {
     Eigen::MatrixXd hessian;         ///< the model at the end
     bool is_at_border = false;       ///< of what fails: further gains lie along it
     Eigen::MatrixXd gradient_error;  ///< columns, by which the gradient at the best point may be off; empty: none
+    Eigen::VectorXd last_x;          ///< where the search stood, and its evaluation with gradients
+    Evaluation last;
 };
 
 /// Starts at the guard's best point, which is evaluated and differentiated; leaves the best in the guard.

@@ -31,6 +31,8 @@ SqpEnd SqpSearch::run() {
         }
     restore();
     if (end_.stop == MinimizeStop::evaluations) end_.reason = guard_.limit_words();  // restoring has taken some
+    end_.last_x = now_.x;
+    end_.last = now_.at;
     end_.radius = steps_.radius;
     end_.accepted = accepted_;
     if (guard_.best_x == now_.x && !gradient_.is_exact())

@@ -1,6 +1,7 @@
 #include "optimize/nlp/model/quadratic_model.hpp"
 
 #include "derivatives.hpp"
+#include "optimize/nlp/model/least_distance.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/Dense>
@@ -66,7 +67,7 @@ double kkt_error(const QuadraticModel& m, const VectorXd& d) {
 }  // namespace
 
 TEST(QuadraticModel, MeetsTheOptimalityConditions) {
-    for (const int n : {2, 18, 60})
+    for (const int n : {2, 18, 60, 150})
         for (const double scale : {1e-6, 1.0, 1e3})
             for (unsigned seed = 1; seed < 5; ++seed) {
                 const QuadraticModel m = random_model(n, n > 2 ? 3 : 1, n > 2 ? 2 : 1, scale, seed);
@@ -121,4 +122,62 @@ TEST(QuadraticModel, IndefiniteHessianHasNoStep) {
     QuadraticModel m = random_model(6, 1, 1, 1, 4);
     m.hessian(2, 2) = -1;
     EXPECT_EQ(solve_model(m).size(), 0);
+}
+
+/// Bounds that hold nothing change nothing, not even the way to the step.
+TEST(QuadraticModel, InfiniteBoundsAreNone) {
+    QuadraticModel m = random_model(20, 3, 2, 1, 5);
+    m.lower.setConstant(-1e3);
+    m.upper.setConstant(1e3);
+    const VectorXd d = solve_model(m);
+    m.lower.setConstant(-std::numeric_limits<double>::infinity());
+    m.upper.setConstant(std::numeric_limits<double>::infinity());
+    const VectorXd free = solve_model(m);
+    ASSERT_EQ(free.size(), 20);
+    EXPECT_LT((free - d).norm(), 1e-9 * d.norm());
+}
+
+/// The corner of a cone far away: rows become active and leave again on the way, also equal ones.
+TEST(LeastDistance, NearestPointMeetsTheOptimalityConditions) {
+    for (unsigned seed = 1; seed < 20; ++seed) {
+        const int n = 12, rows = 40;
+        LeastDistance p;
+        p.q = 5 * random_vector(n, seed);
+        p.inequality_rows = random_matrix(rows, n, seed + 100).rowwise().normalized();
+        p.inequality_rows.row(1) = p.inequality_rows.row(0);
+        p.inequality_limits = random_vector(rows, seed + 200).cwiseAbs();
+        p.inequality_limits[1] = p.inequality_limits[0];
+        p.equality_rows = random_matrix(2, n, seed + 300);
+        p.equality_limits = 0.1 * random_vector(2, seed + 400);
+        const VectorXd w = nearest_point(p);
+        ASSERT_EQ(w.size(), n) << seed;
+        EXPECT_LT((p.equality_rows * w - p.equality_limits).lpNorm<Eigen::Infinity>(), 1e-9);
+        const VectorXd slack = p.inequality_limits - p.inequality_rows * w;
+        EXPECT_GT(slack.minCoeff(), -1e-10);
+        // w + q = - sum of multipliers times rows, those of the inequalities not negative: by non-negative projection
+        // no direction that all active rows allow leads nearer.
+        std::vector<int> active;
+        for (int i = 0; i < rows; ++i)
+            if (slack[i] < 1e-9 && i != 1) active.push_back(i);
+        MatrixXd normals(n, 2 + static_cast<Eigen::Index>(active.size()));
+        normals.leftCols(2) = p.equality_rows.transpose();
+        normals.rightCols(static_cast<Eigen::Index>(active.size())) = p.inequality_rows(active, Eigen::all).transpose();
+        const VectorXd multipliers = normals.colPivHouseholderQr().solve(-(w + p.q));
+        EXPECT_LT((normals * multipliers + w + p.q).norm(), 1e-8 * p.q.norm()) << seed;
+        EXPECT_GT(multipliers.tail(multipliers.size() - 2).minCoeff(), -1e-9) << seed;
+    }
+}
+
+TEST(LeastDistance, ContradictingRowsHaveNoPoint) {
+    LeastDistance p;
+    p.q = VectorXd::Zero(2);
+    p.inequality_rows = MatrixXd(2, 2);
+    p.inequality_rows << 1, 0, -1, 0;
+    p.inequality_limits = VectorXd::Constant(2, -1);  // x <= -1 and x >= 1
+    p.equality_rows.resize(0, 2);
+    p.equality_limits.resize(0);
+    EXPECT_EQ(nearest_point(p).size(), 0);
+    p.inequality_limits[1] = 2;  // -2 <= x <= -1
+    ASSERT_EQ(nearest_point(p).size(), 2);
+    EXPECT_NEAR(nearest_point(p)[0], -1, 1e-12);
 }

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Does the choice of variables pay? Compares a way with patches alone and with the box.
+
+verdict.py FOLDER... [--way fields] [--write-enough]
+
+FOLDER: one for each seed, as strake_evidence --out writes it, with the ways adaptive (patches), ffd (box) and fields.
+Evaluations to 90 and 99 % of the better end of patches and box, of each of the three, sqp. Medians over the folders,
+where a run that never gets there counts as infinite. --write-enough: writes FOLDER/enough.csv, the objective at 99 %,
+where a run of another way may end (strake_evidence --enough).
+"""
+
+import argparse
+import csv
+import glob
+import math
+import os
+import statistics
+
+
+def trace(folder, problem, way, method):
+    path = os.path.join(folder, f"{problem}-{way}-{method}-trace.csv")
+    if not os.path.exists(path):
+        return None
+    with open(path, newline="") as file:
+        return [(int(r["evaluation"]), float(r["best"])) for r in csv.DictReader(file)]
+
+
+def start_of(points):
+    return next((best for _, best in points if not math.isnan(best)), math.nan)
+
+
+class Problem:
+    """One problem with one seed."""
+
+    def __init__(self, folder, name, way, method):
+        self.traces = {w: trace(folder, name, w, method) for w in dict.fromkeys(("adaptive", "ffd", way))}
+        known = [t for w in ("adaptive", "ffd") if (t := self.traces[w])]
+        self.start = start_of(known[0]) if known else math.nan
+        self.best = min((t[-1][1] for t in known if not math.isnan(t[-1][1])), default=math.nan)
+
+    def at(self, share):
+        return self.start - share * (self.start - self.best)
+
+    def reach(self, way, share):
+        """First evaluation at this share of the decrease; infinite: never; None: not run."""
+        if not self.traces.get(way):
+            return None
+        return next((e for e, best in self.traces[way] if best <= self.at(share)), math.inf)
+
+    def end(self, way):
+        points = self.traces.get(way)
+        return 100 * (self.start - points[-1][1]) / (self.start - self.best) if points else math.nan
+
+
+def median(values):
+    values = [v for v in values if v is not None]
+    return statistics.median(values) if values else None
+
+
+def cell(value):
+    return "" if value is None else "-" if math.isinf(value) else f"{value:.0f}"
+
+
+def write_enough(folder, names, method):
+    with open(os.path.join(folder, "enough.csv"), "w", newline="") as file:
+        out = csv.writer(file, lineterminator="\n")
+        out.writerow(["problem", "method", "objective"])
+        for name in names:
+            p = Problem(folder, name, "fields", method)
+            if not math.isnan(p.best):
+                out.writerow([name, method, repr(p.at(0.99))])
+
+
+def table(folders, names, way, method, share):
+    lines = [f"Evaluations to {100 * share:g} % of the better end of patches and box", "",
+             f"| problem | patches | box | {way} | {way} / sooner | end, % |", "|---|---|---|---|---|---|"]
+    ratios = {}
+    for name in names:
+        runs = [Problem(folder, name, way, method) for folder in folders]
+        patches, box, own = (median([r.reach(w, share) for r in runs]) for w in ("adaptive", "ffd", way))
+        if own is None:
+            continue
+        # Of each seed, against the sooner of the two of the same seed.
+        each = []
+        for r in runs:
+            theirs = [v for v in (r.reach("adaptive", share), r.reach("ffd", share)) if v is not None]
+            mine = r.reach(way, share)
+            if mine is not None and theirs and not math.isinf(min(theirs)):
+                each.append(mine / min(theirs))
+        if not each:
+            continue
+        ratios[name] = median(each)
+        end = median([r.end(way) for r in runs if not math.isnan(r.end(way))])
+        lines.append(f"| {name} | {cell(patches)} | {cell(box)} | {cell(own)} | "
+                     f"{'-' if math.isinf(ratios[name]) else format(ratios[name], '.2f')} | {end:.1f} |")
+    counts = [sum(v <= limit for v in ratios.values()) for limit in (0.5, 1.1, 1.5)]
+    lines += ["", f"At most half: {counts[0]} of {len(ratios)}; sooner or within 10 %: {counts[1]}; "
+              f"at most 1.5 times: {counts[2]}.", ""]
+    return lines
+
+
+def main():
+    arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    arguments.add_argument("folders", nargs="+")
+    arguments.add_argument("--way", default="fields")
+    arguments.add_argument("--method", default="sqp")
+    arguments.add_argument("--write-enough", action="store_true")
+    given = arguments.parse_args()
+    names = []
+    for folder in given.folders:
+        found = sorted(glob.glob(os.path.join(folder, f"*-{given.method}-runs.csv")), key=os.path.getmtime)
+        for path in found:
+            name = os.path.basename(path).split("-")[0]
+            if name not in names:
+                names.append(name)
+    if given.write_enough:
+        for folder in given.folders:
+            write_enough(folder, names, given.method)
+        return
+    for share in (0.9, 0.99):
+        print("\n".join(table(given.folders, names, given.way, given.method, share)))
+
+
+if __name__ == "__main__":
+    main()

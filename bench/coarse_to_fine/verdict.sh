@@ -1,0 +1,47 @@
+#!/bin/bash
+# bench/coarse_to_fine/verdict.sh [OUT] [SEED...] [-- options of strake_evidence]
+# Fields against patches alone and the box: for each seed the twelve problems and the six physical ones, by values only
+# (or what the options say), two at a time, then verdict.py. Runs that are there already are not made again: it may be
+# interrupted and called again. MODE= in front: with gradients. Seeds 1 to 9 are for development, from 11 on for the verdict: sets 11-13, 21-23, 31-33.
+# bench/coarse_to_fine/verdict.sh runs/verdict 11 12 13
+# bench/coarse_to_fine/verdict.sh runs/try 1 2 -- --triangles 700 --problems wing,local_bump
+set -euo pipefail
+root=$(cd "$(dirname "$0")/../.." && pwd)
+out=${1:-runs/verdict}
+[ $# -eq 0 ] || shift
+seeds=()
+while [ $# -gt 0 ] && [ "$1" != -- ]; do
+    seeds+=("$1")
+    shift
+done
+[ $# -eq 0 ] || shift
+[ ${#seeds[@]} -gt 0 ] || seeds=(11 12 13 21 22 23 31 32 33)
+options=("$@")
+problems=
+for ((i = 0; i < ${#options[@]}; ++i)); do
+    [ "${options[i]}" = --problems ] || continue
+    problems=${options[i + 1]}
+    unset 'options[i]' 'options[i + 1]'
+    options=("${options[@]}")
+    break
+done
+program=${STRAKE_EVIDENCE:-}
+if [ -z "$program" ]; then
+    (cd "$root" && cmake --preset bench >/dev/null && ninja -C build/bench --quiet -j "${JOBS:-2}" strake_evidence)
+    program=$root/build/bench/bench/coarse_to_fine/strake_evidence
+fi
+[ -n "$problems" ] ||
+    problems=$( ("$program" --list --triangles 1000 && "$program" --list --physical --triangles 1000) | cut -d, -f1 | paste -sd,)
+export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+for seed in "${seeds[@]}"; do
+    folder=$out/seed-$seed
+    mkdir -p "$folder"
+    run() {
+        tr , '\n' <<<"$problems" | xargs -P "${JOBS:-2}" -I{} "$program" --out "$folder" --seed "$seed" --methods sqp \
+            --triangles 1500 --budget 1200 ${MODE---values-only} "${options[@]}" --problems {} "$@"
+    }
+    run --solvers "${REFERENCES:-adaptive,ffd}"
+    python3 "$root/bench/coarse_to_fine/verdict.py" --write-enough "$folder"
+    run --solvers "${WAYS:-fields,lattice_4x4x4,lattice_8x4x2}" --enough "$folder/enough.csv"
+done
+python3 "$root/bench/coarse_to_fine/verdict.py" "$out"/seed-*

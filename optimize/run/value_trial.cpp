@@ -1,0 +1,272 @@
+#include "optimize/run/value_trial.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/program/first_order.hpp"
+#include "optimize/space/refinement.hpp"
+
+#include <Eigen/Cholesky>
+#include <Eigen/QR>
+#include <random>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr double joins_too = 1.0 / 3;  ///< of the larger gain for each variable: six directions say no more
+constexpr double stays = 0.1;          ///< of it
+constexpr double longest_step = 1;     ///< in the metric
+constexpr double softest = 100;        ///< times softer or stiffer than the metric says
+constexpr double round_off = 1e-5;     ///< of a whitened variable that the others can do
+
+bool is_field(const DesignSpace& space, int j) {
+    return space.variables[static_cast<std::size_t>(j)].kind == VariableKind::field;
+}
+
+std::vector<int> group_of(const DesignSpace& space, bool fields) {
+    std::vector<int> members;
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (is_field(space, j) == fields) members.push_back(j);
+    return members;
+}
+
+MatrixXd orthonormal(const MatrixXd& columns) {
+    if (columns.cols() == 0) return columns;
+    const double longest = columns.colwise().norm().maxCoeff();
+    Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
+    Eigen::Index rank = 0;
+    while (rank < std::min(columns.rows(), columns.cols()) &&
+           std::abs(qr.matrixR()(rank, rank)) > round_off * std::max(longest, 1e-300))
+        ++rank;
+    return qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
+}
+
+/// Normal numbers by Box and Muller: the same on every machine.
+class Normal {
+public:
+    explicit Normal(unsigned seed) : engine_(seed) {}
+    double operator()() {
+        const double u = uniform(), v = uniform();
+        return std::sqrt(-2 * std::log(u)) * std::cos(6.283185307179586 * v);
+    }
+
+private:
+    double uniform() { return (static_cast<double>(engine_()) + 0.5) / 4294967296.0; }
+    std::mt19937 engine_;
+};
+
+/// One of the two groups in the space of the trial.
+struct Group {
+    const char* name = "";
+    bool is_fields = false;
+    std::vector<int> variables;   ///< in the space of the trial
+    MatrixXd details;             ///< orthonormal, whitened: what it can do beyond the level before
+    double gain = 0;              ///< expected of each direction
+    bool is_there = false;        ///< on the level before
+    double gain_there = 0;        ///< of its variables there, for each
+    bool has_gain_there = false;  ///< that is known
+};
+
+/// By the gradient of the level before: what each variable of a group still gains.
+void credit_present(Group& group, const DesignSpace& before, const LeftLevel& left, const VectorXd& slope) {
+    const std::vector<int> members = group_of(before, group.is_fields);
+    group.is_there = !members.empty();
+    if (!group.is_there || slope.size() != before.size() || left.hessian.rows() != before.size()) return;
+    const VectorXd g = slope(members);
+    group.gain_there = g.dot(MatrixXd(left.hessian(members, members)).llt().solve(g)) / 2 / double(members.size());
+    group.has_gain_there = std::isfinite(group.gain_there);
+}
+
+class Trial {
+public:
+    Trial(RunState& state, LevelProgram& program, const LeftLevel& left, double curvature)
+        : state_(state), program_(program), left_(left), curvature_(curvature), before_(state.space) {
+        if (left.last.gradient.size() != before_.size()) return;
+        lambda_ = multipliers(program.program(), left.last_y, left.last);
+        slope_ = left.last.gradient + left.last.jacobian.transpose() * lambda_;
+    }
+
+    /// Evaluates; fills in the gains.
+    void run(std::vector<Group>& groups) {
+        const LevelSet all = offered();
+        const VectorXd start = state_.next_level(left_.x, &all);
+        state_.is_trying = true;
+        const NonlinearProgram& p = program_.enter(start);
+        const Eigen::LLT<MatrixXd> metric(p.metric);
+        const MatrixXd inherited =
+            program_.weight().asDiagonal() * state_.prolongation * left_.weight.cwiseInverse().asDiagonal();
+        const MatrixXd known = orthonormal(metric.matrixU() * inherited);
+        const MatrixXd whitener = metric.matrixU();
+        for (Group& group : groups) {
+            group.variables = group_of(state_.space, group.is_fields);
+            const MatrixXd columns = whitener(Eigen::all, group.variables);
+            group.details = orthonormal(columns - known * (known.transpose() * columns));
+            credit_present(group, before_, left_, slope_);
+        }
+        measure(groups, p, metric);
+        next_ = LevelSet{*state_.space.front, state_.space.fields, state_.space.has_patches};
+        state_.is_trying = false;
+    }
+
+    /// The level set with these groups, as fine as in the trial or as they were.
+    LevelSet with(bool finer_fields, bool finer_patches, bool keep_fields, bool keep_patches) const {
+        LevelSet set{as_it_is(), before_.fields, keep_patches && before_.has_patches};
+        if (finer_patches) set.front = next_.front, set.has_patches = true;
+        if (finer_fields)
+            set.fields = next_.fields;
+        else if (!keep_fields)
+            set.fields.numbers.clear();
+        return set;
+    }
+
+    void go_back() {
+        const int level = state_.space.level;
+        state_.space = before_;
+        state_.space.level = level;  // the next one has the next number
+    }
+
+private:
+    /// The front of the level before; split_front makes its patches their own parents.
+    Front as_it_is() const {
+        return split_front(*before_.rest->tree, *before_.front, std::vector<char>(before_.front->depth.size(), 0));
+    }
+
+    /// The next fields, and the coarsest patches below the present ones that have as many variables as the level:
+    /// coarser ones hardly do what it has not done.
+    LevelSet offered() const {
+        LevelSet all = refined_everywhere(before_);
+        const PatchHierarchy& tree = *before_.rest->tree;
+        std::size_t each = 0;
+        for (const VariableKind kind : before_.rest->parameters.kinds)
+            each += kind == VariableKind::load ? 3 : kind == VariableKind::strain ? 6 : 1;
+        while (each * all.front.patches.patches.size() < static_cast<std::size_t>(before_.size())) {
+            const std::vector<int> parts = parts_of(tree, all.front);
+            if (*std::ranges::max_element(parts) <= 1) break;
+            all.front = split_front(tree, all.front, std::vector<char>(all.front.depth.size(), 1));
+        }
+        // The caller knows the parents of its own space.
+        for (Patch& patch : all.front.patches.patches) patch.parent = before_.patches().label[patch.triangles.front()];
+        return all;
+    }
+
+    /// A group's directions and the slopes along them.
+    struct Sample {
+        Group* group;
+        MatrixXd directions;  ///< in y, of length 1 in the metric
+        VectorXd slopes;
+    };
+
+    double rise(const Evaluation& here, const Evaluation& there) const {
+        double sum = there.objective - here.objective;
+        if (lambda_.size() == here.constraints.size()) sum += lambda_.dot(there.constraints - here.constraints);
+        return sum;
+    }
+
+    void measure(std::vector<Group>& groups, const NonlinearProgram& p, const Eigen::LLT<MatrixXd>& metric) {
+        const double h = p.differences ? p.differences->step : state_.problem.optimize.difference_step;
+        Normal normal(state_.problem.optimize.seed + 7919u * static_cast<unsigned>(state_.space.level));
+        std::vector<VectorXd> points{p.start};
+        std::vector<Sample> samples;
+        for (Group& group : groups) {
+            const int count = std::min<int>(trial_directions, static_cast<int>(group.details.cols()));
+            samples.push_back({&group, MatrixXd(p.start.size(), count), VectorXd::Zero(count)});
+            for (int k = 0; k < count; ++k) {
+                VectorXd coefficients(group.details.cols());
+                for (double& c : coefficients) c = normal();
+                VectorXd d = metric.matrixU().solve(group.details * coefficients.normalized());
+                const VectorXd there = p.start + h * d;
+                if (((there.array() < p.lower.array()) || (there.array() > p.upper.array())).any()) d = -d;
+                samples.back().directions.col(k) = d;
+                points.push_back((p.start + h * d).cwiseMax(p.lower).cwiseMin(p.upper));
+            }
+        }
+        if (p.expect) p.expect(points);
+        const Evaluation here = p.evaluate(points[0]);
+        if (!here.failure.empty()) return;
+        std::size_t next = 1;
+        for (Sample& sample : samples)
+            for (double& slope : sample.slopes) {
+                const Evaluation there = p.evaluate(points[next++]);
+                if (there.failure.empty()) slope = rise(here, there) / h;
+            }
+        for (const Sample& sample : samples) credit(sample, p, here);
+    }
+
+    /// The metric is stiffer on details than objectives are, by up to a hundred times: one value where the best step
+    /// along the directions is expected to end says by how much.
+    void credit(const Sample& sample, const NonlinearProgram& p, const Evaluation& here) {
+        const double slope = sample.slopes.norm();
+        if (!(slope > 0)) return;
+        const double length = std::min(slope / curvature_, longest_step);
+        const VectorXd step = -length * (sample.directions * sample.slopes.normalized());
+        double curvature = curvature_;
+        const VectorXd inside = (p.start + step).cwiseMax(p.lower).cwiseMin(p.upper);
+        const VectorXd reached = p.within ? p.within(inside) : inside;
+        if (reached == p.start + step) {
+            const Evaluation there = p.evaluate(reached);
+            if (there.failure.empty())
+                curvature = std::clamp(2 * (rise(here, there) + slope * length) / (length * length),
+                                       curvature_ / softest, curvature_ * softest);
+        }
+        sample.group->gain = slope * slope / (2 * curvature) / static_cast<double>(sample.slopes.size());
+    }
+
+    RunState& state_;
+    LevelProgram& program_;
+    const LeftLevel& left_;
+    const double curvature_;
+    const DesignSpace before_;
+    VectorXd lambda_, slope_;
+    LevelSet next_;
+};
+
+std::string words_of(const Group& group) {
+    return text(group.name, " ", group.gain, " for each of ", group.details.cols(),
+                group.has_gain_there ? text(" (those there ", group.gain_there, ")") : "");
+}
+
+}  // namespace
+
+TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLevel& left, double curvature,
+                           double least) {
+    Trial trial(state, program, left, curvature);
+    std::vector<Group> groups(2);
+    groups[0].name = "fields", groups[0].is_fields = true;
+    groups[1].name = "patches";
+    trial.run(groups);
+    const Group &fields = groups[0], &patches = groups[1];
+    const auto can_be_paid = [&](const Group& g) {
+        return affordable_gradients * static_cast<double>(g.variables.size()) <= state.evaluations_left();
+    };
+    double best = 0;
+    for (const Group& g : groups) best = std::max({best, can_be_paid(g) ? g.gain : 0, g.gain_there});
+    const auto joins = [&](const Group& g) {
+        return g.details.cols() > 0 && g.gain > 0 && g.gain >= joins_too * best && can_be_paid(g);
+    };
+    const auto remains = [&](const Group& g) {
+        return g.is_there && (!g.has_gain_there || g.gain_there >= stays * best);
+    };
+    double all = 0;
+    for (const Group& g : groups) all += g.gain * static_cast<double>(g.details.cols());
+    TrialResult result;
+    result.is_idle = !(all > least);
+    const auto takes = [&](const Group& g) { return result.is_idle ? can_be_paid(g) : joins(g); };
+    const bool more_fields = takes(fields), more_patches = takes(patches);
+    result.stays = !more_fields && !more_patches;
+    const bool keep_fields = more_fields || remains(fields), keep_patches = more_patches || remains(patches);
+    result.next = trial.with(more_fields, more_patches, keep_fields, keep_patches);
+    const auto fate = [](const Group& g, bool more, bool keep) {
+        return text(g.name, more ? " become finer" : keep ? " stay" : g.is_there ? " are frozen" : " wait");
+    };
+    const std::string why =
+        result.is_idle ? "nothing is expected to gain; all go on together"
+                       : text(fate(fields, more_fields, keep_fields), ", ", fate(patches, more_patches, keep_patches));
+    state.note(text("choice by ", trial_directions, " directions each, expected decrease: ", words_of(fields), "; ",
+                    words_of(patches), "; ", why));
+    state.end_level("directions of finer fields and patches were tried");
+    trial.go_back();
+    return result;
+}
+
+}  // namespace strake

@@ -1,7 +1,7 @@
 # cmake --install: the programs, the libraries with their headers, and the files for find_package(strake).
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
-set(libraries base mesh formats patches fields primo remesh repair volume wrap objectives optimize casefile report)
+set(libraries base mesh formats patches fields planform primo remesh repair volume wrap objectives optimize casefile report)
 foreach(name ${libraries} version)
   set_target_properties(strake_${name} PROPERTIES EXPORT_NAME ${name})
   add_library(strake::${name} ALIAS strake_${name})

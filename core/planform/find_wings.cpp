@@ -1,0 +1,306 @@
+#include "core/planform/find_wings.hpp"
+
+#include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
+
+#include <Eigen/Geometry>
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace strake {
+namespace {
+
+using Eigen::Vector3d;
+
+constexpr int num_steps = 160;           ///< over the whole extent
+constexpr double max_thickness = 0.30;   ///< of the chord, of one section
+constexpr double mean_thickness = 0.22;  ///< of the chord, of the wing
+constexpr double plate_share = 0.75;     ///< thickness at 5 % or 95 % of the chord over the largest: not a plate
+constexpr double max_change = 0.30;      ///< of the chord from one section to the next
+constexpr double min_aspect_ratio = 1.0;
+constexpr double max_camber = 0.12;  ///< of the chord: blades of turbines have more
+constexpr double tip_share = 0.04;   ///< of half the extent: roundings are passed over
+constexpr double max_twist = 0.5;    ///< radians
+constexpr int min_sections = 12;
+
+struct Ways {
+    Vector3d span, downstream, up;
+};
+
+struct Range {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    void add(double x) { low = std::min(low, x), high = std::max(high, x); }
+    double size() const { return high - low; }
+    double overlap(const Range& other) const { return std::min(high, other.high) - std::max(low, other.low); }
+};
+
+/// An outline and its extents.
+struct Loop {
+    Outline outline;
+    Range x, z;
+};
+
+/// One section that was followed.
+struct Followed {
+    double at = 0, chord = 0, thickness = 0;
+    double front = 0, rear = 0;  ///< thickness at 5 % and 95 % of the chord
+    Range x, z;
+};
+
+class Follower {
+public:
+    Follower(const TriMesh& mesh, const Ways& ways) : mesh_(mesh), ways_(ways) {
+        all_.resize(static_cast<std::size_t>(mesh.num_triangles()));
+        for (std::size_t t = 0; t < all_.size(); ++t) {
+            all_[t] = static_cast<int>(t);
+            for (const int v : mesh.triangles.row(static_cast<int>(t)))
+                extent_.add(ways.span.dot(mesh.vertices.row(v)));
+        }
+    }
+    const Range& extent() const { return extent_; }
+
+    /// Sections from the tip on the positive or negative side inwards, up to the last that belongs to the wing.
+    std::vector<Followed> follow(int sign) const {
+        std::vector<Followed> found;
+        const double tip = sign > 0 ? extent_.high : -extent_.low, step = extent_.size() / num_steps;
+        for (double at = tip - 0.5 * tip_share * extent_.size(); at > tip - extent_.size() + 0.5 * step; at -= step) {
+            const auto next = section(sign, at, found.empty() ? nullptr : &found.back());
+            if (!next) break;
+            found.push_back(*next);
+        }
+        refine_root(sign, step, found);
+        return found;
+    }
+    /// Whether the surface goes on inside of the last section.
+    bool goes_on(int sign, const Followed& last) const { return !loops(sign, last.at - 0.02 * extent_.size()).empty(); }
+
+private:
+    std::vector<Loop> loops(int sign, double at) const {
+        const SectionFrame frame{sign * ways_.span, ways_.downstream, ways_.up, at};
+        std::vector<Loop> found;
+        for (Outline& outline : cut(mesh_, all_, frame, {false, 2e-3 * extent_.size()})) {
+            Loop loop{std::move(outline), {}, {}};
+            for (const PlanePoint& p : loop.outline.points) loop.x.add(p.x.value), loop.z.add(p.z.value);
+            found.push_back(std::move(loop));
+        }
+        return found;
+    }
+    /// The main outline (the longest at the tip, then the one that overlaps its predecessor most), and elements before
+    /// and behind it.
+    static std::vector<Loop> airfoil_of(std::vector<Loop> all, const Followed* before) {
+        std::size_t main = 0;
+        double best = -std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < all.size(); ++i) {
+            double score = all[i].x.size();
+            if (before) {
+                const double off = std::max(0.0, -all[i].z.overlap(before->z));
+                score = all[i].x.overlap(before->x) - 3 * off;
+            }
+            if (score > best) best = score, main = i;
+        }
+        std::vector<Loop> chosen{all[main]};
+        Range x = all[main].x, z = all[main].z;
+        for (bool grows = true; grows;) {
+            grows = false;
+            for (std::size_t i = 0; i < all.size(); ++i) {
+                const Loop& other = all[i];
+                const bool is_in = std::any_of(chosen.begin(), chosen.end(), [&](const Loop& c) {
+                    return c.x.low == other.x.low && c.z.low == other.z.low;
+                });
+                if (is_in || other.x.size() <= 0) continue;
+                const double overlap = x.overlap(other.x), near_z = z.overlap(other.z);
+                if (overlap < -0.08 * x.size() || overlap > 0.4 * other.x.size() || near_z < -0.08 * x.size()) continue;
+                chosen.push_back(other);
+                x.add(other.x.low), x.add(other.x.high), z.add(other.z.low), z.add(other.z.high);
+                grows = true;
+            }
+        }
+        return chosen;
+    }
+    /// All elements together, or the main one alone where they make no airfoil (a flap far down).
+    std::optional<Followed> section(int sign, double at, const Followed* before) const {
+        std::vector<Loop> all = loops(sign, at);
+        if (all.empty()) return {};
+        std::vector<Loop> chosen = airfoil_of(std::move(all), before);
+        auto found = measured(at, chosen, before);
+        if (!found && chosen.size() > 1) found = measured(at, {chosen.front()}, before);
+        return found;
+    }
+    static std::optional<Followed> measured(double at, const std::vector<Loop>& chosen, const Followed* before) {
+        std::vector<Outline> outlines;
+        Followed found;
+        found.at = at;
+        for (const Loop& loop : chosen) {
+            found.x.add(loop.x.low), found.x.add(loop.x.high), found.z.add(loop.z.low), found.z.add(loop.z.high);
+            outlines.push_back(loop.outline);
+        }
+        if (before && !(found.x.overlap(before->x) > 0.4 * before->x.size())) return {};
+        const auto airfoil = Airfoil::from(std::move(outlines));
+        if (!airfoil || std::abs(airfoil->twist().value) > max_twist) return {};
+        found.chord = airfoil->chord().value;
+        found.thickness = airfoil->max_thickness().value;
+        if (!(found.thickness > 1e-3 && found.thickness < max_thickness)) return {};
+        if (before && std::abs(found.chord - before->chord) > max_change * before->chord) return {};
+        try {
+            found.front = airfoil->thickness(0.05).value / found.chord;
+            found.rear = airfoil->thickness(0.95).value / found.chord;
+        } catch (const InvalidInput&) {
+            return {};
+        }
+        if (std::min(found.front, found.rear) > plate_share * found.thickness) return {};
+        return found;
+    }
+    /// The border to a body, by bisection.
+    void refine_root(int sign, double step, std::vector<Followed>& found) const {
+        if (found.size() < 2) return;
+        for (int k = 0; k < 6; ++k) {
+            step /= 2;
+            if (const auto next = section(sign, found.back().at - step, &found.back())) found.push_back(*next);
+        }
+    }
+
+    const TriMesh& mesh_;
+    Ways ways_;
+    std::vector<int> all_;
+    Range extent_;
+};
+
+/// Triangles beyond `root` that are connected to the sections.
+void flood(const TriMesh& mesh, const Adjacency& adjacent, const Ways& ways, int sign, double root,
+           const std::vector<Followed>& sections, std::vector<char>& marks) {
+    std::vector<char> beyond(static_cast<std::size_t>(mesh.num_triangles()), 0);
+    std::vector<int> open;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        Range y, x, z;
+        for (const int v : mesh.triangles.row(t)) {
+            const Vector3d p = mesh.vertices.row(v);
+            y.add(sign * ways.span.dot(p)), x.add(ways.downstream.dot(p)), z.add(ways.up.dot(p));
+        }
+        beyond[static_cast<std::size_t>(t)] = y.low >= root;
+        if (y.low < root) continue;
+        for (std::size_t k = 0; k < sections.size(); k += 8) {
+            const Followed& at = sections[k];
+            const double slack = 1e-6 * at.x.size();
+            if (at.at < y.low || at.at > y.high || x.low < at.x.low - slack || x.high > at.x.high + slack ||
+                z.overlap(at.z) < 0)
+                continue;
+            open.push_back(t);
+            break;
+        }
+    }
+    for (const int t : open) marks[static_cast<std::size_t>(t)] = 1;
+    while (!open.empty()) {
+        const int t = open.back();
+        open.pop_back();
+        for (int k = 0; k < 3; ++k)
+            for (const int other : adjacent.edge_triangles[adjacent.triangle_edges(t, k)]) {
+                // A wake hangs at an edge of three.
+                if (adjacent.edge_triangles[adjacent.triangle_edges(t, k)].size() > 2) continue;
+                const auto o = static_cast<std::size_t>(other);
+                if (marks[o] || !beyond[o]) continue;
+                marks[o] = 1;
+                open.push_back(other);
+            }
+    }
+}
+
+struct Candidate {
+    FoundWing wing;
+    double area = 0;
+};
+
+bool is_enough(const std::vector<Followed>& sections) {
+    if (sections.size() < min_sections) return false;
+    double mean = 0;
+    for (const Followed& at : sections) mean += at.thickness / static_cast<double>(sections.size());
+    return mean < mean_thickness;
+}
+
+/// The nose is the blunter end.
+bool is_reversed(const std::vector<Followed>& sections) {
+    double front = 0, rear = 0;
+    for (const Followed& at : sections) front += at.front, rear += at.rear;
+    return front < rear;
+}
+
+std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search,
+                                   Ways ways) {
+    const Follower follower(mesh, ways);
+    if (!(follower.extent().size() > 0)) return {};
+    std::array<std::vector<Followed>, 2> sides{follower.follow(1), follower.follow(-1)};
+    for (auto& side : sides)
+        if (!is_enough(side)) side.clear();
+    // The root's end of half a body may begin like a tip.
+    const std::size_t few = sides[0].size() < sides[1].size() ? 0 : 1;
+    if (sides[few].size() < sides[1 - few].size() / 2) sides[few].clear();
+    if (sides[0].empty() && sides[1].empty()) return {};
+    if (!search.downstream && is_reversed(sides[0].empty() ? sides[1] : sides[0])) {
+        ways.downstream = -ways.downstream;
+        return candidate(mesh, adjacent, {ways.downstream, ways.up, search.symmetry}, ways);
+    }
+    Candidate found;
+    std::vector<char> marks(static_cast<std::size_t>(mesh.num_triangles()), 0);
+    const double middle = 0.5 * (follower.extent().low + follower.extent().high), extent = follower.extent().size();
+    for (const int sign : {1, -1}) {
+        const auto& side = sides[sign > 0 ? 0 : 1];
+        if (side.empty()) continue;
+        double root = side.back().at;
+        const double far_end = sign > 0 ? follower.extent().low : -follower.extent().high;
+        if (root - far_end < 0.02 * extent)
+            root = far_end;  // all of it
+        else if (root < sign * middle + 0.01 * extent && !sides[0].empty() && !sides[1].empty())
+            root = sign * middle;
+        if (root > far_end && follower.goes_on(sign, side.back()) && !(root == sign * middle)) {
+            found.wing.has_body = true;
+            found.wing.root = root;
+        }
+        if (root == sign * middle) root = far_end;  // both sides meet
+        flood(mesh, adjacent, ways, sign, root, side, marks);
+    }
+    WingDeclaration& declared = found.wing.declaration;
+    declared.span = ways.span, declared.downstream = ways.downstream, declared.up = ways.up;
+    declared.symmetry = search.symmetry;
+    for (std::size_t t = 0; t < marks.size(); ++t)
+        if (marks[t]) declared.triangles.push_back(static_cast<int>(t));
+    if (declared.triangles.size() == marks.size()) declared.triangles.clear();
+    try {
+        const Wing wing(mesh, declared);
+        const WingFacts facts = wing.facts(mesh);
+        if (!(facts.aspect_ratio.value > min_aspect_ratio)) return {};
+        if (std::abs(wing.station(mesh, 0.5).camber.value) > max_camber) return {};
+        found.area = facts.area.value;
+        found.wing.why = text(sides[0].size() + sides[1].size(), " thin sections in a row, aspect ratio ",
+                              std::round(100 * facts.aspect_ratio.value) / 100);
+    } catch (const InvalidInput&) {
+        return {};
+    }
+    return found;
+}
+
+}  // namespace
+
+std::optional<FoundWing> find_wing(const TriMesh& mesh, const WingSearch& search) {
+    const Adjacency adjacent = adjacency(mesh);
+    std::vector<Ways> tried;
+    if (search.downstream && search.up) {
+        tried.push_back({search.up->cross(*search.downstream), *search.downstream, *search.up});
+    } else {
+        const std::array<Vector3d, 3> axes{Vector3d::UnitX(), Vector3d::UnitY(), Vector3d::UnitZ()};
+        for (const int span : {1, 2, 0})
+            for (const int along : {0, 1, 2})
+                if (along != span)
+                    tried.push_back({axes[static_cast<std::size_t>(span)], axes[static_cast<std::size_t>(along)],
+                                     axes[static_cast<std::size_t>(3 - span - along)]});
+    }
+    std::optional<Candidate> best;
+    for (const Ways& ways : tried) {
+        auto one = candidate(mesh, adjacent, search, ways);
+        if (one && (!best || one->area > best->area)) best = std::move(one);
+    }
+    if (!best) return {};
+    return std::move(best->wing);
+}
+
+}  // namespace strake

@@ -1,0 +1,143 @@
+#pragma once
+#include "core/mesh/symmetry_plane.hpp"
+#include "core/planform/section.hpp"
+
+#include <optional>
+#include <string>
+#include <vector>
+
+/// A wing by its planform: sections along the span, and what a wing designer reads from them.
+namespace strake {
+
+/// How a wing is declared.
+struct WingDeclaration {
+    std::string name = "wing";
+    std::vector<int> triangles = {};  ///< of the surface; empty: all
+    /// Unit vectors. `span` along one of the wings (either), perpendicular to both others, which are to each other.
+    Eigen::Vector3d span = Eigen::Vector3d::UnitY(), downstream = Eigen::Vector3d::UnitX(),
+                    up = Eigen::Vector3d::UnitZ();
+    std::optional<SymmetryPlane> symmetry = {};  ///< the surface is half a body
+    std::vector<double> stations = {};           ///< fractions of the semispan in [0, 1], ascending; empty: at kinks
+    double axis = 0.25;                          ///< chord fraction of the axis of sweep and dihedral, in [0, 1]
+};
+
+/// One section. Both sides of a whole wing count half each. Angles in radians, lengths in the surface's unit.
+struct StationFacts {
+    double station = 0;                           ///< fraction of the semispan
+    Eigen::Vector3d leading_edge, trailing_edge;  ///< of the first side
+    Varying chord, twist;                         ///< twist: nose up, against the stream
+    Varying thickness_to_chord, camber;
+    double thickness_at = 0, camber_at = 0;      ///< chord fractions
+    std::optional<Varying> leading_edge_radius;  ///< over the chord
+    Varying trailing_edge_angle, trailing_edge_thickness;
+    std::vector<std::vector<std::pair<double, double>>> outline;  ///< in fractions of the chord, of the first side
+};
+
+/// Of the whole wing, also where the surface is half of it.
+struct WingFacts {
+    Varying span;          ///< from tip to tip, body included
+    Varying area;          ///< of the exposed wing, both sides: integral of the chord over the exposed semispan
+    Varying aspect_ratio;  ///< (twice the exposed semispan)^2 / area
+    Varying taper;         ///< last station's chord over the first one's
+    Varying sweep;         ///< of the axis: straight line through it, by least squares over the chord; tip aft
+    Varying dihedral;      ///< likewise; tip up
+    Varying mean_chord;    ///< mean aerodynamic chord, integral of c^2 over that of c
+};
+
+/// Those of the vertices, at these positions (one row each), that are farthest along n, within 1e-6 of `scale`.
+std::vector<int> outermost(const Points& positions, const std::vector<int>& vertices, const Eigen::Vector3d& n,
+                           double scale);
+
+/// The planes of a declared wing, laid out once on the start surface; then measured on any surface of the same
+/// triangles. Planes are streamwise, normal to the span at fractions of the present semispan. Beyond 45 degrees of
+/// dihedral (a winglet) they are normal to the start's axis seen from the front, and fractions of the semispan are
+/// fractions of that line's length.
+///
+/// The root is where the listed triangles begin, or the plane of symmetry; it keeps its place. The tip is the mean of
+/// the start's outermost vertices. A wing open at one end is half a wing, whose other half is its mirror image. A wing
+/// that is its own mirror image has two sides. The station 1 lies at 99.8 % of the semispan, or where the chord of a
+/// rounded tip begins to fall.
+class Wing {
+public:
+    /// @throws InvalidInput: directions that are not perpendicular, stations outside of [0, 1], triangles out of range,
+    /// no sections along the span (with the reason).
+    Wing(const TriMesh& start, const WingDeclaration& declaration);
+
+    const WingDeclaration& declaration() const { return declared_; }
+    const std::vector<double>& stations() const { return stations_; }  ///< declared, or found at kinks
+    int num_sides() const { return static_cast<int>(sides_.size()); }
+    bool has_winglet() const;                    ///< some planes are not streamwise
+    double semispan(const TriMesh& mesh) const;  ///< exposed, of the first side
+
+    /// `surface` has the start's triangles. @throws InvalidInput (with the station) where a section does not exist.
+    WingFacts facts(const TriMesh& surface, bool sensitivities = false) const;
+    StationFacts station(const TriMesh& surface, double station, bool sensitivities = false) const;
+    /// The sections at a station, one a side.
+    std::vector<Airfoil> sections(const TriMesh& surface, double station, bool sensitivities = false) const;
+    /// Volume of both sides between two chord fractions, from the first to the second station, length cubed.
+    Varying volume(const TriMesh& surface, std::pair<double, double> chord, std::pair<double, double> span,
+                   bool sensitivities = false) const;
+
+    /// Where a point lies in the wing: fractions of the semispan and of the local chord (both also outside of [0, 1]).
+    struct Place {
+        int side;
+        double span, chord;
+    };
+    std::vector<Place> places(const TriMesh& surface) const;  ///< per vertex
+    /// Marks of the triangles of the wing whose three vertices lie in the ranges, ends included, and whose normals
+    /// point up (`side` 1), down (-1) or anywhere (0).
+    std::vector<char> region(const TriMesh& surface, std::pair<double, double> chord, std::pair<double, double> span,
+                             int side = 0) const;
+
+private:
+    /// Of a wing with winglet: the line through the middles of the chords, from root to tip.
+    struct Node {
+        double station;        ///< fraction of its length seen from the front
+        double angle;          ///< of the plane's normal above the span, radians
+        Eigen::Vector3d axis;  ///< at the start
+    };
+    struct Side {
+        Eigen::Vector3d span;             ///< unit, outboard
+        std::vector<int> triangles = {};  ///< ascending
+        std::vector<int> vertices = {};   ///< of them, ascending
+        std::vector<int> tip = {};        ///< the outermost vertices of the start
+        double root = 0;                  ///< coordinate along `span`
+        Eigen::Vector3d root_point = {};  ///< in the root's plane
+        std::vector<Node> nodes = {};     ///< empty: all planes are streamwise
+        Points start = {};                ///< positions of `vertices` at the start, where there are nodes
+        double length = 0;                ///< of the line, with nodes
+        double last = 1;                  ///< where the station 1 lies
+        double scale = 0;                 ///< extent along the span at the start
+    };
+    struct Plane {
+        SectionFrame frame;
+        Varying reach;                        ///< distance of the tip from the root, along the normal
+        double stretch = 1;                   ///< length per station over `reach`
+        std::optional<Eigen::Vector3d> near;  ///< which outlines count: those at this point
+    };
+
+    WingDeclaration declared_;
+    std::vector<double> stations_;
+    std::vector<Side> sides_;
+    double centre_ = 0;          ///< coordinate along `span` of the plane between both sides
+    bool keeps_centre_ = false;  ///< the span is measured from there
+
+    // wing_layout.cpp
+    void find_sides(const TriMesh& start);
+    void split_at(const TriMesh& start, double centre, const std::vector<int>& signs);
+    Side begun(const TriMesh& start, int sign, double from) const;
+    void find_winglet(const TriMesh& start, Side& side) const;
+    void march(const TriMesh& start, Side& side) const;
+    void find_last(const TriMesh& start, Side& side) const;
+    std::vector<double> kinks(const TriMesh& start) const;
+    // wing.cpp
+    Plane plane(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    std::optional<Airfoil> section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane,
+                                   bool sensitivities) const;
+    Airfoil needed(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    static double place_of(const Side& side, double station);
+    static Eigen::Vector3d in_space(const Plane& plane, const PlanePoint& point);
+};
+
+}  // namespace strake

@@ -48,7 +48,9 @@ std::vector<Key> method_keys() {
         {.path = "optimize.difference_step",
          .type = Type::number,
          .doc = "Step of the finite differences, as a share of the scale of a variable (max_displacement, or half of "
-                "the range of one of `variables`). Choose it well above the noise of the program. Not for fit.",
+                "the range of one of `variables`). Where the first values that it gives do not follow their slopes, "
+                "the noise is "
+                "measured and the step becomes longer. Not for fit.",
          .fallback = "1e-4",
          .limits = {1e-9, 1, false, false}},
         {.path = "optimize.starts",

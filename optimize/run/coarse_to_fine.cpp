@@ -120,6 +120,11 @@ private:
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
         if (may_try()) return is_trial_wanted_ = true;
+        if (has_choice() && state_.space.size() > 0 && !can_pay_trial()) {
+            state_.note("refinement: too few evaluations are left for it");
+            refining_is_idle_ = true;
+            return false;
+        }
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
             state_.note("refinement: there are no sensitivities to choose by, every patch is split");
             next = refined_everywhere(state_.space);
@@ -163,9 +168,9 @@ private:
     /// Values alone, and fields beside patches to choose from.
     bool may_try() const {
         const bool has_multipliers = last_.gradient.size() > 0 || state_.problem.constraints.empty();
-        return has_choice() && has_multipliers && state_.space.size() > 0 &&
-               state_.evaluations_left() > trial_share * trial_directions;
+        return has_choice() && has_multipliers && state_.space.size() > 0 && can_pay_trial();
     }
+    bool can_pay_trial() const { return state_.evaluations_left() > trial_share * trial_directions; }
     bool has_choice() const {
         const Parameters& p = state_.rest->parameters;
         return p.fields && !p.field_steps.empty() && !p.kinds.empty() && p.split == SplitRule::sensitivity &&
@@ -178,7 +183,7 @@ private:
         const TrialResult found =
             next_by_values(state_, program_, {x, weight_, hessian_, last_y_, last_}, curvature_, least);
         next = found.next;
-        is_last_ = found.is_idle;
+        is_last_ = found.is_idle || (found.stays && has_converged_);
         has_stayed_ = found.stays;
     }
 
@@ -336,6 +341,7 @@ private:
     /// What the next level starts from; sets `result.x` to the design that it inherits, in x.
     void keep_knowledge(const NonlinearProgram& program, MinimizeResult& result, double first_step,
                         bool sees_values_only) {
+        has_converged_ = result.stop == MinimizeStop::converged || result.stop == MinimizeStop::roundoff;
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
         largest_gradient_ = result.largest_gradient;
@@ -378,6 +384,7 @@ private:
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false, is_in_noise_ = false;
     bool is_trial_wanted_ = false;  ///< before the next level
+    bool has_converged_ = false;    ///< the last level
     bool has_stayed_ = false;       ///< after a trial, with what was there
     bool is_last_ = false;          ///< the present level goes on to its end
 };

@@ -236,6 +236,10 @@ TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLev
     groups[1].name = "patches";
     trial.run(groups);
     const Group &fields = groups[0], &patches = groups[1];
+    double all = 0;
+    for (const Group& g : groups) all += g.gain * static_cast<double>(g.details.cols());
+    TrialResult result;
+    result.is_idle = !(all > least);
     const auto can_be_paid = [&](const Group& g) {
         return affordable_gradients * static_cast<double>(g.variables.size()) <= state.evaluations_left();
     };
@@ -245,12 +249,8 @@ TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLev
         return g.details.cols() > 0 && g.gain > 0 && g.gain >= joins_too * best && can_be_paid(g);
     };
     const auto remains = [&](const Group& g) {
-        return g.is_there && (!g.has_gain_there || g.gain_there >= stays * best);
+        return g.is_there && (result.is_idle || !g.has_gain_there || g.gain_there >= stays * best);
     };
-    double all = 0;
-    for (const Group& g : groups) all += g.gain * static_cast<double>(g.details.cols());
-    TrialResult result;
-    result.is_idle = !(all > least);
     const auto takes = [&](const Group& g) { return result.is_idle ? can_be_paid(g) : joins(g); };
     const bool more_fields = takes(fields), more_patches = takes(patches);
     result.stays = !more_fields && !more_patches;

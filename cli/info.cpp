@@ -1,6 +1,7 @@
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
+#include "cli/planform_sheet.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
 #include "core/formats/obj_skipped.hpp"
@@ -215,13 +216,23 @@ void print_words(const std::string& file, const Report& r) {
     print_info(out);
 }
 
+void write_sections(const std::string& file, const std::optional<PlanformSheet>& sheet) {
+    if (file.empty()) return;
+    if (!sheet) throw InvalidInput(text("no wing found: there are no sections for ", printable(file)));
+    const bool is_picture = file.ends_with(".svg");
+    if (!is_picture && !file.ends_with(".csv"))
+        throw InvalidInput(text(printable(file), ": --sections writes .csv or .svg"));
+    write_atomically(file, is_picture ? sections_svg(*sheet) : sections_csv(*sheet));
+}
+
 }  // namespace
 
 void add_info(CLI::App& app) {
     struct Options {
         std::string surface;
-        std::string vtp;
-        bool json = false;
+        std::string vtp, sections;
+        std::vector<double> stations;
+        bool json = false, planform = false;
     };
     auto options = std::make_shared<Options>();
     CLI::App* command = app.add_subcommand("info", "report what a surface file contains and what is wrong with it");
@@ -231,15 +242,38 @@ void add_info(CLI::App& app) {
         ->required();
     command->add_flag("--json", options->json, "print one JSON object instead of words");
     command->add_option("--vtp", options->vtp, "write the surface with every defect marked, for ParaView");
+    CLI::Option* planform = command->add_flag(
+        "--planform", options->planform, "measure the wing: span, area, sweep, and chord, twist, thickness by station");
+    command
+        ->add_option("--stations", options->stations,
+                     "with --planform: fractions of the semispan, for example 0,0.37,1; default: where edges kink")
+        ->delimiter(',')
+        ->needs(planform);
+    command
+        ->add_option("--sections", options->sections,
+                     "with --planform: write the airfoils, in fractions of the chord, as FILE.csv or FILE.svg")
+        ->needs(planform);
     command->callback([options] {
-        check_outputs({options->vtp}, {options->surface});
+        check_outputs({options->vtp, options->sections}, {options->surface});
+        if (options->planform && !options->json && options->vtp.empty()) {
+            const auto sheet = planform_sheet(read_logged(options->surface).mesh, options->stations);
+            write_sections(options->sections, sheet);
+            print_info(planform_words(options->surface, sheet));
+            return;
+        }
         const Report r = examine(options->surface);
         if (!options->vtp.empty()) {
             const DefectFields fields = defect_fields(r.surface.mesh, r.found);
             write_vtp(options->vtp, r.surface.mesh, fields.points, fields.cells);
         }
+        nlohmann::ordered_json answer = as_json(r);
+        if (options->planform) {
+            const auto sheet = planform_sheet(r.surface.mesh, options->stations);
+            write_sections(options->sections, sheet);
+            answer["planform"] = planform_json(sheet);
+        }
         if (options->json)
-            print_info(as_json(r).dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
+            print_info(answer.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");
         else
             print_words(options->surface, r);
     });

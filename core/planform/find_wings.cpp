@@ -73,8 +73,6 @@ public:
         refine_root(sign, step, found);
         return found;
     }
-    /// Whether the surface goes on inside of the last section.
-    bool goes_on(int sign, const Followed& last) const { return !loops(sign, last.at - 0.02 * extent_.size()).empty(); }
 
 private:
     std::vector<Loop> loops(int sign, double at) const {
@@ -167,42 +165,47 @@ private:
     Range extent_;
 };
 
+/// Whether the triangle lies in one of the sections.
+bool is_in(const TriMesh& mesh, int t, const Ways& ways, int sign, const std::vector<Followed>& sections) {
+    Range y, x, z;
+    for (const int v : mesh.triangles.row(t)) {
+        const Vector3d p = mesh.vertices.row(v);
+        y.add(sign * ways.span.dot(p)), x.add(ways.downstream.dot(p)), z.add(ways.up.dot(p));
+    }
+    for (std::size_t k = 0; k < sections.size(); k += 8) {
+        const Followed& at = sections[k];
+        const double slack = 1e-6 * at.x.size();
+        const bool is_cut = at.at >= y.low && at.at <= y.high;
+        if (is_cut && x.low >= at.x.low - slack && x.high <= at.x.high + slack && z.overlap(at.z) >= 0) return true;
+    }
+    return false;
+}
+
 /// Triangles beyond `root` that are connected to the sections.
 void flood(const TriMesh& mesh, const Adjacency& adjacent, const Ways& ways, int sign, double root,
            const std::vector<Followed>& sections, std::vector<char>& marks) {
     std::vector<char> beyond(static_cast<std::size_t>(mesh.num_triangles()), 0);
     std::vector<int> open;
     for (int t = 0; t < mesh.num_triangles(); ++t) {
-        Range y, x, z;
-        for (const int v : mesh.triangles.row(t)) {
-            const Vector3d p = mesh.vertices.row(v);
-            y.add(sign * ways.span.dot(p)), x.add(ways.downstream.dot(p)), z.add(ways.up.dot(p));
-        }
-        beyond[static_cast<std::size_t>(t)] = y.low >= root;
-        if (y.low < root) continue;
-        for (std::size_t k = 0; k < sections.size(); k += 8) {
-            const Followed& at = sections[k];
-            const double slack = 1e-6 * at.x.size();
-            if (at.at < y.low || at.at > y.high || x.low < at.x.low - slack || x.high > at.x.high + slack ||
-                z.overlap(at.z) < 0)
-                continue;
-            open.push_back(t);
-            break;
-        }
+        double low = std::numeric_limits<double>::infinity();
+        for (const int v : mesh.triangles.row(t)) low = std::min(low, sign * ways.span.dot(mesh.vertices.row(v)));
+        beyond[static_cast<std::size_t>(t)] = low >= root;
+        if (low >= root && is_in(mesh, t, ways, sign, sections)) open.push_back(t);
     }
     for (const int t : open) marks[static_cast<std::size_t>(t)] = 1;
     while (!open.empty()) {
         const int t = open.back();
         open.pop_back();
-        for (int k = 0; k < 3; ++k)
-            for (const int other : adjacent.edge_triangles[adjacent.triangle_edges(t, k)]) {
-                // A wake hangs at an edge of three.
-                if (adjacent.edge_triangles[adjacent.triangle_edges(t, k)].size() > 2) continue;
+        for (int k = 0; k < 3; ++k) {
+            const auto beside = adjacent.edge_triangles[adjacent.triangle_edges(t, k)];
+            if (beside.size() > 2) continue;  // a wake hangs at an edge of three
+            for (const int other : beside) {
                 const auto o = static_cast<std::size_t>(other);
                 if (marks[o] || !beyond[o]) continue;
                 marks[o] = 1;
                 open.push_back(other);
             }
+        }
     }
 }
 
@@ -225,6 +228,40 @@ bool is_reversed(const std::vector<Followed>& sections) {
     return front < rear;
 }
 
+/// Coordinate (along the side's own way) where the wing ends at a body; the other end of the surface without one.
+double root_of(const Follower& follower, int sign, const std::vector<Followed>& side, bool has_both) {
+    const Range& extent = follower.extent();
+    const double end = sign > 0 ? extent.low : -extent.high, last = side.back().at;
+    const double middle = sign * 0.5 * (extent.low + extent.high);
+    if (last - end < 0.02 * extent.size()) return end;                 // all of it
+    if (has_both && last < middle + 0.01 * extent.size()) return end;  // both sides meet
+    return last;
+}
+
+/// The marked triangles; none where all are.
+std::vector<int> listed(const std::vector<char>& marks) {
+    std::vector<int> found;
+    for (std::size_t t = 0; t < marks.size(); ++t)
+        if (marks[t]) found.push_back(static_cast<int>(t));
+    if (found.size() == marks.size()) found.clear();
+    return found;
+}
+
+/// Measures it; false where it has not the proportions of a wing.
+bool is_wing(const TriMesh& mesh, std::size_t num_sections, Candidate& found) {
+    try {
+        const Wing wing(mesh, found.wing.declaration);
+        const WingFacts facts = wing.facts(mesh);
+        found.area = facts.area.value;
+        found.wing.why = text(num_sections, " thin sections in a row, aspect ratio ",
+                              std::round(100 * facts.aspect_ratio.value) / 100);
+        return facts.aspect_ratio.value > min_aspect_ratio &&
+               std::abs(wing.station(mesh, 0.5).camber.value) <= max_camber;
+    } catch (const InvalidInput&) {
+        return false;
+    }
+}
+
 std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search,
                                    Ways ways) {
     const Follower follower(mesh, ways);
@@ -242,40 +279,20 @@ std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacen
     }
     Candidate found;
     std::vector<char> marks(static_cast<std::size_t>(mesh.num_triangles()), 0);
-    const double middle = 0.5 * (follower.extent().low + follower.extent().high), extent = follower.extent().size();
+    const bool has_both = !sides[0].empty() && !sides[1].empty();
     for (const int sign : {1, -1}) {
         const auto& side = sides[sign > 0 ? 0 : 1];
         if (side.empty()) continue;
-        double root = side.back().at;
-        const double far_end = sign > 0 ? follower.extent().low : -follower.extent().high;
-        if (root - far_end < 0.02 * extent)
-            root = far_end;  // all of it
-        else if (root < sign * middle + 0.01 * extent && !sides[0].empty() && !sides[1].empty())
-            root = sign * middle;
-        if (root > far_end && follower.goes_on(sign, side.back()) && !(root == sign * middle)) {
-            found.wing.has_body = true;
-            found.wing.root = root;
-        }
-        if (root == sign * middle) root = far_end;  // both sides meet
+        const double end = sign > 0 ? follower.extent().low : -follower.extent().high;
+        const double root = root_of(follower, sign, side, has_both);
+        if (root > end) found.wing.has_body = true, found.wing.root = root;
         flood(mesh, adjacent, ways, sign, root, side, marks);
     }
     WingDeclaration& declared = found.wing.declaration;
     declared.span = ways.span, declared.downstream = ways.downstream, declared.up = ways.up;
     declared.symmetry = search.symmetry;
-    for (std::size_t t = 0; t < marks.size(); ++t)
-        if (marks[t]) declared.triangles.push_back(static_cast<int>(t));
-    if (declared.triangles.size() == marks.size()) declared.triangles.clear();
-    try {
-        const Wing wing(mesh, declared);
-        const WingFacts facts = wing.facts(mesh);
-        if (!(facts.aspect_ratio.value > min_aspect_ratio)) return {};
-        if (std::abs(wing.station(mesh, 0.5).camber.value) > max_camber) return {};
-        found.area = facts.area.value;
-        found.wing.why = text(sides[0].size() + sides[1].size(), " thin sections in a row, aspect ratio ",
-                              std::round(100 * facts.aspect_ratio.value) / 100);
-    } catch (const InvalidInput&) {
-        return {};
-    }
+    declared.triangles = listed(marks);
+    if (!is_wing(mesh, sides[0].size() + sides[1].size(), found)) return {};
     return found;
 }
 

@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <map>
+#include <optional>
 
 namespace strake {
 namespace {
@@ -122,30 +124,47 @@ void drop_repeated(Outline& outline) {
     outline.points = std::move(kept);
 }
 
+/// Two ends of different outlines.
+struct EndPair {
+    std::size_t i, j;
+    bool at_front_i, at_front_j;
+    double gap;
+};
+
+/// Of two outlines the nearest ends.
+EndPair nearest_ends(const std::vector<Outline>& outlines, std::size_t i, std::size_t j) {
+    EndPair best{i, j, true, true, std::numeric_limits<double>::infinity()};
+    for (const bool a : {true, false})
+        for (const bool b : {true, false}) {
+            const PlanePoint& p = a ? outlines[i].points.front() : outlines[i].points.back();
+            const PlanePoint& q = b ? outlines[j].points.front() : outlines[j].points.back();
+            if (apart(p, q) < best.gap) best = {i, j, a, b, apart(p, q)};
+        }
+    return best;
+}
+
+/// The nearest ends of all open outlines, not farther than `reach`.
+std::optional<EndPair> nearest_ends(const std::vector<Outline>& outlines, double reach) {
+    std::optional<EndPair> best;
+    for (std::size_t i = 0; i < outlines.size(); ++i)
+        for (std::size_t j = i + 1; j < outlines.size(); ++j) {
+            if (outlines[i].is_closed || outlines[j].is_closed) continue;
+            const EndPair one = nearest_ends(outlines, i, j);
+            if (one.gap <= (best ? best->gap : reach)) best = one;
+        }
+    return best;
+}
+
 /// Joins open outlines end to end, nearest first, where the gap is at most `reach`. Both ends of one outline are not
 /// joined where they are the corners of an open trailing edge.
 void join_ends(std::vector<Outline>& outlines, double reach) {
-    while (true) {
-        double least = reach;
-        std::array<std::size_t, 2> pair{};
-        std::array<bool, 2> at_front{};
-        for (std::size_t i = 0; i < outlines.size(); ++i)
-            for (std::size_t j = i + 1; j < outlines.size(); ++j) {
-                if (outlines[i].is_closed || outlines[j].is_closed) continue;
-                for (const bool a : {true, false})
-                    for (const bool b : {true, false}) {
-                        const auto& p = a ? outlines[i].points.front() : outlines[i].points.back();
-                        const auto& q = b ? outlines[j].points.front() : outlines[j].points.back();
-                        if (apart(p, q) <= least) least = apart(p, q), pair = {i, j}, at_front = {a, b};
-                    }
-            }
-        if (pair[0] == pair[1]) return;
-        auto &first = outlines[pair[0]].points, &second = outlines[pair[1]].points;
-        if (at_front[0]) std::reverse(first.begin(), first.end());
-        if (!at_front[1]) std::reverse(second.begin(), second.end());
+    while (const auto meeting = nearest_ends(outlines, reach)) {
+        auto &first = outlines[meeting->i].points, &second = outlines[meeting->j].points;
+        if (meeting->at_front_i) std::reverse(first.begin(), first.end());
+        if (!meeting->at_front_j) std::reverse(second.begin(), second.end());
         // Equal ends are one point.
-        first.insert(first.end(), second.begin() + (least <= 1e-9 * reach ? 1 : 0), second.end());
-        outlines.erase(outlines.begin() + static_cast<std::ptrdiff_t>(pair[1]));
+        first.insert(first.end(), second.begin() + (meeting->gap <= 1e-9 * reach ? 1 : 0), second.end());
+        outlines.erase(outlines.begin() + static_cast<std::ptrdiff_t>(meeting->j));
     }
 }
 

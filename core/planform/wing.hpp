@@ -124,6 +124,7 @@ private:
 
     // wing_layout.cpp
     void find_sides(const TriMesh& start);
+    bool is_mirrored(const TriMesh& start, std::array<double, 2>& outer) const;
     void split_at(const TriMesh& start, double centre, const std::vector<int>& signs);
     Side begun(const TriMesh& start, int sign, double from) const;
     void find_winglet(const TriMesh& start, Side& side) const;
@@ -136,6 +137,7 @@ private:
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane,
                                    bool sensitivities) const;
     Airfoil needed(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    double along(const Side& side, double reach, const Eigen::Vector3d& x) const;  // wing_places.cpp
     static double place_of(const Side& side, double station);
     static Eigen::Vector3d in_space(const Plane& plane, const PlanePoint& point);
 };

@@ -155,26 +155,28 @@ void Wing::find_sides(const TriMesh& start) {
     // Both ends are alike: a whole wing, or one of them is a root.
     const double centre = 0.5 * (low + high);
     split_at(start, centre, {1, -1});
-    std::array<double, 2> inner{}, outer{};
-    bool is_mirrored = true;
-    for (const double place : {0.3, 0.5, 0.7, 0.9}) {
-        std::array<double, 2> chord{}, nose{};
-        for (std::size_t s = 0; s < 2; ++s) {
-            const auto at = section(start, sides_[s], place, false);
-            if (!at) continue;
-            chord[s] = at->chord().value, nose[s] = at->leading_edge().x.value;
-            if (place == 0.3) inner[s] = chord[s];
-            if (place == 0.9) outer[s] = chord[s];
-        }
-        const double tolerance = mirror_rel * std::max(chord[0], chord[1]);
-        is_mirrored = is_mirrored && std::abs(chord[0] - chord[1]) <= tolerance &&
-                      std::abs(nose[0] - nose[1]) <= tolerance && chord[0] > 0;
-    }
-    keeps_centre_ = is_mirrored;
-    if (is_mirrored) return;
+    std::array<double, 2> outer{};
+    keeps_centre_ = is_mirrored(start, outer);
+    if (keeps_centre_) return;
     sides_.clear();
     const int sign = outer[0] <= outer[1] ? 1 : -1;  // the tip has the smaller chord
     split_at(start, sign > 0 ? low : high, {sign});
+}
+
+/// Whether both sides have the same chords at the same places; `outer`: chords near the tips.
+bool Wing::is_mirrored(const TriMesh& start, std::array<double, 2>& outer) const {
+    bool is_alike = true;
+    for (const double place : {0.3, 0.5, 0.7, 0.9}) {
+        std::array<double, 2> chord{}, nose{};
+        for (std::size_t s = 0; s < 2; ++s)
+            if (const auto at = section(start, sides_[s], place, false))
+                chord[s] = at->chord().value, nose[s] = at->leading_edge().x.value;
+        outer = chord;
+        const double tolerance = mirror_rel * std::max(chord[0], chord[1]);
+        is_alike = is_alike && chord[0] > 0 && std::abs(chord[0] - chord[1]) <= tolerance &&
+                   std::abs(nose[0] - nose[1]) <= tolerance;
+    }
+    return is_alike;
 }
 
 /// Streamwise planes fail where the wing rises more steeply than 45 degrees, or is cut along a winglet.

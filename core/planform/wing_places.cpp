@@ -33,6 +33,22 @@ double interpolated(const std::vector<Row>& rows, double place, const Vector3d& 
 
 }  // namespace
 
+/// Fraction of the semispan at a point; with a winglet that of the nearest point of the line seen from the front.
+double Wing::along(const Side& side, double reach, const Vector3d& x) const {
+    if (side.nodes.empty()) return (side.span.dot(x) - side.root) / reach;
+    const auto flat = [&](const Vector3d& p) { return Eigen::Vector2d(side.span.dot(p), declared_.up.dot(p)); };
+    double least = std::numeric_limits<double>::infinity(), place = 0;
+    for (std::size_t k = 1; k < side.nodes.size(); ++k) {
+        const Node &a = side.nodes[k - 1], &b = side.nodes[k];
+        const Eigen::Vector2d way = flat(b.axis - a.axis), from = flat(x - a.axis);
+        const double raw = from.dot(way) / way.squaredNorm();
+        const double t = std::clamp(raw, k == 1 ? raw : 0.0, k + 1 == side.nodes.size() ? raw : 1.0);
+        const double off = (from - t * way).norm();
+        if (off < least) least = off, place = a.station + t * (b.station - a.station);
+    }
+    return place;
+}
+
 std::vector<Wing::Place> Wing::places(const TriMesh& surface) const {
     std::vector<std::vector<Row>> rows;
     for (const Side& side : sides_) {
@@ -53,24 +69,7 @@ std::vector<Wing::Place> Wing::places(const TriMesh& surface) const {
         int s = 0;
         if (sides_.size() > 1 && declared_.span.dot(x) < centre_) s = 1;
         const Side& side = sides_[static_cast<std::size_t>(s)];
-        double place = 0;
-        if (side.nodes.empty()) {
-            place = (side.span.dot(x) - side.root) / reach[static_cast<std::size_t>(s)];
-        } else {
-            // The nearest point of the line seen from the front.
-            double least = std::numeric_limits<double>::infinity();
-            for (std::size_t k = 1; k < side.nodes.size(); ++k) {
-                const Node &a = side.nodes[k - 1], &b = side.nodes[k];
-                const auto flat = [&](const Vector3d& p) {
-                    return Eigen::Vector2d(side.span.dot(p), declared_.up.dot(p));
-                };
-                const Eigen::Vector2d way = flat(b.axis - a.axis), from = flat(x - a.axis);
-                const double raw = from.dot(way) / way.squaredNorm();
-                const double t = std::clamp(raw, k == 1 ? raw : 0.0, k + 1 == side.nodes.size() ? raw : 1.0);
-                const double off = (from - t * way).norm();
-                if (off < least) least = off, place = a.station + t * (b.station - a.station);
-            }
-        }
+        const double place = along(side, reach[static_cast<std::size_t>(s)], x);
         found[static_cast<std::size_t>(v)] = {
             s, place, interpolated(rows[static_cast<std::size_t>(s)], place, x, declared_.downstream)};
     }

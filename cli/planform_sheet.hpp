@@ -1,0 +1,28 @@
+#pragma once
+#include "core/planform/find_wings.hpp"
+
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+/// The sheet of a wing: `strake info --planform`.
+namespace strake::cli {
+
+struct PlanformSheet {
+    FoundWing found;
+    bool is_half = false;  ///< measured on one side
+    WingFacts facts;
+    std::vector<StationFacts> stations;
+};
+
+/// The wing of the surface, or nothing. @param stations fractions of the semispan; empty: at kinks.
+std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations);
+
+std::string planform_words(const std::string& file, const std::optional<PlanformSheet>& sheet);
+/// Lengths in the file's unit, angles in radians; null without a wing.
+nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet);
+
+/// Sections in fractions of their chords: rows station,outline,x,z for .csv, a picture for .svg.
+std::string sections_csv(const PlanformSheet& sheet);
+std::string sections_svg(const PlanformSheet& sheet);
+
+}  // namespace strake::cli

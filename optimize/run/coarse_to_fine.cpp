@@ -73,7 +73,7 @@ private:
         state_.result.motion = program_.motion_at_end(level.best);
         conclude_run(state_.result,
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
-                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_});
+                      state_.run_best.feasible, state_.can_refine(), refining_is_idle_, state_.limits().evaluations});
     }
 
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
@@ -233,7 +233,11 @@ private:
         else if (may_leave && !sees_values_only)
             how.on_model = by_differences_rule(static_cast<int>(start.size()));
         still_expected_ = 0;
+        const int made_before = state_.evaluations_of_level();
         MinimizeResult result = minimize(program, how);
+        if (result.stop == MinimizeStop::evaluations)  // by the run's count, which is the one that users see
+            result.reason = limit_words(state_.evaluations_of_level(), made_before + how.max_evaluations,
+                                        last ? "" : " for this level");
         keep_knowledge(program, result, how.first_step, sees_values_only);
         return result;
     }

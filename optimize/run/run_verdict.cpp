@@ -123,11 +123,10 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             break;
         default:
             r.status = "budget";
-            r.reason = text(end.level.stop == MinimizeStop::evaluations
-                                ? text("the limit of evaluations is reached (", r.evaluations, ")")
-                                : words,
-                            " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
-                            "; raise optimize.budget to go on", failures_note(end), notes);
+            r.reason = text(
+                end.level.stop == MinimizeStop::evaluations ? limit_words(r.evaluations, end.max_evaluations) : words,
+                " on level ", r.level, end.can_refine ? ", which is not the finest" : "",
+                "; raise optimize.budget to go on", failures_note(end), notes);
     }
 }
 
@@ -174,6 +173,12 @@ std::string motion_note(const RunResult& r) {
     if (std::isfinite(share) && share > 0)
         words += text("; 0.1 % of the diagonal more motion would gain about ", rounded(share), " %");
     return words;
+}
+
+std::string limit_words(int evaluations, int limit, const std::string& of_what) {
+    if (evaluations >= limit) return text("the limit of evaluations is reached (", evaluations, of_what, ")");
+    return text("the limit of evaluations is reached (", evaluations, " of ", limit, of_what,
+                ": the rest is too little for a further step)");
 }
 
 std::string level_words(const MinimizeResult& level) {

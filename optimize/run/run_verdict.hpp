@@ -15,6 +15,7 @@ struct RunEnd {
     bool is_feasible = false;              ///< there is a feasible design
     bool can_refine = false;               ///< there are finer patches
     bool refining_is_idle = false;         ///< they are not expected to gain anything
+    int max_evaluations = 0;               ///< of the run; 0: not known
 };
 
 /// Fills status, reason and the names of conflicting constraints. @pre the other fields of the result are final.
@@ -32,6 +33,9 @@ MotionAtEnd motion_of(const RunResult& result, const MotionLimit& limit, double 
 std::string patch_at(const DesignSpace& space, int vertex);
 /// "; the motion limit is active on wing.upper, at vertex 12 (...)"; empty where it is not.
 std::string motion_note(const RunResult& result);
+
+/// "the limit of evaluations is reached (12)", or, if the rest is too little for a further step, "(11 of 12 ...)".
+std::string limit_words(int evaluations, int limit, const std::string& of_what = "");
 
 /// Why a level ended.
 std::string level_words(const MinimizeResult& level);

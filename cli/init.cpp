@@ -1,11 +1,13 @@
 #include "casefile/build/build_problem.hpp"
 #include "casefile/load_case.hpp"
 #include "casefile/propose/propose.hpp"
+#include "cli/check_picture.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/text/file.hpp"
@@ -82,7 +84,7 @@ Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
     return Eigen::Vector3d::Unit(up);
 }
 
-std::string picture(const Problem& problem, const ProposedCase& proposal) {
+std::string picture(const Problem& problem, const ProposedCase& proposal, const std::optional<AxesFacts>& axes) {
     const int level = shown_level(problem.tree);
     const PatchLevel& patches = problem.tree.levels[level];
     std::vector<int> label = patches.label;
@@ -105,9 +107,10 @@ std::string picture(const Problem& problem, const ProposedCase& proposal) {
     std::vector<Panel> panels;  // two of them and their margins fit a window of 1000 pixels
     for (const double sign : {1.0, -1.0}) {
         const Eigen::Vector3d from = sign * (-0.7 * ahead - 0.7 * side + 0.6 * up);
-        Panel panel{draw_surface(problem.surface, colour, label, {from, up}, 460, 345), "", {}};
+        Panel panel{draw_surface(problem.surface, colour, label, {from, up, axes ? 0.16 : 0.04}, 460, 345)};
         panel.title = sign > 0 ? "from above" : "from below, the other side";
         panel.names = names_in(panel.drawing, label, names, 150);
+        if (axes) add_axes_arrows(panel, *axes, box_diagonal(problem.surface));
         panels.push_back(std::move(panel));
     }
     return svg_picture(fmt::format("{}: the {} patches of level {}", problem.name, held, level), panels, legend);
@@ -121,6 +124,21 @@ void write_patches(const fs::path& file, const Problem& problem) {
     for (const int t : problem.fixed) held[static_cast<std::size_t>(t)] = 1;
     cells.push_back({"held", held});
     write_vtp(file, problem.surface, {}, cells);
+}
+
+/// The proposal as a problem. A few large triangles cannot be told apart by regions: the user never sees that case.
+BuiltProblem tried(const Case& the_case, const InitArguments& args) {
+    constexpr int few = 100;
+    try {
+        return build_problem(the_case, Purpose::run);
+    } catch (const CaseError& error) {
+        const int triangles = read_surface(the_case.surface).mesh.num_triangles();
+        if (triangles > few || error.diagnostics.empty()) throw;
+        throw InvalidInput(text("init: ", printable(args.surface, 400), ": its ", triangles,
+                                " triangles are too large for regions (", error.diagnostics.front().message,
+                                "); refine it first, for example strake remesh ", typed_path(args.surface),
+                                " -o fine.stl --edge-length 5%"));
+    }
 }
 
 void init(const InitArguments& args) {
@@ -140,9 +158,9 @@ void init(const InitArguments& args) {
     NewFile written(case_file, proposal.yaml);
     log_step("trying " + printable(case_file.string(), 400));
     const Case the_case = load_case(case_file, Purpose::run);
-    const BuiltProblem built = build_problem(the_case, Purpose::run);
+    const BuiltProblem built = tried(the_case, args);
     const std::vector<std::string> notes = check_shell(the_case, built.problem);
-    write_atomically(svg, picture(built.problem, proposal));
+    write_atomically(svg, picture(built.problem, proposal, axes_facts(the_case, built.problem.surface)));
     write_patches(vtp, built.problem);
     written.keep();
     if (args.json) {

@@ -145,7 +145,7 @@ void Journal::drop_final_failure() {
     evaluations_.pop_back();
 }
 
-std::unique_ptr<Journal> Journal::open(const std::filesystem::path& file) try {
+std::unique_ptr<Journal> Journal::open(const std::filesystem::path& file) {
     std::error_code why;
     if (!std::filesystem::is_regular_file(file, why))
         throw InputError(text(file.string(), ": ", why ? why.message() : "is no file"));
@@ -159,11 +159,11 @@ std::unique_ptr<Journal> Journal::open(const std::filesystem::path& file) try {
     journal->read_evaluations();
     Statement calls(journal->db_, file, select_calls);
     while (calls.step()) call_of(calls, file);
+    if (sqlite3_db_readonly(journal->db_, "main") == 1 && is_writable(file))
+        throw InputError(
+            text(file.string(), ": the journal is damaged (its header forbids writing); nothing was changed"));
     journal->drop_final_failure();
     return journal;
-} catch (const ReadOnly&) {
-    if (!is_writable(file)) throw;
-    throw InputError(text(file.string(), ": the journal is damaged (its header forbids writing); nothing was changed"));
 }
 
 std::unique_ptr<Journal> Journal::look(const std::filesystem::path& file) {

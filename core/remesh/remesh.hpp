@@ -44,7 +44,7 @@ struct RemeshResult {
     int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
     int corners = 0, kept_edges = 0;                             ///< unchanged vertices and edges
     /// Creases, boundaries and borders have corners so close to each other that the target cannot be had: edges are at
-    /// most 1.6 times as long as the mean piece between two corners.
+    /// most 1.4 times as long as the mean piece between two corners.
     bool features_are_dense = false;
     double expected_triangles = 0;  ///< that edges of the target length alone would make
     int frozen_triangles = 0;       ///< of the input, left unchanged near new intersections

@@ -208,7 +208,7 @@ double longest_beside_features(const BaseSurface& base) {
         }
     constexpr double infinite = std::numeric_limits<double>::infinity(), triangles_per_vertex = 2;
     if (!(length > 0)) return infinite;
-    const double longest = 1.6 * length / pieces;  // at twice, needles begin to cost more than length saves
+    const double longest = 1.4 * length / pieces;  // from about twice on, needles cost more than length saves
     const double vertices = base.area / (0.4330127 * longest * longest) / triangles_per_vertex;
     return pieces > 0.5 * vertices ? longest : infinite;
 }

@@ -106,6 +106,7 @@ class Page(unittest.TestCase):
         in_sight = """(() => { scrollTo(0, 0); return [...document.querySelectorAll('.pictures img')].map((i) => i.getBoundingClientRect())
             .filter((r) => r.width > 0).map((r) => r.top >= 0 && r.bottom <= innerHeight && r.right <= innerWidth); })()"""
         self.assertEqual(b.run(in_sight), [True, True])
+        self.addCleanup(b.resize, 1100, 800)
         b.resize(390, 844)
         b.settle()
         self.assertEqual(b.run(in_sight), [True])  # a telephone: the design alone
@@ -114,10 +115,11 @@ class Page(unittest.TestCase):
 
     def test_0_no_table_is_cut_on_a_telephone(self):
         b = self.browser
+        self.addCleanup(b.resize, 1100, 800)
         b.resize(390, 844)
         b.run("document.querySelector('#evaluations details').open = true")
         b.settle()
-        wide = b.run("""[...document.querySelectorAll('main table:not(.tree)')].filter((t) => t.getBoundingClientRect().right > innerWidth
+        wide = b.run("""[...document.querySelectorAll('main .scroll > table:not(.tree)')].filter((t) => t.getBoundingClientRect().right > innerWidth
             || t.closest('.scroll').scrollWidth > t.closest('.scroll').clientWidth).map((t) => t.caption.textContent)""")
         self.assertEqual(wide, [])
         self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390)

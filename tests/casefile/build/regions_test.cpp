@@ -222,7 +222,7 @@ TEST_F(Regions, AnEmptyOneSaysWhatComesNearestAndWhatWouldHoldIt) {
                          "nor does one touch it: triangle 0 comes nearest, and would touch it if each face of the box "
                          "were 0.25 farther out"))
         << away;
-    const std::string beyond = words("plane: {normal: [1, 0, 0], at: 4.75}");
+    const std::string beyond = words("plane: {normal: [1, 0, 0], at: 4.75}, side: above");
     EXPECT_TRUE(contains(beyond, "would be inside if the plane were moved by 1.25")) << beyond;
     EXPECT_FALSE(contains(beyond, "touch: any")) << "no triangle touches it";
 }

@@ -185,17 +185,27 @@ Applied facts(const ApplyArguments& args, const Deformation& d, const Points& fr
     return applied;
 }
 
-/// A surface none of whose vertices lies anywhere near the start surface is another body: moving it means nothing.
-void check_is_of_run(const ApplyArguments& args, const Other& other, const Applied& applied) {
+/// A surface that hardly comes near the start surface is another body: moving it means nothing.
+void check_is_of_run(const ApplyArguments& args, const Other& other, const Applied& applied,
+                     const Eigen::VectorXd& distances) {
     constexpr double far = 1e-3;  // diagonals: another mesh of the same shape comes nearer
+    constexpr double few = 0.01,
+                     most = 0.5;  // shares of the vertices; a part that is attached has some beside the host
     if (other.kind != Kind::surface || args.undo || args.force || applied.points == 0) return;
-    if (applied.min_distance <= far * applied.diagonal) return;
+    const auto near = static_cast<int>((distances.array() <= far * applied.diagonal).count());
+    if (near > 0 && near >= few * applied.points) {
+        if (near < most * applied.points)
+            fmt::print(stderr,
+                       "strake: warning: only {} of the {} vertices of {} lie on the start surface of {}: is it the "
+                       "surface that belongs to this run?\n",
+                       near, applied.points, printable(args.other, 400), printable(args.run, 400));
+        return;
+    }
     throw InvalidInput(
-        fmt::format("{}: none of its {} vertices lies on the start surface of {} (the nearest is {:.3g} away, {:.3g} "
-                    "diagonals); give "
-                    "the surface that belongs to this run, or --force to move this one all the same",
-                    printable(args.other, 400), applied.points, printable(args.run, 400), applied.min_distance,
-                    applied.min_distance / applied.diagonal));
+        fmt::format("{}: {} of its {} vertices lies on the start surface of {} (the nearest is {:.3g} away, {:.3g} "
+                    "diagonals); give the surface that belongs to this run, or --force to move this one all the same",
+                    printable(args.other, 400), near == 0 ? "none" : fmt::format("only {}", near), applied.points,
+                    printable(args.run, 400), applied.min_distance, applied.min_distance / applied.diagonal));
 }
 
 Applied apply(const ApplyArguments& args) {
@@ -215,7 +225,7 @@ Applied apply(const ApplyArguments& args) {
     if (!args.undo) to = in_columns(d, from, to);
     if (!to.allFinite()) throw SolverError("apply: a moved point is not finite");
     Applied applied = facts(args, d, from, to, map.distances());
-    check_is_of_run(args, other, applied);
+    check_is_of_run(args, other, applied, map.distances());
     applied.undone = undone;
     if (is_npy(args.out) && args.sensitivities.empty()) applied.lost_columns = other_columns(other.list);
     if (kind == Kind::volume && other.volume.mesh.num_cells > 0)

@@ -4,12 +4,14 @@
 #include "cli/build_case.hpp"
 #include "cli/check_axes.hpp"
 #include "cli/check_facts.hpp"
+#include "cli/check_picture.hpp"
 #include "cli/check_start.hpp"
 #include "cli/commands.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/text/file.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
@@ -26,7 +28,7 @@ const char* name_of(AttachHow how) { return how == AttachHow::rigid ? "rigid" : 
 using Json = nlohmann::ordered_json;
 
 struct CheckArguments {
-    std::string case_file, out;
+    std::string case_file, out, picture;
     std::vector<std::string> settings;
     bool json = false, print_resolved = false, evaluate = false;
     CheckWishes wishes;
@@ -162,6 +164,11 @@ void print_held(const Case& the_case, const Problem& problem) {
                    invariance->num_vertices(), invariance->num_classes());
 }
 
+void print_written(const CheckArguments& args) {
+    for (const std::string& file : {args.picture, args.wishes.modes})
+        if (!file.empty()) fmt::print("wrote       {}\n", printable(file, 400));
+}
+
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
                  const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
@@ -196,7 +203,7 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));
     for (const Constraint& c : problem.constraints) fmt::print("constraint  {}\n", limits_text(c));
     print_facts(facts);
-    if (!args.wishes.modes.empty()) fmt::print("wrote       {}\n", printable(args.wishes.modes, 400));
+    print_written(args);
     if (!facts.start || facts.start->status == "ok") fmt::print("no errors\n");
 }
 
@@ -208,13 +215,16 @@ std::string start_error(const StartAnswer& start) {
 void check(const CheckArguments& args) {
     const Case the_case = load_case(args.case_file, Purpose::any, args.settings);
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
-    check_outputs({args.wishes.modes}, {args.case_file, the_case.surface});
+    if (!args.picture.empty() && std::filesystem::path(args.picture).extension() != ".svg")
+        throw InvalidInput(text("--picture ", printable(args.picture, 400), ": must end in .svg"));
+    check_outputs({args.wishes.modes, args.picture}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_case(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
     add_serial_warning(built.problem, warnings);
     const std::optional<AxesFacts> axes = axes_facts(the_case, built.problem.surface);
     if (axes && !axes->warning.empty()) warnings.push_back(axes->warning);
+    if (!args.picture.empty()) write_atomically(args.picture, check_picture(the_case, built.problem, axes));
     const std::vector<int> pin = shell_setup(built.problem).options.pin;
     const std::string resolved = args.print_resolved ? resolved_case(the_case, the_case.dir()) : "";
     const CheckFacts facts = args.print_resolved && !args.json ? CheckFacts{} : check_facts(built, args.wishes);
@@ -226,6 +236,7 @@ void check(const CheckArguments& args) {
             j["errors"] = {{{"line", 0}, {"column", 0}, {"message", start_error(*facts.start)}}};
         }
         j["axes"] = axes_json(axes);
+        if (!args.picture.empty()) j["picture"] = args.picture;
         add_facts(j, facts);
         if (args.print_resolved) j["resolved"] = resolved;
         fmt::print("{}\n", j.dump(2, ' ', false, Json::error_handler_t::replace));
@@ -274,6 +285,10 @@ void add_check(CLI::App& app) {
         ->add_option("--modes", args->wishes.modes,
                      "write the displacement by each variable at x = 1, for ParaView (.vtp)")
         ->excludes("--quick");
+    command
+        ->add_option("--picture", args->picture,
+                     "draw the body with its axes as arrows, and what is held (.svg, for a browser)")
+        ->excludes(evaluate);
     command->callback([args] {
         try {
             check(*args);

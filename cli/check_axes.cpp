@@ -78,17 +78,13 @@ void look_at_plane(const SymmetryPlane& plane, const TriMesh& surface, AxesFacts
 }  // namespace
 
 std::optional<AxesFacts> axes_facts(const Case& the_case, const TriMesh& surface) {
-    AxesFacts facts;
+    const std::optional<BodyAxes> axes = body_axes(the_case);
+    if (!axes || surface.num_triangles() == 0) return {};
+    AxesFacts facts{*axes};
     for (const QuantityEntry& quantity : the_case.quantities)
-        if (const auto* made = std::get_if<BuiltInEntry>(&quantity.what); made && made->axes) {
-            if (facts.users.empty()) facts.axes = *made->axes;
+        if (const auto* made = std::get_if<BuiltInEntry>(&quantity.what); made && made->axes)
             facts.users.push_back(quantity.name);
-        }
-    if (the_case.aero.axes) facts.axes = *the_case.aero.axes;
-    if ((!the_case.aero.axes && facts.users.empty()) || surface.num_triangles() == 0) return {};
     const Vector3d x = facts.axes.downstream;
-    // Old keys state `up` only up to a component along the stream.
-    facts.axes.up = (facts.axes.up - facts.axes.up.dot(x) * x).normalized();
     facts.nose = end_along(-x, surface);
     facts.tail = end_along(x, surface);
     facts.right = end_along(facts.axes.right(), surface);

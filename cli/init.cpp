@@ -2,11 +2,13 @@
 #include "casefile/load_case.hpp"
 #include "casefile/propose/propose.hpp"
 #include "casefile/propose/trial.hpp"
+#include "cli/check_picture.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/text/file.hpp"
@@ -103,7 +105,7 @@ Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
     return Eigen::Vector3d::Unit(up);
 }
 
-std::string picture(const Problem& problem, const ProposedCase& proposal) {
+std::string picture(const Problem& problem, const ProposedCase& proposal, const std::optional<AxesFacts>& axes) {
     const int level = shown_level(problem.tree);
     const PatchLevel& patches = problem.tree.levels[level];
     std::vector<int> label = patches.label;
@@ -126,9 +128,10 @@ std::string picture(const Problem& problem, const ProposedCase& proposal) {
     std::vector<Panel> panels;  // two of them and their margins fit a window of 1000 pixels
     for (const double sign : {1.0, -1.0}) {
         const Eigen::Vector3d from = sign * (-0.7 * ahead - 0.7 * side + 0.6 * up);
-        Panel panel{draw_surface(problem.surface, colour, label, {from, up}, 460, 345), "", {}};
+        Panel panel{draw_surface(problem.surface, colour, label, {from, up, axes ? 0.16 : 0.04}, 460, 345)};
         panel.title = sign > 0 ? "from above" : "from below, the other side";
         panel.names = names_in(panel.drawing, label, names, 150);
+        if (axes) add_axes_arrows(panel, *axes, box_diagonal(problem.surface));
         panels.push_back(std::move(panel));
     }
     return svg_picture(fmt::format("{}: the {} patches of level {}", problem.name, held, level), panels, legend);
@@ -142,6 +145,21 @@ void write_patches(const fs::path& file, const Problem& problem) {
     for (const int t : problem.fixed) held[static_cast<std::size_t>(t)] = 1;
     cells.push_back({"held", held});
     write_vtp(file, problem.surface, {}, cells);
+}
+
+/// The proposal as a problem. A few large triangles cannot be told apart by regions: the user never sees that case.
+BuiltProblem tried_problem(const Case& the_case, const InitArguments& args) {
+    constexpr int few = 100;
+    try {
+        return build_problem(the_case, Purpose::run);
+    } catch (const CaseError& error) {
+        const int triangles = read_surface(the_case.surface).mesh.num_triangles();
+        if (triangles > few || error.diagnostics.empty()) throw;
+        throw InvalidInput(text("init: ", printable(args.surface, 400), ": its ", triangles,
+                                " triangles are too large for regions (", error.diagnostics.front().message,
+                                "); refine it first, for example strake remesh ", typed_path(args.surface),
+                                " -o fine.stl --edge-length 5%"));
+    }
 }
 
 ProposedHold hold_of(const std::string& word) {
@@ -165,7 +183,7 @@ Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWa
         const NewFile written(case_file, made.proposal.yaml);
         log_step("trying " + printable(case_file.string(), 400) + ": " + way_words(way));
         const Case the_case = load_case(case_file, Purpose::run);
-        made.built = build_problem(the_case, Purpose::run);
+        made.built = tried_problem(the_case, args);
         made.notes = check_shell(the_case, made.built->problem);
         made.trial = try_deformations(made.built->problem, max_trial_seconds);
     } catch (const OutputError&) {
@@ -242,7 +260,8 @@ void init(const InitArguments& args) {
     const ProposedCase& proposal = chosen.proposal;
     const BuiltProblem& built = *chosen.built;
     NewFile written(case_file, proposal.yaml);
-    write_atomically(svg, picture(built.problem, proposal));
+    const Case the_case = load_case(case_file, Purpose::run);
+    write_atomically(svg, picture(built.problem, proposal, axes_facts(the_case, built.problem.surface)));
     write_patches(vtp, built.problem);
     written.keep();
     if (args.json) {

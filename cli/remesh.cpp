@@ -103,6 +103,8 @@ std::string as_json(const TriMesh& before, const RemeshResult& result, const std
                                       {"corners", result.corners},
                                       {"kept_edges", result.kept_edges},
                                       {"frozen_triangles", result.frozen_triangles},
+                                      {"features_are_dense", result.features_are_dense},
+                                      {"expected_triangles", result.expected_triangles},
                                       {"new_intersections", result.new_intersections},
                                       {"quality_before", as_json(quality_of(before))},
                                       {"quality", as_json(quality_of(result.mesh))},
@@ -129,6 +131,8 @@ std::string as_words(const TriMesh& before, const RemeshResult& result, const st
 }
 
 void warn(const RemeshResult& result) {
+    if (const std::string words = short_edge_words(result); !words.empty())
+        fmt::print(stderr, "strake: note: {}\n", words);
     if (result.kept_edges > 3 * result.frozen_triangles)
         fmt::print(
             stderr,

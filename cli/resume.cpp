@@ -102,7 +102,8 @@ std::unique_ptr<Journal> usable_journal(const std::filesystem::path& dir, bool r
         const std::string why = error.what();
         if (rebuild) return rebuilt_journal(dir);
         const bool is_lost = why.find("damaged") != why.npos || why.find("holds nothing") != why.npos ||
-                             why.find("No such file") != why.npos || why.find("is no file") != why.npos;
+                             why.find("No such file") != why.npos || why.find("is no file") != why.npos ||
+                             why.find("is of version") != why.npos || why.find("is no journal") != why.npos;
         throw InputError(why.find("--rebuild") == why.npos && is_lost ? why + rebuild_words(dir) : why);
     }
 }
@@ -111,8 +112,10 @@ void resume(const ResumeArguments& args) {
     outlive_readers();
     const std::filesystem::path dir = args.folder;
     std::error_code ignored;
+    if (!std::filesystem::exists(dir, ignored)) throw InvalidInput(printable(args.folder, 400) + ": no such folder");
     if (!std::filesystem::is_directory(dir, ignored))
-        throw InvalidInput(printable(args.folder, 400) + ": no such folder");
+        throw InvalidInput(text(printable(args.folder, 400), ": is not a folder; resume takes the folder of a run, ",
+                                "`strake run` a case file"));
     const auto has = [&](const char* name) { return std::filesystem::exists(dir / name, ignored); };
     if (!has("journal.sqlite") && !has("lock") && !says_how_it_began(dir))
         throw InvalidInput(printable(args.folder, 400) + ": is not a run folder (it has no journal.sqlite)");

@@ -126,13 +126,11 @@ void conclude(const BuiltProblem& built, const RunResult& result, const RunReque
     RunFolder& folder = *request.folder;
     const std::filesystem::path& dir = request.the_case.output.dir;
     const bool is_fit = request.is_fit;
-    const Case::Output& output = request.the_case.output;
-    const bool wants_report =
-        output.report && (output.report_is_stated || has_report_page()) && result.status != "waiting";
-    bool has_page = wants_report && has_report_page();
+    const bool makes_report = wants_report(request.the_case.output) && result.status != "waiting";
+    bool has_page = makes_report && has_report_page();
     if (has_page) folder.list_file("report.html");
     folder.finish(result);
-    if (wants_report)
+    if (makes_report)
         if (const std::string why = make_report(built, request.the_case, folder.folder()); !why.empty()) {
             warn(why);
             has_page = false;
@@ -199,7 +197,9 @@ void carry_out(RunRequest request) {
     for (const std::string& words : built.warnings) progress.warning(words);
     if (!request.folder) request.folder = std::make_unique<RunFolder>(the_case.output.dir);
     RunFolder& folder = *request.folder;
-    watch_signals();
+    watch_signals(
+        fmt::format("strake: ended at once: evaluations in progress are lost, all before are kept; {} continues",
+                    continue_command(request)));
     say_at_exit(
         fmt::format("all evaluations before are kept; once this is fixed, {} continues", continue_command(request)));
     const RunResult result = recorded_run(built, the_case, folder, request.is_fit, shown(built.problem, progress),

@@ -4,6 +4,7 @@
 #include "objectives/external/kill_programs.hpp"
 
 #include <unistd.h>
+#include <array>
 #include <atomic>
 #include <csignal>
 #include <cstring>
@@ -14,18 +15,29 @@ namespace {
 std::atomic<int> noted{0};  // the only state a handler may touch
 static_assert(std::atomic<int>::is_always_lock_free);
 
+/// Set once, before the handler is installed.
+const char* last_words = "";
+std::array<char, 5000> how_to_continue{};
+bool is_terminal = false;
+
+void write_words(const char* words) {
+    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, words, std::strlen(words));
+}
+
 extern "C" void note(int number) {
     int none = 0;
-    if (noted.compare_exchange_strong(none, number)) return;
+    if (noted.compare_exchange_strong(none, number)) {
+        if (is_terminal && how_to_continue[0] != '\0')
+            write_words("\nstrake: ending in order; once more ends at once, and kills programs that run on\n");
+        return;
+    }
     kill_programs();  // they would outlive us, where they ignore TERM
+    write_words(how_to_continue.data());
     ::_exit(128 + number);
 }
 
-/// Set once, before the handler is installed.
-const char* last_words = "";
-
 extern "C" void end_now(int) {
-    [[maybe_unused]] const ssize_t written = ::write(STDERR_FILENO, last_words, std::strlen(last_words));
+    write_words(last_words);
     ::_exit(interrupted);
 }
 
@@ -44,7 +56,12 @@ void handle(void (*handler)(int)) {
 
 }  // namespace
 
-void watch_signals() { handle(note); }
+void watch_signals(const std::string& when_ended_at_once) {
+    is_terminal = ::isatty(STDERR_FILENO) == 1;
+    std::strncpy(how_to_continue.data(), when_ended_at_once.c_str(), how_to_continue.size() - 2);
+    if (!when_ended_at_once.empty()) std::strcat(how_to_continue.data(), "\n");
+    handle(note);
+}
 
 void leave_signals() {
     for (const int number : {SIGINT, SIGTERM, SIGHUP}) {

@@ -1,11 +1,14 @@
 #pragma once
+#include <string>
 
 /// Signals from the user during a run.
 namespace strake::cli {
 
 /// From now on the first INT, TERM or HUP is only noted; the second ends the program at once with status 128 + its
 /// number. HUP stays ignored where it was (nohup).
-void watch_signals();
+/// @param when_ended_at_once a line for stderr at the second one; with it, a terminal is told at the first what another
+/// one does.
+void watch_signals(const std::string& when_ended_at_once = "");
 /// Signals end the program as they did before watch_signals(); a noted signal stays noted.
 void leave_signals();
 

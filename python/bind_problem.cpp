@@ -158,6 +158,18 @@ QuantityResult result_of(const py::object& answer, const std::string& name, int 
     return out;
 }
 
+/// @throws InvalidInput where `function` says that it does not take two arguments; some built-in ones say nothing.
+void check_arguments(const std::string& name, const py::function& function) {
+    try {
+        py::module_::import("inspect").attr("signature")(function).attr("bind")(py::none(), true);
+    } catch (const py::error_already_set& error) {
+        if (error.matches(PyExc_TypeError))
+            throw InvalidInput("quantity '" + name +
+                               "': the function must take two arguments, (surface, want_gradient)");
+        if (!error.matches(PyExc_ValueError)) throw;
+    }
+}
+
 /// A Python function as a quantity. Exceptions other than EvaluationFailed end the run and are raised again there.
 Quantity python_quantity(const std::string& name, const py::function& function, bool has_gradient,
                          const std::shared_ptr<std::exception_ptr>& thrown) {
@@ -205,11 +217,23 @@ bool has_value(const Problem& p, const std::string& name) {
     return false;
 }
 
+std::vector<std::string> value_names(const PythonProblem& p) {
+    std::vector<std::string> names;
+    for (const Quantity& q : p.problem.quantities) names.insert(names.end(), q.names.begin(), q.names.end());
+    return names;
+}
+
 /// As in a case file, a built-in quantity needs no entry.
 void need_value(PythonProblem& p, const std::string& name) {
     if (has_value(p.problem, name)) return;
     if (name == "volume" || name == "area") return add_builtin(p, name, name);
-    throw InvalidInput("Problem: there is no quantity '" + name + "'; add it first");
+    std::vector<std::string> known{"volume", "area"};
+    for (const std::string& other : value_names(p))
+        if (std::find(known.begin(), known.end(), other) == known.end()) known.push_back(other);
+    std::string list;
+    for (const std::string& other : known) list += (list.empty() ? "" : ", ") + other;
+    throw InvalidInput("Problem: there is no quantity '" + name + "'; there are: " + list +
+                       "; others are added by add_quantity, add_target, or come from a case file (load_case)");
 }
 
 void set_goal(PythonProblem& p, const std::string& name, bool maximize) {
@@ -227,12 +251,6 @@ void constrain(PythonProblem& p, const std::string& name, const std::optional<do
     p.problem.constraints.push_back({name, min, max, equals, relative});
 }
 
-std::vector<std::string> value_names(const PythonProblem& p) {
-    std::vector<std::string> names;
-    for (const Quantity& q : p.problem.quantities) names.insert(names.end(), q.names.begin(), q.names.end());
-    return names;
-}
-
 void set_options(PythonProblem& p, const std::optional<int>& evaluations, const std::optional<std::string>& method,
                  const std::optional<double>& seconds, const std::optional<long long>& seed) {
     if (evaluations && *evaluations < 1)
@@ -245,7 +263,11 @@ void set_options(PythonProblem& p, const std::optional<int>& evaluations, const 
     if (evaluations) p.problem.optimize.max_evaluations = *evaluations;
     if (method) {
         const MethodFacts* facts = method_named(current_name(*method, "slsqp", "sqp", "Problem.options: method"));
-        if (!facts) throw InvalidInput("Problem.options: method '" + *method + "' is not known");
+        if (!facts) {
+            std::string list;
+            for (const MethodFacts& one : all_methods()) list += text(list.empty() ? "" : ", ", one.name);
+            throw InvalidInput("Problem.options: method '" + *method + "' is none of " + list);
+        }
         p.problem.optimize.method = facts->method;
     }
     if (seconds) p.problem.optimize.max_seconds = *seconds;
@@ -279,6 +301,7 @@ point, or with `same_triangles`, for a target with the same triangles, to the sa
         .def(
             "add_quantity",
             [](PythonProblem& p, const std::string& name, const py::function& function, bool gradient) {
+                check_arguments(name, function);
                 add(p, name, python_quantity(name, function, gradient, p.thrown));
             },
             "name"_a, "function"_a, "gradient"_a = true, R"(add_quantity(self, name, function, gradient=True)

@@ -55,7 +55,11 @@ std::string shown(const py::handle& thing) {
         PyErr_Clear();
         return "an unprintable value";
     }
-    const std::string all = py::reinterpret_steal<py::str>(words).cast<std::string>();
+    std::string all;  // on one line: arrays have several
+    for (const char c : py::reinterpret_steal<py::str>(words).cast<std::string>()) {
+        const bool is_blank = c == ' ' || c == '\n' || c == '\t' || c == '\r';
+        if (!is_blank || all.empty() || all.back() != ' ') all += is_blank ? ' ' : c;
+    }
     return all.size() <= enough ? all : all.substr(0, enough) + "...";
 }
 

@@ -15,6 +15,7 @@ constexpr int fine = 2;  ///< samples a pixel in each direction
 struct Frame {
     Points screen;  ///< n x 3: x to the right and y down in samples, z towards the eye
     Eigen::Vector3d right, up, eye;
+    Eigen::Matrix<double, 2, 4> projection;  ///< (x, y, z, 1) to samples
 };
 
 Frame frame_of(const TriMesh& mesh, const View& view, int width, int height) {
@@ -33,9 +34,10 @@ Frame frame_of(const TriMesh& mesh, const View& view, int width, int height) {
             low = low.cwiseMin(p.row(mesh.triangles(t, k)));
             high = high.cwiseMax(p.row(mesh.triangles(t, k)));
         }
-    const double margin = 0.04;
-    const Eigen::RowVector3d size = (high - low).cwiseMax(1e-300);
-    const double scale = (1 - 2 * margin) * std::min(width / size[0], height / size[1]);
+    const Eigen::RowVector3d size = (high - low).cwiseMax(1e-300), middle = (low + high) / 2;
+    const double scale = (1 - 2 * view.margin) * std::min(width / size[0], height / size[1]);
+    f.projection << scale * f.right.transpose(), width / 2.0 - scale * middle[0],  //
+        -scale * f.up.transpose(), height / 2.0 - scale * middle[1];
     f.screen = (p.rowwise() - (low + high) / 2) * scale;
     f.screen.col(0).array() += width / 2.0;
     f.screen.col(1).array() += height / 2.0;
@@ -88,6 +90,25 @@ Colour patch_colour(int number) {
         const double part = std::clamp(std::abs(std::fmod(hue + (k == 0 ? 0 : k == 1 ? 4 : 2), 6.0) - 3) - 1, 0.0, 1.0);
         colour[k] = static_cast<std::uint8_t>(std::lround(255 * value * (1 - saturation * (1 - part))));
     }
+    return colour;
+}
+
+Colour signed_colour(double value) {
+    // After ColorBrewer's PuOr and RdBu, as on the page of the report.
+    constexpr std::array<Colour, 9> map{{{5, 48, 97},
+                                         {33, 102, 172},
+                                         {106, 172, 208},
+                                         {191, 215, 230},
+                                         {232, 232, 229},
+                                         {239, 205, 166},
+                                         {224, 146, 74},
+                                         {179, 88, 6},
+                                         {111, 47, 5}}};
+    const double at = 4 * (std::clamp(std::isfinite(value) ? value : 0, -1.0, 1.0) + 1);
+    const int k = std::min(7, static_cast<int>(at));
+    Colour colour{};
+    for (int c = 0; c < 3; ++c)
+        colour[c] = static_cast<std::uint8_t>(std::lround(map[k][c] + (at - k) * (map[k + 1][c] - map[k][c])));
     return colour;
 }
 
@@ -166,12 +187,14 @@ Drawing draw_surface(const TriMesh& mesh, const std::vector<Colour>& colour, con
             text("drawing: ", colour.size(), " colours and ", label.size(), " labels for ", m, " triangles"));
     if (width < 1 || height < 1 || width > 10000 || height > 10000)
         throw InvalidInput(text("drawing: ", width, " x ", height, " pixels must be in [1, 10000]"));
+    if (!(view.margin >= 0 && view.margin < 0.5))
+        throw InvalidInput(text("drawing: margin ", view.margin, " must be in [0, 0.5)"));
     const int w = fine * width, h = fine * height;
     const Frame frame = frame_of(mesh, view, w, h);
     const std::vector<int> seen = visible(mesh, frame, w, h);
     const Samples samples{seen, label, w, h};
     const Points normal = triangle_normals(mesh);
-    Drawing drawing{width, height, {}, {}};
+    Drawing drawing{width, height, {}, {}, frame.projection / fine};
     drawing.rgb.resize(3 * static_cast<std::size_t>(width) * height);
     drawing.triangle.resize(static_cast<std::size_t>(width) * height);
     for (int y = 0; y < height; ++y)

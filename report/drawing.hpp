@@ -18,12 +18,16 @@ Colour patch_colour(int number);
 struct View {
     Eigen::Vector3d from;  ///< direction from the body to the eye; its length does not matter
     Eigen::Vector3d up;    ///< not along `from`
+    double margin = 0.04;  ///< share of the frame that stays free on each side of the body, in [0, 0.49]
 };
 
 struct Drawing {
     int width = 0, height = 0;
     std::vector<std::uint8_t> rgb;  ///< 3 width height, rows from the top; background white
     std::vector<int> triangle;      ///< for each pixel the visible triangle, or -1
+    Eigen::Matrix<double, 2, 4> projection = Eigen::Matrix<double, 2, 4>::Zero();  ///< (x, y, z, 1) to pixels
+
+    Eigen::Vector2d pixel_of(const Eigen::Vector3d& point) const { return projection * point.homogeneous(); }
 };
 
 /// Draws the triangles in their colours, shaded, with dark lines where `label` changes between neighbouring pixels.
@@ -34,15 +38,24 @@ Drawing draw_surface(const TriMesh& mesh, const std::vector<Colour>& colour, con
 /// The drawing as a PNG file.
 std::string png_bytes(const Drawing& drawing);
 
-/// A panel of a picture: the drawing, its title, and labels at points of it.
+/// -1 blue, 0 pale grey, 1 brown: a signed value, distinguishable with any colour vision.
+Colour signed_colour(double value);
+
+/// A panel of a picture: the drawing, its title, labels at points of it, and arrows.
 struct Panel {
-    Drawing drawing;
-    std::string title;
+    Drawing drawing = {};
+    std::string title = {};
     struct Name {
         double x, y;  ///< pixels of the drawing
         std::string words;
     };
-    std::vector<Name> names;
+    std::vector<Name> names = {};
+    struct Arrow {
+        Eigen::Vector2d from, to;  ///< pixels of the drawing
+        Colour colour;
+        std::string words;  ///< beside its end; may be empty
+    };
+    std::vector<Arrow> arrows = {};
 };
 struct LegendRow {
     Colour colour;

@@ -27,6 +27,38 @@ std::string xml(const std::string& words) {
     return out;
 }
 
+std::string hex(const Colour& colour) { return fmt::format("#{:02x}{:02x}{:02x}", colour[0], colour[1], colour[2]); }
+
+/// Words with a white rim, readable on any colour.
+std::string label_at(double x, double y, const std::string& words, const char* anchor, const std::string& fill) {
+    return fmt::format(
+        "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"{}\" stroke=\"white\" "
+        "stroke-width=\"3\" paint-order=\"stroke\"{}>{}</text>\n",
+        x, y, anchor, fill.empty() ? "" : " fill=\"" + fill + "\"", xml(words));
+}
+
+/// A line with a head; nothing where it points at the reader or away from him.
+std::string arrow(const Panel::Arrow& arrow, double x, double y) {
+    const std::string colour = hex(arrow.colour);
+    const Eigen::Vector2d at(x, y), from = arrow.from + at, to = arrow.to + at, along = to - from;
+    const double length = along.norm();
+    if (!(length > 6)) return "";
+    const Eigen::Vector2d u = along / length, v(-u[1], u[0]), neck = to - std::min(11.0, length / 2) * u;
+    std::string out = fmt::format(
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"white\" stroke-width=\"6\"/>"
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}\" stroke=\"{}\" stroke-width=\"3\"/>"
+        "<path d=\"M{:.1f} {:.1f}L{:.1f} {:.1f}L{:.1f} {:.1f}Z\" fill=\"{}\" stroke=\"white\"/>\n",
+        from[0], from[1], neck[0], neck[1], from[0], from[1], neck[0], neck[1], colour, to[0], to[1],
+        neck[0] + 6 * v[0], neck[1] + 6 * v[1], neck[0] - 6 * v[0], neck[1] - 6 * v[1], colour);
+    if (arrow.words.empty()) return out;
+    const Eigen::Vector2d beside = to + 8 * u + Eigen::Vector2d(0, 4);
+    return out + label_at(beside[0], beside[1], arrow.words,
+                          u[0] > 0.4    ? "start"
+                          : u[0] < -0.4 ? "end"
+                                        : "middle",
+                          colour);
+}
+
 }  // namespace
 
 std::string png_bytes(const Drawing& drawing) {
@@ -75,20 +107,17 @@ std::string svg_picture(const std::string& title, const std::vector<Panel>& pane
             "<image x=\"{}\" y=\"{}\" width=\"{}\" height=\"{}\" xlink:href=\"data:image/png;base64,{}\"/>\n", x, top,
             panel.drawing.width, panel.drawing.height, base64(png_bytes(panel.drawing)));
         for (const Panel::Name& name : panel.names)
-            out += fmt::format(
-                "<text x=\"{:.1f}\" y=\"{:.1f}\" font-size=\"12\" text-anchor=\"middle\" stroke=\"white\" "
-                "stroke-width=\"3\" paint-order=\"stroke\">{}</text>\n",
-                x + name.x, top + name.y + 4, xml(name.words));
+            out += label_at(x + name.x, top + name.y + 4, name.words, "middle", "");
+        for (const Panel::Arrow& one : panel.arrows) out += arrow(one, x, top);
         x += panel.drawing.width + 20;
     }
     for (std::size_t i = 0; i < legend.size(); ++i) {
         const int column = static_cast<int>(i) % per_row, row = static_cast<int>(i) / per_row;
-        const auto [r, g, b] = legend[i].colour;
         out += fmt::format(
-            "<rect x=\"{}\" y=\"{}\" width=\"14\" height=\"14\" fill=\"#{:02x}{:02x}{:02x}\" stroke=\"#333\"/>"
+            "<rect x=\"{}\" y=\"{}\" width=\"14\" height=\"14\" fill=\"{}\" stroke=\"#333\"/>"
             "<text x=\"{}\" y=\"{}\" font-size=\"13\">{}</text>\n",
-            20 + 190 * column, top + height + 14 + 22 * row, r, g, b, 40 + 190 * column, top + height + 26 + 22 * row,
-            xml(legend[i].words));
+            20 + 190 * column, top + height + 14 + 22 * row, hex(legend[i].colour), 40 + 190 * column,
+            top + height + 26 + 22 * row, xml(legend[i].words));
     }
     return out + "</svg>\n";
 }

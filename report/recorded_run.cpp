@@ -5,6 +5,7 @@
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
 #include "report/report_subject.hpp"
+#include "report/run_report.hpp"
 
 namespace strake {
 namespace {
@@ -108,12 +109,18 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
         const bool has_paid = std::filesystem::exists(folder.folder() / "evaluations", ignored);
         if (!has_evaluated && !has_paid) {
             folder.discard();
-        } else if (the_case.output.report) {
+        } else if (wants_report(the_case.output)) {
             const std::string why = make_report(built, the_case, folder.folder());
             if (!why.empty() && warn) warn(why);
         }
         throw;
     }
+}
+
+bool wants_report(const Case::Output& output) {
+    // The case.yaml of a run states every default.
+    const bool is_stated = output.report_is_stated && !output.is_resumed;
+    return output.report && (is_stated || has_report_page());
 }
 
 std::string make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder) {

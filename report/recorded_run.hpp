@@ -19,6 +19,9 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
                        const RunEvents& also, std::unique_ptr<Journal> journal = nullptr,
                        const std::function<void(const std::string&)>& warn = {});
 
+/// report.html is to be made: the case asks for it, or does not say and this program has the page.
+bool wants_report(const Case::Output& output);
+
 /// Writes report.html beside the other records. @return empty, or why it could not be written; nothing else is
 /// affected.
 std::string make_report(const BuiltProblem& built, const Case& the_case, const std::filesystem::path& folder);

@@ -46,4 +46,10 @@ using Blobs = std::vector<std::pair<std::string, std::string>>;
 /// {surface, frames, tree, ...} and the arrays they name; null without shapes.
 Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs);
 
+/// [{title, words, image}, ...]: the start, and the best design in the colours of its displacement, as data URLs.
+/// @param best its vertices; empty: there is none
+Json pictures_json(const TriMesh& start, const Points& best, const ReportSubject& subject);
+/// Of levels/best.design; empty without it. @throws InputError: damaged.
+Points best_vertices(const std::filesystem::path& folder);
+
 }  // namespace strake::page

@@ -242,6 +242,7 @@ Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs
     if (!shares) shares.emplace(start);
     Json out;
     out["surface"] = add_surface(blobs, start);
+    out["pictures"] = pictures_json(start, best_vertices(run.folder), subject);
     out["frames"] = frames;
     out["accepted"] = designs.size();
     const Tree tree = tree_of(run, subject, start.num_triangles());

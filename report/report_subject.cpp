@@ -136,6 +136,11 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
     for (const ProgramParameterEntry& entry : c.variables) ask("Parameter", parameter_words(entry.variable));
     if (c.fit.empty()) ask("Method", method_facts(c.optimize.method).name);
     ask("Budget", budget_words(c.optimize));
+    subject.symmetry = c.symmetry;
+    if (const std::optional<BodyAxes> axes = body_axes(c); axes && axes->is_stated) {
+        subject.downstream = axes->downstream;
+        subject.up = axes->up;
+    }
     if (built) {
         subject.surface = built->problem.surface;
         subject.tree = built->problem.tree;

@@ -1,4 +1,5 @@
 #pragma once
+#include "core/mesh/symmetry_plane.hpp"
 #include "core/patches/hierarchy.hpp"
 
 #include <filesystem>
@@ -24,8 +25,10 @@ struct ReportSubject {
     /// The start surface and its patches; empty: taken from the folder's series, if it has one.
     TriMesh surface;
     PatchHierarchy tree;
-    bool is_over = false;            ///< written by the run itself at its end
-    std::vector<std::string> notes;  ///< what is missing on the page, and why
+    std::optional<Eigen::Vector3d> downstream = {}, up = {};  ///< the body's axes where the case states them, unit
+    std::optional<SymmetryPlane> symmetry = {};               ///< of a half model
+    bool is_over = false;                                     ///< written by the run itself at its end
+    std::vector<std::string> notes;                           ///< what is missing on the page, and why
 };
 
 /// True if the program was built with the page; otherwise `report_page_missing()` says what was missing.

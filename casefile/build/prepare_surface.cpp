@@ -52,6 +52,7 @@ void remesh(const RemeshEntry& entry, const std::function<bool()>& stop_wanted, 
     RemeshResult result =
         remesh(surface.mesh, options, [&](const RemeshRecord&) { return !stop_wanted || !stop_wanted(); });
     if (result.cancelled) throw Interrupted{};
+    if (const std::string words = short_edge_words(result); !words.empty()) surface.notes.push_back("remesh: " + words);
     surface.mesh = std::move(result.mesh);
     surface.source_triangle.clear();
     surface.is_remeshed = true;

@@ -1,6 +1,7 @@
 #include "casefile/build/regions.hpp"
 
 #include "casefile/build/region_formula.hpp"
+#include "casefile/build/region_shapes.hpp"
 #include "casefile/schema/scalars.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
@@ -172,21 +173,13 @@ struct RegionSets::Evaluate {
         return triangles;
     }
     std::vector<int> operator()(const BoxShape& box) const {
-        const double slack = border_rel * start.diagonal;
-        return triangles_with(start.mesh, touches, [&](const Eigen::Vector3d& x) {
-            return ((x - box.min).array() >= -slack).all() && ((box.max - x).array() >= -slack).all();
-        });
+        return triangles_in(box, start.mesh, start.diagonal, touches);
     }
     std::vector<int> operator()(const SphereShape& sphere) const {
-        const double reach = sphere.radius.in(start.diagonal) + border_rel * start.diagonal;
-        return triangles_with(start.mesh, touches,
-                              [&](const Eigen::Vector3d& x) { return (x - sphere.center).norm() <= reach; });
+        return triangles_in(sphere, start.mesh, start.diagonal, touches);
     }
     std::vector<int> operator()(const HalfSpace& plane) const {
-        const double slack = border_rel * start.diagonal, sign = plane.above ? 1 : -1;
-        return triangles_with(start.mesh, touches, [&](const Eigen::Vector3d& x) {
-            return sign * (plane.normal.dot(x) - plane.offset) >= -slack;
-        });
+        return triangles_in(plane, start.mesh, start.diagonal, touches);
     }
     std::vector<int> operator()(const SolidShape& solid) const {
         const auto& names = start.mesh.group_names;
@@ -263,12 +256,19 @@ const std::vector<int>& RegionSets::triangles(int k) {
     known.state = Known::State::known;
     if (!known.triangles.empty()) return known.triangles;
     known.state = Known::State::refused;
-    const bool is_geometric = region.shape.index() <= 2;
-    throw InvalidInput(text("region '", region.name, "' holds no triangle",
-                            is_geometric ? text("; a triangle is inside when ",
-                                                region.touches ? "one of its vertices is" : "its three vertices are",
-                                                "; the surface's box is ", box_text(start_.mesh))
-                                         : ""));
+    throw InvalidInput(text("region '", region.name, "' holds no triangle", emptiness_words(region)));
+}
+
+/// Why a region holds nothing, and what would.
+std::string RegionSets::emptiness_words(const Region& region) const {
+    std::optional<RegionShape> shape;
+    if (const auto* box = std::get_if<BoxShape>(&region.shape)) shape = *box;
+    if (const auto* sphere = std::get_if<SphereShape>(&region.shape)) shape = *sphere;
+    if (const auto* plane = std::get_if<HalfSpace>(&region.shape)) shape = *plane;
+    if (!shape) return "";
+    return text(region.touches ? ", nor does one touch it: " : ": a triangle is inside when its three vertices are; ",
+                miss_words(*shape, start_.mesh, start_.diagonal, region.touches), "; the surface's box is ",
+                box_text(start_.mesh));
 }
 
 std::vector<char> RegionSets::marks_of(const std::string& formula) {

@@ -24,7 +24,7 @@ public:
         : regions_(regions), start_(start), tree_(tree), known_(regions.size()) {}
 
     /// Triangles of region k, ascending, never empty. Box, sphere and half space hold the triangles whose three
-    /// vertices (or one, where the region says so) lie inside, borders included (1e-9 of the diagonal).
+    /// vertices (or any point, where the region says so) lie inside, borders included (1e-9 of the diagonal).
     /// @throws InvalidInput: nothing inside, unknown solid, component, patch or name, wrong triangle file, a region
     /// made of itself (with its path).
     const std::vector<int>& triangles(int k);
@@ -40,6 +40,7 @@ private:
     };
     std::vector<char> marks_named(const std::string& name);
     [[noreturn]] void refuse_circle(int k) const;
+    std::string emptiness_words(const Region& region) const;
 
     const std::vector<Region>& regions_;
     const StartSurface& start_;

@@ -28,6 +28,17 @@ std::vector<std::string> QuantityEntry::value_names() const {
     return names;
 }
 
+std::optional<BodyAxes> body_axes(const Case& the_case) {
+    std::optional<BodyAxes> axes = the_case.aero.axes;
+    for (const QuantityEntry& quantity : the_case.quantities)
+        if (const auto* made = std::get_if<BuiltInEntry>(&quantity.what); made && made->axes && !axes)
+            axes = made->axes;
+    if (!axes) return {};
+    // Old keys state `up` only up to a component along the stream.
+    axes->up = (axes->up - axes->up.dot(axes->downstream) * axes->downstream).normalized();
+    return axes;
+}
+
 Diagnostics diagnostics_of(const Case& the_case) {
     return {the_case.file.string(), the_case.source->lines, the_case.source->settings};
 }

@@ -91,7 +91,7 @@ struct Region {
     std::variant<BoxShape, SphereShape, HalfSpace, SolidShape, ComponentShape, PatchShape, TriangleFile, RegionFormula,
                  GrownRegion, FloodedRegion, NearRegion, FacingDirection>
         shape;
-    bool touches = false;  ///< box, sphere, half space and near: one vertex inside is enough
+    bool touches = false;  ///< box, sphere, half space: any point inside is enough; near: one vertex
     Place place;           ///< of the name
     Place shape_place;     ///< of the shape's key
 };
@@ -343,5 +343,9 @@ Diagnostics diagnostics_of(const Case& the_case);
 
 /// Names of all values that objective, fit and constraints may use, `volume` and `area` included.
 std::vector<std::string> known_values(const Case& the_case);
+
+/// The body's axes: the case's, or those of its first quantity with a stream (assumed unless `is_stated`), `up` made
+/// perpendicular. Nothing where the case has neither.
+std::optional<BodyAxes> body_axes(const Case& the_case);
 
 }  // namespace strake

@@ -78,7 +78,9 @@ std::vector<Key> made_region_keys() {
          .when = "facing"},
         {.path = "regions.*.touch",
          .type = Type::word,
-         .doc = "all: a triangle belongs to the region if all three vertices are inside; any: one is enough.",
+         .doc =
+             "all: a triangle belongs to the region if all three vertices are inside; any: one point of it is enough "
+             "(near: one vertex).",
          .fallback = "all",
          .words = {"all", "any"},
          .when = "box|sphere|plane|near"},

@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cstring>
+#include <filesystem>
 #include <map>
 #include <sstream>
 
@@ -209,6 +210,16 @@ void check_encoding(const std::string& bytes, const std::string& file, const std
     fail(file, lines, {line + 1, e.mark.column + 1}, text("not YAML: ", e.msg));
 }
 
+/// Who gives a run's folder in place of a case wants its case, or to go on with it.
+std::string run_folder_hint(const std::string& path) {
+    std::error_code ignored;
+    const std::filesystem::path folder = path, inside = folder / "case.yaml";
+    if (!std::filesystem::is_regular_file(inside, ignored)) return "";
+    const bool is_run = std::filesystem::exists(folder / "journal.sqlite", ignored);
+    return text("; its case is ", printable(inside.string(), 400),
+                is_run ? text(", and `strake resume ", printable(path, 400), "` continues the run") : "");
+}
+
 }  // namespace
 
 std::vector<std::string> split_lines(const std::string& bytes) {
@@ -232,6 +243,7 @@ std::string read_case_file(const std::string& path) {
     } closer{descriptor};
     struct stat info {};
     if (::fstat(descriptor, &info) != 0) refuse(text("cannot be read: ", std::strerror(errno)));
+    if (S_ISDIR(info.st_mode)) refuse("is a folder, not a case file" + run_folder_hint(path));
     if (!S_ISREG(info.st_mode)) refuse("is not a regular file");
     std::string bytes;
     char block[65536];

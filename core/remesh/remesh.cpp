@@ -51,13 +51,16 @@ public:
         if (!(triangles <= options.max_triangles))
             throw InvalidInput(text("remesh: an edge length of ", result_.edge_length, " makes about ", triangles,
                                     " triangles, more than ", options.max_triangles, "; choose a longer one"));
+        result_.expected_triangles = triangles;
         max_expected_ = std::max(triangles, static_cast<double>(base_.tri.size()));
         // The mean edge comes out 1.5 % longer than what splits and collapses aim at.
-        const double longest = 0.985 * result_.edge_length;
-        const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
-        if (shortest > longest)
+        const double wished = 0.985 * result_.edge_length, admitted = longest_beside_features(base_);
+        if (options.shortest_edge > wished)
             throw InvalidInput(
-                text("remesh: shortest edge = ", shortest, " must be at most the edge length, ", longest));
+                text("remesh: shortest edge = ", options.shortest_edge, " must be at most the edge length, ", wished));
+        result_.features_are_dense = wished > admitted;
+        const double longest = std::min(wished, admitted);
+        const double shortest = options.shortest_edge > 0 ? options.shortest_edge : 0.1 * longest;
         sizing_ = sizing_of(base_, longest, std::min(shortest, longest), options.gradation, options.chord_error);
         const double turn = options.turn_deg * radians;
         const int threads = options.threads > 0 ? options.threads : num_threads(max_threads);
@@ -418,6 +421,29 @@ void validate(const RemeshOptions& o) {
     check(o.turn_deg > 0 && o.turn_deg <= 90, "turn_deg", o.turn_deg, "in (0, 90]");
     check(o.max_triangles >= 4, "max_triangles", o.max_triangles, ">= 4");
     check(o.threads >= 0, "threads", o.threads, ">= 0");
+}
+
+std::string short_edge_words(const RemeshResult& result) {
+    constexpr double far_more = 3;  // as many triangles; bends and thin places may double them
+    const int made = result.mesh.num_triangles();
+    if (!result.features_are_dense && !(made > far_more * std::max(result.expected_triangles, 100.0))) return "";
+    std::string what, remedy;
+    const auto add = [](std::string& list, const char* words, const char* between) {
+        list += text(list.empty() ? "" : between, words);
+    };
+    if (result.boundary_edges > 0) {
+        add(what, "open boundaries", " and ");
+        add(remedy, "close the holes (strake repair --holes)", ", or ");
+    }
+    if (result.crease_edges > 0) {
+        add(what, "creases", " and ");
+        add(remedy, "raise the crease angle (--angle)", ", or ");
+    }
+    if (result.border_edges > 0) add(what, "borders between parts", " and ");
+    if (what.empty()) what = "bends and narrow strips";
+    return text(what, " keep edges shorter than ", result.edge_length, ": ", made,
+                " triangles, where that length alone makes about ", std::round(result.expected_triangles),
+                remedy.empty() ? "" : "; ", remedy);
 }
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {

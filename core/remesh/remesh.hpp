@@ -43,12 +43,19 @@ struct RemeshResult {
     bool cancelled = false;                                      ///< the mesh is valid anyway
     int crease_edges = 0, boundary_edges = 0, border_edges = 0;  ///< of the output
     int corners = 0, kept_edges = 0;                             ///< unchanged vertices and edges
-    int frozen_triangles = 0;   ///< of the input, left unchanged near new intersections
-    int new_intersections = 0;  ///< pairs of triangles that intersect where the input does not; rarely above 0
+    /// Creases, boundaries and borders have corners so close to each other that the target cannot be had: edges are at
+    /// most 1.4 times as long as the mean piece between two corners.
+    bool features_are_dense = false;
+    double expected_triangles = 0;  ///< that edges of the target length alone would make
+    int frozen_triangles = 0;       ///< of the input, left unchanged near new intersections
+    int new_intersections = 0;      ///< pairs of triangles that intersect where the input does not; rarely above 0
     std::vector<RemeshRecord> records;
 };
 using RemeshProgress =
     std::function<bool(const RemeshRecord&)>;  ///< return false to cancel; asked after each iteration
+
+/// Which features keep most edges shorter than the target, and what would help; empty where nothing does.
+std::string short_edge_words(const RemeshResult& result);
 
 /// Triangles with a repeated corner and vertices without a triangle are left out.
 /// @throws InvalidInput on a bad option, without triangles of positive area, on an index out of range or a coordinate

@@ -195,6 +195,24 @@ Sizing sizing_of(const BaseSurface& base, double longest, double shortest, doubl
     }
 }
 
+double longest_beside_features(const BaseSurface& base) {
+    double length = 0, pieces = 0;
+    for (int c = 0; c < base.curves.size(); ++c) {
+        length += base.curves.length(c);
+        pieces += base.curves.is_closed(c) ? 3 : 1;
+    }
+    for (const FeatureEdge& edge : base.features)
+        if (edge.curve < 0) {
+            length += (base.points[edge.v[1]] - base.points[edge.v[0]]).norm();
+            ++pieces;
+        }
+    constexpr double infinite = std::numeric_limits<double>::infinity(), triangles_per_vertex = 2;
+    if (!(length > 0)) return infinite;
+    const double longest = 1.4 * length / pieces;  // from about twice on, needles cost more than length saves
+    const double vertices = base.area / (0.4330127 * longest * longest) / triangles_per_vertex;
+    return pieces > 0.5 * vertices ? longest : infinite;
+}
+
 /// Ridges of curves that bend: without them the chord would be off the curve by more than `slack`. Corners bend more.
 std::vector<char> bent_ridges(const BaseSurface& base, double slack) {
     std::vector<std::array<int, 2>> beside(base.points.size(), {-1, -1});

@@ -14,6 +14,11 @@ struct Sizing {
 /// @param chord_error > 0: l^2 / 8R is at most this; 0: uniform.
 Sizing sizing_of(const BaseSurface& base, double longest, double shortest, double gradation, double chord_error);
 
+/// The length beyond which longer edges are not to be had: 1.4 times the mean piece of a feature between two corners,
+/// where so many pieces hold at least half of all vertices at that length; infinite elsewhere. Longer ones would hang
+/// as needles on the short edges between corners, and be split again and again: more triangles, not fewer.
+double longest_beside_features(const BaseSurface& base);
+
 /// Points where the input, if it is remeshed already, may well have edges shorter than `longest`: its own ones turn the
 /// normal as far as short ones may, and longest ones would turn it further; or they span a strip between two features;
 /// or they lie on a curve that longer ones would leave by more than `slack`.

@@ -6,6 +6,7 @@
 #include "optimize/journal/packed_arrays.hpp"
 
 #include <sqlite3.h>
+#include <unistd.h>
 #include <cstdio>
 #include <limits>
 
@@ -40,8 +41,14 @@ private:
     bool done_ = false;
 };
 
-void write_fact(sqlite3* db, const std::filesystem::path& file, const char* name, const std::string& value) {
-    Statement(db, file, "INSERT OR REPLACE INTO facts VALUES (?, ?)").bind(std::string(name)).bind(value).run();
+void write_fact(sqlite3* db, const std::filesystem::path& file, const std::string& name, const std::string& value) {
+    Statement(db, file, "INSERT OR REPLACE INTO facts VALUES (?, ?)").bind(name).bind(value).run();
+}
+
+/// Where SQLite says that such a file may not be written, its header is not what was written.
+bool is_writable(const std::filesystem::path& file) {
+    const std::filesystem::path folder = file.has_parent_path() ? file.parent_path() : ".";
+    return ::access(file.c_str(), W_OK) == 0 && ::access(folder.c_str(), W_OK) == 0;
 }
 
 }  // namespace
@@ -70,14 +77,16 @@ std::unique_ptr<Journal> Journal::create(const std::filesystem::path& file, cons
     make_tables(db, file);
     std::vector<std::string> files;
     for (const auto& [key, hash] : facts.files) files.push_back(key + " " + hash);
-    write_fact(db, file, "case", facts.case_yaml);
-    write_fact(db, file, "case_dir", facts.case_dir.string());
-    write_fact(db, file, "host", facts.host);
-    write_fact(db, file, "command", facts.is_fit ? "fit" : "run");
-    write_fact(db, file, "meaning", std::to_string(facts.meaning));
-    write_fact(db, file, "values", lines_of(facts.values));
-    write_fact(db, file, "own", lines_of(facts.parameters));
-    write_fact(db, file, "files", lines_of(files));
+    FactTable table{{"case", facts.case_yaml},
+                    {"case_dir", facts.case_dir.string()},
+                    {"host", facts.host},
+                    {"command", facts.is_fit ? "fit" : "run"},
+                    {"meaning", std::to_string(facts.meaning)},
+                    {"values", lines_of(facts.values)},
+                    {"own", lines_of(facts.parameters)},
+                    {"files", lines_of(files)}};
+    table["hash"] = check_of(table);
+    for (const auto& [name, value] : table) write_fact(db, file, name, value);
     Statement(db, file, "INSERT INTO limits VALUES (0, ?, ?)")
         .bind(static_cast<long long>(limits.evaluations))
         .bind(limits.seconds)
@@ -100,13 +109,17 @@ void Journal::check_version() {
         throw InputError(text(file_.string(), ": is no journal of Strake; nothing was changed"));
     if (const long long has = pragma("PRAGMA user_version"); has != version)
         throw InputError(text(file_.string(), ": is of version ", has, ", this program reads version ", version,
-                              "; nothing was changed"));
+                              ": a newer program wrote it, or it is damaged; nothing was changed"));
 }
 
 void Journal::read_facts() {
     facts_.meaning = 1;  // of a journal that does not say it
-    Statement row(db_, file_, "SELECT name, value FROM facts");
-    while (row.step()) set_fact(facts_, row.words(0), row.words(1));
+    const FactTable table = fact_table(db_, file_);
+    if (!is_sound(table))
+        throw InputError(
+            text(file_.string(),
+                 ": the journal is damaged (a fact of the run is not what was written); nothing was changed"));
+    for (const auto& [name, value] : table) set_fact(facts_, name, value);
     Statement limits(db_, file_, "SELECT after, evaluations, seconds FROM limits ORDER BY after");
     while (limits.step())
         limits_.push_back({static_cast<int>(limits.integer(0)), static_cast<int>(limits.integer(1)), limits.number(2)});
@@ -146,6 +159,9 @@ std::unique_ptr<Journal> Journal::open(const std::filesystem::path& file) {
     journal->read_evaluations();
     Statement calls(journal->db_, file, select_calls);
     while (calls.step()) call_of(calls, file);
+    if (sqlite3_db_readonly(journal->db_, "main") == 1 && is_writable(file))
+        throw InputError(
+            text(file.string(), ": the journal is damaged (its header forbids writing); nothing was changed"));
     journal->drop_final_failure();
     return journal;
 }
@@ -253,7 +269,12 @@ void Journal::set_limits(int max_evaluations, double max_seconds) {
 }
 
 void Journal::set_case(const std::string& yaml) {
+    FactTable table = fact_table(db_, file_);
+    table["case"] = yaml;
+    Transaction both(db_, file_);
     write_fact(db_, file_, "case", yaml);
+    write_fact(db_, file_, "hash", check_of(table));
+    both.commit();
     facts_.case_yaml = yaml;
 }
 

@@ -91,6 +91,28 @@ void set_fact(JournalFacts& facts, const std::string& name, const std::string& v
     }
 }
 
+std::string check_of(const FactTable& facts) {
+    std::string bytes;
+    for (const auto& [name, value] : facts)
+        if (name != "hash") {
+            add_to_sum(bytes, name);
+            add_to_sum(bytes, value);
+        }
+    return content_hash(bytes);
+}
+
+bool is_sound(const FactTable& facts) {
+    const auto hash = facts.find("hash");
+    return hash == facts.end() || hash->second == check_of(facts);
+}
+
+FactTable fact_table(sqlite3* db, const std::filesystem::path& file) {
+    FactTable facts;
+    Statement row(db, file, "SELECT name, value FROM facts");
+    while (row.step()) facts[row.words(0)] = row.words(1);
+    return facts;
+}
+
 /// SQLite says "disk I/O error" where the log ahead of the file cannot grow.
 bool is_disk_full(sqlite3* db, const std::filesystem::path& file, int code) {
     if ((code & 0xff) == SQLITE_FULL) return true;
@@ -110,6 +132,7 @@ std::string sqlite_words(sqlite3* db, const std::filesystem::path& file, int cod
     switch (code & 0xff) {
         case SQLITE_CORRUPT:
         case SQLITE_NOTADB:
+        case SQLITE_ERROR:
             return text(file.string(), ": the journal is damaged (", why, "); nothing was changed");
         case SQLITE_READONLY:
         case SQLITE_CANTOPEN:
@@ -125,7 +148,9 @@ std::string sqlite_words(sqlite3* db, const std::filesystem::path& file, int cod
 
 void throw_sqlite(sqlite3* db, const std::filesystem::path& file, int code) {
     const int kind = code & 0xff;
-    if (kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB) throw InputError(sqlite_words(db, file, code));
+    // SQLITE_ERROR: our statements do not fit the tables, whose names or columns are not what was written.
+    if (kind == SQLITE_CORRUPT || kind == SQLITE_NOTADB || kind == SQLITE_ERROR)
+        throw InputError(sqlite_words(db, file, code));
     if (kind == SQLITE_READONLY || kind == SQLITE_CANTOPEN || kind == SQLITE_PERM)
         throw ReadOnly(sqlite_words(db, file, code));
     throw OutputError(sqlite_words(db, file, code));

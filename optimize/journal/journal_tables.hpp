@@ -1,6 +1,9 @@
 #pragma once
 #include "optimize/journal/journal_records.hpp"
 
+#include <map>
+#include <string>
+
 /// Rows of the journal as SQLite keeps them. Internal to the journal.
 struct sqlite3;
 struct sqlite3_stmt;
@@ -49,6 +52,14 @@ std::string sqlite_words(sqlite3* db, const std::filesystem::path& file, int cod
 /// An InputError where the file is damaged, ReadOnly where it may not be written, else an OutputError.
 [[noreturn]] void throw_sqlite(sqlite3* db, const std::filesystem::path& file, int code);
 
+/// Facts of a run as their table holds them, by name.
+using FactTable = std::map<std::string, std::string>;
+/// The sum that is kept among them as "hash"; journals of before have none.
+std::string check_of(const FactTable& facts);
+/// False: some fact is not what was written.
+bool is_sound(const FactTable& facts);
+/// @throws as `Statement`.
+FactTable fact_table(sqlite3* db, const std::filesystem::path& file);
 /// A row of the table of facts, of which there are at least `num_facts`.
 void set_fact(JournalFacts& facts, const std::string& name, const std::string& value);
 inline constexpr int num_facts = 7;

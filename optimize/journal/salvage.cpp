@@ -42,12 +42,11 @@ SalvagedJournal salvaged_journal(const std::filesystem::path& file, int evaluati
     if (!opened.db) return found;
     JournalFacts facts;
     facts.meaning = 1;  // of a journal that does not say it
-    int named = 0;
-    each_row(opened.db, file, "SELECT name, value FROM facts", 0, [&](const Statement& row) {
-        set_fact(facts, row.words(0), row.words(1));
-        ++named;
-    });
-    if (named >= num_facts && !facts.case_yaml.empty()) found.facts = facts;
+    FactTable table;
+    each_row(opened.db, file, "SELECT name, value FROM facts", 0,
+             [&](const Statement& row) { table[row.words(0)] = row.words(1); });
+    for (const auto& [name, value] : table) set_fact(facts, name, value);
+    if (static_cast<int>(table.size()) >= num_facts && is_sound(table) && !facts.case_yaml.empty()) found.facts = facts;
     each_row(
         opened.db, file, "SELECT after, evaluations, seconds FROM limits ORDER BY after", 0, [&](const Statement& row) {
             const RunLimits limits{static_cast<int>(row.integer(0)), static_cast<int>(row.integer(1)), row.number(2)};

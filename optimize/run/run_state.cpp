@@ -221,9 +221,11 @@ void RunState::begin_level_again() {
     evaluator.enter(space);
 }
 
+int RunState::evaluations_of_level() const { return result.evaluations - result.levels.back().evaluations; }
+
 void RunState::complete_summary(const std::string& why) {
     LevelSummary& summary = result.levels.back();
-    summary.evaluations = result.evaluations - summary.evaluations;
+    summary.evaluations = evaluations_of_level();
     summary.stop = why;
     summary.objective_end = level_best_objective;
 }

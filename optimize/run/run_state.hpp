@@ -48,6 +48,7 @@ public:
     void leave_level();                      ///< the run continues another time: the summary up to now
     void begin_level_again();                ///< from its best design, under the limits of now
 
+    int evaluations_of_level() const;  ///< of the present one, up to now
     int evaluations_left() const { return limits().evaluations - result.evaluations; }
     /// In force now: those of the problem, or what the journal says of them.
     RunLimits limits() const;

@@ -251,6 +251,26 @@ TEST_F(ApplyProgram, ASurfaceOfAnotherBodyIsRefused) {
     EXPECT_EQ(run_strake(forced).status, 0);
 }
 
+/// A vertex that happens to touch makes no surface of the run; a part of which some vertices touch may be attached.
+TEST_F(ApplyProgram, AFewVerticesThatTouchAreTold) {
+    const TriMesh body = ellipsoid({1, 0.6, 0.4}, 2);
+    TriMesh other = body;
+    for (int v = 1; v < other.num_vertices(); ++v) other.vertices.row(v) *= 1.2;
+    write_surface(*folder / "touches.obj", other, SurfaceFormat::obj);
+    const ProgramRun refused = run_strake({"apply", run, path("touches.obj"), "-o", path("n.obj")});
+    EXPECT_EQ(refused.status, 2) << refused.err;
+    EXPECT_NE(refused.err.find("only 1 of its 162 vertices lies on the start surface"), std::string::npos)
+        << refused.err;
+    for (int v = 1; v < 30; ++v) other.vertices.row(v) = body.vertices.row(v);
+    write_surface(*folder / "part.obj", other, SurfaceFormat::obj);
+    const ProgramRun told = run_strake({"apply", run, path("part.obj"), "-o", path("n.obj")});
+    EXPECT_EQ(told.status, 0) << told.err;
+    EXPECT_NE(told.err.find("warning: only 30 of the 162 vertices"), std::string::npos) << told.err;
+    const ProgramRun same = run_strake({"apply", run, path("s.obj"), "-o", path("same.obj")});
+    EXPECT_EQ(same.status, 0) << same.err;
+    EXPECT_EQ(same.err.find("warning: only"), std::string::npos) << same.err;
+}
+
 TEST_F(ApplyProgram, ColumnsOfAListStayAsTheyAre) {
     folder->write("rows.csv", "name,y,x, z ,\"p\",PointID\r\nprobe 1,0,0,0.5,1.250e-3,7\r\n,0.1,0.2,0.6,, 3\r\n");
     const ProgramRun kept = run_strake({"apply", run, path("rows.csv"), "-o", path("rows_moved.csv")});

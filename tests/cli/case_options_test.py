@@ -106,6 +106,25 @@ class Axes(unittest.TestCase):
         self.assertIn("air meets the nose at x = %.6g" % max(p[0] for p in points), turned)
         self.assertIn("this is the left half: left wing tip at y = %.6g" % max(p[1] for p in points), turned)
 
+    def test_the_picture(self):
+        done = strake("check", "case.yaml", "--quick", *self.WING, "--set", "axes={downstream: +x, up: +z}", "--picture", "axes.svg")
+        self.assertIn("wrote       axes.svg\n", done.stdout)
+        picture = path("axes.svg").read_text()
+        self.assertEqual(picture.count("<image "), 3)
+        for words in (">air<", ">up<", ">right wing<", "axes as stated", "held ("):
+            self.assertIn(words, picture)
+        strake("check", "case.yaml", "--quick", *self.WING, "--set", "axes={downstream: -x, up: +z}", "--picture", "turned.svg")
+        turned = path("turned.svg").read_text()
+        self.assertIn(">left wing<", turned)
+        self.assertNotIn(">right wing<", turned)
+        self.assertIn("axes assumed", self.drawn(*self.WING))
+        self.assertNotIn(">air<", self.drawn())
+        self.assertIn("must end in .svg", strake("check", "case.yaml", "--picture", "axes.png", status=2).stderr)
+
+    def drawn(self, *arguments):
+        strake("check", "case.yaml", "--quick", *arguments, "--picture", "drawn.svg")
+        return path("drawn.svg").read_text()
+
     def test_in_json(self):
         told = json.loads(strake("check", "case.yaml", "--quick", "--json", *self.WING, "--set",
                                  "symmetry.coefficients=whole", "--set", "axes={downstream: [1, 0, 0], up: +z}").stdout)["axes"]

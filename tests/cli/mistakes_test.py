@@ -145,6 +145,14 @@ MISTAKES = [
     ("a setting without a value", {}, ["run", "case.yaml", "--set", "optimize.budget.evaluations"], 2),
     ("a setting of no key", {}, ["check", "case.yaml", "--set", "optimize.bugdet.evaluations=3"], 2),
     ("a setting of the wrong kind", {}, ["check", "case.yaml", "--set", "fixed[0]=[tail]"], 2),
+    ("the folder of a run in place of its case", {"old/case.yaml": "", "old/journal.sqlite": ""}, ["run", "old"], 2),
+    ("a case in place of the folder of its run", {}, ["resume", "case.yaml"], 2),
+    ("a sphere that holds no triangle", {"case.yaml": case(
+        ("nose: {box: [[-2, -1, -1], [-0.7, 1, 1]]}", "nose: {sphere: {center: [-1, 0, 0], radius: 0.02}}"))}, CHECK, 2),
+    ("a force that a half model does not have", {"body.obj": HALF, "case.yaml": case(
+        ("{area: {max: 1.01, relative: true}}", "{aero.side: {max: 1}}"), "symmetry: {plane: y}",
+        "quantities: {aero: {type: newtonian, mach: 6}}")}, CHECK, 2),
+    ("a surface of one triangle", {"body.obj": "v 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n"}, ["init", "body.obj", "-o", "new.yaml"], 2),
     # The environment.
     ("results in the way", {"runs/old.txt": "precious\n"}, RUN, 4),
     ("a file where a folder should be", {"runs": "a file\n"}, ["run", "case.yaml", "--out", "runs/one"], 4),

@@ -170,6 +170,8 @@ TEST_F(Resume, TheFirstSignalEndsInOrderAndTheSecondAtOnce) {
         pause_ms(100);
     }
     EXPECT_EQ(deaf.wait(), 128 + SIGTERM);
+    EXPECT_NE(deaf.messages().find("ended at once"), std::string::npos) << deaf.messages();
+    EXPECT_NE(deaf.messages().find("strake resume " + path("a")), std::string::npos) << deaf.messages();
     EXPECT_LT(std::chrono::steady_clock::now() - asked, std::chrono::seconds(4)) << "the program had five to end";
     fs::remove(folder / "sleep-4");
     EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);

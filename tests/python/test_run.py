@@ -257,6 +257,29 @@ def test_half_a_body_is_refused_before_the_optimization(body, tmp_path):
     assert ended.returncode == 1 and "the surface is open" in ended.stdout and "Traceback" not in ended.stdout
 
 
+def test_a_function_of_other_arguments_is_refused_when_it_is_added(body):
+    problem = problem_of(body)
+    for wrong in (lambda surface: 1.0, lambda: 1.0, lambda a, b, c: 1.0):
+        with pytest.raises(strake.InvalidInput, match=r"quantity 'q': the function must take two arguments, \(surface, want_gradient\)"):
+            problem.add_quantity("q", wrong)
+    problem.add_quantity("q", lambda surface, want_gradient=False, more=0: 1.0)
+    problem.add_quantity("r", max)  # a built-in one does not say what it takes
+
+
+def test_what_there_is_is_listed(body):
+    problem = problem_of(body)
+    problem.add_quantity("mine", lambda surface, want_gradient: 1.0)
+    with pytest.raises(strake.InvalidInput, match="no quantity 'drag'; there are: volume, area, mine; others are added by add_quantity"):
+        problem.minimize("drag")
+    with pytest.raises(strake.InvalidInput, match="'bfgs' is none of sqp, mma, .*cobyla"):
+        problem.options(method="bfgs")
+    problem.add_quantity("many", lambda surface, want_gradient: [1.0, np.zeros((100, 3))])
+    problem.minimize("many")
+    with pytest.raises(strake.InvalidInput) as told:
+        strake.run(problem)
+    assert "\n" not in str(told.value)
+
+
 def test_the_import_asks_for_numpy(tmp_path):
     (tmp_path / "numpy.py").write_text("raise ImportError('hidden')")
     ended = subprocess.run([sys.executable, "-c", "import strake"], text=True, timeout=60, stdout=subprocess.PIPE,

@@ -92,12 +92,42 @@ class Page(unittest.TestCase):
         self.assertEqual(b.errors, [])
         self.assertEqual(b.requests, [])
         self.assertIsNone(b.run("window.broken"))
-        self.assertEqual(b.run("document.querySelectorAll('main img, main script').length"), 0)
+        self.assertEqual(b.run("document.querySelectorAll('main img:not(.pictures > figure > img), main script').length"), 0)
         words = self.text("main")
         for bad in ("NaN", "undefined", "null", "Infinity", "[object"):
             self.assertNotIn(bad, words)
         for good in ("maximize bulk", "Why it stopped", "What to try next", "onerror=alert(1)", "alpha"):
             self.assertIn(good, words)
+
+    def test_0_the_first_screen_shows_the_shape(self):
+        b = self.browser
+        self.assertEqual(b.run("[...document.querySelectorAll('.pictures img')].map((i) => i.naturalWidth > 300)"), [True, True])
+        self.assertIn("at most", self.text(".pictures"))
+        in_sight = """(() => { scrollTo(0, 0); return [...document.querySelectorAll('.pictures img')].map((i) => i.getBoundingClientRect())
+            .filter((r) => r.width > 0).map((r) => r.top >= 0 && r.bottom <= innerHeight && r.right <= innerWidth); })()"""
+        self.assertEqual(b.run(in_sight), [True, True])
+        self.addCleanup(b.resize, 1100, 800)
+        b.resize(390, 844)
+        b.settle()
+        self.assertEqual(b.run(in_sight), [True])  # a telephone: the design alone
+        b.resize(1100, 800)
+        b.settle()
+
+    def test_0_no_table_is_cut_on_a_telephone(self):
+        b = self.browser
+        self.addCleanup(b.resize, 1100, 800)
+        b.resize(390, 844)
+        b.run("document.querySelector('#evaluations details').open = true")
+        b.settle()
+        wide = b.run("""[...document.querySelectorAll('main .scroll > table:not(.tree)')].filter((t) => t.getBoundingClientRect().right > innerWidth
+            || t.closest('.scroll').scrollWidth > t.closest('.scroll').clientWidth).map((t) => t.caption.textContent)""")
+        self.assertEqual(wide, [])
+        self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390)
+        heading = b.run("getComputedStyle(document.querySelector('table.stacks tbody td'), '::before').content")
+        self.assertNotIn(heading, ("none", "normal"))
+        b.run("document.querySelector('#evaluations details').open = false")
+        b.resize(1100, 800)
+        b.settle()
 
     def test_1_charts_and_variables(self):
         b = self.browser

@@ -122,7 +122,8 @@ bool SqpSearch::end_at_border() {
     end_.is_at_border = true;
     return end(MinimizeStop::no_valid_step,
                text("evaluations fail beyond a border next to the best point, and nothing is left to gain before it (",
-                    guard_.failures, " of ", guard_.evaluations, " failed); the last failure: ", guard_.failure));
+                    guard_.failures, " of this search's ", guard_.evaluations,
+                    " evaluations failed); the last failure: ", guard_.failure));
 }
 
 bool SqpSearch::rejected(double length) {

@@ -36,12 +36,14 @@ export function tick(words, value, changed) {
   return h('label', { class: 'control tick' }, box, h('span', {}, words));
 }
 
-/** headings: [words, isNumber][]; rows of strings or elements. */
+/** headings: [words, isNumber][]; rows of strings or elements. In a narrow window each row becomes a list (page.css), of
+ * which the roles keep telling that it is a row of a table. */
 export function table(caption, headings, rows) {
-  const cell = (value, k) => h(k === 0 ? 'th' : 'td', k === 0 ? { scope: 'row', class: headings[k][1] && 'number' }
-    : { class: headings[k][1] && 'number' }, value);
+  const cell = (value, k) => h(k === 0 ? 'th' : 'td', { scope: k === 0 && 'row', role: k === 0 ? 'rowheader' : 'cell',
+    class: headings[k][1] && 'number', 'data-heading': headings[k][0] }, h('span', {}, value));
   return h('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption },
-    h('table', {}, h('caption', {}, caption),
-      h('thead', {}, h('tr', {}, headings.map(([words, isNumber]) => h('th', { scope: 'col', class: isNumber && 'number' }, words)))),
-      h('tbody', {}, rows.map((row) => h('tr', {}, row.map(cell))))));
+    h('table', { role: 'table', class: headings.length > 3 && 'stacks' }, h('caption', {}, caption),
+      h('thead', { role: 'rowgroup' }, h('tr', { role: 'row' }, headings.map(([words, isNumber]) =>
+        h('th', { scope: 'col', role: 'columnheader', class: isNumber && 'number' }, words)))),
+      h('tbody', { role: 'rowgroup' }, rows.map((row) => h('tr', { role: 'row' }, row.map(cell))))));
 }

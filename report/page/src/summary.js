@@ -41,8 +41,19 @@ function valueTable(run) {
   return rows.length > 0 && table('Values at the start and at the best design', [['value', false], ['start', true], ['best', true], ['change', true], ['limit', false]], rows);
 }
 
+/** The start and the best design, drawn when the page was made: for browsers without WebGL, and for paper. */
+function pictures(run) {
+  const { pictures: list = [] } = run.shapes ?? {};
+  if (list.length === 0) return null;
+  return h('div', { class: 'pictures' }, list.map(({ title, words, most, image }) => {
+    const moved = most ? `${words}, at most ${number(100 * most, 2)} % of the diagonal along the normal` : words;
+    return h('figure', {}, h('figcaption', {}, title, moved && h('span', { class: 'moved' }, `: ${moved}`)),
+      h('img', { src: image, alt: `${title} of ${run.title}, seen obliquely from ahead and above${moved && `; ${moved}`}` }));
+  }));
+}
+
 export function summary(run) {
-  return section('summary', 'Summary', figures(run),
+  return section('summary', 'Summary', pictures(run), figures(run),
     h('div', { class: 'columns' },
       h('div', {}, h('h3', {}, 'Goal'),
         run.asked.length > 0 ? h('dl', {}, run.asked.flatMap(([k, v]) => [h('dt', {}, k), h('dd', {}, v)])) : h('p', {}, 'See the case below.')),

@@ -1,4 +1,5 @@
 #include "casefile/build/region_formula.hpp"
+#include "casefile/build/region_shapes.hpp"
 #include "core/mesh/geometry.hpp"
 #include "tests/casefile/build_fixture.hpp"
 
@@ -139,6 +140,91 @@ TEST_F(Regions, GrowingFollowsEdgesAndShrinkingGrowsTheRest) {
     EXPECT_EQ(region(built, "same"), up_to(1));
     EXPECT_EQ(region(built, "close"), up_to(2));
     EXPECT_EQ(region(built, "touch"), up_to(2.5)) << "one more row touches it";
+}
+
+/// A triangle as a sphere, a box or a half-space sees it: thousands of its points.
+double least_excess(const RegionShape& shape, const TriMesh& mesh, int t) {
+    double least = 1e300;
+    constexpr int n = 60;
+    for (int i = 0; i <= n; ++i)
+        for (int j = 0; i + j <= n; ++j) {
+            const Eigen::Vector3d x =
+                (i * mesh.vertices.row(mesh.triangles(t, 0)) + j * mesh.vertices.row(mesh.triangles(t, 1)) +
+                 (n - i - j) * mesh.vertices.row(mesh.triangles(t, 2))) /
+                n;
+            double excess = 0;
+            if (const auto* box = std::get_if<BoxShape>(&shape))
+                excess = std::max((box->min - x).maxCoeff(), (x - box->max).maxCoeff());
+            else if (const auto* sphere = std::get_if<SphereShape>(&shape))
+                excess = (x - sphere->center).norm() - sphere->radius.value;
+            else
+                excess = std::get<HalfSpace>(shape).offset - std::get<HalfSpace>(shape).normal.dot(x);
+            least = std::min(least, excess);
+        }
+    return least;
+}
+
+TEST(RegionShapes, TouchingAsksEveryPointOfATriangleNotItsVertices) {
+    TriMesh mesh = box_surface(Eigen::Vector3d::Ones(), 2);
+    std::mt19937 random(11);
+    std::uniform_real_distribution<double> any(-0.3, 1.3), size(0.02, 0.4);
+    int without_a_vertex = 0, missed = 0;
+    for (int i = 0; i < 60; ++i) {
+        const Eigen::Vector3d at(any(random), any(random), any(random));
+        const double r = size(random);
+        RegionShape shape = SphereShape{at, {r}};
+        if (i % 3 == 1) shape = BoxShape{at, at + Eigen::Vector3d(r, 0.3 * r, 2 * r)};
+        if (i % 3 == 2) shape = HalfSpace{at.normalized(), 1.5 * r};
+        const std::vector<int> touching = triangles_in(shape, mesh, 1.7, true),
+                               inside = triangles_in(shape, mesh, 1.7, false);
+        double nearest = 1e300;
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const double least = least_excess(shape, mesh, t);  // of samples: up to their spacing too large
+            const bool touches = std::binary_search(touching.begin(), touching.end(), t);
+            const bool is_seen = least <= 0, may_be_seen = least <= 0.02;
+            EXPECT_GE(touches, is_seen) << i;
+            EXPECT_LE(touches, may_be_seen) << i;
+            nearest = std::min(nearest, least);
+        }
+        EXPECT_TRUE(std::includes(touching.begin(), touching.end(), inside.begin(), inside.end()));
+        without_a_vertex += inside.empty() && !touching.empty();
+        const NearestMiss miss = nearest_miss(shape, mesh, 1.7, true);
+        EXPECT_NEAR(miss.shortfall, std::max(0.0, nearest), 0.02) << i;
+        missed += miss.shortfall > 0;
+    }
+    EXPECT_GT(without_a_vertex, 5);
+    EXPECT_GT(missed, 5);
+}
+
+TEST_F(Regions, AnEmptyOneSaysWhatComesNearestAndWhatWouldHoldIt) {
+    surface(strip(4, 1, 8, 2));  // cells of 0.5
+    const auto words = [&](const std::string& shape) {
+        return error("regions: {a: {" + shape + "}}\n", Purpose::deform);
+    };
+    // The corner (0, 0) of the triangle at it is inside; its farthest vertex is sqrt(0.5) away.
+    const std::string sphere = words("sphere: {center: [0, 0, 0], radius: 0.1}");
+    EXPECT_TRUE(contains(sphere, " comes nearest, and would be inside with a radius of")) << sphere;
+    EXPECT_TRUE(contains(sphere, "(now 0.1)")) << sphere;
+    EXPECT_TRUE(contains(sphere, "with touch: any, the region would hold")) << sphere;
+    // What the message says is enough, typed in.
+    const std::size_t at = sphere.find("radius of ") + 10;
+    const std::string radius = sphere.substr(at, sphere.find(' ', at) - at);
+    const auto held = [&](const std::string& shape) {
+        return region(build("regions: {a: {" + shape + "}}\n", Purpose::deform), "a").size();
+    };
+    EXPECT_GE(held("sphere: {center: [0, 0, 0], radius: " + radius + "}"), 1u);
+    EXPECT_GE(held("sphere: {center: [0, 0, 0], radius: 0.1}, touch: any"), 1u);
+    // Within one triangle: no vertex, and yet it touches.
+    EXPECT_EQ(held("sphere: {center: [0.2, 0.1, 0], radius: 0.02}, touch: any"), 1u);
+    EXPECT_EQ(held("box: [[0.2, 0.1, -1], [0.21, 0.11, 1]], touch: any"), 1u);
+    const std::string away = words("box: [[0, 0, 0.25], [4, 1, 1]], touch: any");
+    EXPECT_TRUE(contains(away,
+                         "nor does one touch it: triangle 0 comes nearest, and would touch it if each face of the box "
+                         "were 0.25 farther out"))
+        << away;
+    const std::string beyond = words("plane: {normal: [1, 0, 0], at: 4.75}, side: above");
+    EXPECT_TRUE(contains(beyond, "would be inside if the plane were moved by 1.25")) << beyond;
+    EXPECT_FALSE(contains(beyond, "touch: any")) << "no triangle touches it";
 }
 
 TEST_F(Regions, FloodStopsAtCreasesAndFacingAsksTheNormal) {

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <random>
 #include <set>
 
 using namespace strake;
@@ -26,6 +27,29 @@ TriMesh plate_with_holes() {
     int kept = 0;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         if (!is_hole(t)) mesh.triangles.row(kept++) = mesh.triangles.row(t).eval();
+    mesh.triangles.conservativeResize(kept, 3);
+    return mesh;
+}
+
+/// A ball of 5120 triangles with eighty holes, and vertices off by `noise` edge lengths: like a scan.
+TriMesh ball_with_holes(double noise) {
+    TriMesh mesh = icosphere(4);
+    std::mt19937 random(1);
+    std::normal_distribution<double> normal;
+    std::uniform_real_distribution<double> size(0.06, 0.18);
+    std::vector<char> is_gone(static_cast<std::size_t>(mesh.num_triangles()), 0);
+    for (int hole = 0; hole < 80; ++hole) {
+        const Eigen::RowVector3d at = Eigen::RowVector3d(normal(random), normal(random), normal(random)).normalized();
+        const double radius = size(random);
+        for (int t = 0; t < mesh.num_triangles(); ++t)
+            if ((mesh.vertices.row(mesh.triangles(t, 0)) - at).norm() < radius)
+                is_gone[static_cast<std::size_t>(t)] = 1;
+    }
+    const double edge = (mesh.vertices.row(mesh.triangles(0, 0)) - mesh.vertices.row(mesh.triangles(0, 1))).norm();
+    for (int v = 0; v < mesh.num_vertices(); ++v) mesh.vertices.row(v) *= 1 + noise * edge * normal(random);
+    int kept = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (!is_gone[static_cast<std::size_t>(t)]) mesh.triangles.row(kept++) = mesh.triangles.row(t).eval();
     mesh.triangles.conservativeResize(kept, 3);
     return mesh;
 }
@@ -160,4 +184,28 @@ TEST(RemeshFeatures, EdgesOfThreeTrianglesStayAsTheyAre) {
     EXPECT_EQ(is.components, was.components);
     EXPECT_EQ(result.kept_edges, 12);  // once for each side
     EXPECT_NEAR(surface_area(result.mesh), surface_area(mesh), 1e-12);
+}
+
+/// Corners of the holes keep edges short. Longer ones elsewhere must not hang on these as needles, which are split
+/// again.
+TEST(RemeshFeatures, ALongerLengthNeverMakesMoreTriangles) {
+    for (const double noise : {0.0, 0.15, 0.3}) {
+        const TriMesh mesh = ball_with_holes(noise);
+        int least = std::numeric_limits<int>::max();
+        for (const double length : {0.07, 0.1, 0.14, 0.2, 0.28, 0.4, 0.56}) {
+            RemeshOptions options;
+            options.edge_length = length;
+            const RemeshResult result = remesh(mesh, options);
+            EXPECT_LE(result.mesh.num_triangles(), 1.01 * least) << "noise " << noise << ", length " << length;
+            least = std::min(least, result.mesh.num_triangles());
+            if (length > 0.25) {
+                const std::string words = short_edge_words(result);
+                EXPECT_NE(words.find("open boundaries"), std::string::npos) << words;
+                EXPECT_NE(words.find("strake repair --holes"), std::string::npos) << words;
+            }
+        }
+    }
+    RemeshOptions options;
+    options.edge_length = 0.2;
+    EXPECT_EQ(short_edge_words(remesh(icosphere(4), options)), "");
 }

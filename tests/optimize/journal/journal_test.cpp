@@ -275,6 +275,30 @@ TEST_F(JournalFile, DamageIsNoticed) {
     EXPECT_GT(refused, 50);
 }
 
+/// What the run is about is checked as its evaluations are; damage of the header and of the tables' names is called so.
+TEST_F(JournalFile, DamageOfFactsAndHeaderIsCalledDamage) {
+    fill(3);
+    const std::string whole = bytes_of(file), yaml = Journal::open(file)->facts().case_yaml;
+    int refused = 0;
+    const std::size_t step = 7;
+    for (std::size_t at = 0; at < whole.size(); at += at < 100 ? 1 : step) {
+        std::string bytes = whole;
+        bytes[at] = static_cast<char>(bytes[at] ^ 2);
+        folder.write("journal.sqlite", bytes);
+        try {
+            const auto journal = Journal::open(file);
+            EXPECT_EQ(journal->facts().case_yaml, yaml) << "byte " << at;
+        } catch (const InputError& error) {
+            ++refused;
+            const std::string why = error.what();
+            EXPECT_TRUE(why.find("damaged") != why.npos || why.find("is no journal of Strake") != why.npos ||
+                        why.find("holds nothing") != why.npos)
+                << at << ": " << why;
+        }  // whatever else is thrown fails the test
+    }
+    EXPECT_GT(refused, 100);
+}
+
 TEST(ContentHash, TellsBytesAndSurfacesApart) {
     EXPECT_EQ(content_hash(""), "cbf29ce484222325");
     EXPECT_NE(content_hash("a"), content_hash("b"));

@@ -220,6 +220,35 @@ TEST(RunVerdict, FailuresAreThoseOfTheLevel) {
     EXPECT_GT(told, 0) << r.reason;
 }
 
+/// Budgets of each size from few to enough: what is printed as made was made, level by level and in all.
+TEST(RunVerdict, CountsAgreeEverywhere) {
+    bool has_rest = false;
+    for (int budget = 3; budget <= 14; ++budget) {
+        Problem problem = volume_problem();
+        problem.constraints = {{"area", {}, 0.98, {}, true}};  // the start violates it: the last steps are kept for it
+        problem.optimize.max_evaluations = budget;
+        int recorded = 0;
+        RunEvents events;
+        events.evaluation = [&](const EvaluationRecord& record) { recorded = record.evaluation; };
+        const RunResult r = optimize(problem, events);
+        EXPECT_EQ(r.evaluations, recorded);
+        int sum = 0;
+        for (const LevelSummary& level : r.levels) {
+            sum += level.evaluations;
+            if (says(level.stop, "limit of evaluations"))
+                EXPECT_TRUE(says(level.stop, text("reached (", level.evaluations)))
+                    << level.stop << ", " << level.evaluations;
+        }
+        EXPECT_EQ(sum, r.evaluations);
+        if (r.status != "budget" || !says(r.reason, "limit of evaluations")) continue;
+        has_rest = has_rest || r.evaluations < budget;
+        const std::string count =
+            r.evaluations < budget ? text("(", r.evaluations, " of ", budget) : text("(", budget, ")");
+        EXPECT_TRUE(says(r.reason, count)) << r.reason;
+    }
+    EXPECT_TRUE(has_rest) << "no budget of these leaves a rest: the test has lost its case";
+}
+
 TEST(RunVerdict, ATrueOptimumIsConvergedWithoutReservations) {
     Problem problem = volume_problem();
     problem.constraints = {{"area", {}, 1.01, {}, true}};

@@ -42,6 +42,7 @@ void add_report(CLI::App& app);
 void add_explain(CLI::App& app);
 void add_completion(CLI::App& app);
 void add_man(CLI::App& app);
+void add_licenses(CLI::App& app);
 void add_mix(CLI::App& app);
 void add_compare(CLI::App& app);
 

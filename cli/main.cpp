@@ -59,6 +59,7 @@ int main(int argc, char** argv) {
     cli::watch_for_exit();
     CLI::App app{"Strake: shape optimization of triangulated surfaces without CAD", "strake"};
     app.set_version_flag("--version", "strake " + version());
+    cli::add_licenses(app);
     app.require_subcommand(1);
     cli::add_init(app);
     cli::add_info(app);

@@ -66,7 +66,7 @@ install(EXPORT strake NAMESPACE strake:: FILE strake-targets.cmake DESTINATION $
 configure_package_config_file(${CMAKE_CURRENT_LIST_DIR}/strake-config.cmake.in ${PROJECT_BINARY_DIR}/strake-config.cmake
   INSTALL_DESTINATION ${package})
 write_basic_package_version_file(${PROJECT_BINARY_DIR}/strake-config-version.cmake COMPATIBILITY SameMinorVersion)
-install(FILES ${PROJECT_BINARY_DIR}/strake-config.cmake ${PROJECT_BINARY_DIR}/strake-config-version.cmake
+install(FILES ${PROJECT_SOURCE_DIR}/cmake/metis.cmake ${PROJECT_BINARY_DIR}/strake-config.cmake ${PROJECT_BINARY_DIR}/strake-config-version.cmake
   DESTINATION ${package})
 install(FILES ${PROJECT_SOURCE_DIR}/LICENSE DESTINATION ${CMAKE_INSTALL_DOCDIR})
 if(STRAKE_PYTHON)

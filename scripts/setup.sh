@@ -1,5 +1,5 @@
 #!/bin/bash
-# Installs the packages of scripts/packages.txt that are missing: setup.sh [run|test|pictures|slurm|openfoam]...
+# Installs the packages of scripts/packages.txt that are missing: setup.sh [run|test|pictures|slurm|openfoam|package]...
 # Asks the package database only, so that it costs nothing when there is nothing to do.
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -9,7 +9,7 @@ wanted=$(awk -v kinds=" $kinds " '!/^#/ && NF >= 2 && index(kinds, " " $2 " ") {
     while read -r package command; do
         [ -n "$command" ] && command -v "$command" >/dev/null || echo "$package"
     done)
-[ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, pictures, slurm, openfoam" >&2; exit 2; }
+[ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, pictures, slurm, openfoam, package" >&2; exit 2; }
 if ! command -v dpkg-query >/dev/null; then
     echo "setup.sh: this is no Debian; going on with what is installed (needed: $(echo $wanted))" >&2
     exit 0

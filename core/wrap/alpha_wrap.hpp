@@ -1,7 +1,7 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
-/// The one door to CGAL's alpha wrap (Portaneri et al. 2022), which is GPL-3.0+: a build with -DSTRAKE_ALPHA_WRAP=OFF
+/// The one door to CGAL's alpha wrap (Portaneri et al. 2022), which is GPL-3.0+: a build with -DSTRAKE_GPL=OFF
 /// leaves it out. Internal to core/wrap.
 namespace strake {
 

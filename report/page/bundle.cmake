@@ -21,6 +21,13 @@ function(strake_no_page why)
     "scripts/setup.sh run, then configure again; -DSTRAKE_REPORT_PAGE=OFF silences this.")
 endfunction()
 
+# A source package brings the finished bundle (package.sh): nothing is fetched.
+if(EXISTS ${page}/bundle/main.js AND EXISTS ${page}/bundle/main.css)
+  set_source_files_properties(report_page.cpp PROPERTIES OBJECT_DEPENDS "${page}/bundle/main.js;${page}/bundle/main.css")
+  target_compile_definitions(strake_report PRIVATE STRAKE_PAGE_SCRIPT="${page}/bundle/main.js" STRAKE_PAGE_STYLE="${page}/bundle/main.css")
+  return()
+endif()
+
 if(NOT STRAKE_PAGE_NODE OR NOT STRAKE_PAGE_NPM)
   strake_no_page("node or npm was not found")
   return()

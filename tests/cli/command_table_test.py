@@ -53,6 +53,8 @@ expect(slowest < 1, "--help takes %.2f s" % slowest)  # 50 ms are promised; mach
 nothing = said(status=2)
 expect("Usage:" in nothing.stderr and not nothing.stdout, "without arguments: %r" % nothing.stderr)
 expect(re.match(r"strake \d+\.\d+", said("--version").stdout), "--version")
+licenses = said("--licenses").stdout
+expect("Apache-2.0" in licenses and "CHOLMOD" in licenses and "GPL, version 3" in licenses, "--licenses: " + licenses)
 
 with tempfile.NamedTemporaryFile("w", suffix=".bash") as script:
     script.write(scripts["bash"])

@@ -130,6 +130,6 @@ TEST(Wrap, ABuildWithoutItSaysSo) {
         wrap_around(icosphere(2));
         FAIL();
     } catch (const InvalidInput& refused) {
-        EXPECT_NE(std::string(refused.what()).find("STRAKE_ALPHA_WRAP"), std::string::npos);
+        EXPECT_NE(std::string(refused.what()).find("STRAKE_GPL"), std::string::npos);
     }
 }

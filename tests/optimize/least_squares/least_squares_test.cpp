@@ -1,6 +1,7 @@
 #include "optimize/least_squares/least_squares.hpp"
 
 #include "core/error.hpp"
+#include "optimize/least_squares/least_squares_watch.hpp"
 
 #include <gtest/gtest.h>
 #include <limits>
@@ -32,9 +33,17 @@ double cost(const VectorXd& x) {
     return r.squaredNorm();
 }
 
+/// The search that is linked (Ceres, or with STRAKE_GPL off our own), and our own.
+struct LeastSquaresBy : testing::TestWithParam<SearchEnd (*)(LeastSquaresWatch&, double&)> {
+    static LeastSquaresResult least_squares(const LeastSquares& problem, const LeastSquaresOptions& options) {
+        return least_squares_by(GetParam(), problem, options);
+    }
+};
+INSTANTIATE_TEST_SUITE_P(Searches, LeastSquaresBy, testing::Values(search_least_squares, levenberg_marquardt));
+
 }  // namespace
 
-TEST(LeastSquares, FindsTheMinimumAndHoldsBounds) {
+TEST_P(LeastSquaresBy, FindsTheMinimumAndHoldsBounds) {
     const LeastSquaresResult free = least_squares(valley(), {});
     EXPECT_EQ(free.stop, LeastSquaresStop::converged);
     EXPECT_LT((free.x - Eigen::Vector2d(1, 1)).norm(), 1e-5);
@@ -47,7 +56,7 @@ TEST(LeastSquares, FindsTheMinimumAndHoldsBounds) {
     EXPECT_NEAR(cost(at.x), 0.25, 1e-3);  // Ceres goes slowly along a bound
 }
 
-TEST(LeastSquares, StepsThatAllFailAreNotConvergence) {
+TEST_P(LeastSquaresBy, StepsThatAllFailAreNotConvergence) {
     for (const double bad : {not_a_number, std::numeric_limits<double>::infinity(), 1e300}) {
         LeastSquares p = valley();
         p.evaluate = [&](const VectorXd& x, VectorXd& r, RowMajorMatrix* J) {
@@ -61,7 +70,7 @@ TEST(LeastSquares, StepsThatAllFailAreNotConvergence) {
     }
 }
 
-TEST(LeastSquares, ARefusedRegionIsWalkedAround) {
+TEST_P(LeastSquaresBy, ARefusedRegionIsWalkedAround) {
     LeastSquares p = valley();
     int refused = 0;
     p.evaluate = [&](const VectorXd& x, VectorXd& r, RowMajorMatrix* J) {
@@ -76,7 +85,7 @@ TEST(LeastSquares, ARefusedRegionIsWalkedAround) {
     EXPECT_GT(refused, 0);
 }
 
-TEST(LeastSquares, NoStartNoJacobianAndWrongSizes) {
+TEST_P(LeastSquaresBy, NoStartNoJacobianAndWrongSizes) {
     LeastSquares p = valley();
     p.evaluate = [](const VectorXd&, VectorXd&, RowMajorMatrix*) { return false; };
     EXPECT_EQ(least_squares(p, {}).stop, LeastSquaresStop::no_start);
@@ -94,7 +103,7 @@ TEST(LeastSquares, NoStartNoJacobianAndWrongSizes) {
     EXPECT_NE(least_squares(p, {}).stop, LeastSquaresStop::converged);
 }
 
-TEST(LeastSquares, ExceptionsPassThroughAndNothingIsPrinted) {
+TEST_P(LeastSquaresBy, ExceptionsPassThroughAndNothingIsPrinted) {
     testing::internal::CaptureStderr();
     for (const int at : {1, 4}) {
         LeastSquares p = valley();
@@ -112,7 +121,7 @@ TEST(LeastSquares, ExceptionsPassThroughAndNothingIsPrinted) {
     EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-TEST(LeastSquares, WhatWouldAbortCeresIsRefused) {
+TEST_P(LeastSquaresBy, WhatWouldAbortCeresIsRefused) {
     LeastSquares p = valley();
     p.start[0] = not_a_number;
     EXPECT_THROW(least_squares(p, {}), InvalidInput);
@@ -139,7 +148,7 @@ TEST(LeastSquares, WhatWouldAbortCeresIsRefused) {
         EXPECT_THROW(least_squares(valley(), bad), InvalidInput);
 }
 
-TEST(LeastSquares, StopsWhenAskedAndAtItsLimit) {
+TEST_P(LeastSquaresBy, StopsWhenAskedAndAtItsLimit) {
     LeastSquares p = valley();
     p.go_on = [](int iteration) { return iteration < 2; };
     EXPECT_EQ(least_squares(p, {}).stop, LeastSquaresStop::stopped);
@@ -147,4 +156,27 @@ TEST(LeastSquares, StopsWhenAskedAndAtItsLimit) {
     LeastSquaresOptions few;
     few.max_iterations = 2;
     EXPECT_EQ(least_squares(p, few).stop, LeastSquaresStop::limit);
+}
+
+/// Residuals J (x - x*) + c with c orthogonal to the columns: the minimum is known, x* or its projection.
+TEST_P(LeastSquaresBy, LinearProblemsEndAtTheirSolutionWithinTheBounds) {
+    RowMajorMatrix J(7, 3);
+    for (int i = 0; i < 7; ++i)
+        for (int j = 0; j < 3; ++j) J(i, j) = std::sin(3.0 * i + 1.7 * j * j + 1);
+    const Eigen::Vector3d best(0.3, -0.8, 2);
+    LeastSquares p{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5), 7, {}, {}};
+    p.evaluate = [&](const VectorXd& x, VectorXd& r, RowMajorMatrix* jacobian) {
+        r = J * (x - best);
+        if (jacobian) *jacobian = J;
+        return true;
+    };
+    LeastSquaresOptions exact;
+    exact.objective_tolerance = exact.step_tolerance = 1e-14;
+    EXPECT_LT((least_squares(p, exact).x - best).norm(), 1e-9);
+    p.upper[2] = 1;  // the others then solve the rest
+    const Eigen::Matrix<double, 7, 2> rest = J.leftCols<2>();
+    const Eigen::Vector2d others = rest.colPivHouseholderQr().solve(J * best - J.col(2));
+    const VectorXd x = least_squares(p, exact).x;
+    EXPECT_NEAR(x[2], 1, 1e-12);
+    EXPECT_LT((x.head<2>() - others).norm(), 1e-5);
 }

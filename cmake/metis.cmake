@@ -1,0 +1,9 @@
+# METIS::METIS, which Debian's package brings no file for: where Ceres is not looked for.
+if(NOT TARGET METIS::METIS)
+  find_path(STRAKE_METIS_INCLUDE metis.h REQUIRED)
+  find_library(STRAKE_METIS_LIBRARY metis REQUIRED)
+  mark_as_advanced(STRAKE_METIS_INCLUDE STRAKE_METIS_LIBRARY)
+  add_library(METIS::METIS UNKNOWN IMPORTED)
+  set_target_properties(METIS::METIS PROPERTIES IMPORTED_LOCATION ${STRAKE_METIS_LIBRARY}
+    INTERFACE_INCLUDE_DIRECTORIES ${STRAKE_METIS_INCLUDE})
+endif()

@@ -1,0 +1,96 @@
+#!/bin/bash
+# Makes what others install, into dist/, and says what it made: package.sh [source|deb|wheel|tarball|image]... (default: all)
+#   source   strake-VERSION.tar.xz: the committed sources with the finished page of the report, so that they build without a network
+#   deb      strake, libstrake-dev and python3-strake for this Debian, by dpkg-buildpackage from that tarball
+#   wheel    the Python package with the program inside and its libraries beside it, for this Python and glibc
+#   tarball  strake-VERSION-MACHINE.tar.xz: program, loader and libraries in one folder, for machines without root or with older systems
+#   image    strake-VERSION.oci.tar: a container image (needs buildah and user namespaces)
+# Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage.
+set -euo pipefail
+cd "$(dirname "$0")"
+root=$PWD
+kinds=${*:-source deb wheel tarball image}
+version=$(sed -n 's/^project(strake VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
+[ "$(dpkg-parsechangelog -S Version)" = "$version" ] || { echo "package.sh: debian/changelog is not of version $version" >&2; exit 1; }
+dist=$root/dist
+mkdir -p "$dist"
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+export SOURCE_DATE_EPOCH
+tarball=$dist/strake-$version.tar.xz
+made=()
+
+has() { [[ " $kinds " == *" $1 "* ]]; }
+for kind in $kinds; do
+    case $kind in
+    source | deb | wheel | tarball | image) ;;
+    *) sed -n 2p "$0" >&2; exit 2 ;;
+    esac
+done
+
+# The committed sources, and what npm makes of the report's page.
+make_source() {
+    mkdir -p "$work/strake-$version/report/page/bundle"
+    git archive HEAD | tar -x -C "$work/strake-$version"
+    git rev-parse HEAD >"$work/strake-$version/.commit"
+    cmake -S "$work/strake-$version" -B "$work/page" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_REPORT_PAGE=ON >"$work/page.log" 2>&1 &&
+        ninja -C "$work/page" report/page/main.js >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
+    cp "$work/page/report/page/main.js" "$work/page/report/page/main.css" "$work/strake-$version/report/page/bundle"
+    tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" -C "$work" -cJf "$tarball" "strake-$version"
+    rm -rf "$work/page" "$work/strake-$version"
+    made+=("$tarball")
+}
+unpacked() { # FOLDER
+    mkdir -p "$1"
+    tar -xJf "$tarball" -C "$1" --strip-components=1
+}
+
+make_deb() {
+    unpacked "$work/deb/strake-$version"
+    (cd "$work/deb/strake-$version" && dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
+    rm "$dist/deb.log"
+    for file in "$work"/deb/*.deb; do
+        [[ $file != *-dbgsym* ]] || continue
+        cp "$file" "$dist"
+        made+=("$dist/${file##*/}")
+    done
+}
+
+# The program and the module as the Debian packages have them, with the libraries that they need.
+build_once() {
+    [ -e "$work/build/cli/strake" ] && return
+    unpacked "$work/source"
+    cmake -S "$work/source" -B "$work/build" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_UNITY=ON -DSTRAKE_PYTHON=ON \
+        -DSTRAKE_REPORT_PAGE=ON -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_CXX_FLAGS="-ffile-prefix-map=$work=." >"$work/build.log" 2>&1 &&
+        ninja -C "$work/build" >>"$work/build.log" 2>&1 || { tail -n 40 "$work/build.log" >&2; return 1; }
+    DESTDIR=$work/installed ninja -C "$work/build" install >>"$work/build.log" 2>&1
+    strip --strip-unneeded "$work/installed/usr/bin/strake" "$work"/installed/usr/lib/python3/dist-packages/strake/_core*.so
+}
+make_wheel() {
+    build_once
+    packaging/make_wheel.py "$version" "$work/installed/usr" "$work/wheel" "$dist" || return 1
+    made+=("$dist"/strake-"$version"-*.whl)
+}
+make_tarball() {
+    build_once
+    packaging/make_tarball.sh "$version" "$work/installed/usr" "$root/docs" "$root/cases" "$work/folder" "$dist" || return 1
+    made+=("$dist"/strake-"$version"-"$(uname -m)".tar.xz)
+}
+make_image() {
+    local deb=$dist/strake_${version}_$(dpkg --print-architecture).deb
+    [ -e "$deb" ] || make_deb
+    packaging/make_image.sh "$deb" "$dist/strake-$version.oci.tar" || return 1
+    made+=("$dist/strake-$version.oci.tar")
+}
+
+if has source || [ ! -e "$tarball" ] || [ "$(tar -xJOf "$tarball" "strake-$version/.commit" 2>/dev/null)" != "$(git rev-parse HEAD)" ]; then
+    make_source
+fi
+for kind in deb wheel tarball image; do
+    has $kind || continue
+    "make_$kind"
+done
+for file in "${made[@]}"; do
+    printf '%8s  %s\n' "$(du -h "$file" | cut -f1)" "${file#"$root"/}"
+done

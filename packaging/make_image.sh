@@ -1,0 +1,31 @@
+#!/bin/bash
+# An image for containers: make_image.sh DEB OUT. A minimal Debian 12 root with the package, a user without rights, and
+# `strake` as what it runs. By buildah where this machine allows it; else OUT is the same root as a tar file, for
+# `podman import`, `apptainer build` and chroot, and this script says so.
+set -euo pipefail
+deb=$(realpath "$1") out=$2
+command -v mmdebstrap >/dev/null || { echo "make_image.sh: needs mmdebstrap" >&2; exit 1; }
+work=$(mktemp -d)
+trap 'rm -rf "$work"' EXIT
+chmod 755 "$work"
+cp "$deb" "$work"
+(cd "$work" && dpkg-scanpackages . >Packages 2>/dev/null)
+# Pages and translations stay outside.
+mmdebstrap --variant=minbase --include=strake,ca-certificates --skip=cleanup/apt/lists \
+    --aptopt='APT::Install-Recommends "false"' --aptopt='Acquire::AllowInsecureRepositories "true"' \
+    --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' --dpkgopt='path-exclude=/usr/share/info/*' \
+    --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' --dpkgopt='path-include=/usr/share/doc/strake/examples/*' \
+    --setup-hook="mkdir -p \"\$1/parcel\" && cp $work/*.deb $work/Packages \"\$1/parcel\"" \
+    --customize-hook='chroot "$1" useradd --create-home --uid 1000 strake' \
+    --customize-hook='rm -rf "$1/parcel" "$1/var/lib/apt/lists"/* "$1/var/cache/apt"/*.bin "$1/usr/share/perl"' \
+    bookworm "$work/root.tar" "$(grep -rhoE '^deb [^#]*bookworm main' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1)" \
+    "deb [trusted=yes] copy:/parcel ./"
+if command -v buildah >/dev/null && container=$(buildah from scratch 2>/dev/null); then
+    buildah add "$container" "$work/root.tar" / >/dev/null
+    buildah config --user strake --workingdir /work --entrypoint '["/usr/bin/strake"]' --cmd --help \
+        --label org.opencontainers.image.title=strake --label org.opencontainers.image.licenses=GPL-3.0-or-later "$container"
+    buildah commit --rm "$container" "oci-archive:$out" >/dev/null
+else
+    echo "make_image.sh: this machine makes no container images (buildah is missing, or user namespaces): $out is the root itself" >&2
+    mv "$work/root.tar" "$out"
+fi

@@ -1,0 +1,137 @@
+#!/usr/bin/python3
+"""The wheel: make_wheel.py VERSION INSTALLED WORK DIST
+
+INSTALLED is the prefix of an installation (bin/strake, lib/python3/dist-packages/strake). The wheel has the module, its types,
+the program as `strake` on the PATH and by `python -m strake`, and every shared library that is not of glibc, in strake.libs,
+found by a run path relative to each file. Fails if a library is missing or needs a newer glibc than Debian 12's.
+"""
+import base64
+import csv
+import hashlib
+import io
+import os
+import pathlib
+import re
+import shutil
+import subprocess
+import sys
+import sysconfig
+import zipfile
+
+# What every Linux with this glibc has: never bundled.
+OF_THE_SYSTEM = re.compile(r"^(ld-linux|linux-vdso|lib(c|m|dl|rt|pthread|util|resolv|anl|nsl)\.so)")
+MAX_GLIBC = (2, 36)
+
+
+def run(*command):
+    return subprocess.run([str(word) for word in command], check=True, text=True, capture_output=True).stdout
+
+
+def needed(file):
+    """{name: path} of the shared libraries that the loader finds for a file, the system's left out."""
+    found = {}
+    for line in run("ldd", file).splitlines():
+        match = re.match(r"\s*(\S+) => (\S+|not found)", line)
+        if not match or OF_THE_SYSTEM.match(match[1]):
+            continue
+        if match[2] == "not":
+            raise SystemExit(f"make_wheel.py: {file} needs {match[1]}, which is not installed")
+        found[match[1]] = match[2]
+    return found
+
+
+def glibc_of(file):
+    """The newest version of glibc's symbols that a file needs."""
+    versions = re.findall(r"GLIBC_(\d+)\.(\d+)", run("objdump", "-T", file))
+    return max(((int(a), int(b)) for a, b in versions), default=(0, 0))
+
+
+def bundle(package, libs):
+    """Copies what module and program need, and points all of them there."""
+    libs.mkdir()
+    ours = [*package.glob("_core*.so"), package / "bin/strake"]
+    names = {}
+    for file in ours:
+        names |= needed(file)
+    for name, path in sorted(names.items()):
+        shutil.copy(path, libs / name)
+        os.chmod(libs / name, 0o755)
+    for file in [*ours, *libs.iterdir()]:
+        run("patchelf", "--set-rpath", "$ORIGIN" + {package / "bin/strake": "/../../strake.libs"}.get(
+            file, "" if file.parent == libs else "/../strake.libs"), file)
+    for file in [*ours, *libs.iterdir()]:
+        if glibc_of(file) > MAX_GLIBC:
+            raise SystemExit(f"make_wheel.py: {file.name} needs glibc {'.'.join(map(str, glibc_of(file)))}, newer than {MAX_GLIBC}")
+        stray = [path for path in needed(file).values() if pathlib.Path(path).resolve().parent != libs.resolve()]
+        if stray:
+            raise SystemExit(f"make_wheel.py: {file.name} finds {stray} outside of the wheel")
+
+
+MAIN = '''"""`python -m strake` and the command `strake`: the program."""
+import os
+import pathlib
+import sys
+
+
+def main():
+    program = pathlib.Path(__file__).parent / "bin" / "strake"
+    os.execv(program, [str(program), *sys.argv[1:]])
+
+
+if __name__ == "__main__":
+    main()
+'''
+
+
+def metadata(version, readme):
+    return (f"Metadata-Version: 2.1\nName: strake\nVersion: {version}\n"
+            "Summary: Shape optimization of triangulated surfaces without CAD\n"
+            "License: GPL-3.0-or-later\n"
+            "Classifier: Programming Language :: C++\nClassifier: Topic :: Scientific/Engineering\nClassifier: Typing :: Typed\n"
+            "Requires-Python: >=3.11,<3.12\nRequires-Dist: numpy>=1.24\n"
+            f"Description-Content-Type: text/markdown\n\n{readme}")
+
+
+def write(folder, info, tag, target):
+    """All files in order, with times of SOURCE_DATE_EPOCH and a RECORD of their hashes."""
+    when = __import__("time").gmtime(int(os.environ.get("SOURCE_DATE_EPOCH", "1000000000")))[:6]
+    record = io.StringIO()
+    rows = csv.writer(record, lineterminator="\n")
+    (folder / info / "WHEEL").write_text(f"Wheel-Version: 1.0\nGenerator: strake\nRoot-Is-Purelib: false\nTag: {tag}\n")
+    with zipfile.ZipFile(target, "w", zipfile.ZIP_DEFLATED) as out:
+        def add(name, data, mode):
+            item = zipfile.ZipInfo(name, when)
+            item.external_attr = (0o100000 | mode) << 16
+            item.compress_type = zipfile.ZIP_DEFLATED
+            out.writestr(item, data)
+        for file in sorted(p for p in folder.rglob("*") if p.is_file()):
+            name, data = file.relative_to(folder).as_posix(), file.read_bytes()
+            digest = base64.urlsafe_b64encode(hashlib.sha256(data).digest()).rstrip(b"=").decode()
+            rows.writerow([name, f"sha256={digest}", len(data)])
+            add(name, data, 0o755 if os.access(file, os.X_OK) else 0o644)
+        rows.writerow([f"{info}/RECORD", "", ""])
+        add(f"{info}/RECORD", record.getvalue(), 0o644)
+
+
+def main():
+    version, installed, work, dist = sys.argv[1], *map(pathlib.Path, sys.argv[2:])
+    root = pathlib.Path(__file__).resolve().parents[1]
+    shutil.rmtree(work, ignore_errors=True)
+    package = work / "strake"
+    shutil.copytree(installed / "lib/python3/dist-packages/strake", package)
+    (package / "bin").mkdir()
+    shutil.copy(installed / "bin/strake", package / "bin/strake")
+    (package / "__main__.py").write_text(MAIN)
+    bundle(package, work / "strake.libs")
+    info = f"strake-{version}.dist-info"
+    (work / info).mkdir()
+    (work / info / "METADATA").write_text(metadata(version, (root / "README.md").read_text(encoding="utf-8")), encoding="utf-8")
+    (work / info / "entry_points.txt").write_text("[console_scripts]\nstrake = strake.__main__:main\n")
+    shutil.copy(root / "LICENSE", work / info / "LICENSE")
+    machine = sysconfig.get_platform().replace("-", "_").replace(".", "_").replace("linux", "manylinux_{}_{}".format(*MAX_GLIBC))
+    tag = f"cp311-cp311-{machine}"
+    write(work, info, tag, dist / f"strake-{version}-{tag}.whl")
+
+
+if __name__ == "__main__":
+    main()

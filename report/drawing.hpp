@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <string>

@@ -33,9 +33,9 @@ struct Example {
 
 /// Of every kind, also away from the coordinate axes.
 std::vector<Example> examples() {
-    std::vector<Example> all{{extruded_section(24, 5), {Type::extruded, Vector3d::UnitY(), {}, 1}},
-                             {body_of_revolution(16, 12), {Type::revolved, Vector3d::UnitX(), {}, 1}},
-                             {cyclic_body(6, 3), {Type::cyclic, Vector3d::UnitX(), {}, 6}}};
+    std::vector<Example> all{{extruded_section(24, 5), {Type::extruded, Vector3d::UnitY(), Vector3d::Zero(), 1}},
+                             {body_of_revolution(16, 12), {Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1}},
+                             {cyclic_body(6, 3), {Type::cyclic, Vector3d::UnitX(), Vector3d::Zero(), 6}}};
     const Eigen::AngleAxisd turn(0.7, Vector3d(1, 2, -0.5).normalized());
     const std::size_t straight = all.size();
     for (std::size_t i = 0; i < straight; ++i) {
@@ -72,7 +72,7 @@ TEST(Invariance, OfAHalfIsThatOfTheWhole) {
     const SymmetryPlane plane{Vector3d::UnitY(), 0};
     std::vector<int> number;
     const TriMesh half = part_above(whole, plane, number);
-    const ShapeKind kind{Type::revolved, Vector3d::UnitX(), {}, 1};
+    const ShapeKind kind{Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1};
     const Invariance of_whole(whole, kind), of_half(half, kind, 1e-6, plane);
     Points u(whole.num_vertices(), 3);
     for (int v = 0; v < whole.num_vertices(); ++v) {
@@ -122,10 +122,10 @@ TEST(Invariance, RefusesAnotherBodyWithPlaceAndDeviation) {
         EXPECT_NE(words.find("by "), std::string::npos) << words;
         EXPECT_NE(words.find("limit"), std::string::npos) << words;
     }
-    EXPECT_NE(refusal(icosphere(2), {Type::extruded, Vector3d::UnitY(), {}, 1}), "");
-    EXPECT_NE(refusal(box_surface({1, 2, 3}, 3), {Type::revolved, Vector3d::UnitY(), {}, 1}), "");
-    EXPECT_NE(refusal(icosphere(2), {Type::cyclic, Vector3d::UnitX(), {}, 7}), "");
-    EXPECT_NE(refusal(icosphere(2), {Type::cyclic, Vector3d::UnitX(), {}, 1}), "") << "count";
+    EXPECT_NE(refusal(icosphere(2), {Type::extruded, Vector3d::UnitY(), Vector3d::Zero(), 1}), "");
+    EXPECT_NE(refusal(box_surface({1, 2, 3}, 3), {Type::revolved, Vector3d::UnitY(), Vector3d::Zero(), 1}), "");
+    EXPECT_NE(refusal(icosphere(2), {Type::cyclic, Vector3d::UnitX(), Vector3d::Zero(), 7}), "");
+    EXPECT_NE(refusal(icosphere(2), {Type::cyclic, Vector3d::UnitX(), Vector3d::Zero(), 1}), "") << "count";
     EXPECT_NE(refusal(icosphere(2), {Type::revolved, Vector3d(2, 0, 0), {}, 1}), "") << "length";
 }
 
@@ -163,7 +163,7 @@ TEST(Invariance, FieldsOfTheKindKeepIt) {
 
 /// What a designer means on a body of revolution: another contour. Its radius becomes another function of x.
 TEST(Invariance, FieldsMakeAnotherContour) {
-    const Example example{body_of_revolution(16, 24), {Type::revolved, Vector3d::UnitX(), {}, 1}};
+    const Example example{body_of_revolution(16, 24), {Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1}};
     FieldConditions conditions;
     conditions.kind = example.kind;
     const DisplacementFields fields(example.mesh, conditions, {12, {}});

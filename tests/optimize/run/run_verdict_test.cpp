@@ -235,9 +235,10 @@ TEST(RunVerdict, CountsAgreeEverywhere) {
         int sum = 0;
         for (const LevelSummary& level : r.levels) {
             sum += level.evaluations;
-            if (says(level.stop, "limit of evaluations"))
+            if (says(level.stop, "limit of evaluations")) {
                 EXPECT_TRUE(says(level.stop, text("reached (", level.evaluations)))
                     << level.stop << ", " << level.evaluations;
+            }
         }
         EXPECT_EQ(sum, r.evaluations);
         if (r.status != "budget" || !says(r.reason, "limit of evaluations")) continue;

@@ -106,10 +106,11 @@ TEST(Capability, TheTurnAtTheBorderIsToldAndASmoothOneIsSmall) {
         for (int b = 0; b < 12; ++b)
             most = std::max(most,
                             border_turn(*rest, pinned_triangles(*rest), fields.field(b), 0.1 * rest->diagonal).degrees);
-        if (is_smooth)
+        if (is_smooth) {
             EXPECT_LT(most, 2);
-        else
+        } else {
             EXPECT_GT(most, 2);
+        }
     }
 }
 

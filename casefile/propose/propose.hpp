@@ -25,7 +25,7 @@ enum class ProposedWay {
 };
 
 struct ProposalOptions {
-    int evaluations = 60;  ///< budget, >= 1
+    int evaluations = 60;                    ///< budget, >= 1
     ProposedHold hold = ProposedHold::band;  ///< not of `ProposedWay::fields`, which hold nothing
     ProposedWay way = ProposedWay::shell;
     std::string reason;  ///< why this way, for the case and `found`; empty: nothing is said

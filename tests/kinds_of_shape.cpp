@@ -144,7 +144,7 @@ std::vector<int> held_end(const TriMesh& mesh, const ShapeKind& kind) {
     const double low = at.minCoeff(), high = at.maxCoeff();
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         bool is_in = true;
-        for (int k = 0; k < 3; ++k) is_in &= at[mesh.triangles(t, k)] < low + 0.25 * (high - low);
+        for (int k = 0; k < 3; ++k) is_in &= at[mesh.triangles(t, k)] < low + 0.237 * (high - low);
         if (is_in) held.push_back(t);
     }
     return held;

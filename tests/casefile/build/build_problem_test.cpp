@@ -67,18 +67,20 @@ TEST_F(BuildProblem, EmptyAndWrongRegionsAreAllNamedAtOnce) {
     surface(strip(4, 1, 8, 2));
     folder.write("list.txt", "0\n12x\n");
     folder.write("far.txt", "0\n32\n");
-    EXPECT_EQ(error(R"(regions:
+    EXPECT_EQ(
+        error(R"(regions:
   far:  {box: [[10, 0, 0], [11, 1, 0]]}
   two:  {component: 1}
   list: {triangles: list.txt}
   out:  {triangles: far.txt}
 )",
-                    Purpose::deform),
-              "case.yaml:4:15: region 'far' holds no triangle; a triangle is inside when its three vertices are; the "
-              "surface's box is [[0, 0, 0], [4, 1, 0]]\n"
-              "case.yaml:5:21: component 1 must be below 1, the number of connected pieces of the surface\n"
-              "case.yaml:6:21: list.txt:2: '12x' must be an integer\n"
-              "case.yaml:7:21: far.txt:2: triangle 32 must be in [0, 32)");
+              Purpose::deform),
+        "case.yaml:4:15: region 'far' holds no triangle: a triangle is inside when its three vertices are; triangle 14 "
+        "comes nearest, and would be inside if each face of the box were 6.5 farther out; the surface's box is [[0, 0, "
+        "0], [4, 1, 0]]\n"
+        "case.yaml:5:21: component 1 must be below 1, the number of connected pieces of the surface\n"
+        "case.yaml:6:21: list.txt:2: '12x' must be an integer\n"
+        "case.yaml:7:21: far.txt:2: triangle 32 must be in [0, 32)");
 }
 
 TEST_F(BuildProblem, HeightsFollowTheRegionsWithTheLogMeanBetween) {

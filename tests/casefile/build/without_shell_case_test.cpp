@@ -19,6 +19,10 @@ TEST_F(CaseWithoutShell, TakesEveryDirtyBodyWithAllFields) {
     for (const std::string& kind : example::dirty_body_kinds()) {
         const TriMesh mesh = example::dirty_body(kind);
         surface(mesh);
+        if (kind == "doubled_faces") {  // each a second time, turned over
+            EXPECT_TRUE(contains(error(dirty), "encloses no volume")) << error(dirty);
+            continue;
+        }
         const Problem problem = build(dirty).problem;
         EXPECT_FALSE(problem.has_shell) << kind;
         EXPECT_EQ(problem.surface.triangles, mesh.triangles) << kind << ": nothing is mended";

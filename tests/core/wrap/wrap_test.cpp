@@ -59,11 +59,10 @@ TEST(Wrap, IsClosedEvenAndOutside) {
         }
         std::nth_element(quality.begin(), quality.begin() + quality.size() / 20, quality.end());
         EXPECT_GT(quality[quality.size() / 20], 0.75) << kind;
-        const ClosestPointTree near(wrap.mesh);
+        const ClosestPointTree near(body);
         double farthest = 0;
         for (int v = 0; v < wrap.mesh.num_vertices(); ++v)
-            farthest =
-                std::max(farthest, ClosestPointTree(body).find(wrap.mesh.vertices.row(v)).distance * (v % 97 == 0));
+            farthest = std::max(farthest, near.find(wrap.mesh.vertices.row(v)).distance);
         EXPECT_LT(farthest, 3 * wrap.alpha) << kind;
     }
 }
@@ -103,7 +102,7 @@ TEST(Wrap, TakesACoarserSecondTryWhereTimeIsShort) {
     TriMesh two = box_surface({1, 1, 1}, 4);
     const int n = two.num_vertices(), m = two.num_triangles();
     two.vertices.conservativeResize(2 * n, 3);
-    two.vertices.bottomRows(n) = two.vertices.topRows(n).rowwise() + Eigen::RowVector3d(1.4, 0, 0);
+    two.vertices.bottomRows(n) = two.vertices.topRows(n).rowwise() + Eigen::RowVector3d(1.7, 0, 0);
     two.triangles.conservativeResize(2 * m, 3);
     two.triangles.bottomRows(m) = two.triangles.topRows(m).array() + n;
     options = {0.3, 0.1, 0.2, 20};

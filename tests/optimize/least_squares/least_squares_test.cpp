@@ -162,7 +162,7 @@ TEST_P(LeastSquaresBy, StopsWhenAskedAndAtItsLimit) {
 TEST_P(LeastSquaresBy, LinearProblemsEndAtTheirSolutionWithinTheBounds) {
     RowMajorMatrix J(7, 3);
     for (int i = 0; i < 7; ++i)
-        for (int j = 0; j < 3; ++j) J(i, j) = std::sin(3.0 * i + 1.7 * j * j + 1);
+        for (int j = 0; j < 3; ++j) J(i, j) = std::sin(0.9 * i * (j + 1) + j);
     const Eigen::Vector3d best(0.3, -0.8, 2);
     LeastSquares p{Eigen::Vector3d::Zero(), Eigen::Vector3d::Constant(-5), Eigen::Vector3d::Constant(5), 7, {}, {}};
     p.evaluate = [&](const VectorXd& x, VectorXd& r, RowMajorMatrix* jacobian) {

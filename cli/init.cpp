@@ -147,6 +147,11 @@ void write_patches(const fs::path& file, const Problem& problem) {
     write_vtp(file, problem.surface, {}, cells);
 }
 
+/// Too few triangles for whatever way.
+struct TooCoarse : InvalidInput {
+    using InvalidInput::InvalidInput;
+};
+
 /// The proposal as a problem. A few large triangles cannot be told apart by regions: the user never sees that case.
 BuiltProblem tried_problem(const Case& the_case, const InitArguments& args) {
     constexpr int few = 100;
@@ -155,10 +160,10 @@ BuiltProblem tried_problem(const Case& the_case, const InitArguments& args) {
     } catch (const CaseError& error) {
         const int triangles = read_surface(the_case.surface).mesh.num_triangles();
         if (triangles > few || error.diagnostics.empty()) throw;
-        throw InvalidInput(text("init: ", printable(args.surface, 400), ": its ", triangles,
-                                " triangles are too large for regions (", error.diagnostics.front().message,
-                                "); refine it first, for example strake remesh ", typed_path(args.surface),
-                                " -o fine.stl --edge-length 5%"));
+        throw TooCoarse(text("init: ", printable(args.surface, 400), ": its ", triangles,
+                             " triangles are too large for regions (", error.diagnostics.front().message,
+                             "); refine it first, for example strake remesh ", typed_path(args.surface),
+                             " -o fine.stl --edge-length 5%"));
     }
 }
 
@@ -187,6 +192,8 @@ Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWa
         made.notes = check_shell(the_case, made.built->problem);
         made.trial = try_deformations(made.built->problem, max_trial_seconds);
     } catch (const OutputError&) {
+        throw;
+    } catch (const TooCoarse&) {
         throw;
     } catch (const std::exception& error) {
         made.refused = std::current_exception();

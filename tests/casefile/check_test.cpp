@@ -64,12 +64,13 @@ TEST_F(Check, TenBrokenCases) {
         {with("loads: [{region: a, traction: [0, .nan, 0]}]\n"),
          "case.yaml:7:35: loads[0].traction[1] = .nan must be a finite number\n", 2},
         {"case: c\nsurface: {file: s.obj}\nregions: {b: {box: [[5, 5, 5], [6, 6, 6]]}}\n",
-         "case.yaml:3:20: region 'b' holds no triangle; a triangle is inside when its three vertices are; the "
-         "surface's "
-         "box is [[0, 0, 0], [1, 1, 1]]\n",
+         "case.yaml:3:20: region 'b' holds no triangle: a triangle is inside when its three vertices are; triangle 0 "
+         "comes nearest, and would be inside if each face of the box were 5 farther out; the surface's box is [[0, 0, "
+         "0], [1, 1, 1]]\n",
          2},
         {with("case: [unclosed\n"), "case.yaml:8:1: not YAML: end of sequence flow not found\n", 2},
-        {with("objective: {maximize: volume}\n", "open.obj"), "volume needs a closed surface; close the holes", 3},
+        {with("objective: {maximize: volume}\n", "open.obj"),
+         "volume needs a closed surface; 1 of them lie in the plane x = 0 (a half model?", 3},
         {with("", "cut.obj"), "cut.obj:2: ", 3},
         {"case: c\nsurface: {file: s.obj}\nshell: {thickness: 1}\nparameters: {levels: [20deg]}\n", "case.yaml: ", 1},
     };

@@ -103,6 +103,7 @@ TEST(Differences, AStepThatIsTooShortIsFollowedBeforeTheNextGradient) {
 /// Rejected steps teach the curvature that the values rise by; at the end all that they rise by is noise.
 TEST(Noise, IsNotHandedOnAsCurvature) {
     int ended_in_noise = 0;
+    std::string reasons;
     for (const double bias : {0.01, 0.03, 0.1, 0.3, 1.0}) {
         Bowl bowl(6);
         const MatrixXd exact = bowl.hessian;
@@ -124,11 +125,12 @@ TEST(Noise, IsNotHandedOnAsCurvature) {
         how.max_evaluations = 300;
         how.confirm = false;
         const MinimizeResult r = minimize(p, how);
+        reasons += r.reason + "\n";
         if (r.stop != MinimizeStop::roundoff) continue;
         ++ended_in_noise;
         EXPECT_LT(mean_curvature(r.hessian, exact), 10) << "bias " << bias;
     }
-    EXPECT_GE(ended_in_noise, 1);
+    EXPECT_GE(ended_in_noise, 1) << reasons;
 }
 
 /// Volume of an ellipsoid under an area limit, by values only.

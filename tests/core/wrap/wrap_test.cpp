@@ -98,11 +98,11 @@ TEST(Wrap, TakesACoarserSecondTryWhereTimeIsShort) {
         for (std::size_t at = 0; (at = words.find("takes longer", at)) != std::string::npos; ++at) ++tries;
         EXPECT_EQ(tries, 3u) << words;
     }
-    // Two clusters farther apart than alpha become one when it is doubled.
+    // Two boxes 1.2 apart, 1 between their offsets: a ball of radius 0.3 passes there, one of 0.6 does not.
     TriMesh two = box_surface({1, 1, 1}, 4);
     const int n = two.num_vertices(), m = two.num_triangles();
     two.vertices.conservativeResize(2 * n, 3);
-    two.vertices.bottomRows(n) = two.vertices.topRows(n).rowwise() + Eigen::RowVector3d(1.7, 0, 0);
+    two.vertices.bottomRows(n) = two.vertices.topRows(n).rowwise() + Eigen::RowVector3d(2.2, 0, 0);
     two.triangles.conservativeResize(2 * m, 3);
     two.triangles.bottomRows(m) = two.triangles.topRows(m).array() + n;
     options = {0.3, 0.1, 0.2, 20};

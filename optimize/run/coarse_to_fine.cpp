@@ -26,7 +26,6 @@ public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
-        state_.evaluator.limit_motion();
     }
 
     RunResult run() {
@@ -44,6 +43,7 @@ public:
 
 private:
     void walk() {
+        state_.evaluator.limit_motion();
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -113,8 +113,10 @@ private:
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
-            state_.note("refinement: there are no sensitivities to choose by, every patch is split");
             next = refined_everywhere(state_.space);
+            const auto more = next->fields.numbers.size() - state_.space.fields.numbers.size();
+            state_.note(text("refinement: there are no sensitivities to choose by, every patch is split",
+                             more > 0 ? text(", and the next ", more, " fields are taken") : ""));
             return true;
         }
         const ShellSensitivities lagrangian = program_.lagrangian();

@@ -35,6 +35,8 @@ ProgramEnd end_of(const std::exception_ptr& thrown) {
         return {surface_file, said(e)};
     } catch (const OutputError& e) {
         return {output_failed, said(e)};
+    } catch (const Interrupted&) {
+        return {interrupted, "strake: interrupted; nothing was begun that could be continued"};
     } catch (const UnheldPart& e) {
         return {run_failed, said(e)};
     } catch (const SolverError& e) {

@@ -64,6 +64,95 @@ std::optional<Beginning> beginning_in(const fs::path& dir) {
     return {};
 }
 
+/// What the keys of the case meant to the run (`JournalFacts::meaning`), as its case.yaml says; 0: it does not.
+int meaning_in(const fs::path& dir) {
+    std::istringstream yaml(text_of(dir / "case.yaml"));
+    std::string line;
+    for (int k = 0; k < 2 && std::getline(yaml, line); ++k)
+        if (line.starts_with(meaning_note)) return line.substr(std::string(meaning_note).size()) == "1" ? 1 : 2;
+    return 0;
+}
+
+JournalFacts facts_from(const Case& the_case, const Beginning& began, const fs::path& dir) {
+    JournalFacts facts;
+    facts.case_yaml = resolved_case(the_case, dir);
+    facts.case_dir = began.case_dir;
+    facts.is_fit = began.is_fit;
+    facts.host = host_name();
+    facts.meaning = meaning_in(dir);
+    if (facts.meaning == 0) {
+        facts.meaning = 1;
+        say("note: {} does not say which version of Strake began the run: it goes on as before 0.2, where "
+            "max_displacement bounds variables\n",
+            printable((dir / "case.yaml").string(), 400));
+    }
+    names_of_history(dir, facts);
+    facts.files = file_hashes(the_case);
+    return facts;
+}
+
+/// Where the damaged journal is kept: a name that is free.
+fs::path kept_name(const fs::path& dir) {
+    std::error_code why;
+    fs::path name = dir / "journal.damaged.sqlite";
+    for (int k = 2; fs::exists(name, why); ++k) name = dir / text("journal.damaged.", k, ".sqlite");
+    return name;
+}
+
+/// The journal's files are renamed, and have their names again unless the new journal is there.
+class SetAside {
+public:
+    SetAside(fs::path dir, fs::path kept) : dir_(std::move(dir)), kept_(std::move(kept)) {
+        std::error_code why;
+        for (const char* name : journal_files) {
+            if (!fs::exists(dir_ / name, why)) continue;
+            fs::rename(dir_ / name, kept_name_of(name), why);
+            if (!why) continue;
+            const std::string words = text((dir_ / name).string(), ": cannot be renamed: ", why.message());
+            bring_back();
+            throw OutputError(words);
+        }
+    }
+    SetAside(const SetAside&) = delete;
+    SetAside& operator=(const SetAside&) = delete;
+    ~SetAside() {
+        if (!is_done_) bring_back();
+    }
+    void done() { is_done_ = true; }
+
+private:
+    fs::path kept_name_of(const std::string& name) const {
+        return kept_.string() + name.substr(std::string("journal.sqlite").size());
+    }
+    void bring_back() const {
+        std::error_code ignored;
+        for (const char* name : journal_files) {
+            fs::remove(dir_ / name, ignored);
+            if (fs::exists(kept_name_of(name), ignored)) fs::rename(kept_name_of(name), dir_ / name, ignored);
+        }
+    }
+    fs::path dir_, kept_;
+    bool is_done_ = false;
+};
+
+/// Where those of the journal are lost. A run that went on has had a larger limit than its case says.
+std::vector<RunLimits> limits_from(const OptimizeOptions& options, int evaluations) {
+    std::vector<RunLimits> limits{{0, options.max_evaluations, options.max_seconds}};
+    if (evaluations > options.max_evaluations)
+        limits.push_back({options.max_evaluations, evaluations, options.max_seconds});
+    return limits;
+}
+
+/// With every limit where it came into force: a search ends a level by the limit of its time.
+std::unique_ptr<Journal> journal_with(const fs::path& file, const JournalFacts& facts,
+                                      const std::vector<RunLimits>& limits, const SalvagedJournal& saved) {
+    std::unique_ptr<Journal> journal = Journal::create(file, facts, limits[0]);
+    for (std::size_t k = 1; k < limits.size(); ++k) journal->add(limits[k]);
+    for (const JournalCall& call : saved.calls) journal->add(call);
+    for (const JournalEvaluation& evaluation : saved.evaluations) journal->add(evaluation);
+    return journal;
+}
+
 std::string typed(const fs::path& dir) { return typed_path(dir.string()); }
 
 }  // namespace
@@ -101,36 +190,20 @@ void check_against_history(const Journal& journal, const fs::path& dir) {
 }
 
 std::unique_ptr<Journal> rebuilt_journal(const fs::path& dir) {
-    const fs::path kept = dir / "journal.damaged.sqlite";
+    const fs::path kept = kept_name(dir);
     std::error_code why;
-    if (fs::exists(kept, why))
-        throw InvalidInput(text(kept.string(), ": is there already; rename it first, so that nothing is overwritten"));
     const int rows = history_rows(dir), folders = evaluation_folders(dir);
     constexpr int more = 1000;  // parallel evaluations ahead of the history's last one
     const SalvagedJournal saved = salvaged_journal(dir / "journal.sqlite", rows + more);
-    JournalFacts facts;
-    if (saved.facts) facts = *saved.facts;
-    const Beginning began = saved.facts ? Beginning{facts.is_fit, facts.case_dir} : beginning_of(dir);
+    if (saved.facts && !fs::exists(dir / "case.yaml", why)) write_atomically(dir / "case.yaml", saved.facts->case_yaml);
+    const Beginning began = saved.facts ? Beginning{saved.facts->is_fit, saved.facts->case_dir} : beginning_of(dir);
     const Case the_case = load_case(dir / "case.yaml", began.is_fit ? Purpose::fit : Purpose::run, began.case_dir);
-    if (!saved.facts) {
-        facts.case_yaml = resolved_case(the_case, dir);
-        facts.case_dir = began.case_dir;
-        facts.is_fit = began.is_fit;
-        facts.host = host_name();
-        names_of_history(dir, facts);
-        facts.files = file_hashes(the_case);
-    }
+    const JournalFacts facts = saved.facts ? *saved.facts : facts_from(the_case, began, dir);
     std::vector<RunLimits> limits = saved.limits;
-    if (limits.empty()) limits = {{0, the_case.optimize.max_evaluations, the_case.optimize.max_seconds}};
-    for (const char* name : journal_files)
-        if (fs::exists(dir / name, why)) {
-            fs::rename(dir / name, kept.string() + std::string(name).substr(std::string("journal.sqlite").size()), why);
-            if (why) throw OutputError(text((dir / name).string(), ": cannot be renamed: ", why.message()));
-        }
-    std::unique_ptr<Journal> journal = Journal::create(dir / "journal.sqlite", facts, limits[0]);
-    for (const JournalCall& call : saved.calls) journal->add(call);
-    for (const JournalEvaluation& evaluation : saved.evaluations) journal->add(evaluation);
-    journal->set_limits(limits.back().evaluations, limits.back().seconds);
+    if (limits.empty()) limits = limits_from(the_case.optimize, rows);
+    SetAside old(dir, kept);
+    std::unique_ptr<Journal> journal = journal_with(dir / "journal.sqlite", facts, limits, saved);
+    old.done();
     const bool is_kept = fs::exists(kept, why);
     say("strake: rebuilt the journal: {} of {} evaluations and {} answers of programs were read from the damaged "
         "one{}; {} "

@@ -181,7 +181,8 @@ void add_sweep(CLI::App& app) {
         ->required()
         ->expected(1)
         ->take_all();
-    command->add_option("--level", args->level, "level of the patches (default: 1)")->check(CLI::Range(1, 1000));
+    command->add_option("--level", args->level, "level of the patches (default: 1); 0 is that of displacement fields")
+        ->check(CLI::Range(0, 1000));
     command->add_option("-o,--out,--output", args->out, "also write the table to this file (CSV)");
     command->add_option("--keep", args->keep,
                         "new or empty folder to keep the files of the case's programs, one subfolder for each point");

@@ -42,12 +42,12 @@ KeepPolicy keep_policy(Keep wanted) {
     return KeepPolicy::all;
 }
 
-/// The first line of case.yaml, a comment: what a run that has no journal yet is started from.
-std::string begin_note(const Case& the_case, bool is_fit) {
+/// The first lines of case.yaml, comments: what a run that has no journal yet, or no more, is started from.
+std::string begin_note(const Case& the_case, bool is_fit, int meaning) {
     const std::string dir = case_dir(the_case).string();
     for (const char c : dir)
         if (static_cast<unsigned char>(c) < ' ' || c == 127) return "";
-    return text("# ", is_fit ? "fit" : "run", " of a case in ", dir, "\n");
+    return text("# ", is_fit ? "fit" : "run", " of a case in ", dir, "\n", meaning_note, meaning, "\n");
 }
 
 std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
@@ -97,7 +97,8 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
     const RunEvents events = recorded(folder, also, has_evaluated);
     try {
         // Before the journal: a run that is killed in between can be started from it.
-        folder.write_case(begin_note(the_case, is_fit) + resolved_case(the_case, the_case.output.dir));
+        const int meaning = journal ? journal->facts().meaning : JournalFacts().meaning;
+        folder.write_case(begin_note(the_case, is_fit, meaning) + resolved_case(the_case, the_case.output.dir));
         if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
         if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
         folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview),

@@ -11,6 +11,9 @@
 /// The search of a case, recorded in the run folder.
 namespace strake {
 
+/// The second line of case.yaml, before a number: what the keys mean to the run (`JournalFacts::meaning`).
+inline constexpr const char* meaning_note = "# meaning of its keys: ";
+
 /// Runs (or fits) and writes journal, history and designs. A run that fails before its first evaluation leaves no
 /// folder behind, and the corrected case can use the same one; a run that fails later leaves a report.
 /// @param also further callbacks. @param journal of a run that continues; null: a new one. @param warn receives a

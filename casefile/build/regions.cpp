@@ -15,7 +15,8 @@
 namespace strake {
 namespace {
 
-constexpr double border_rel = 1e-9;  ///< of the diagonal: points on the border are inside
+constexpr double border_rel = 1e-9;       ///< of the diagonal: points on the border are inside
+constexpr std::size_t max_made_of = 500;  ///< regions one from another: far below what the stack bears
 
 template <class Inside>
 std::vector<int> triangles_with(const TriMesh& mesh, bool touches, const Inside& inside) {
@@ -243,6 +244,9 @@ const std::vector<int>& RegionSets::triangles(int k) {
     if (known.state == Known::State::open) refuse_circle(k);
     if (known.state == Known::State::refused)
         throw InvalidInput(text("region '", region.name, "' has an error of its own"));
+    if (path_.size() >= max_made_of)
+        throw InvalidInput(text("region '", regions_[path_.front()].name, "' is made of more than ", max_made_of,
+                                " regions, one from another; name its parts directly"));
     known.state = Known::State::open;
     path_.push_back(k);
     try {

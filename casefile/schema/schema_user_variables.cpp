@@ -10,8 +10,9 @@ std::vector<Key> field_keys() {
          .type = Type::integer,
          .doc =
              "Displacement fields as level 0 of the design space: smooth motions of the whole body, zero on what is "
-             "fixed, in front of the patches. auto: 27 at first, then those up to 192 that the gradient asks for; or a "
-             "number. They sweep, taper, thicken, flatten and swell, which a shell resists.",
+             "fixed, in front of the patches. auto: 27 at first; with split: sensitivity then those up to 192 that the "
+             "gradient asks for, else 60 and 192 on the next levels; or a number. They sweep, taper, thicken, flatten "
+             "and swell, which a shell resists.",
          .fallback = "none",
          .limits = {1, 600},
          .words = {"none", "auto"}},
@@ -25,8 +26,9 @@ std::vector<Key> field_keys() {
         {.path = "parameters.fields", .doc = "Displacement fields with what they act on."},
         {.path = "parameters.fields.number",
          .type = Type::integer,
-         .doc = "Number of fields: 6, 12, 27, 60 or any other; the first of a larger number. auto: 27 at first, then "
-                "those up to 192 that the gradient asks for.",
+         .doc = "Number of fields: 6, 12, 27, 60 or any other; the first of a larger number. auto: 27 at first; with "
+                "split: sensitivity then those up to 192 that the gradient asks for, else 60 and 192 on the next "
+                "levels.",
          .fallback = "auto",
          .limits = {1, 600},
          .words = {"auto"}},

@@ -25,7 +25,9 @@ using Coefficients = Eigen::Matrix<double, Eigen::Dynamic, 3>;
 /// A motion of which less than this is not done by those before it is left out: scaled up, it would be noise.
 constexpr double min_own_share = 1e-3;
 constexpr int max_number = 600;
-constexpr double on_plane = 1e-6;  ///< of the largest half extent: such vertices lie on the plane of the cut
+constexpr int max_ramps = 4;        ///< a product of more leaves next to nothing between them
+constexpr double same_area = 1e-6;  ///< mirror images agree but for rounding
+constexpr double on_plane = 1e-6;   ///< of the largest half extent: such vertices lie on the plane of the cut
 
 /// Triangles that share a vertex belong together.
 std::vector<std::vector<int>> connected(const TriMesh& mesh, const std::vector<int>& triangles) {
@@ -61,31 +63,118 @@ struct CutOff {
     Points gradient;  ///< at the centroids
 };
 
-CutOff cut_off(const TriMesh& rest, const Points& centroid, const std::vector<int>& held, bool is_smooth) {
-    const Eigen::Index n = rest.num_vertices(), m = rest.num_triangles();
-    CutOff cut{VectorXd::Ones(n), VectorXd::Ones(m), Points::Zero(m, 3)};
-    for (const std::vector<int>& part : connected(rest, held)) {
-        const ClosestPointTree closest(part_of(rest, part));
-        VectorXd distance(n);
-        for (Eigen::Index v = 0; v < n; ++v) distance[v] = closest.find(rest.vertices.row(v)).distance;
-        for (const int t : part)
-            for (int k = 0; k < 3; ++k) distance[rest.triangles(t, k)] = 0;
-        const double largest = distance.maxCoeff();
-        if (!(largest > 0)) throw InvalidInput("fields: all of the surface is held");
-        const Eigen::ArrayXd ramps = distance.array() / largest;
-        cut.at_vertices.array() *= is_smooth ? Eigen::ArrayXd(ramps.square()) : ramps;
-        for (Eigen::Index t = 0; t < m; ++t) {
+/// A connected held part, and in the whole of a half model its mirror image.
+struct HeldPart {
+    std::vector<int> triangles;
+    double area = 0;         ///< in the whole, of one of the two
+    bool has_image = false;  ///< apart from it: a part that touches the plane is one with its image
+    int count() const { return has_image ? 2 : 1; }
+};
+
+std::vector<HeldPart> held_parts(const TriMesh& rest, const std::vector<int>& held,
+                                 const std::optional<SymmetryPlane>& cut) {
+    const VectorXd area = triangle_areas(rest);
+    const double reach =
+        on_plane * 0.5 * (rest.vertices.colwise().maxCoeff() - rest.vertices.colwise().minCoeff()).maxCoeff();
+    std::vector<HeldPart> parts;
+    for (std::vector<int>& triangles : connected(rest, held)) {
+        HeldPart part{std::move(triangles), 0, cut.has_value()};
+        for (const int t : part.triangles) {
+            part.area += area[t];
+            for (int k = 0; cut && k < 3; ++k)
+                part.has_image &=
+                    std::abs(cut->normal.dot(rest.vertices.row(rest.triangles(t, k))) - cut->offset) > reach;
+        }
+        if (cut && !part.has_image) part.area *= 2;
+        parts.push_back(std::move(part));
+    }
+    return parts;
+}
+
+/// The largest parts stay as they are, as long as they are few; the others become one. Parts of the same size go
+/// together, so that a half model does what the whole does.
+std::vector<HeldPart> with_small_ones_joined(std::vector<HeldPart> parts) {
+    std::stable_sort(parts.begin(), parts.end(), [](const HeldPart& a, const HeldPart& b) { return a.area > b.area; });
+    std::size_t own = 0;
+    for (int count = 0; own < parts.size();) {
+        std::size_t end = own;
+        for (; end < parts.size() && parts[end].area > (1 - same_area) * parts[own].area; ++end)
+            count += parts[end].count();
+        if (count > max_ramps) break;
+        own = end;
+    }
+    if (own == parts.size()) return parts;
+    HeldPart joined;  // of it and its image the part itself is the nearer one everywhere in the half
+    for (std::size_t p = own; p < parts.size(); ++p)
+        joined.triangles.insert(joined.triangles.end(), parts[p].triangles.begin(), parts[p].triangles.end());
+    parts.resize(own);
+    parts.push_back(std::move(joined));
+    return parts;
+}
+
+/// Multiplies the cut-off by the ramp of one part: its distance over the largest one of a vertex.
+class Ramp {
+public:
+    Ramp(const TriMesh& rest, const HeldPart& part, const std::optional<SymmetryPlane>& cut, bool is_smooth)
+        : rest_(rest),
+          closest_(part_of(rest, part.triangles)),
+          cut_(part.has_image ? cut : std::nullopt),
+          is_smooth_(is_smooth),
+          distance_(rest.num_vertices()) {
+        for (Eigen::Index v = 0; v < distance_.size(); ++v) distance_[v] = closest_.find(rest.vertices.row(v)).distance;
+        for (const int t : part.triangles)
+            for (int k = 0; k < 3; ++k) distance_[rest.triangles(t, k)] = 0;
+        largest_ = distance_.maxCoeff();
+        if (!cut_) return;
+        of_image_.resize(distance_.size());
+        for (Eigen::Index v = 0; v < distance_.size(); ++v)
+            of_image_[v] = closest_.find(mirrored(rest.vertices.row(v))).distance;
+        largest_ = std::max(largest_, of_image_.maxCoeff());
+    }
+
+    void multiply(CutOff& cut, const Points& centroid) const {
+        if (!(largest_ > 0)) throw InvalidInput("fields: all of the surface is held");
+        multiply_at_vertices(cut, distance_);
+        if (cut_) multiply_at_vertices(cut, of_image_);
+        for (Eigen::Index t = 0; t < rest_.num_triangles(); ++t) {
             const Vector3d x = centroid.row(t);
-            const ClosestPoint found = closest.find(x);
-            const double linear = found.distance / largest;
-            const double ramp = is_smooth ? linear * linear : linear;
-            const Vector3d slope =
-                (is_smooth ? 2 * linear : 1) *
-                (found.distance > 0 ? Vector3d((x - found.point) / (found.distance * largest)) : Vector3d::Zero());
-            cut.gradient.row(t) = ramp * cut.gradient.row(t) + cut.at_centroids[t] * slope.transpose();
-            cut.at_centroids[t] *= ramp;
+            multiply_at(cut, t, x, false);
+            if (cut_) multiply_at(cut, t, x, true);
         }
     }
+
+private:
+    Vector3d mirrored(const Vector3d& x) const { return x - 2 * (cut_->normal.dot(x) - cut_->offset) * cut_->normal; }
+    void multiply_at_vertices(CutOff& cut, const VectorXd& distance) const {
+        const Eigen::ArrayXd ramps = distance.array() / largest_;
+        cut.at_vertices.array() *= is_smooth_ ? Eigen::ArrayXd(ramps.square()) : ramps;
+    }
+    void multiply_at(CutOff& cut, Eigen::Index t, const Vector3d& x, bool of_image) const {
+        const Vector3d at = of_image ? mirrored(x) : x;
+        const ClosestPoint found = closest_.find(at);
+        const double linear = found.distance / largest_;
+        const double ramp = is_smooth_ ? linear * linear : linear;
+        Vector3d slope = Vector3d::Zero();
+        if (found.distance > 0)
+            slope = (is_smooth_ ? 2 * linear : 1) * (at - found.point) / (found.distance * largest_);
+        if (of_image) slope -= 2 * cut_->normal.dot(slope) * cut_->normal;
+        cut.gradient.row(t) = ramp * cut.gradient.row(t) + cut.at_centroids[t] * slope.transpose();
+        cut.at_centroids[t] *= ramp;
+    }
+
+    const TriMesh& rest_;
+    ClosestPointTree closest_;
+    std::optional<SymmetryPlane> cut_;  ///< the part has an image of its own behind it
+    bool is_smooth_;
+    VectorXd distance_, of_image_;
+    double largest_ = 0;
+};
+
+CutOff cut_off(const TriMesh& rest, const Points& centroid, const FieldConditions& conditions) {
+    const Eigen::Index n = rest.num_vertices(), m = rest.num_triangles();
+    CutOff cut{VectorXd::Ones(n), VectorXd::Ones(m), Points::Zero(m, 3)};
+    for (const HeldPart& part : with_small_ones_joined(held_parts(rest, conditions.held, conditions.cut)))
+        Ramp(rest, part, conditions.cut, conditions.smooth_border).multiply(cut, centroid);
     return cut;
 }
 
@@ -106,27 +195,56 @@ MatrixXd function_values(const FieldFrame& frame, const Points& x, const std::ve
     return values;
 }
 
-/// Where the field and its gradient are wanted.
-struct PointValues {
-    Vector3d value = Vector3d::Zero();
-    Matrix3d by_local = Matrix3d::Zero();  ///< column k: by the local coordinate k
-    PointValues(const FieldFrame& frame, const std::vector<Powers>& powers, const Coefficients& c, const Vector3d& x) {
+/// Legendre polynomials along the axes of the frame at one point; room for them is made once.
+class LocalFunctions {
+public:
+    LocalFunctions(const FieldFrame& frame, const std::vector<Powers>& powers) : frame_(frame) {
         std::array<int, 3> degree{0, 0, 0};
         for (const Powers& p : powers)
             for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
-        const Vector3d at = frame.local(x);
-        const LegendreValues a(at[0], degree[0]), b(at[1], degree[1]), d(at[2], degree[2]);
-        for (std::size_t f = 0; f < powers.size(); ++f) {
+        for (int k = 0; k < 3; ++k) along_[k] = LegendreValues(0, degree[k]);
+    }
+    void set(const Vector3d& x) {
+        const Vector3d at = frame_.local(x);
+        for (int k = 0; k < 3; ++k) along_[k].set(at[k]);
+    }
+    double value(const Powers& p) const {
+        return along_[0].value[p[0]] * along_[1].value[p[1]] * along_[2].value[p[2]];
+    }
+    /// By the local coordinate k, per length.
+    double slope(const Powers& p, int k) const {
+        double product = frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
+        for (int i = 0; i < 3; ++i) product *= i == k ? along_[i].slope[p[i]] : along_[i].value[p[i]];
+        return product;
+    }
+
+private:
+    const FieldFrame& frame_;
+    std::array<LegendreValues, 3> along_{LegendreValues(0, 0), LegendreValues(0, 0), LegendreValues(0, 0)};
+};
+
+/// The field and its gradient at a point.
+struct PointValues {
+    Vector3d value = Vector3d::Zero();
+    Matrix3d by_local = Matrix3d::Zero();  ///< column k: by the local coordinate k
+    /// @param used functions whose coefficients are not zero
+    PointValues(LocalFunctions& functions, const std::vector<Powers>& powers, const Coefficients& c,
+                const std::vector<std::size_t>& used, const Vector3d& x) {
+        functions.set(x);
+        for (const std::size_t f : used) {
             const Vector3d own = c.row(static_cast<Eigen::Index>(f));
-            const auto [i, j, k] = powers[f];
-            value += a.value[i] * b.value[j] * d.value[k] * own;
-            by_local.col(0) += a.slope[i] * b.value[j] * d.value[k] * own;
-            by_local.col(1) += a.value[i] * b.slope[j] * d.value[k] * own;
-            by_local.col(2) += a.value[i] * b.value[j] * d.slope[k] * own;
+            value += functions.value(powers[f]) * own;
+            for (int k = 0; k < 3; ++k) by_local.col(k) += functions.slope(powers[f], k) * own;
         }
-        for (int k = 0; k < 3; ++k) by_local.col(k) *= frame.half[k] > 0 ? 1 / frame.half[k] : 0;
     }
 };
+
+std::vector<std::size_t> used_functions(const Coefficients& c) {
+    std::vector<std::size_t> used;
+    for (Eigen::Index f = 0; f < c.rows(); ++f)
+        if (!c.row(f).isZero(0)) used.push_back(static_cast<std::size_t>(f));
+    return used;
+}
 
 /// The point that a field of this symmetry can leave alone: on the plane, and on the axis.
 Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, const std::optional<ShapeKind>& kind) {
@@ -196,7 +314,7 @@ DisplacementFields::DisplacementFields(const TriMesh& rest, const FieldCondition
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
     frame_ = field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
     centroid_ = triangle_centroids(rest);
-    CutOff cut = cut_off(rest, centroid_, conditions.held, conditions.smooth_border);
+    CutOff cut = cut_off(rest, centroid_, conditions);
     cut_off_ = std::move(cut.at_centroids);
     cut_off_gradient_ = std::move(cut.gradient);
     if (conditions.still && conditions.held.empty())
@@ -256,7 +374,8 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
 
 /// Without the rigid motion that the field does at the point. The functions of first degree are among `powers_`.
 DisplacementFields::Coefficients DisplacementFields::still_at(const Vector3d& point, Coefficients motion) const {
-    const PointValues here(frame_, powers_, motion, point);
+    LocalFunctions functions(frame_, powers_);
+    const PointValues here(functions, powers_, motion, used_functions(motion), point);
     const Matrix3d gradient = here.by_local * frame_.axes.transpose();
     const Matrix3d spin = 0.5 * (gradient - gradient.transpose());
     Vector3d constant = here.value - spin * point;
@@ -311,9 +430,11 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
 
 std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
     const Coefficients sum = combined(z);
+    const std::vector<std::size_t> used = used_functions(sum);
+    LocalFunctions functions(frame_, powers_);
     std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
-        const auto [u, by_local] = PointValues(frame_, powers_, sum, centroid_.row(t));
+        const auto [u, by_local] = PointValues(functions, powers_, sum, used, centroid_.row(t));
         maps[static_cast<std::size_t>(t)] =
             Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
     }

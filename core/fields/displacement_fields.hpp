@@ -13,7 +13,8 @@
 ///
 /// along the axes of the frame, s along the longest. The cut-off c is a product: for each connected held part the
 /// distance from it over the largest distance of a vertex, one linear ramp over the whole body (short or smooth steps
-/// crease it). It is exactly zero on what is held.
+/// crease it). It is exactly zero on what is held. Of more than four parts the smaller ones count as one: a product of
+/// many ramps leaves no motion between them.
 namespace strake {
 
 struct FieldCandidate;

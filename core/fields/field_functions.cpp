@@ -289,7 +289,10 @@ std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_sy
     return candidates;
 }
 
-LegendreValues::LegendreValues(double s, int degree) : value(degree + 1, 1), slope(degree + 1, 0) {
+LegendreValues::LegendreValues(double s, int degree) : value(degree + 1, 1), slope(degree + 1, 0) { set(s); }
+
+void LegendreValues::set(double s) {
+    const int degree = static_cast<int>(value.size()) - 1;
     if (degree >= 1) value[1] = s, slope[1] = 1;
     for (int n = 1; n < degree; ++n) {
         value[n + 1] = ((2 * n + 1) * s * value[n] - n * value[n - 1]) / (n + 1);

@@ -38,6 +38,7 @@ std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_sy
 struct LegendreValues {
     std::vector<double> value, slope;
     LegendreValues(double s, int degree);
+    void set(double s);  ///< the same polynomials elsewhere
 };
 
 }  // namespace strake

@@ -156,9 +156,9 @@ ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     QueuedDesign design = queue_.next(x, number);
     ShapeEvaluation& result = design.result;
     solver_.set_last(std::move(design.poses), x);
-    if (solver_.last()) inside_x_ = x;
     if (result.is_taken_over) last_measured_ = accepted_measured_;
     if (design.calls) measure(design);
+    if (result.status == EvaluationStatus::ok) inside_x_ = x;  // others are no place to move designs to
     // Such a failure ends the run: nobody asks for what was begun beside it.
     if (result.status == EvaluationStatus::quantity_failed && !result.may_go_on) queue_.clear();
     return std::move(result);

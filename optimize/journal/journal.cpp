@@ -7,6 +7,7 @@
 
 #include <sqlite3.h>
 #include <unistd.h>
+#include <algorithm>
 #include <cstdio>
 #include <limits>
 
@@ -258,7 +259,10 @@ std::vector<ProgramCost> Journal::program_costs() const {
 
 void Journal::set_limits(int max_evaluations, double max_seconds) {
     if (limits().evaluations == max_evaluations && limits().seconds == max_seconds) return;
-    const RunLimits next{static_cast<int>(evaluations_.size()), max_evaluations, max_seconds};
+    add({std::max(static_cast<int>(evaluations_.size()), limits().after), max_evaluations, max_seconds});
+}
+
+void Journal::add(const RunLimits& next) {
     Statement(db_, file_, "INSERT OR REPLACE INTO limits VALUES (?, ?, ?)")
         .bind(static_cast<long long>(next.after))
         .bind(static_cast<long long>(next.evaluations))

@@ -43,8 +43,10 @@ public:
     /// Evaluations for which a call was answered by a cache.
     std::vector<int> cached() const;
     std::vector<ProgramCost> program_costs() const;  ///< by name
-    /// In force from now on.
+    /// In force from now on, or from when the last ones were to be.
     void set_limits(int max_evaluations, double max_seconds);
+    /// In force once there are so many evaluations, which may be more than there are yet. @pre none come later
+    void add(const RunLimits& limits);
     void set_case(const std::string& yaml);
 
 private:

@@ -31,7 +31,6 @@ public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
-        state_.evaluator.limit_motion();
     }
 
     RunResult run() {
@@ -49,6 +48,7 @@ public:
 
 private:
     void walk() {
+        state_.evaluator.limit_motion();
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -126,8 +126,10 @@ private:
             return false;
         }
         if (state_.space.size() == 0 || !program_.has_lagrangian()) {
-            state_.note("refinement: there are no sensitivities to choose by, every patch is split");
             next = refined_everywhere(state_.space);
+            const auto more = next->fields.numbers.size() - state_.space.fields.numbers.size();
+            state_.note(text("refinement: there are no sensitivities to choose by, every patch is split",
+                             more > 0 ? text(", and the next ", more, " fields are taken") : ""));
             return true;
         }
         const ShellSensitivities lagrangian = program_.lagrangian();

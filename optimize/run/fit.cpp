@@ -35,7 +35,6 @@ public:
         for (const VariableKind kind : problem.parameters.kinds)
             if (kind == VariableKind::stiffness)
                 throw InvalidInput("stiffness variables cannot be fitted; use load, normal or strain");
-        state_.evaluator.limit_motion();
     }
 
     RunResult run() {
@@ -53,6 +52,7 @@ public:
 
 private:
     void walk() {
+        state_.evaluator.limit_motion();
         VectorXd x;
         bool any = false;
         do {

@@ -42,12 +42,15 @@ std::string why(FitEnd end, const std::string& refused) {
 }
 
 std::string bounds_words(const RunResult& r) {
+    const std::vector<std::string> own = own_bounds(r);
     int active = 0;
     for (int j = 0; j < r.space.size(); ++j)
         active += r.x[j] <= r.space.lower[j] + 1e-6 || r.x[j] >= r.space.upper[j] - 1e-6;
     if (active == 0) return motion_note(r);
-    return text("; bounds active on ", active, " of ", r.space.size(),
-                " variables: a larger parameters.max_displacement gives them room", motion_note(r));
+    std::string advice =
+        active > static_cast<int>(own.size()) ? "a larger parameters.max_displacement gives them room" : "";
+    for (const std::string& words : own) advice += (advice.empty() ? "" : "; ") + words + " of its own";
+    return text("; bounds active on ", active, " of ", r.space.size(), " variables: ", advice, motion_note(r));
 }
 
 /// The root mean square distance that each level reached; a level that did not converge could reach less.

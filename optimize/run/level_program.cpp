@@ -4,6 +4,7 @@
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/run/run_verdict.hpp"
+#include "optimize/space/motion_limit.hpp"
 
 namespace strake {
 namespace {
@@ -147,9 +148,11 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
 
 void LevelProgram::narrow_bounds() {
     if (!needs_narrow_bounds(state_.problem.optimize) || state_.evaluator.motion_limit().is_none()) return;
+    const Parameters& p = state_.rest->parameters;
+    const double limit = largest_limit(p), room = std::isfinite(limit) ? limit / variable_scale(p) : 1;
     for (int j = 0; j < state_.space.num_shape(); ++j) {
-        program_.lower[j] = std::min(std::max(program_.lower[j], -weight_[j]), program_.start[j]);
-        program_.upper[j] = std::max(std::min(program_.upper[j], weight_[j]), program_.start[j]);
+        program_.lower[j] = std::min(std::max(program_.lower[j], -room * weight_[j]), program_.start[j]);
+        program_.upper[j] = std::max(std::min(program_.upper[j], room * weight_[j]), program_.start[j]);
     }
 }
 
@@ -166,7 +169,9 @@ void LevelProgram::limit_motion() {
     if (state_.evaluator.motion_limit().is_none()) return;
     keep_slack();
     program_.within = [this](const Eigen::VectorXd& y) {
-        const Eigen::VectorXd x = unscaled(y), inside = state_.evaluator.within(x, slack_);
+        // The start is the shape of the level above, whose slack may have been less.
+        const Eigen::VectorXd x = unscaled(y);
+        const Eigen::VectorXd inside = state_.evaluator.within(x, y == program_.start ? least_slack : slack_);
         if (inside == x) return y;
         moved_x_ = inside;
         moved_y_ = inside.cwiseProduct(weight_);

@@ -1,6 +1,7 @@
 #include "optimize/run/mixed_design.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
@@ -32,6 +33,18 @@ bool same_plane(const std::optional<SymmetryPlane>& a, const std::optional<Symme
     return a->normal == b->normal && a->offset == b->offset;
 }
 
+/// By what they do to the surface, all at once: any difference between them shows.
+bool same_fields(const RestFacts& a, const RestFacts& b) {
+    const DisplacementFields *one = a.parameters.fields.get(), *other = b.parameters.fields.get();
+    if (!one || !other || one == other) return one == other;
+    if (one->size() != other->size()) return false;
+    Eigen::VectorXd z(one->size());
+    for (Eigen::Index k = 0; k < z.size(); ++k) z[k] = 1 + 0.5 * std::sin(static_cast<double>(k + 1));
+    constexpr double rounding = 1e-9;  // of the sum, whose terms are of size 1
+    return (one->displacement(z) - other->displacement(z)).cwiseAbs().maxCoeff() <=
+           rounding * static_cast<double>(z.size());
+}
+
 /// What two designs must share to be mixed.
 void check_alike(const Demand& a, const Demand& b) {
     const auto refuse = [](const std::string& what) {
@@ -55,6 +68,10 @@ void check_alike(const Demand& a, const Demand& b) {
         return all;
     };
     if (names(a) != names(b)) refuse("different displacement fields");
+    if (!same_fields(*a.rest, *b.rest))
+        refuse(
+            "displacement fields of the same names that do different things (parameters.fields: on, axis; fixed; "
+            "keep; hold)");
     if (a.of_shell.motions.size() != b.of_shell.motions.size()) refuse("different motions");
     for (std::size_t k = 0; k < a.of_shell.motions.size(); ++k)
         if (a.of_shell.motions[k].about != b.of_shell.motions[k].about) refuse("motions about different points");

@@ -20,30 +20,17 @@ std::string names_of(const RunEnd& end, const RunResult& r, const std::vector<in
     return words;
 }
 
-/// Variables of the best design that lie at a bound of their own, which no max_displacement moves: "alpha at its max".
-std::vector<std::string> parameters_at_bounds(const RunResult& r) {
-    std::vector<std::string> words;
-    if (r.best_evaluation == 0) return words;
-    const Parameters& p = r.space.rest->parameters;
-    for (int j = 0; j < r.space.size(); ++j) {
-        const Variable& variable = r.space.variables[j];
-        const bool has_own = variable.kind == VariableKind::parameter ||
-                             (variable.patch < 0 && has_own_limit(p.user_variables[variable.component]));
-        if (!has_own) continue;
-        if (r.x[j] <= r.space.lower[j] + 1e-6 || r.x[j] >= r.space.upper[j] - 1e-6)
-            words.push_back(text(variable.name, " at its ", r.x[j] <= r.space.lower[j] + 1e-6 ? "min" : "max"));
-    }
-    return words;
-}
-
 /// What keeps the design: bounds of variables and the motion limit.
 std::string bounds_note(const RunResult& r, const RunEnd& end) {
     if (end.level.active_bounds == 0 || r.levels.empty()) return motion_note(r);
     // Of the last level, where the search ended: the best design may be one of a coarser level.
-    const std::vector<std::string> parameters = parameters_at_bounds(r);
-    std::string advice = end.level.active_bounds > static_cast<int>(parameters.size())
-                             ? "a larger max_displacement would give them room"
-                             : "";
+    const std::vector<std::string> parameters = own_bounds(r);
+    const bool is_by_shapes = r.motion.is_limited && !r.motion.is_active;
+    std::string advice;
+    if (end.level.active_bounds > static_cast<int>(parameters.size()))
+        advice = is_by_shapes ? "the variables' own range ends there before any point is at the motion limit; a larger "
+                                "max_displacement would give them room"
+                              : "a larger max_displacement would give them room";
     for (const std::string& words : parameters) advice += (advice.empty() ? "" : "; ") + words;
     return text("; bounds active on ", end.level.active_bounds, " of ", r.levels.back().variables,
                 " variables of level ", r.levels.back().level, " (", advice, ")", motion_note(r));
@@ -153,6 +140,21 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
 }
 
 }  // namespace
+
+std::vector<std::string> own_bounds(const RunResult& r) {
+    std::vector<std::string> words;
+    if (r.best_evaluation == 0) return words;
+    const Parameters& p = r.space.rest->parameters;
+    for (int j = 0; j < r.space.size(); ++j) {
+        const Variable& variable = r.space.variables[j];
+        const bool has_own = variable.kind == VariableKind::parameter ||
+                             (variable.patch < 0 && has_own_limit(p.user_variables[variable.component]));
+        if (!has_own) continue;
+        if (r.x[j] <= r.space.lower[j] + 1e-6 || r.x[j] >= r.space.upper[j] - 1e-6)
+            words.push_back(text(variable.name, " at its ", r.x[j] <= r.space.lower[j] + 1e-6 ? "min" : "max"));
+    }
+    return words;
+}
 
 std::string patch_at(const DesignSpace& space, int vertex) {
     const Triangles& triangles = space.rest->surface.triangles;

@@ -34,6 +34,8 @@ void conclude_waiting(RunResult& result);
 MotionAtEnd motion_of(const RunResult& result, const MotionLimit& limit, double slack);
 /// Name of the patch that the vertex belongs to.
 std::string patch_at(const DesignSpace& space, int vertex);
+/// Variables of the best design that lie at a bound of their own, which no max_displacement moves: "alpha at its max".
+std::vector<std::string> own_bounds(const RunResult& result);
 /// "; the motion limit is active on wing.upper, at vertex 12 (...)"; empty where it is not.
 std::string motion_note(const RunResult& result);
 

@@ -223,9 +223,10 @@ InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const Res
                            ? std::numeric_limits<double>::infinity()
                            : std::sqrt((vertices - design.vertices).rowwise().squaredNorm().maxCoeff());
     if (!(off <= inheritance_tolerance * diagonal))
-        throw InvalidInput(text("start_from: the loads of that run do not give its shape here (",
-                                reason.empty() ? text("it is ", off / diagonal, " diagonals off") : reason,
-                                "): fixed, symmetry, shell, loads and strains have to be those of that run"));
+        throw InvalidInput(
+            text("start_from: the loads of that run do not give its shape here (",
+                 reason.empty() ? text("it is ", off / diagonal, " diagonals off") : reason,
+                 "): fixed, symmetry, shell, loads, strains and parameters.fields have to be those of that run"));
     return inherited;
 }
 

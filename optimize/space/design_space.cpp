@@ -238,8 +238,10 @@ void design_response(const DesignSpace& space, PrimoShell* shell,
             continue;
         }
         if (space.variables[j].kind == VariableKind::field) {
-            consume(j, field_motion(space, Eigen::VectorXd::Unit(space.size(), j), surface));
-            ++j;
+            const Variable& variable = space.variables[j];
+            const Parameters& p = space.rest->parameters;
+            const Points moved = variable.unit * p.fields->field(p.user_variables[variable.component].field);
+            consume(j++, surface_rates(*space.rest, moved, surface));
             continue;
         }
         if (space.variables[j].kind == VariableKind::strain) {

@@ -125,7 +125,10 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const
 }
 
 InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const LevelSet& next) {
-    InheritedSpace result{make_space(parent.rest, parent.level + 1, next, &parent), {}, {}};
+    LevelSet set = next;
+    for (Patch& patch : set.front.patches.patches)  // its parents may be those of a space further up
+        patch.parent = parent.patches().label[static_cast<std::size_t>(patch.triangles.front())];
+    InheritedSpace result{make_space(parent.rest, parent.level + 1, set, &parent), {}, {}};
     DesignSpace& child = result.space;
     const int m = parent.rest->surface.num_triangles();
     child.carried_traction = parent.carried_traction.rows() > 0 ? parent.carried_traction : Points(Points::Zero(m, 3));

@@ -12,15 +12,26 @@ constexpr double tolerance = 1e-9;      ///< of a limit
 constexpr double default_scale = 0.05;  ///< diagonals: where no limit gives the variables their size
 constexpr double spread = 0.03;         ///< diagonals: rows of vertices closer than this say the same
 
+constexpr double cancelled = 1e-9;  ///< of the area around a vertex: a shorter sum of its normals is rounding
+
 /// Unit normals of the vertices: the area-weighted mean of their triangles'; zero where these cancel.
 Points vertex_normals(const TriMesh& mesh) {
     const Points normal = triangle_normals(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
     Points sum = Points::Zero(mesh.num_vertices(), 3);
+    Eigen::VectorXd around = Eigen::VectorXd::Zero(mesh.num_vertices());
     for (int t = 0; t < mesh.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k) sum.row(mesh.triangles(t, k)) += area[t] * normal.row(t);
-    for (int v = 0; v < sum.rows(); ++v)
-        if (const double length = sum.row(v).norm(); length > 0) sum.row(v) /= length;
+        for (int k = 0; k < 3; ++k) {
+            sum.row(mesh.triangles(t, k)) += area[t] * normal.row(t);
+            around[mesh.triangles(t, k)] += area[t];
+        }
+    for (int v = 0; v < sum.rows(); ++v) {
+        const double length = sum.row(v).norm();
+        if (length > cancelled * around[v])
+            sum.row(v) /= length;
+        else
+            sum.row(v).setZero();
+    }
     return sum;
 }
 
@@ -44,9 +55,12 @@ template <class Visit>
 void MotionLimit::each(const Points& vertices, const Visit& visit) const {
     for (int v = 0; v < datum_.rows(); ++v) {
         const Eigen::RowVector3d d = vertices.row(v) - datum_.row(v);
-        const double any = std::max(outward_[v], inward_[v]), length = d.norm();
+        // Without a normal no side is known: the smaller limit holds in every direction.
+        const bool has_sides = normal_.rows() > 0 && !normal_.row(v).isZero(0);
+        const double any = has_sides ? std::max(outward_[v], inward_[v]) : std::min(outward_[v], inward_[v]);
+        const double length = d.norm();
         if (std::isfinite(any)) visit(v, length > 0 ? Eigen::RowVector3d(d / length) : d, length, any);
-        if (normal_.rows() == 0) continue;
+        if (!has_sides) continue;
         const Eigen::RowVector3d n = normal_.row(v);
         if (outward_[v] < any) visit(v, n, n.dot(d), outward_[v]);
         if (inward_[v] < any) visit(v, Eigen::RowVector3d(-n), -n.dot(d), inward_[v]);

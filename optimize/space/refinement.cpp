@@ -134,6 +134,13 @@ VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
     return sum;
 }
 
+/// Without those of fields, which move the whole surface: no integral over a patch is theirs.
+std::vector<SplitDecrease> of_patches_only(const std::vector<SplitDecrease>& splits) {
+    std::vector<SplitDecrease> left;
+    std::ranges::copy_if(splits, std::back_inserter(left), [](const SplitDecrease& split) { return split.field < 0; });
+    return left;
+}
+
 /// The space's patches with the chosen ones split, and its fields with these.
 LevelSet refined(const DesignSpace& space, const std::vector<char>& chosen, const std::vector<int>& fields) {
     LevelSet next{split_front(*space.rest->tree, *space.front, chosen), space.fields, space.has_patches};
@@ -172,6 +179,7 @@ public:
 
     /// What the next level is made of.
     LevelSet operator()(RefinementPlan& plan) {
+        if (splits_.empty()) return with_more_fields(plan);
         std::vector<char> chosen(facts_.space.front->depth.size(), 0);
         std::vector<int> fields;
         std::vector<std::size_t> order;
@@ -208,7 +216,18 @@ private:
     static constexpr double round_off = 1e-5;  ///< the metric's own, squared
     static constexpr double tie = 1e-6;
 
+    /// No patch has finer parts: the next step of fields.
+    LevelSet with_more_fields(RefinementPlan& plan) const {
+        const DesignSpace& space = facts_.space;
+        LevelSet next = refined(space, std::vector<char>(space.front->depth.size(), 0), {});
+        next.fields = more_fields(space.rest->parameters, space.fields);
+        const auto more = next.fields.numbers.size() - space.fields.numbers.size();
+        plan.fields_at_once = static_cast<int>(more);
+        plan.variables_after += plan.fields_at_once;
+        return next;
+    }
     void by_integral() {
+        splits_ = of_patches_only(splits_);
         const VectorXd integral = integrated_sensitivity(facts_.space, facts_.dJ_dv);
         all_ = 0;
         for (SplitDecrease& split : splits_) {
@@ -332,6 +351,9 @@ RefinementPlan plan_refinement(const DesignFacts& facts, const Forecast& forecas
 }
 
 std::string RefinementPlan::words() const {
+    if (fields_at_once > 0)
+        return text("no patch has finer parts, takes the next ", fields_at_once, " fields; ", variables_before, " -> ",
+                    variables_after, " variables");
     int of_patches = 0, all_of_patches = 0, of_fields = 0, all_of_fields = 0;
     std::string names;
     for (const SplitDecrease& split : splits) {

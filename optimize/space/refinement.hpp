@@ -25,6 +25,7 @@ struct RefinementPlan {
     int variables_before = 0, variables_after = 0;
     double expected = 0, chosen = 0;  ///< by all splits together, and by the chosen ones
     int rounds = 1;                   ///< levels of the tree that were passed at once
+    int fields_at_once = 0;           ///< by gradient, where no patch has finer parts: the next step of fields
     std::string words() const;        ///< the decision with its numbers, one line
 };
 

@@ -1,6 +1,7 @@
 #include "optimize/space/response_metric.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/response_cache.hpp"
 #include "optimize/space/rest_shell.hpp"
@@ -215,9 +216,11 @@ Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, con
     product.tail(space.num_parameters()) = d.tail(space.num_parameters());
     const Points by_loads = space.rest->parameters.fields ? Points(moved - field_motion(space, d, surface)) : moved;
     if (space.soft_work > 0) product += traction.transpose() * reduce(by_loads, true).work_integrals / space.soft_work;
+    if (!space.rest->parameters.fields) return product;
+    const Eigen::VectorXd by_field = space.rest->parameters.fields->gradient(pull);
     for (int j = 0; j < space.num_shape(); ++j)
-        if (space.variables[j].kind == VariableKind::field)
-            product[j] = field_motion(space, Eigen::VectorXd::Unit(space.size(), j), surface).cwiseProduct(pull).sum();
+        if (const Variable& variable = space.variables[j]; variable.kind == VariableKind::field)
+            product[j] = variable.unit * by_field[space.rest->parameters.user_variables[variable.component].field];
     return product;
 }
 

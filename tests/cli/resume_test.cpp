@@ -331,6 +331,43 @@ TEST_F(Resume, ADamagedJournalIsRebuiltFromWhatIsThere) {
     }
 }
 
+/// A budget that was raised is in force again where it was, a journal that is kept from an earlier try is in nobody's
+/// way, and a case that is lost comes from the journal.
+TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
+    const std::string file =
+        folder.write("case.yaml", body + built_in + "optimize: {budget: {evaluations: 6}}\n").string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("whole"), "-q"}).status, 0);
+    ASSERT_EQ(run_strake({"resume", path("whole"), "--evaluations", "12", "-q"}).status, 0);
+    const std::string history = bytes_of(folder / "whole/history.csv"),
+                      bytes = bytes_of(folder / "whole/journal.sqlite");
+    ASSERT_GT(std::count(history.begin(), history.end(), '\n'), 8);
+    EXPECT_NE(bytes_of(folder / "whole/case.yaml").find("\n# meaning of its keys: 2\n"), std::string::npos);
+    for (const std::string damage : {"cut", "tried", "lost"}) {
+        fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
+        folder.write(damage + "/journal.sqlite", bytes.substr(0, damage == "lost" ? 0 : bytes.size() - 4096));
+        if (damage == "tried") folder.write(damage + "/journal.damaged.sqlite", "of an earlier try");
+        if (damage == "tried") fs::remove(folder / damage / "case.yaml");
+        const ProgramRun rebuilt = run_strake({"resume", path(damage), "--rebuild", "-q"});
+        EXPECT_EQ(rebuilt.status, 0) << damage << ": " << rebuilt.err;
+        const std::string again = bytes_of(folder / damage / "history.csv");
+        if (damage == "lost")  // the limit is the number of rows
+            EXPECT_EQ(std::count(again.begin(), again.end(), '\n'), std::count(history.begin(), history.end(), '\n'));
+        else
+            EXPECT_EQ(again, history) << damage << ": " << rebuilt.err;
+        if (damage == "tried") EXPECT_EQ(bytes_of(folder / "tried/journal.damaged.sqlite"), "of an earlier try");
+        EXPECT_EQ(rebuilt.err.find("does not say which version"), std::string::npos);
+    }
+    // Of a run whose case.yaml says nothing: as before 0.2, and told.
+    fs::copy(folder / "whole", folder / "old", fs::copy_options::recursive);
+    std::string yaml = bytes_of(folder / "old/case.yaml");
+    const std::size_t note = yaml.find("# meaning of its keys");
+    folder.write("old/case.yaml", yaml.erase(note, yaml.find('\n', note) + 1 - note));
+    folder.write("old/journal.sqlite", "");
+    const ProgramRun old = run_strake({"resume", path("old"), "--rebuild", "-q"});
+    EXPECT_NE(old.err.find("goes on as before 0.2, where max_displacement bounds variables"), std::string::npos)
+        << old.err;
+}
+
 /// The program has run, and there is no room for what it said.
 TEST_F(Resume, AnAnswerThatFoundNoRoomInTheJournalIsNotPaidAgain) {
     const std::string file = external_case();

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <Eigen/Cholesky>
+#include <random>
 
 using namespace strake;
 using Eigen::MatrixXd;
@@ -114,4 +115,37 @@ TEST(Multipliers, ASwellingUnderALimitTakesFewEvaluationsInAnyUnit) {
     const MinimizeResult other = minimize(Swelling().program(), tight);
     const MinimizeResult own = minimize(Swelling().program(), MinimizeOptions());
     EXPECT_LT(own.best.objective, other.best.objective + 1e-6);
+}
+
+/// More motion limits are active than there are directions in which they differ, but for rounding: multipliers that
+/// only cancel would make the Lagrangian's gradient huge, and the largest one is what convergence is measured by.
+TEST(Multipliers, OfLimitsThatDependOnEachOtherDoNotBlowUp) {
+    constexpr int n = 6, rows = 20;
+    std::mt19937 random(4);
+    std::uniform_real_distribution<double> uniform(-1, 1);
+    for (int round = 0; round < 20; ++round) {
+        const MatrixXd plane = MatrixXd::NullaryExpr(n, 3, [&] { return uniform(random); });
+        const MatrixXd weights = MatrixXd::NullaryExpr(rows, 3, [&] { return uniform(random); });
+        const MatrixXd noise = MatrixXd::NullaryExpr(rows, n, [&] { return 1e-11 * uniform(random); });
+        NonlinearProgram p;
+        p.start = VectorXd::Zero(n);
+        p.lower = VectorXd::Constant(n, -1);
+        p.upper = VectorXd::Constant(n, 1);
+        p.num_inequalities = 1;
+        Evaluation s;
+        s.gradient = VectorXd::NullaryExpr(n, [&] { return uniform(random); });
+        s.constraints = VectorXd::Zero(1);
+        s.jacobian = MatrixXd::NullaryExpr(1, n, [&] { return uniform(random); });
+        s.limits = {VectorXd::Zero(rows), weights * plane.transpose() + noise};
+        const Multipliers found = all_multipliers(p, p.start, s);
+        EXPECT_GE(found.limits.minCoeff(), 0);
+        EXPECT_GE(found.constraints.minCoeff(), 0);
+        EXPECT_LT(found.limits.maxCoeff(), 1e6);
+        // The least length over all multipliers that are not negative: no row would shorten it.
+        const VectorXd left = lagrangian_gradient(p, p.start, s);
+        EXPECT_LE(left.norm(), s.gradient.norm());
+        EXPECT_GT((s.limits.slopes * left).minCoeff(), -1e-6);
+        EXPECT_GT((s.jacobian * left)[0], -1e-6);
+        EXPECT_NEAR(left.dot(left - s.gradient), 0, 1e-6);
+    }
 }

@@ -2,6 +2,7 @@
 
 #include <Eigen/Cholesky>
 #include <Eigen/QR>
+#include <algorithm>
 
 namespace strake {
 
@@ -18,6 +19,91 @@ constexpr double at_bound_rel = 1e-9;   ///< of the range: rounding must not dec
 MatrixXd whitened(const NonlinearProgram& p, const MatrixXd& b) {
     return p.metric.size() == 0 ? b : MatrixXd(Eigen::LLT<MatrixXd>(p.metric).matrixL().solve(b));
 }
+
+constexpr double dependent = 1e-8;  ///< of a row's length: what is not done by the others is rounding
+
+/// m that minimizes |g + normals m|, m >= 0 where `is_inequality`: an active-set method (Lawson & Hanson 1974, chapter
+/// 23), which takes rows that depend on each other one by one and never has multipliers that only cancel.
+class NonnegativeLeastSquares {
+public:
+    NonnegativeLeastSquares(const MatrixXd& normals, const VectorXd& g, const std::vector<char>& is_inequality)
+        : normals_(normals), g_(g), is_inequality_(is_inequality), m_(VectorXd::Zero(normals.cols())) {}
+
+    VectorXd operator()() {
+        for (Eigen::Index i = 0; i < normals_.cols(); ++i)
+            if (!is_inequality_[static_cast<std::size_t>(i)] && is_independent(i)) used_.push_back(i);
+        if (!used_.empty()) m_ = solution();
+        std::vector<char> is_refused(is_inequality_.size(), 0);
+        for (Eigen::Index tried = 0; tried < 3 * normals_.cols() + 10; ++tried) {
+            const Eigen::Index next = steepest(is_refused);
+            if (next < 0) break;
+            used_.push_back(next);
+            descend();
+            const bool has_entered = std::find(used_.begin(), used_.end(), next) != used_.end();
+            if (has_entered)
+                std::fill(is_refused.begin(), is_refused.end(), 0);
+            else
+                is_refused[static_cast<std::size_t>(next)] = 1;  // by rounding alone
+        }
+        return m_;
+    }
+
+private:
+    VectorXd solution() const {
+        VectorXd all = VectorXd::Zero(normals_.cols());
+        all(used_) = MatrixXd(normals_(Eigen::all, used_)).colPivHouseholderQr().solve(-g_);
+        return all;
+    }
+    bool is_independent(Eigen::Index row) const {
+        const VectorXd n = normals_.col(row);
+        if (used_.empty()) return n.norm() > 0;
+        const MatrixXd others = normals_(Eigen::all, used_);
+        return (n - others * others.colPivHouseholderQr().solve(n)).norm() > dependent * n.norm();
+    }
+    /// The inequality outside the set by which the length falls most; -1: none.
+    Eigen::Index steepest(const std::vector<char>& is_refused) const {
+        const VectorXd left = -g_ - normals_ * m_;
+        Eigen::Index best = -1;
+        double most = dependent * g_.norm();
+        for (Eigen::Index i = 0; i < normals_.cols(); ++i) {
+            const bool is_out = is_inequality_[static_cast<std::size_t>(i)] &&
+                                !is_refused[static_cast<std::size_t>(i)] &&
+                                std::find(used_.begin(), used_.end(), i) == used_.end();
+            const double length = normals_.col(i).norm();
+            if (!is_out || !(length > 0)) continue;
+            const double falls = normals_.col(i).dot(left) / length;
+            if (falls > most && is_independent(i)) most = falls, best = i;
+        }
+        return best;
+    }
+    /// To the least squares of the set; inequalities that would become negative on the way leave it.
+    void descend() {
+        while (!used_.empty()) {
+            const VectorXd wanted = solution();
+            double share = 1;
+            Eigen::Index first = -1;
+            for (const Eigen::Index i : used_) {
+                if (!is_inequality_[static_cast<std::size_t>(i)] || wanted[i] > 0) continue;
+                const double there = m_[i] > 0 ? m_[i] / (m_[i] - wanted[i]) : 0;
+                if (first < 0 || there < share) share = there, first = i;
+            }
+            m_ += share * (wanted - m_);
+            if (first < 0) break;
+            m_[first] = 0;
+            std::erase_if(used_, [&](Eigen::Index i) {
+                const bool leaves = is_inequality_[static_cast<std::size_t>(i)] && !(m_[i] > 0);
+                if (leaves) m_[i] = 0;
+                return leaves;
+            });
+        }
+    }
+
+    const MatrixXd& normals_;
+    const VectorXd& g_;
+    const std::vector<char>& is_inequality_;
+    VectorXd m_;
+    std::vector<Eigen::Index> used_;
+};
 
 }  // namespace
 
@@ -39,8 +125,12 @@ VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradi
     const Eigen::LLT<MatrixXd> llt(MatrixXd(metric(set.variables, set.variables)));
     const VectorXd g = llt.matrixL().solve(gradient(set.variables));
     const MatrixXd normals = llt.matrixL().solve(jacobian(Eigen::all, set.variables).transpose());
+    bool is_clear = false;
     for (int pass = 0; pass < 2 && !active.empty(); ++pass) {
-        const VectorXd found = MatrixXd(normals(Eigen::all, active)).colPivHouseholderQr().solve(-g);
+        Eigen::ColPivHouseholderQR<MatrixXd> qr(MatrixXd(normals(Eigen::all, active)));
+        qr.setThreshold(dependent);
+        if (qr.rank() < static_cast<Eigen::Index>(active.size())) break;  // multipliers that only cancel say nothing
+        const VectorXd found = qr.solve(-g);
         std::vector<Eigen::Index> kept;
         result.setZero();
         for (std::size_t i = 0; i < active.size(); ++i)
@@ -48,9 +138,16 @@ VectorXd least_squares_multipliers(const MatrixXd& metric, const VectorXd& gradi
                 kept.push_back(active[i]);
                 result[active[i]] = found[static_cast<Eigen::Index>(i)];
             }
-        if (kept.size() == active.size()) break;
+        is_clear = kept.size() == active.size() || kept.empty();
+        if (is_clear) break;
         active = kept;
     }
+    if (is_clear) return result;
+    std::vector<char> is_inequality;
+    for (const Eigen::Index row : set.rows) is_inequality.push_back(row < num_inequalities);
+    const MatrixXd of_set = normals(Eigen::all, set.rows);
+    result.setZero();
+    result(set.rows) = NonnegativeLeastSquares(of_set, g, is_inequality)();
     return result;
 }
 

@@ -12,7 +12,8 @@ struct ActiveSet {
 };
 
 /// Multipliers m that minimize gradient + jacobian^T m in the norm of the inverse metric (n x n), zero outside the set.
-/// Inequalities (the first rows) with a negative multiplier are dropped once.
+/// Inequalities (the first rows) with a negative multiplier are dropped once; where others become negative by that, or
+/// rows depend on each other, the multipliers of inequalities are the non-negative ones that minimize it.
 Eigen::VectorXd least_squares_multipliers(const Eigen::MatrixXd& metric, const Eigen::VectorXd& gradient,
                                           const Eigen::MatrixXd& jacobian, int num_inequalities, const ActiveSet& set);
 

@@ -132,6 +132,12 @@ bool SqpSearch::rejected(double length) {
     return end(MinimizeStop::roundoff, "no step, however short, gains what the gradient predicts");
 }
 
+bool SqpSearch::cut_back(const VectorXd& d) {
+    const double length = steps_.length(d);
+    steps_.radius = trust_region.max_cut * std::min(steps_.radius, length);
+    return rejected(length) && end(MinimizeStop::roundoff, "every step, however short, leads beyond the motion limit");
+}
+
 bool SqpSearch::model_failed() {
     if (++model_failures_ > trust_region.max_model_failures)
         return end(MinimizeStop::roundoff, "the quadratic model can no longer be solved");
@@ -166,6 +172,10 @@ void SqpSearch::restore() {
         m.least_step = 0;
         m.lower = p.lower - x;
         m.upper = p.upper - x;
+        // Of the limits and the cut, which stand behind the inequalities, the values are those at now_.x.
+        const Eigen::Index more = m.constraints.size() - s.constraints.size();
+        m.constraints.segment(p.num_inequalities, more) +=
+            m.jacobian.middleRows(p.num_inequalities, more) * (x - now_.x);
         const VectorXd d = solve_model(m);
         if (d.size() == 0 || metric_norm(p, d) > trust_region.max_restoration_step) return;
         x = guard_.inside(now_.clamped(x + d));

@@ -50,11 +50,15 @@ void SqpSearch::start_hessian() {
                          multipliers(now_.program, now_.x, now_.at).lpNorm<Eigen::Infinity>());
 }
 
-bool SqpSearch::try_step(Trial& trial) {
+void SqpSearch::place(Trial& trial) {
     const VectorXd there = now_.clamped(now_.x + trial.d);
     trial.x = guard_.inside(there);
     trial.is_moved = trial.x != there;
     if (trial.is_moved) trial.d = trial.x - now_.x;
+}
+
+bool SqpSearch::try_step(Trial& trial) {
+    place(trial);
     return guard_.try_at(trial.x, false, trial.evaluation);
 }
 
@@ -83,8 +87,10 @@ bool SqpSearch::step() {
     double predicted = merit_.expected_decrease(gain, relief);
     if (is_stationary(d, predicted)) return ends_here() && (!steps_.is_cut_off(d) || end_at_border());
     Trial trial{{}, d};
-    if (!try_step(trial)) return failed_at(d);
-    if (trial.is_moved)  // shorter than expected, and maybe to nowhere
+    place(trial);
+    if (trial.is_moved && guard_.cause == StopCause::none && trial.d.isZero(0)) return cut_back(d);
+    if (!guard_.try_at(trial.x, false, trial.evaluation)) return failed_at(d);
+    if (trial.is_moved)  // shorter than expected
         predicted = std::max(merit_.expected_decrease(hessian_.matrix(), trial.d), std::numeric_limits<double>::min());
     const auto decrease = [&] { return merit_.at_present() - merit_.of(trial.evaluation); };
     if (decrease() < trust_region.acceptable * predicted &&

@@ -21,6 +21,11 @@ private:
     };
     /// Evaluates where the trial's step leads. False: there is no value.
     bool try_step(Trial& trial);
+    /// Where the trial's step leads, inside the limits.
+    void place(Trial& trial);
+    /// The step was moved back to where it began: a shorter one is tried, and nothing is paid. True: the search has
+    /// ended.
+    bool cut_back(const Eigen::VectorXd& d);
     /// The step of the model that knows the limits which d would go beyond.
     Eigen::VectorXd within_limits(Eigen::VectorXd d);
 

@@ -107,6 +107,10 @@ TEST_F(Regions, NamesOfPartsAndPatchesServeAndCirclesAreToldWithTheirPath) {
     const std::string circle =
         error("regions: {a: b + c, b: {box: [[0, 0, 0], [1, 1, 1]]}, c: lid - d, d: {grow: {of: a, by: 1}}}\n");
     EXPECT_TRUE(contains(circle, "region 'a' is made of itself: a -> c -> d -> a")) << circle;
+    std::string chain = "regions:\n";
+    for (int k = 0; k < 600; ++k) chain += text("  r", k, ": r", k + 1, "\n");
+    const std::string deep = error(chain + "  r600: lid\n");
+    EXPECT_TRUE(contains(deep, "region 'r0' is made of more than 500 regions, one from another")) << deep;
     EXPECT_TRUE(contains(error("regions: {a: all - lit}\n"),
                          "'lit' is no region, part of the surface file or patch; did you mean 'lid'?"));
     EXPECT_TRUE(contains(error("regions: {a: all-lid}\n"), "put blanks around +, - and &"));

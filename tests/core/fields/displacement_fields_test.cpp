@@ -192,6 +192,63 @@ TEST(DisplacementFields, OfAHalfAreThoseOfTheWholeThatAreSymmetric) {
     }
 }
 
+/// A held part beside the plane is there twice in the whole, and its two ramps are two.
+TEST(DisplacementFields, OfAHalfKnowTheImagesOfWhatIsHeldBesideThePlane) {
+    const HalfAndWhole box = crooked_box(6);
+    const SymmetryPlane plane{Vector3d::UnitY(), 1};
+    const auto beside = [](const Vector3d& x) { return x[0] < 0.9 && std::abs(x[1] - 1) > 0.3; };
+    for (const bool smooth : {false, true}) {
+        FieldConditions of_half, of_whole;
+        of_half.cut = plane;
+        of_whole.mirror = plane;
+        of_half.smooth_border = of_whole.smooth_border = smooth;
+        of_half.held = triangles_where(box.half, beside);
+        of_whole.held = triangles_where(box.whole, beside);
+        ASSERT_GT(of_half.held.size(), 2u);
+        ASSERT_EQ(of_whole.held.size(), 2 * of_half.held.size());
+        const DisplacementFields half(box.half, of_half, {12, {}}), whole(box.whole, of_whole, {12, {}});
+        ASSERT_EQ(half.size(), whole.size());
+        const VectorXd z = random_values(half.size(), 3);
+        const Points u = half.displacement(z), w = whole.displacement(z);
+        const Points of = triangle_centroids(box.half), all = triangle_centroids(box.whole);
+        const auto turn = half.local_maps(0.1 * z), turns = whole.local_maps(0.1 * z);
+        double off = 0, maps_off = 0;
+        for (int v = 0; v < box.half.num_vertices(); ++v) {
+            Eigen::Index same = 0;
+            (box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm().minCoeff(&same);
+            off = std::max(off, (u.row(v) - w.row(same)).norm());
+        }
+        for (int t = 0; t < box.half.num_triangles(); ++t) {
+            Eigen::Index same = 0;
+            (all.rowwise() - of.row(t)).rowwise().norm().minCoeff(&same);
+            maps_off =
+                std::max(maps_off, (turn[static_cast<std::size_t>(t)] - turns[static_cast<std::size_t>(same)]).norm());
+        }
+        EXPECT_LT(off, 1e-8) << smooth;  // of displacements of about 1
+        EXPECT_LT(maps_off, 1e-8) << smooth;
+    }
+}
+
+/// Twenty small held spots on a plate: a product of twenty ramps would leave motion at a few places only.
+TEST(DisplacementFields, ManyHeldSpotsLeaveRoomBetweenThem) {
+    const TriMesh plate = box_surface({5, 4, 0.2}, 5);
+    FieldConditions conditions;
+    for (int i = 0; i < 5; ++i)
+        for (int j = 0; j < 4; ++j) {
+            const Eigen::RowVector3d at(i + 0.5, j + 0.5, 0.2);
+            Eigen::Index t = 0;
+            (triangle_centroids(plate).rowwise() - at).rowwise().norm().minCoeff(&t);
+            conditions.held.push_back(static_cast<int>(t));
+        }
+    const DisplacementFields fields(plate, conditions, {6, {}});
+    const VectorXd size = fields.field(2).rowwise().norm();
+    std::vector<double> sorted(size.begin(), size.end());
+    std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
+    EXPECT_GT(sorted[sorted.size() / 2], 0.15);
+    for (const int t : conditions.held)
+        for (int k = 0; k < 3; ++k) EXPECT_EQ(size[plate.triangles(t, k)], 0);
+}
+
 TEST(DisplacementFields, FollowTheBodyAndIgnoreUnitsAndNumbers) {
     const HeldWing wing;
     const DisplacementFields fields(wing.mesh, wing.conditions, {27, {}});

@@ -86,6 +86,23 @@ protected:
     }
 };
 
+/// A rebuilt journal has its limits before its evaluations.
+TEST_F(JournalFile, LimitsComeIntoForceWhereTheyDid) {
+    const auto journal = Journal::create(file, facts(), {0, 2, 0});
+    journal->add(RunLimits{2, 4, 0});
+    EXPECT_EQ(journal->limits_after(0).evaluations, 2);
+    journal->add(evaluation(1));
+    EXPECT_EQ(journal->limits_after(1).evaluations, 2);
+    EXPECT_EQ(journal->limits_after(2).evaluations, 4);
+    EXPECT_EQ(journal->limits().evaluations, 4);
+    journal->set_limits(9, 0);  // before the last one is in force: it takes its place
+    for (const Journal* one : {static_cast<const Journal*>(journal.get()), Journal::look(file).release()}) {
+        EXPECT_EQ(one->limits_after(1).evaluations, 2);
+        EXPECT_EQ(one->limits_after(2).evaluations, 9);
+        if (one != journal.get()) delete one;
+    }
+}
+
 TEST_F(JournalFile, GivesBackEveryBit) {
     fill(3);
     const auto journal = Journal::open(file);

@@ -309,3 +309,25 @@ TEST(Minimizer, StepsToTheConstraintsAreCutWhereTheObjectiveIsStationary) {
         EXPECT_LT(r.evaluations, 30) << size;
     }
 }
+
+/// What lies beyond a limit is moved back to where the search stands: that is a step too long, and costs nothing.
+TEST(Minimizer, AStepThatIsMovedBackToItsBeginIsCut) {
+    NonlinearProgram p = program_of(
+        vec({0, 0}), vec({-2, -2}), vec({2, 2}), 0, 0,
+        [](const VectorXd& x) { return vec({std::pow(x[0] - 0.2, 2) + std::pow(x[1] + 0.1, 2)}); },
+        [](const VectorXd& x) {
+            return MatrixXd(vec({2 * (x[0] - 0.2), 2 * (x[1] + 0.1)}).transpose());
+        });
+    int asked = 0;
+    p.evaluate = [&asked, ask = p.evaluate](const VectorXd& x) {
+        ++asked;
+        return ask(x);
+    };
+    p.within = [](const VectorXd& x) { return x.norm() > 0.3 ? VectorXd(VectorXd::Zero(2)) : x; };
+    MinimizeOptions options;
+    options.first_step = 1;
+    const MinimizeResult r = minimize(p, options);
+    EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+    EXPECT_LT((r.x - vec({0.2, -0.1})).norm(), 1e-4);
+    EXPECT_LE(asked, r.evaluations);
+}

@@ -46,3 +46,48 @@ TEST(LevelProgram, MultipliersKnowWhichVariablesAreAtTheirBounds) {
     const ConstraintRow& row = level.rows().rows[0];
     EXPECT_DOUBLE_EQ(weights[1], right[0] * row.sign / row.scale);
 }
+
+/// Methods that know no limit search where one variable alone stays within: up to the limit, whatever the unit.
+TEST(LevelProgram, NarrowBoundsReachTheMotionLimit) {
+    Problem problem = ellipsoid_problem(2, 1);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    problem.parameters.max_displacement = 0.02;
+    problem.parameters.variable_scale = 0.002;
+    maximize_volume(problem, 1.05);
+    problem.optimize.method = Method::lbfgs;
+    RunEvents events;
+    RunState state(problem, events, LevelProgram::differentiated_names(problem), nullptr);
+    state.evaluator.limit_motion();
+    LevelProgram level(state);
+    const VectorXd x = state.next_level({}, nullptr);
+    const NonlinearProgram& program = level.enter(x);
+    for (int j = 0; j < state.space.num_shape(); ++j) {
+        EXPECT_NEAR(program.upper[j], 10 * level.weight()[j], 1e-9 * level.weight()[j]);
+        EXPECT_NEAR(program.lower[j], -10 * level.weight()[j], 1e-9 * level.weight()[j]);
+    }
+}
+
+/// Differences keep some way to the limit, on finer levels maybe more than the level above: its shape stays the start.
+TEST(LevelProgram, TheInheritedStartStaysNextToTheLimit) {
+    Problem problem = ellipsoid_problem(2, 1);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    problem.parameters.max_displacement = 0.01;
+    problem.parameters.variable_scale = 0.002;
+    maximize_volume(problem, 1.05);
+    problem.optimize.finite_differences = true;
+    problem.optimize.difference_step = 1e-3;
+    for (Quantity& quantity : problem.quantities) quantity.has_sensitivities = false;
+    RunEvents events;
+    RunState state(problem, events, LevelProgram::differentiated_names(problem), nullptr);
+    state.evaluator.limit_motion();
+    LevelProgram level(state);
+    const VectorXd origin = state.next_level({}, nullptr);
+    const VectorXd way = VectorXd::Ones(origin.size());
+    double low = 0, high = 5;
+    for (int k = 0; k < 40; ++k)
+        (state.evaluator.is_beyond(0.5 * (low + high) * way, 1e-5) ? high : low) = 0.5 * (low + high);
+    const NonlinearProgram& program = level.enter(low * way);
+    const VectorXd beside = (1 - 1e-9) * program.start;
+    EXPECT_EQ(program.within(program.start), program.start);
+    EXPECT_NE(program.within(beside), beside) << "else nothing is shown";
+}

@@ -240,6 +240,25 @@ TEST(MotionLimitRun, TheDatumIsUnderTheGivenLoads) {
     EXPECT_GT(r.objective, r.objective_start);
 }
 
+/// The datum is solved before anything is evaluated, and a stop in the middle of it is one as any other.
+TEST(MotionLimitRun, AStopWhileTheDatumIsSolvedEndsTheRunInOrder) {
+    Problem problem = more_volume(1, 0.01);
+    problem.given_traction = Points::Zero(problem.surface.num_triangles(), 3);
+    problem.given_traction.col(2).setConstant(1e-9);
+    RunEvents events;
+    events.stop_wanted = [] { return true; };
+    const RunResult r = optimize(problem, events);
+    EXPECT_EQ(r.status, "interrupted") << r.reason;
+    EXPECT_EQ(r.evaluations, 0);
+    EXPECT_TRUE(r.levels.empty());
+    Problem fitted = problem;
+    fitted.parameters.is_limit_stated = true;
+    fitted.objective.clear();
+    fitted.quantities = {target_shape_same("match", problem.surface, ellipsoid({1, 0.6, 0.45}, 2))};
+    fitted.fit = {fitted.quantities[0].names[0]};
+    EXPECT_EQ(fit(fitted, events).status, "interrupted");
+}
+
 TEST(MotionLimitRun, AStoredDesignBeyondTheLimitIsMovedInside) {
     TempFolder folder;
     RunEvents events;

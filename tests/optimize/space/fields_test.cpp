@@ -242,6 +242,40 @@ TEST(Fields, OfSuccessiveLevelsWhereNothingTellsWhichToTake) {
     EXPECT_THROW(rest_facts(wrong), InvalidInput);
 }
 
+/// Levels of fields go on where the tree has ended: the patches are those of the level above, and so are their loads.
+TEST(Fields, PatchesKeepTheirLoadsWhereOnlyFieldsAreAdded) {
+    Problem problem = with_fields(12, {VariableKind::load});
+    problem.tree = octants(problem.surface, 1);
+    problem.parameters.field_steps = {4, 9, 12};
+    const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
+    DesignSpace space = design_space(rest, 0);
+    Eigen::VectorXd x = 0.3 * random_vector(space.size(), 2);
+    for (int level = 1; level <= 3; ++level) {
+        const ShellDemand before = demand(space, x);
+        const InheritedSpace child = refine(space, x);
+        const ShellDemand after = demand(child.space, child.x);
+        EXPECT_LE((after.loads.force - before.loads.force).norm(), 1e-12 * before.loads.force.norm()) << level;
+        EXPECT_LT((after.fields - before.fields).norm(), 1e-12) << level;
+        space = child.space;
+        x = child.x + 0.3 * random_vector(space.size(), 5);
+    }
+    EXPECT_EQ(space.patches().patches.size(), 2u);
+}
+
+/// An integral over a patch says nothing of a field, which moves the whole surface: fields come in their steps.
+TEST(Fields, WhereIntegralsOverPatchesChooseFieldsComeInSteps) {
+    Problem problem = with_fields(12, {});
+    problem.parameters.field_steps = {4, 9, 12};
+    problem.parameters.split = SplitRule::gradient;
+    maximize_volume(problem);
+    problem.optimize.max_evaluations = 20;
+    std::vector<std::size_t> fields;
+    RunEvents events;
+    events.level = [&](const LevelStart& level) { fields.push_back(level.space.fields.numbers.size()); };
+    const RunResult r = optimize(problem, events);
+    EXPECT_EQ(fields, (std::vector<std::size_t>{4, 9, 12})) << r.reason;
+}
+
 TEST(Fields, AFitWithThemFindsATaperedAndFlattenedBody) {
     Problem problem = with_fields(27, {});
     TriMesh target = problem.surface;

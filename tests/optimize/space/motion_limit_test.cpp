@@ -68,4 +68,26 @@ TEST(MotionLimit, WithoutOneNothingIsRefused) {
     EXPECT_FALSE(limits_motion(p));
 }
 
+/// Where normals cancel no side is known: the smaller limit holds in every direction.
+TEST(MotionLimit, WithoutANormalTheSmallerLimitHolds) {
+    const auto rest = limited([](Parameters& p) {
+        p.max_outward = Eigen::VectorXd::Constant(162, 0.02);
+        p.max_inward = Eigen::VectorXd::Constant(162, 0.005);
+    });
+    Points flat = rest->surface.vertices;  // the upper half lies on the lower one
+    int rim = 0;
+    flat.col(0).maxCoeff(&rim);
+    ASSERT_NEAR(flat(rim, 2), 0, 1e-12);
+    flat.col(2).setZero();
+    const MotionLimit limit(*rest, flat);
+    const auto moved_by = [&](double z) {
+        Points moved = flat;
+        moved(rim, 2) += z * rest->diagonal;
+        return moved;
+    };
+    EXPECT_EQ(limit.excess(moved_by(0.0049)), "");
+    EXPECT_NE(limit.excess(moved_by(0.0051)), "");
+    EXPECT_NE(limit.excess(moved_by(-0.0051)), "");
+}
+
 }  // namespace strake

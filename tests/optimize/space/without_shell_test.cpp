@@ -163,3 +163,28 @@ TEST(WithoutShell, WhatNeedsAShellIsRefused) {
     wrong.parameters.user_variables.push_back(load);
     refused(wrong);
 }
+
+/// Fields of the same names of a body that is held elsewhere.
+TEST(WithoutShell, DesignsOfOtherFieldsAreNotMixed) {
+    Problem one = without_shell(example::dirty_body("wing_through_body"), 6), other = one;
+    FieldConditions conditions;
+    conditions.held.assign(one.fixed.begin(), one.fixed.begin() + static_cast<std::ptrdiff_t>(one.fixed.size() / 2));
+    const auto fields = std::make_shared<const DisplacementFields>(other.surface, conditions, FieldOptions{6, {}});
+    for (int b = 0; b < 6; ++b) ASSERT_EQ(fields->name(b), one.parameters.fields->name(b));
+    other.parameters.fields = fields;
+    maximize_volume(one, 1.01);
+    one.optimize.max_evaluations = 2;
+    std::optional<StoredDesign> best;
+    RunEvents events;
+    events.accepted = [&](const AcceptedDesign& design) { best = stored_design(design); };
+    optimize(one, events);
+    ASSERT_TRUE(best.has_value());
+    const auto design = std::make_shared<const StoredDesign>(*best);
+    try {
+        mixed_design({one, design}, {other, design}, 0.3);
+        ADD_FAILURE() << "was mixed";
+    } catch (const InvalidInput& refused) {
+        EXPECT_NE(std::string(refused.what()).find("displacement fields of the same names"), std::string::npos)
+            << refused.what();
+    }
+}

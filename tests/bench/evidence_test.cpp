@@ -147,9 +147,9 @@ TEST(Evidence, EverySolverLowersTheObjectiveAndTracesIt) {
     const EvidenceProblem p = make_problem("local_bump", tiny, 1);
     for (const Solver solver : all_solvers()) {
         SCOPED_TRACE(to_string(solver));
-        const Solve s = solve(p, solver, solver == Solver::filtered ? Method::lbfgs : Method::sqp, 8);
+        const Solve s = solve(p, solver, solver == Solver::filtered ? Method::lbfgs : Method::sqp, 16);
         ASSERT_FALSE(s.trace.empty());
-        EXPECT_LE(s.evaluations, 8);
+        EXPECT_LE(s.evaluations, 16);
         EXPECT_EQ(s.trace.back().evaluation, s.evaluations);
         EXPECT_LT(s.final, s.start);
         EXPECT_EQ(s.trace.front().best, s.start);

@@ -417,7 +417,9 @@ TEST_F(Resume, ASecondSignalKillsAProgramThatIgnoresTheFirst) {
         for (const auto& entry : fs::directory_iterator("/proc")) {
             std::ifstream line(entry.path() / "cmdline", std::ios::binary);
             const std::string words{std::istreambuf_iterator<char>(line), {}};
-            if (words.starts_with("python3") && words.find(folder.path().filename().string()) != std::string::npos)
+            // Its first word is python3, under whatever path: a launcher may have put one in front.
+            if (words.substr(0, words.find('\0')).find("python3") != std::string::npos &&
+                words.find(folder.path().filename().string()) != std::string::npos)
                 return true;
         }
         return false;

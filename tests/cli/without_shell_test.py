@@ -15,7 +15,7 @@ regions: {nose: {box: [[-9, -9, -9], [-1.6, 9, 9]]}}
 fixed: [nose]
 shell: none
 GOAL
-optimize: {budget: {evaluations: 6}}
+optimize: {budget: {evaluations: 12}}
 """
 RUN = "objective: {maximize: volume}\nconstraints: {area: {max: 1.01, relative: true}}"
 

@@ -126,7 +126,7 @@ TEST(Noise, IsNotHandedOnAsCurvature) {
         how.confirm = false;
         const MinimizeResult r = minimize(p, how);
         reasons += r.reason + "\n";
-        if (r.stop != MinimizeStop::roundoff) continue;
+        if (r.stop != MinimizeStop::roundoff && r.reason != "the expected decrease is below the tolerance") continue;
         ++ended_in_noise;
         EXPECT_LT(mean_curvature(r.hessian, exact), 10) << "bias " << bias;
     }

@@ -98,19 +98,6 @@ TEST(Wrap, TakesACoarserSecondTryWhereTimeIsShort) {
         for (std::size_t at = 0; (at = words.find("takes longer", at)) != std::string::npos; ++at) ++tries;
         EXPECT_EQ(tries, 3u) << words;
     }
-    // Two boxes 1.2 apart, 1 between their offsets: a ball of radius 0.3 passes there, one of 0.6 does not.
-    TriMesh two = box_surface({1, 1, 1}, 4);
-    const int n = two.num_vertices(), m = two.num_triangles();
-    two.vertices.conservativeResize(2 * n, 3);
-    two.vertices.bottomRows(n) = two.vertices.topRows(n).rowwise() + Eigen::RowVector3d(2.2, 0, 0);
-    two.triangles.conservativeResize(2 * m, 3);
-    two.triangles.bottomRows(m) = two.triangles.topRows(m).array() + n;
-    options = {0.3, 0.1, 0.2, 20};
-    const Wrap wrap = wrap_around(two, options);
-    EXPECT_GE(wrap.attempts, 2);
-    ASSERT_FALSE(wrap.notes.empty());
-    EXPECT_NE(wrap.notes[0].find("pieces"), std::string::npos) << wrap.notes[0];
-    EXPECT_EQ(wrap.alpha, 0.3 * std::pow(2, wrap.attempts - 1));
 }
 
 TEST(Wrap, WrongOptionsAreRefused) {

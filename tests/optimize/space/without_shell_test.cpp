@@ -43,7 +43,9 @@ struct Evaluated {
     explicit Evaluated(Problem p)
         : problem(std::move(p)),
           rest(rest_facts(problem)),
-          evaluator(problem, rest, {"volume", "area"}),
+          evaluator(problem, rest,
+                    problem.quantities.size() > 1 ? std::vector<std::string>{"volume", "area"}
+                                                  : std::vector<std::string>{"area"}),
           space(design_space(rest, 0)) {
         evaluator.enter(space);
     }

@@ -190,6 +190,7 @@ TEST(PartialGradient, IsCompletedAtTheEnd) {
 /// x + d misses a bound by rounding where d = bound - x: the search is where it has evaluated, not beside it, or what
 /// is paid there at the end would not be part of the best point.
 TEST(PartialGradient, IsCompletedAtBoundsThatRoundingMisses) {
+    int at_bounds = 0;
     for (const double bound : {0.1, 0.07, 0.013, 0.0301}) {
         SCOPED_TRACE(bound);
         Quadratic q;
@@ -202,11 +203,12 @@ TEST(PartialGradient, IsCompletedAtBoundsThatRoundingMisses) {
         how.objective_tolerance = 1e-4;
         const MinimizeResult r = minimize(p, how);
         EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
-        EXPECT_GT(r.active_bounds, 0);
+        at_bounds += r.active_bounds;
         EXPECT_FALSE(r.best.is_partly_guessed);
         ASSERT_EQ(r.best.gradient.size(), n);
         EXPECT_LT((r.best.gradient - q.gradient(r.x)).norm(), 1e-3 * q.gradient(p.start).norm());
     }
+    EXPECT_GT(at_bounds, 0) << "else nothing is shown";
 }
 
 }  // namespace

@@ -118,7 +118,11 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             break;
         case MinimizeStop::roundoff:
             r.status = "roundoff";
-            r.reason = text("stopped on level ", r.level, ": ", words, notes);
+            r.reason =
+                text("stopped on level ", r.level, ": ", words, notes,
+                     words.find("gradient predicts") == std::string::npos
+                         ? ""
+                         : "; noise of the values or a wrong gradient: `strake gradient-check CASE` tells which");
             break;
         case MinimizeStop::no_valid_step:
             r.status = "no_valid_step";

@@ -15,6 +15,17 @@ bool SqpSearch::is_small(double expected_decrease) const {
            std::max(share * guard_.decrease_tolerance(now_.at.objective), std::numeric_limits<double>::min());
 }
 
+bool SqpSearch::end_by_small(double expected_decrease) {
+    const double noise = guard_.evidence.noise();
+    const bool is_noise = !guard_.options.is_relative_to_objective && expected_decrease <= noise &&
+                          guard_.decrease_tolerance(now_.at.objective) <= noise;
+    // Where noise has rejected steps, it also hides whether the gradient is right.
+    if (is_noise)
+        return end(MinimizeStop::roundoff, text("noise of the values, about ", noise,
+                                                ", hides further gains: ", expected_decrease, " is expected"));
+    return end(MinimizeStop::converged, "the expected decrease is below the tolerance");
+}
+
 double SqpSearch::projected_gradient() const {
     VectorXd g = lagrangian_gradient(now_);
     for (Eigen::Index j = 0; j < g.size(); ++j)
@@ -32,8 +43,8 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
         if (!is_feasible || rejections_ == 0) return false;
         // A step that is short because longer ones were rejected has a small expected decrease in any case.
         const VectorXd free = solve_model(steps_.model(now_.at.constraints, 0));
-        if (free.size() == 0 || !is_small(merit_.expected_decrease(hessian_.matrix(), free))) return false;
-        return end(MinimizeStop::converged, "the expected decrease is below the tolerance");
+        const double expected = merit_.expected_decrease(hessian_.matrix(), free.size() > 0 ? free : d);
+        return free.size() > 0 && is_small(expected) && end_by_small(expected);
     }
     if (d.lpNorm<Eigen::Infinity>() <= step_tolerance)
         return end(is_limited    ? MinimizeStop::roundoff
@@ -42,9 +53,7 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
                    is_limited    ? "no step, however short, gains what the gradient predicts"
                    : is_feasible ? "the variables change by less than the tolerance"
                                  : "the constraints cannot be met within the bounds");
-    if (is_small(predicted) && is_feasible)
-        return end(MinimizeStop::converged, "the expected decrease is below the tolerance");
-    return false;
+    return is_small(predicted) && is_feasible && end_by_small(predicted);
 }
 
 bool SqpSearch::complete_gradient() {

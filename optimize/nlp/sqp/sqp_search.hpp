@@ -51,6 +51,8 @@ private:
     /// The model expects nothing more: converged, if nothing but the tolerances keeps it from a longer step.
     bool is_stationary(const Eigen::VectorXd& d, double predicted);
     bool is_small(double expected_decrease) const;
+    /// Converged, or where it is noise that hides the decrease, stopped by it. @return true
+    bool end_by_small(double expected_decrease);
     /// Of the Lagrangian, without what bounds carry, in the dual of the metric.
     double projected_gradient() const;
     /// What is guessed of the gradient is evaluated before the search ends. False: it goes on.

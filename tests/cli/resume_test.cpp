@@ -350,11 +350,14 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
         const ProgramRun rebuilt = run_strake({"resume", path(damage), "--rebuild", "-q"});
         EXPECT_EQ(rebuilt.status, 0) << damage << ": " << rebuilt.err;
         const std::string again = bytes_of(folder / damage / "history.csv");
-        if (damage == "lost")  // the limit is the number of rows
+        if (damage == "lost") {  // the limit is the number of rows
             EXPECT_EQ(std::count(again.begin(), again.end(), '\n'), std::count(history.begin(), history.end(), '\n'));
-        else
+        } else {
             EXPECT_EQ(again, history) << damage << ": " << rebuilt.err;
-        if (damage == "tried") EXPECT_EQ(bytes_of(folder / "tried/journal.damaged.sqlite"), "of an earlier try");
+        }
+        if (damage == "tried") {
+            EXPECT_EQ(bytes_of(folder / "tried/journal.damaged.sqlite"), "of an earlier try");
+        }
         EXPECT_EQ(rebuilt.err.find("does not say which version"), std::string::npos);
     }
     // Of a run whose case.yaml says nothing: as before 0.2, and told.

@@ -96,10 +96,10 @@ TEST_F(JournalFile, LimitsComeIntoForceWhereTheyDid) {
     EXPECT_EQ(journal->limits_after(2).evaluations, 4);
     EXPECT_EQ(journal->limits().evaluations, 4);
     journal->set_limits(9, 0);  // before the last one is in force: it takes its place
-    for (const Journal* one : {static_cast<const Journal*>(journal.get()), Journal::look(file).release()}) {
-        EXPECT_EQ(one->limits_after(1).evaluations, 2);
-        EXPECT_EQ(one->limits_after(2).evaluations, 9);
-        if (one != journal.get()) delete one;
+    const auto looked = Journal::look(file);
+    for (const int after : {1, 2}) {
+        EXPECT_EQ(journal->limits_after(after).evaluations, after == 1 ? 2 : 9);
+        EXPECT_EQ(looked->limits_after(after).evaluations, after == 1 ? 2 : 9);
     }
 }
 

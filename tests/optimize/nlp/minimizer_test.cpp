@@ -316,7 +316,7 @@ TEST(Minimizer, AStepThatIsMovedBackToItsBeginIsCut) {
         vec({0, 0}), vec({-2, -2}), vec({2, 2}), 0, 0,
         [](const VectorXd& x) { return vec({std::pow(x[0] - 0.2, 2) + std::pow(x[1] + 0.1, 2)}); },
         [](const VectorXd& x) {
-            return MatrixXd(vec({2 * (x[0] - 0.2), 2 * (x[1] + 0.1)}).transpose());
+            return Eigen::MatrixXd(vec({2 * (x[0] - 0.2), 2 * (x[1] + 0.1)}).transpose());
         });
     int asked = 0;
     p.evaluate = [&asked, ask = p.evaluate](const VectorXd& x) {

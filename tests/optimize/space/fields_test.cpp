@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/QR>
 #include <map>
+#include <set>
 
 using namespace strake;
 
@@ -443,7 +444,8 @@ TEST(Fields, BesidePatchesHalfAndWholeModelsAgree) {
     };
     const Points a = shape(half, of_half, x), b = shape(whole, of_whole, y);
     double worst = 0, moved = 0;
-    for (int v = 0; v < box.half.num_vertices(); ++v) {
+    for (const int v :
+         std::set<int>(box.half.triangles.data(), box.half.triangles.data() + box.half.triangles.size())) {
         Eigen::Index w = 0;
         ASSERT_LT((box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm().minCoeff(&w), 1e-12);
         worst = std::max(worst, (a.row(v) - b.row(w)).norm());
@@ -491,8 +493,8 @@ TEST(Fields, UnitsAndNumbersChangeNothing) {
                   1e-6 * diagonals[0]);
 }
 
-/// On what fields turn by 20 degrees a local load still bumps: E is that at rest and is not turned along, so the bump
-/// leans by as much. Its height along the normal is the cosine of that, 94 %, and the shape is a valid one.
+/// On what fields turn by 20 degrees loads move the surface by what they do at rest: E is not turned along. The shape
+/// is a valid one.
 TEST(Fields, TwistedByTwentyDegreesTakeLocalBumps) {
     Problem problem = ellipsoid_problem(3, 3);
     problem.parameters.kinds = {VariableKind::normal_load};
@@ -534,17 +536,9 @@ TEST(Fields, TwistedByTwentyDegreesTakeLocalBumps) {
     const Points own = bumped - twisted;
     own.rowwise().norm().maxCoeff(&top);
     EXPECT_GT(own.row(top).norm(), 0.01 * e.rest->diagonal);
-    // The normals of both at the top of the bump.
-    Eigen::Vector3d before = Eigen::Vector3d::Zero(), after = Eigen::Vector3d::Zero();
-    for (int t = 0; t < problem.surface.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k)
-            if (problem.surface.triangles(t, k) == top) {
-                before += area_vector(problem.surface, t);
-                after += area_vector(with_vertices(problem.surface, twisted), t);
-            }
-    const double lean = std::acos(before.normalized().dot(after.normalized())) / degree;
-    EXPECT_GT(lean, 5) << "the surface has turned there";
-    EXPECT_LT(lean, 25);
-    const Eigen::Vector3d direction = own.row(top).normalized();
-    EXPECT_GT(direction.dot(after.normalized()), std::cos((lean + 20) * degree)) << "mostly along the new normal";
+    // The same vectors as on the body at rest.
+    Eigen::VectorXd alone = Eigen::VectorXd::Zero(e.space.size());
+    alone[bump] = x[bump];
+    const Points at_rest = e.at(alone).vertices - problem.surface.vertices;
+    EXPECT_LT((own - at_rest).cwiseAbs().maxCoeff(), 1e-9 * e.rest->diagonal);
 }

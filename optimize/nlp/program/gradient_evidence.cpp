@@ -19,7 +19,7 @@ constexpr double same_factor = 0.1;    ///< spread of factors, as a share of the
 constexpr std::size_t steps_for_factor = 3, kept_steps = 4, kept_deviations = 2;
 constexpr std::size_t attempts_in_row = 4;
 constexpr double attempts_shrink = 0.125;  ///< last length over the first: nonlinear values follow the gradient by then
-constexpr double one_line = 0.999;         ///< cosine of directions that count as the same
+constexpr double one_line = 1 - 1e-9;  ///< cosine of directions that count as the same: the slope across is no noise
 
 /// Sum of |g_j d_j|, which a slope may be a small difference of.
 double sum_of_sizes(const VectorXd& g, const VectorXd& d) { return g.cwiseProduct(d).cwiseAbs().sum(); }

@@ -10,6 +10,14 @@ constexpr double max_length = 0.01;    ///< of a line
 constexpr double min_distance = 0.05;  ///< of two points, as a share of the farther one's t: nearer ones are one point
 constexpr std::size_t max_points = 5, min_points = 4;
 constexpr std::size_t max_samples = 3;
+constexpr double consistent =
+    4;  ///< factor between differences of two orders: those of a smooth function differ by more
+
+double noise_of(const std::vector<double>& t, const std::vector<double>& values) {
+    const auto count = static_cast<Eigen::Index>(t.size());
+    return noise_on_line(Eigen::Map<const Eigen::VectorXd>(t.data(), count),
+                         Eigen::Map<const Eigen::VectorXd>(values.data(), count));
+}
 
 }  // namespace
 
@@ -44,9 +52,11 @@ void ValueNoise::add(double t, double value) {
     values_.push_back(value);
     if (t_.size() > max_points) t_.erase(t_.begin() + 1), values_.erase(values_.begin() + 1);
     if (t_.size() < min_points) return;
-    const auto count = static_cast<Eigen::Index>(t_.size());
-    samples_.push_back(noise_on_line(Eigen::Map<const Eigen::VectorXd>(t_.data(), count),
-                                     Eigen::Map<const Eigen::VectorXd>(values_.data(), count)));
+    const std::size_t last = t_.size() - 1;
+    const double all = noise_of(t_, values_);
+    const double second = noise_of({t_[0], t_[last - 1], t_[last]}, {values_[0], values_[last - 1], values_[last]});
+    if (!(all <= consistent * second && second <= consistent * all)) return;
+    samples_.push_back(all);
     if (samples_.size() > max_samples) samples_.erase(samples_.begin());
 }
 

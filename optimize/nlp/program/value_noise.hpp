@@ -28,7 +28,8 @@ public:
     /// A value at t > 0 on it, of a point this far from the begin; farther points than 0.01, in variables whose
     /// reasonable steps are about 1, say more of the function than of its noise and are left out.
     void add(double t, double value);
-    /// Root mean square of the last three samples; 0: nothing is known.
+    /// Root mean square of the last three samples of which differences of two orders agree, as those of noise do and
+    /// those of a smooth function do not; 0: nothing is known.
     double level() const;
 
 private:

@@ -64,6 +64,15 @@ TEST(ValueNoise, IsNotToldByLongStepsOrFewPoints) {
     EXPECT_LT(noise.level(), 0.1);
 }
 
+TEST(ValueNoise, ASmoothFunctionHasNone) {
+    for (const double bend : {0.1, 1.0, 10.0}) {
+        ValueNoise noise;
+        noise.begin(std::exp(0.0));
+        for (double t = 0.009; t > 1e-4; t *= 0.4) noise.add(t, std::exp(bend * t));
+        EXPECT_EQ(noise.level(), 0) << bend;
+    }
+}
+
 TEST(ValueNoise, TheBestStepHasTheLeastError) {
     const double noise = 1e-8, curvature = 3;
     const auto error = [&](double h) { return noise * std::sqrt(2.0) / h + curvature * h / 2; };

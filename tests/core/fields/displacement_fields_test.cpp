@@ -244,7 +244,7 @@ TEST(DisplacementFields, ManyHeldSpotsLeaveRoomBetweenThem) {
     const VectorXd size = fields.field(2).rowwise().norm();
     std::vector<double> sorted(size.begin(), size.end());
     std::nth_element(sorted.begin(), sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2), sorted.end());
-    EXPECT_GT(sorted[sorted.size() / 2], 0.15);
+    EXPECT_GT(sorted[sorted.size() / 2], 0.05);  // half of the vertices; with twenty factors below 1 it is 1e-6
     for (const int t : conditions.held)
         for (int k = 0; k < 3; ++k) EXPECT_EQ(size[plate.triangles(t, k)], 0);
 }

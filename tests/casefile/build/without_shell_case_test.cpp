@@ -15,8 +15,9 @@ objective: {maximize: volume}
 constraints: {area: {max: 1.01, relative: true}}
 )";
 
-TEST_F(CaseWithoutShell, TakesEveryDirtyBodyWithAllFields) {
-    for (const std::string& kind : example::dirty_body_kinds()) {
+TEST_F(CaseWithoutShell, TakesDirtyBodiesWithAllFields) {
+    // without_shell_test has all kinds; 192 fields of each take half a minute under sanitizers.
+    for (const std::string kind : {"wing_through_body", "flipped_parts", "t_junctions"}) {
         const TriMesh mesh = example::dirty_body(kind);
         surface(mesh);
         if (kind == "t_junctions") {  // each panel by itself encloses nothing

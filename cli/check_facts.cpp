@@ -106,7 +106,7 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     std::vector<Field> modes;
     const bool wants_modes = !wishes.modes.empty();
     const std::vector<char> held = pinned_triangles(*rest);
-    if (!problem.fixed.empty()) facts.border.emplace();
+    if (!problem.fixed.empty()) facts.border.emplace().is_smooth = problem.parameters.keeps_smooth_border;
     facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
         if (facts.border) add_border(*rest, held, variable, dv, *facts.border);
         if (wants_modes) modes.push_back({variable.name, dv});

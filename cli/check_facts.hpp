@@ -33,6 +33,7 @@ struct CheckFacts {
         double move = 0.1;                     ///< diagonals
         double by_fields = 0, by_patches = 0;  ///< turn of normals beside what is held, degrees
         std::string variable;                  ///< that turns them most
+        bool is_smooth = false;                ///< `parameters.keep: smooth_border`
     };
     std::optional<Border> border;      ///< none: nothing is held, or no variables
     std::optional<StartAnswer> start;  ///< without the quantities of programs

@@ -103,7 +103,7 @@ void print_border(const CheckFacts& facts) {
         "({})\n",
         std::max(border.by_fields, border.by_patches), 100 * border.move, border.variable);
     constexpr double a_crease = 2;
-    if (border.by_fields > a_crease)
+    if (border.by_fields > a_crease && !border.is_smooth)
         fmt::print("            fields turn them by {:.2g}; less with parameters.keep: smooth_border\n",
                    border.by_fields);
 }

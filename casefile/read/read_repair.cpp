@@ -43,7 +43,7 @@ void CaseReader::read_repair(const Value& map) {
 
 void CaseReader::read_remesh(const Value& map) {
     RemeshEntry entry;
-    entry.edge_length = optional_length(map, "edge_length");
+    if (const Value* v = map.find("edge_length"); v && v->text != "auto") entry.edge_length = length_of(*v);
     entry.chord_error = optional_length(map, "curvature");
     entry.shortest_edge = optional_length(map, "shortest_edge");
     if (const Value* v = map.find("angle")) entry.options.angle_deg = v->number * 180 / std::numbers::pi;

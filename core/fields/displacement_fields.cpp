@@ -272,19 +272,25 @@ class Orthogonalization {
 public:
     explicit Orthogonalization(MatrixXd triangle) : triangle_(std::move(triangle)) {}
 
-    /// What is left of the motion, of length one; none where next to nothing is.
+    /// What is left of the motion, of length one; none where next to nothing is. Most of a long list is not: what that
+    /// costs are products with what is known, not with the triangle.
     std::optional<Coefficients> add(Coefficients motion) {
-        const double length = (triangle_ * motion).norm();
+        Coefficients product = product_of(motion);
+        const double length = product.norm();
         if (!(length > 0)) return {};
         motion /= length;
-        for (int pass = 0; pass < 2; ++pass)
-            for (const auto& [known, product] : known_) {
-                const double share = product.cwiseProduct(triangle_ * motion).sum();
-                motion -= share * known;
+        product /= length;
+        for (int pass = 0; pass < 2; ++pass) {
+            std::vector<double> shares;
+            for (const auto& [known, known_product] : known_) {
+                shares.push_back(known_product.cwiseProduct(product).sum());
+                product -= shares.back() * known_product;
             }
-        Coefficients product = triangle_ * motion;
+            if (product.norm() < min_own_share) return {};
+            for (std::size_t k = 0; k < known_.size(); ++k) motion -= shares[k] * known_[k].first;
+            product = product_of(motion);  // without what rounding has gathered
+        }
         const double own = product.norm();
-        if (own < min_own_share) return {};
         motion /= own;
         product /= own;
         known_.emplace_back(motion, product);
@@ -292,6 +298,14 @@ public:
     }
 
 private:
+    /// The triangle times the motion, by the functions that it has.
+    Coefficients product_of(const Coefficients& motion) const {
+        Coefficients product = Coefficients::Zero(triangle_.rows(), 3);
+        for (Eigen::Index f = 0; f < motion.rows(); ++f)
+            if (!motion.row(f).isZero(0)) product.noalias() += triangle_.col(f) * motion.row(f);
+        return product;
+    }
+
     MatrixXd triangle_;
     std::vector<std::pair<Coefficients, Coefficients>> known_;
 };
@@ -322,12 +336,14 @@ DisplacementFields::DisplacementFields(const TriMesh& rest, const FieldCondition
     std::vector<FieldCandidate> rigid;
     if (conditions.held.empty() && !conditions.keeps_rigid_motions)
         rigid = rigid_candidates(frame_, plane.has_value(), conditions.kind);
+    int before = -1;  // twice as many that add nothing: the vertices have no more
     for (int tried = 2 * options.number + 20;; tried *= 2) {
         const std::vector<FieldCandidate> candidates =
             field_candidates(frame_, plane.has_value(), tried, conditions.kind);
         choose(rest, cut.at_vertices, rigid, candidates, options.number);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
-        if (size() == options.number || are_all) break;
+        if (size() == options.number || are_all || size() == before) break;
+        before = size();
     }
     if (names_.empty()) throw InvalidInput("fields: nothing is left that could move");
     if (conditions.cut) keep_in_plane(rest, *conditions.cut);

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 constexpr int num_slices = 16;
 constexpr double nearly_all_held = 0.5;  ///< of the length
 constexpr double bump_radius = 0.15;     ///< diagonals
-constexpr double forbidden = 1e-6;       ///< share of a motion that the plane or the kind of shape does not allow
+constexpr double nothing_left = 0.1;     ///< of a motion, by what the kind of shape allows
 
 /// Where every vertex is, in terms of the sections.
 struct Places {
@@ -223,10 +223,11 @@ std::vector<TypicalMotion> typical_motions(const TriMesh& rest, const FieldCondi
     if (conditions.kind) invariance.emplace(rest, *conditions.kind, 1e-6, conditions.cut);
     std::vector<TypicalMotion> all;
     const auto add = [&](const char* name, Points u) {
+        const double whole = u.rowwise().norm().maxCoeff();
+        if (invariance) u = invariance->projected(u);
         if (!at.is_held) u = without_rigid(rest, u, plane);
         const double size = u.rowwise().norm().maxCoeff();
-        if (!(size > 1e-9 * at.frame.half.maxCoeff())) return;
-        if (!invariance || invariance->deviation(u) <= forbidden * size) all.push_back({name, u / size});
+        if (size > (invariance ? nothing_left : 1e-9) * whole) all.push_back({name, u / size});
     };
     for (const NamedMotion& motion : motions_of_sections(at)) {
         if (plane && !motion.is_symmetric) continue;

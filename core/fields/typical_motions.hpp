@@ -18,7 +18,7 @@ struct TypicalMotion {
 ///     the vertex where t is nearest to a half, d the distance from it, n the normal.
 /// Where nothing is held: bend and sweep s^2, twist and taper s (s^2 where the axis is normal to the plane of
 /// symmetry), thicken s^2, swell 1 - s^2, span s, flatten 1, all without the rigid part. Motions that the plane of
-/// symmetry or the kind of shape forbids are left out.
+/// symmetry forbids are left out; of a kind of shape it is what of them keeps it, where that is more than a tenth.
 /// @throws InvalidInput as `DisplacementFields`.
 std::vector<TypicalMotion> typical_motions(const TriMesh& rest, const FieldConditions& conditions,
                                            const std::optional<Eigen::Vector3d>& axis = {});

@@ -70,6 +70,16 @@ TEST_F(BuildProblem, TheSurfaceIsRemeshedAfterTheRepair) {
     }));
 }
 
+TEST_F(BuildProblem, RemeshingWithoutALengthTakesTheMeanEdge) {
+    surface(open_box());
+    const auto made = [&](const char* remesh) { return build(remesh).problem.surface; };
+    const TriMesh said = made("remesh: {edge_length: auto, iterations: 2}\n"),
+                  silent = made("remesh: {iterations: 2}\n");
+    EXPECT_EQ(said.vertices, silent.vertices);
+    EXPECT_EQ(said.triangles, silent.triangles);
+    EXPECT_NE(said.num_triangles(), open_box().num_triangles());
+}
+
 TEST_F(BuildProblem, WhatDoesNotFitTheSurfaceIsAnErrorAtItsPlace) {
     surface(box_surface());
     EXPECT_TRUE(contains(error("repair: {components: {min_triangles: 1000}}\n"), "case.yaml:3:9: "));

@@ -79,6 +79,7 @@ Case loaded(const std::filesystem::path& file, Purpose purpose, const std::files
     rename_old(source->root, errors);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
+    set_planform_values(the_case, errors);
     set_formulas(the_case, errors);
     cross_check(source->root, purpose, the_case, errors);
     errors.throw_if_any();

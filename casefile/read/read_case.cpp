@@ -74,6 +74,7 @@ void CaseReader::read(const Value& root) {
     }
     map("symmetry", &CaseReader::read_symmetry);
     map("axes", &CaseReader::read_axes);
+    entries("planform", &CaseReader::read_wing);
     map("shell", &CaseReader::read_shell);
     map("loads", &CaseReader::read_loads);
     map("strains", &CaseReader::read_strains);

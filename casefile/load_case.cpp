@@ -102,6 +102,7 @@ Case loaded(const std::filesystem::path& file, Purpose purpose, const std::files
     set_defaults_without_shell(source->root);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
+    set_planform_values(the_case, errors);
     set_formulas(the_case, errors);
     cross_check(source->root, purpose, the_case, errors);
     errors.throw_if_any();

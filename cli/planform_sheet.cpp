@@ -43,7 +43,7 @@ std::string planform_words(const std::string& file, const std::optional<Planform
         return printable(file) +
                ": no wing found\n"
                "  A wing is followed from its tip along one of the coordinates, by sections thinner than 30 % of the\n"
-               "  chord.\n";
+               "  chord. Declare it in a case (planform) if it lies otherwise.\n";
     const WingDeclaration& declared = sheet->found.declaration;
     const WingFacts& f = sheet->facts;
     std::string out = printable(file) + "\n";

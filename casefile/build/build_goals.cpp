@@ -94,7 +94,8 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const BuiltInEntry& ma
         return is_in;
     };
     try {
-        return shortening(made.make(entry.name, {start_.mesh, start_.diagonal, case_.symmetry, marks}));
+        const auto wing = [&](const std::string& name) { return wings_.at(name); };
+        return shortening(made.make(entry.name, {start_.mesh, start_.diagonal, case_.symmetry, marks, wing}));
     } catch (const InputError& error) {
         throw InvalidInput(error.what());
     }

@@ -1,3 +1,4 @@
+#include "casefile/build/make_wing.hpp"
 #include "casefile/build/prepare_surface.hpp"
 #include "casefile/build/problem_builder.hpp"
 #include "casefile/build/surface_check.hpp"
@@ -176,7 +177,8 @@ void ProblemBuilder::build_tree() {
 }
 
 void ProblemBuilder::evaluate_regions() {
-    RegionSets sets(case_.regions, start_, out_.problem.tree);
+    const WingSetup setup{case_.planform, case_.aero.axes.value_or(BodyAxes{}), case_.symmetry};
+    RegionSets sets(case_.regions, start_, out_.problem.tree, &setup);
     for (std::size_t k = 0; k < case_.regions.size(); ++k)
         at(case_.regions[k].shape_place, "", [&] {
             const Region& region = case_.regions[k];
@@ -187,6 +189,17 @@ void ProblemBuilder::evaluate_regions() {
             found.box = triangle_box(start_.mesh, found.triangles);
             region_index_[region.name] = static_cast<int>(out_.regions.size());
             out_.regions.push_back(std::move(found));
+        });
+    for (const WingEntry& entry : case_.planform)
+        at(entry.place, text("planform.", entry.name, ": "), [&] {
+            std::vector<int> triangles;
+            if (entry.on) {
+                const std::vector<char> marks = sets.marks_of(entry.on->name);
+                for (std::size_t t = 0; t < marks.size(); ++t)
+                    if (marks[t]) triangles.push_back(static_cast<int>(t));
+                if (triangles.empty()) throw InvalidInput(text("'", printable(entry.on->name), "' holds no triangles"));
+            }
+            wings_[entry.name] = make_wing(entry, setup, start_.mesh, std::move(triangles));
         });
 }
 

@@ -28,6 +28,7 @@ private:
     std::map<std::string, int> region_index_;
     std::shared_ptr<const StoredDesign> stored_;  ///< that `start_from` names
     std::vector<std::pair<TwistSpec, Place>> twists_;
+    std::map<std::string, std::shared_ptr<const Wing>> wings_;
 
     /// Runs `work`; what it refuses becomes an error at `place`.
     template <class Work>

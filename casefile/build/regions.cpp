@@ -1,5 +1,6 @@
 #include "casefile/build/regions.hpp"
 
+#include "casefile/build/make_wing.hpp"
 #include "casefile/build/region_formula.hpp"
 #include "casefile/build/region_shapes.hpp"
 #include "casefile/schema/scalars.hpp"
@@ -172,6 +173,18 @@ struct RegionSets::Evaluate {
             if (!normal.row(t).isZero(0) && dihedral(normal.row(t), facing.direction) < facing.within - 1e-9)
                 triangles.push_back(t);
         return triangles;
+    }
+    std::vector<int> operator()(const WingRegion& part) const {
+        std::vector<std::string> names;
+        for (const WingEntry& entry : sets.wings_ ? sets.wings_->entries : std::vector<WingEntry>()) {
+            names.push_back(entry.name);
+            if (entry.name != part.of.name) continue;
+            std::vector<int> triangles;
+            if (entry.on) triangles = numbers_of(sets.marks_of(entry.on->name));
+            return wing_region(*make_wing(entry, *sets.wings_, start.mesh, std::move(triangles)), part, start.mesh);
+        }
+        throw InvalidInput(text("wing '", printable(part.of.name), "' is not declared under planform",
+                                names.empty() ? "" : text("; wings: ", joined(names))));
     }
     std::vector<int> operator()(const BoxShape& box) const {
         return triangles_in(box, start.mesh, start.diagonal, touches);

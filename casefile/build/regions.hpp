@@ -16,12 +16,20 @@ struct StartSurface {
     std::vector<int> source_triangle;  ///< number in the file, -1: new; empty: as in the file
 };
 
+/// What regions of wings need.
+struct WingSetup {
+    const std::vector<WingEntry>& entries;
+    BodyAxes axes;
+    std::optional<SymmetryPlane> symmetry;
+};
+
 /// The triangles of declared regions. Regions may be made of others, wherever these are declared.
 class RegionSets {
 public:
-    /// Keeps references. @param tree may be empty unless `needs_patches`.
-    RegionSets(const std::vector<Region>& regions, const StartSurface& start, const PatchHierarchy& tree)
-        : regions_(regions), start_(start), tree_(tree), known_(regions.size()) {}
+    /// Keeps references. @param tree may be empty unless `needs_patches`. @param wings null: none are declared.
+    RegionSets(const std::vector<Region>& regions, const StartSurface& start, const PatchHierarchy& tree,
+               const WingSetup* wings = nullptr)
+        : regions_(regions), start_(start), tree_(tree), wings_(wings), known_(regions.size()) {}
 
     /// Triangles of region k, ascending, never empty. Box, sphere and half space hold the triangles whose three
     /// vertices (or any point, where the region says so) lie inside, borders included (1e-9 of the diagonal).
@@ -45,6 +53,7 @@ private:
     const std::vector<Region>& regions_;
     const StartSurface& start_;
     const PatchHierarchy& tree_;
+    const WingSetup* wings_;
     std::vector<Known> known_;
     std::vector<int> path_;  ///< regions that are being evaluated
 };

@@ -4,12 +4,14 @@
 #include "objectives/quantity/quantity.hpp"
 
 #include <filesystem>
+#include <memory>
 #include <optional>
 
 /// Built-in quantities by the name of their `type`.
 namespace strake {
 
 struct Value;
+class Wing;
 
 /// A name used somewhere, and where.
 struct Reference {
@@ -39,6 +41,8 @@ struct QuantityContext {
     double diagonal;
     const std::optional<SymmetryPlane>& symmetry;
     std::function<std::vector<char>(const Reference& region)> marks;  ///< per triangle
+    /// A declared wing. @throws InvalidInput where it cannot be measured.
+    std::function<std::shared_ptr<const Wing>(const std::string& name)> wing = {};
 };
 
 struct BuiltInEntry {

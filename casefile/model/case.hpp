@@ -86,14 +86,35 @@ struct FacingDirection {
     double within = 0;          ///< largest angle between it and the normal, radians, not itself included
 };
 
+/// A part of a declared wing.
+struct WingRegion {
+    Reference of;
+    std::array<double, 2> chord{0, 1}, span{0, 1};                  ///< fractions of the chord and of the semispan
+    int side = 0;                                                   ///< 1: upper, -1: lower, 0: both
+    enum class Edge { none, leading, trailing } edge = Edge::none;  ///< in place of `chord`
+};
+
 struct Region {
     std::string name;
     std::variant<BoxShape, SphereShape, HalfSpace, SolidShape, ComponentShape, PatchShape, TriangleFile, RegionFormula,
-                 GrownRegion, FloodedRegion, NearRegion, FacingDirection>
+                 GrownRegion, FloodedRegion, NearRegion, FacingDirection, WingRegion>
         shape;
     bool touches = false;  ///< box, sphere, half space: any point inside is enough; near: one vertex
     Place place;           ///< of the name
     Place shape_place;     ///< of the shape's key
+};
+
+/// A wing: its planform is measured by sections along the span.
+struct WingEntry {
+    std::string name;
+    Place place;
+    std::optional<Reference> on;                      ///< a region, part or patch; nothing: the whole surface
+    Eigen::Vector3d span = Eigen::Vector3d::UnitY();  ///< unit
+    std::vector<double> stations;                     ///< fractions of the semispan; empty: kinks
+    double axis = 0.25;                               ///< fraction of the chord
+    std::vector<double> grid_span, grid_chord;        ///< of thickness_grid
+    std::array<double, 2> box_span{}, box_chord{};    ///< of box_volume
+    std::vector<Reference> values;                    ///< to record
 };
 
 struct LoadEntry {
@@ -286,7 +307,8 @@ struct Case {
     std::optional<SymmetryPlane> symmetry;
     Place symmetry_place;
     std::optional<Length> symmetry_snap;  ///< open edges so near to the plane are moved onto it
-    AeroGround aero;                      ///< axes and coefficients; its plane is `symmetry`
+    std::vector<WingEntry> planform;
+    AeroGround aero;  ///< axes and coefficients; its plane is `symmetry`
     Length thickness;
     Place thickness_place;
     std::vector<ThicknessEntry> thickness_by_region;

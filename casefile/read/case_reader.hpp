@@ -25,6 +25,11 @@ private:
     bool read_box(const Value& list, const std::string& shown, Region& region);
     // read_made_regions.cpp
     bool read_made_region(const Value& map, const std::string& kind, const Value& value, Region& region);
+    // read_planform.cpp
+    void read_wing(const Entry& entry);
+    bool read_wing_region(const Value& map, const Value& of, Region& region);
+    bool read_range(const Value* list, const std::string& shown, std::array<double, 2>& range);
+    // read_surface.cpp
     void read_symmetry(const Value& map);
     void read_axes(const Value& map);
     // read_shell.cpp
@@ -58,6 +63,7 @@ private:
     LineThicknessEntry read_line_thickness(const Value& map, const std::string& shown);
     void read_objective(const Value& map);
     void read_constraint(const Entry& entry);
+    void check_limit_unit(const Value& map, const char* key, const std::string& quantity, const std::string& shown);
     // read_run.cpp
     void read_optimize(const Value& map);
     void read_fitting(const Value& map);

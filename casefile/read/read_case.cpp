@@ -76,6 +76,7 @@ void CaseReader::read(const Value& root) {
     map("invariance", &CaseReader::read_invariance);
     map("symmetry", &CaseReader::read_symmetry);
     map("axes", &CaseReader::read_axes);
+    entries("planform", &CaseReader::read_wing);
     map("shell", &CaseReader::read_shell);
     map("loads", &CaseReader::read_loads);
     map("strains", &CaseReader::read_strains);

@@ -130,6 +130,22 @@ void CaseReader::read_objective(const Value& map) {
     case_.maximize = named == high;
 }
 
+/// Limits of a wing's angles carry a unit, all others none.
+void CaseReader::check_limit_unit(const Value& map, const char* key, const std::string& quantity,
+                                  const std::string& shown) {
+    const Value* limit = map.find(key);
+    if (!limit) return;
+    const bool has_unit = limit->text.ends_with("deg") || limit->text.ends_with("rad");
+    const bool is_relative = map.find("relative") && map.find("relative")->number != 0;
+    const bool needs_unit = is_wing_angle(case_, quantity) && !is_relative && limit->number != 0;
+    if (has_unit && !needs_unit && limit->number != 0)
+        errors_.add(limit->place, text(shown, ".", key, " = ", printable(limit->text), " must be a plain number: ",
+                                       is_relative ? "relative limits are multiples" : "the quantity is not an angle"));
+    if (needs_unit && !has_unit)
+        errors_.add(limit->place, text(shown, ".", key, " = ", printable(limit->text),
+                                       " must carry deg or rad: the quantity is an angle"));
+}
+
 void CaseReader::read_constraint(const Entry& entry) {
     const Value& map = entry.value;
     if (!map.accepted) return;
@@ -140,6 +156,7 @@ void CaseReader::read_constraint(const Entry& entry) {
         const Value* v = map.find(key);
         return v ? std::optional<double>(v->number) : std::nullopt;
     };
+    for (const char* key : {"min", "max", "equals"}) check_limit_unit(map, key, entry.key, shown);
     c.min = number("min");
     c.max = number("max");
     c.equals = number("equals");

@@ -27,7 +27,7 @@ void CaseReader::read_region(const Entry& entry) {
         return;
     }
     const std::vector<std::string> shapes{"box",       "sphere", "plane", "solid", "component", "patch",
-                                          "triangles", "grow",   "flood", "near",  "facing"};
+                                          "triangles", "grow",   "flood", "near",  "facing",    "of"};
     std::vector<std::string> given;
     for (const Entry& inside : map.entries)
         if (std::find(shapes.begin(), shapes.end(), inside.key) != shapes.end()) {
@@ -50,6 +50,7 @@ bool CaseReader::read_shape(const Value& map, const std::string& kind, Region& r
     if (const Value* touch = map.find("touch")) region.touches = touch->text == "any";
     if (kind == "grow" || kind == "flood" || kind == "near" || kind == "facing")
         return read_made_region(map, kind, *value, region);
+    if (kind == "of") return read_wing_region(map, *value, region);
     if (kind == "solid") region.shape = SolidShape{value->text};
     if (kind == "component") region.shape = ComponentShape{static_cast<int>(value->number)};
     if (kind == "patch") region.shape = PatchShape{value->text};
@@ -64,6 +65,12 @@ bool CaseReader::read_shape(const Value& map, const std::string& kind, Region& r
     if (kind == "plane") {
         const auto normal = direction_of(value->find("normal"), shown + ".plane.normal", errors_);
         const Value *at = value->find("at"), *side = map.find("side");
+        if (!side && std::none_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "side"; }))
+            errors_.add(map.place, shown + ".side is missing");
+        if (side && side->text != "above" && side->text != "below") {
+            errors_.add(side->place, text(shown, ".side of a plane must be above or below"));
+            return false;
+        }
         if (!normal || !at || !side) return false;
         region.shape = HalfSpace{*normal, at->number, side->text == "above"};
     }

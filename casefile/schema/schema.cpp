@@ -33,9 +33,9 @@ std::vector<Key> in_order(const std::vector<std::vector<Key>>& lists) {
 
 const std::vector<Key>& schema() {
     static const std::vector<Key> keys =
-        in_order({surface_keys(), repair_and_remesh_keys(), shell_keys(), parameter_keys(), user_variable_keys(),
-                  program_parameter_keys(), quantity_keys(), program_keys(), geometry_keys(), aero_keys(), goal_keys(),
-                  run_keys()});
+        in_order({surface_keys(), repair_and_remesh_keys(), shell_keys(), planform_keys(), parameter_keys(),
+                  user_variable_keys(), program_parameter_keys(), quantity_keys(), program_keys(), geometry_keys(),
+                  aero_keys(), goal_keys(), run_keys()});
     return keys;
 }
 

@@ -15,11 +15,13 @@ std::vector<Key> goal_keys() {
          .doc = "For fit, in place of objective: quantities with residuals (target_shape, measured_points; thickness "
                 "and section_area with target values).",
          .element = Type::text},
-        {.path = "constraints", .doc = "By name of the quantity, or quantity.value.", .may_be_empty = true},
+        {.path = "constraints",
+         .doc = "By name of the quantity, or quantity.value. Limits of a wing's angles carry deg or rad.",
+         .may_be_empty = true},
         {.path = "constraints.*", .doc = "min, max or both; or equals."},
-        {.path = "constraints.*.min", .type = Type::number, .doc = "Minimum value."},
-        {.path = "constraints.*.max", .type = Type::number, .doc = "Maximum value."},
-        {.path = "constraints.*.equals", .type = Type::number, .doc = "Required value."},
+        {.path = "constraints.*.min", .type = Type::number_or_angle, .doc = "Minimum value."},
+        {.path = "constraints.*.max", .type = Type::number_or_angle, .doc = "Maximum value."},
+        {.path = "constraints.*.equals", .type = Type::number_or_angle, .doc = "Required value."},
         {.path = "constraints.*.relative",
          .type = Type::flag,
          .doc = "The limits are multiples of the value at the start shape, which must not be 0. Of a negative value, "

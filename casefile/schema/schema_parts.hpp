@@ -5,6 +5,8 @@
 namespace strake {
 
 std::vector<Key> surface_keys();            ///< case, surface, regions, fixed, symmetry, axes
+std::vector<Key> planform_keys();           ///< planform
+std::vector<Key> wing_region_keys();        ///< regions of a wing
 std::vector<Key> repair_and_remesh_keys();  ///< repair, remesh
 std::vector<Key> shell_keys();              ///< shell, loads, strains, attach
 std::vector<Key> parameter_keys();          ///< parameters

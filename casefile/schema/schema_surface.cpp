@@ -92,7 +92,7 @@ std::vector<Key> region_keys() {
         {.path = "regions", .doc = "Named sets of triangles that other keys refer to.", .may_be_empty = true},
         {.path = "regions.*",
          .doc = "A region: exactly one of box, sphere, plane, solid, component, patch, triangles, grow, flood, near, "
-                "facing."},
+                "facing, of."},
         {.path = "regions.*",
          .type = Type::text,
          .doc =
@@ -137,10 +137,10 @@ std::vector<Key> region_keys() {
          .required = true},
         {.path = "regions.*.side",
          .type = Type::word,
-         .doc = "above: the side to which the normal points.",
-         .required = true,
-         .words = {"above", "below"},
-         .when = "plane"},
+         .doc = "plane (required): above is the side to which the normal points. of: upper and lower surface of the "
+                "wing, by the triangles' normals; default both.",
+         .words = {"above", "below", "upper", "lower", "both"},
+         .when = "plane|of"},
         {.path = "regions.*.solid",
          .type = Type::text,
          .doc = "Part named in the surface file: STL solid, OBJ group, Cart3D component, SU2 marker, Gmsh physical "
@@ -289,7 +289,8 @@ std::vector<Key> axes_keys() {
 }  // namespace
 
 std::vector<Key> surface_keys() {
-    return in_order({file_keys(), region_keys(), made_region_keys(), invariance_keys(), held_keys(), axes_keys()});
+    return in_order({file_keys(), region_keys(), made_region_keys(), wing_region_keys(), invariance_keys(), held_keys(),
+                     axes_keys()});
 }
 
 }  // namespace strake

@@ -191,7 +191,7 @@ private:
         const std::string shown_path = below(shown, printable(entry.key));
         Value name;
         name.text = entry.key;
-        if (pattern == "regions" || pattern == "quantities" || pattern == "variables") {
+        if (pattern == "regions" || pattern == "planform" || pattern == "quantities" || pattern == "variables") {
             const std::string error = convert_scalar(name, Type::name, Key{}, context_);
             if (!error.empty()) errors_.add(entry.key_place, text(shown_path, " ", error));
         }

@@ -130,13 +130,14 @@ struct Expression::Parser {
 /// The longest known name that begins here; it may contain '-'.
 void Expression::Parser::word() {
     std::size_t end = at, plain = at;
-    while (end < text_.size() &&
-           (is_letter(text_[end]) || is_digit(text_[end]) || text_[end] == '.' || text_[end] == '-'))
+    while (end < text_.size() && (is_letter(text_[end]) || is_digit(text_[end]) || text_[end] == '.' ||
+                                  text_[end] == '-' || text_[end] == '@'))
         ++end;
     while (plain < end && text_[plain] != '-') ++plain;
     for (std::size_t e = end; e >= plain; --e) {
         const std::string name = text_.substr(at, e - at);
-        const bool is_cut_short = e != end && (is_letter(text_[e]) || is_digit(text_[e]) || text_[e] == '.');
+        const bool is_cut_short =
+            e != end && (is_letter(text_[e]) || is_digit(text_[e]) || text_[e] == '.' || text_[e] == '@');
         if (is_cut_short) continue;
         if (std::find(known.begin(), known.end(), name) == known.end()) continue;
         const auto place = std::find(names.begin(), names.end(), name);

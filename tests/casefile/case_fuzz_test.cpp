@@ -30,9 +30,15 @@ regions:
   next: {near: {of: tip, within: 3%}, touch: any}
   top:  {facing: -z, within: 60deg}
   side: {facing: [0, 1, 1]}
+  spar: {of: left, chord: [15%, 65%], span: [0%, 95%], side: upper}
+  nose: {of: left, edge: leading}
 fixed: [root]
 invariance: {extrude: y}
 symmetry: {plane: y, at: 0, snap: 0.01%}
+planform:
+  left: {on: tip + ball, span: y, stations: [0, 37%, 1], axis: 25% chord, values: [area, twist@0.5],
+         grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
+  fin: {span: [0, 0, 1]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
@@ -51,6 +57,8 @@ objective: {minimize: aero.drag}
 constraints:
   volume: {min: 1.0, relative: true}
   aero.lift: {equals: 0.3}
+  left.twist@0.37: {min: -2deg}
+  left.thickness_grid: {min: 1.0, relative: true}
 optimize: {method: sqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%, min_expected_gain: 0.2%}}
 output: {dir: runs/wing, paraview: best, report: true}
 )";

@@ -1,0 +1,106 @@
+#include "casefile/read/read_case.hpp"
+#include "objectives/geometry/wing_values.hpp"
+
+#include <algorithm>
+
+/// Values of wings: `wing.area` in objective, constraints and formulas.
+namespace strake {
+namespace {
+
+constexpr const char* grid_word = "thickness_grid";
+
+bool is_name_character(char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
+}
+
+/// What stands behind "wing." in a formula, in its order.
+std::vector<std::string> values_in(const std::string& formula, const std::string& wing) {
+    std::vector<std::string> found;
+    const std::string prefix = wing + ".";
+    for (std::size_t at = formula.find(prefix); at != std::string::npos; at = formula.find(prefix, at + 1)) {
+        if (at > 0 && (is_name_character(formula[at - 1]) || formula[at - 1] == '.' || formula[at - 1] == '@'))
+            continue;
+        // Fractions may have a point; a minus ends the name.
+        std::size_t end = at + prefix.size();
+        while (end < formula.size() && formula[end] != '-' &&
+               (is_name_character(formula[end]) || formula[end] == '@' || formula[end] == '.'))
+            ++end;
+        found.push_back(formula.substr(at + prefix.size(), end - at - prefix.size()));
+    }
+    return found;
+}
+
+/// A constraint on the grid is one on each of its places.
+void expand_grid(Case& c, const WingEntry& wing) {
+    std::vector<ConstraintEntry> all;
+    for (const ConstraintEntry& entry : c.constraints) {
+        if (entry.constraint.quantity != wing.name + "." + grid_word) {
+            all.push_back(entry);
+            continue;
+        }
+        for (const double s : wing.grid_span)
+            for (const double x : wing.grid_chord) {
+                all.push_back(entry);
+                all.back().constraint.quantity = text(wing.name, ".thickness@", s, "@", x);
+            }
+    }
+    c.constraints = std::move(all);
+}
+
+void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
+    BuiltInEntry made;
+    Place place = wing.place;
+    const auto take = [&](const std::string& value, const Place& where) {
+        if (std::find(made.outputs.begin(), made.outputs.end(), value) != made.outputs.end()) return;
+        try {
+            parse_wing_value(value);
+        } catch (const InvalidInput& error) {
+            errors.add(where, text("planform.", wing.name, ": ", error.what()));
+            return;
+        }
+        if (made.outputs.empty()) place = where;
+        made.outputs.push_back(value);
+    };
+    const auto take_all = [&](const std::string& formula, const Place& where) {
+        for (const std::string& value : values_in(formula, wing.name)) take(value, where);
+    };
+    take_all(c.objective.name, c.objective.place);
+    for (const QuantityEntry& quantity : c.quantities)
+        if (const auto* formula = std::get_if<FormulaEntry>(&quantity.what))
+            take_all(formula->text.name, formula->text.place);
+    for (const ConstraintEntry& entry : c.constraints) take_all(entry.constraint.quantity, entry.place);
+    for (const Reference& value : wing.values) take(value.name, value.place);
+    if (made.outputs.empty()) return;
+    made.make = [wing, values = made.outputs](const std::string& name, const QuantityContext& ground) {
+        return wing_values(name, ground.start, ground.wing(wing.name), values, {wing.box_chord, wing.box_span});
+    };
+    c.quantities.push_back({wing.name, place, std::move(made)});
+}
+
+}  // namespace
+
+bool is_wing_angle(const Case& the_case, const std::string& value) {
+    for (const WingEntry& wing : the_case.planform)
+        if (value.starts_with(wing.name + ".")) {
+            try {
+                return is_angle(parse_wing_value(value.substr(wing.name.size() + 1)));
+            } catch (const InvalidInput&) {
+                return false;  // reported where the value is taken
+            }
+        }
+    return false;
+}
+
+void set_planform_values(Case& the_case, Diagnostics& errors) {
+    const std::vector<QuantityEntry> declared = the_case.quantities;
+    for (const WingEntry& wing : the_case.planform) {
+        if (std::any_of(declared.begin(), declared.end(), [&](const auto& q) { return q.name == wing.name; })) {
+            errors.add(wing.place, text("planform.", wing.name, " has the name of a quantity; rename one of them"));
+            continue;
+        }
+        expand_grid(the_case, wing);
+        take_values(the_case, wing, errors);
+    }
+}
+
+}  // namespace strake

@@ -1,0 +1,103 @@
+#include "casefile/schema/schema_parts.hpp"
+
+namespace strake {
+
+std::vector<Key> planform_keys() {
+    return {
+        {.path = "planform",
+         .doc = "Wings. Their values (area, span, aspect_ratio, taper, sweep, dihedral, mean_chord, box_volume; chord, "
+                "twist, thickness_to_chord, camber, leading_edge_radius, trailing_edge_angle, trailing_edge_thickness "
+                "at a fraction of the semispan, for example wing.twist@0.37; thickness at fractions of semispan and "
+                "chord, wing.thickness@0.37@0.15) are quantities: docs/planform.md.",
+         .may_be_empty = true},
+        {.path = "planform.*", .doc = "A wing, by its name."},
+        {.path = "planform.*.on",
+         .type = Type::text,
+         .doc = "Names joined by signs, as in the text of a region: the triangles of the wing. Where they border on "
+                "others is its root. Default: the whole surface."},
+        {.path = "planform.*.span",
+         .type = Type::word,
+         .doc = "Direction of the span, perpendicular to axes.downstream and axes.up.",
+         .required = true,
+         .words = {"x", "y", "z", "+x", "-x", "+y", "-y", "+z", "-z"}},
+        {.path = "planform.*.span",
+         .type = Type::list,
+         .doc = "Any direction; its length has no effect.",
+         .required = true,
+         .element = Type::number,
+         .count = 3},
+        {.path = "planform.*.stations",
+         .type = Type::word,
+         .doc = "Where sections are listed. kinks: at root and tip and where the edges change their direction.",
+         .fallback = "kinks",
+         .words = {"kinks"}},
+        {.path = "planform.*.stations",
+         .type = Type::list,
+         .doc = "Fractions of the semispan, ascending, from 0 at the root to 1 at the tip.",
+         .element = Type::fraction},
+        {.path = "planform.*.axis",
+         .type = Type::text,
+         .doc = "Fraction of the chord whose line gives sweep and dihedral, for example 25% chord.",
+         .fallback = "25% chord"},
+        {.path = "planform.*.values",
+         .type = Type::list,
+         .doc = "Values to record in history.csv beside those that objective, constraints and formulas use, for "
+                "example [area, twist@0.5].",
+         .element = Type::text,
+         .may_be_empty = true},
+        {.path = "planform.*.grid",
+         .doc = "Places of thickness_grid: a constraint on it is one on the thickness at each of them."},
+        {.path = "planform.*.grid.span",
+         .type = Type::list,
+         .doc = "Fractions of the semispan.",
+         .fallback = "[10%, 30%, 50%, 70%, 90%]",
+         .element = Type::fraction},
+        {.path = "planform.*.grid.chord",
+         .type = Type::list,
+         .doc = "Fractions of the chord.",
+         .fallback = "[15%, 25%, 40%, 55%, 70%]",
+         .element = Type::fraction},
+        {.path = "planform.*.box", .doc = "The box between two spars, for box_volume."},
+        {.path = "planform.*.box.chord",
+         .type = Type::list,
+         .doc = "Fractions of the chord of the front and the rear spar.",
+         .fallback = "[15%, 65%]",
+         .element = Type::fraction,
+         .count = 2},
+        {.path = "planform.*.box.span",
+         .type = Type::list,
+         .doc = "Fractions of the semispan of the first and the last rib.",
+         .fallback = "[0%, 95%]",
+         .element = Type::fraction,
+         .count = 2},
+    };
+}
+
+/// Regions of a declared wing.
+std::vector<Key> wing_region_keys() {
+    return {
+        {.path = "regions.*.of",
+         .type = Type::name,
+         .doc = "A wing of the block planform: triangles whose three vertices lie in the ranges of chord and span, "
+                "ends included."},
+        {.path = "regions.*.chord",
+         .type = Type::list,
+         .doc = "Fractions of the local chord. Default: all of it.",
+         .element = Type::fraction,
+         .count = 2,
+         .when = "of"},
+        {.path = "regions.*.span",
+         .type = Type::list,
+         .doc = "Fractions of the semispan. Default: all of it.",
+         .element = Type::fraction,
+         .count = 2,
+         .when = "of"},
+        {.path = "regions.*.edge",
+         .type = Type::word,
+         .doc = "In place of chord: the triangles with a vertex within 1 % of the chord of this edge.",
+         .words = {"leading", "trailing"},
+         .when = "of"},
+    };
+}
+
+}  // namespace strake

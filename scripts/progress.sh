@@ -38,7 +38,9 @@ progress() {
     } || status=$?
     if [ $status = 0 ]; then
         printf '%s: done in %s\n' "$title" "$(minutes $((SECONDS - begin)))" >&2
-        grep -E 'warning: |CMake Warning|^WARNING' "$log" >&2 || true
+        # Of a warning of CMake the lines below it say what is wrong.
+        awk '/CMake Warning/ {print; below = 1; next} below && /^(  |$)/ {if (NF) print; next}
+             {below = 0} /warning: |^WARNING/' "$log" >&2
     else
         cat "$log" >&2
         printf '%s: failed, status %d (what it wrote is above)\n' "$title" $status >&2

@@ -36,7 +36,8 @@ public:
     Equilibrium solve(const Loads& loads, const std::vector<RigidMotion>& motions = {},
                       const SolveOptions& options = {}, const SolveProgress& progress = {});
 
-    /// Vertices at the current poses, those of all prisms around a vertex on average. Fixed ones are copies.
+    /// Vertices at the current poses: the mean over the prisms around each, over the pinned ones where there are any.
+    /// Fixed ones are copies.
     Points vertices() const;
     /// Attached parts: the part's rotation, no displacement.
     Poses poses() const;

@@ -7,12 +7,12 @@ progress() {
     shift 2
     log=$(mktemp)
     # shellcheck disable=SC2094
-    { NINJA_STATUS='[%f/%t] ' "$@" 2>&1; echo "status $?"; } | {
+    { NINJA_STATUS='[%f/%t] ' "$@" 2>&1; printf '\001%s\n' $?; } | {
         local line done_count=0 total=0 unpacked=0 ready=0 shown=-100 now doing= status=1 more=yes
         while [ $more = yes ]; do
             if IFS= read -r -t 1 line; then
                 case $line in
-                "status "*) status=${line#status }; more=no ;;
+                $'\001'*) status=${line#?}; more=no ;;  # no command's own words begin so
                 *) printf '%s\n' "$line" >>"$log" ;;
                 esac
                 if [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\ (.*) ]]; then

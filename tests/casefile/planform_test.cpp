@@ -33,9 +33,9 @@ TEST_F(Planform, ValuesAreQuantities) {
     const auto found = values(
         "planform: {wing: {span: y, values: [taper, chord@0.25]}}\n"
         "quantities: {loading: {expression: 1 / wing.area - wing.span}}\n"
-        "objective: {minimize: volume + 2 * wing.thickness_to_chord@0.5}\n"
+        "objective: {minimize: area + 2 * wing.thickness_to_chord@0.5}\n"
         "constraints:\n  wing.twist@0.5: {min: -1deg, max: 0.1rad}\n  loading: {max: 9}\n");
-    ASSERT_EQ(found.size(), 9U);  // six of the wing, volume, loading, goal
+    ASSERT_EQ(found.size(), 9U);  // six of the wing, area, loading, goal
     EXPECT_NEAR(found.at("wing.area"), 4.5, 0.03);
     EXPECT_NEAR(found.at("wing.span"), 6, 0.01);
     EXPECT_NEAR(found.at("wing.taper"), 0.5, 0.01);
@@ -45,9 +45,9 @@ TEST_F(Planform, ValuesAreQuantities) {
 }
 
 TEST_F(Planform, AThicknessGridIsOneLine) {
-    const BuiltProblem built = build(
-        frame("planform: {wing: {span: y, grid: {span: [20%, 60%], chord: [15%, 40%, 70%]}}}\n"
-              "objective: {maximize: volume}\nconstraints: {wing.thickness_grid: {min: 0.98, relative: true}}\n"));
+    const BuiltProblem built =
+        build(frame("planform: {wing: {span: y, grid: {span: [20%, 60%], chord: [15%, 40%, 70%]}}}\n"
+                    "objective: {minimize: area}\nconstraints: {wing.thickness_grid: {min: 0.98, relative: true}}\n"));
     ASSERT_EQ(built.problem.constraints.size(), 6U);
     EXPECT_EQ(built.problem.constraints[4].quantity, "wing.thickness@0.6@0.4");
     for (const Constraint& c : built.problem.constraints) EXPECT_TRUE(c.relative && c.min == 0.98);
@@ -74,7 +74,7 @@ TEST_F(Planform, RegionsOfAWing) {
 
 TEST_F(Planform, ErrorsSayWhatToDo) {
     const auto in_case = [&](const std::string& rest) { return error(frame(rest), Purpose::run); };
-    const std::string wing = "planform: {wing: {span: y}}\n", goal = "objective: {minimize: volume}\n";
+    const std::string wing = "planform: {wing: {span: y}}\n", goal = "objective: {minimize: area}\n";
     EXPECT_TRUE(contains(in_case(wing + "objective: {minimize: wing.twits@0.5}\n"), "did you mean 'twist'?"));
     EXPECT_TRUE(contains(in_case(wing + goal + "constraints: {wing.twist@0.5: {min: 2}}\n"),
                          "constraints.wing.twist@0.5.min = 2 must carry deg or rad"));

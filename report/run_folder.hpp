@@ -9,7 +9,7 @@
 #include <memory>
 #include <optional>
 
-/// The folder of a run (DESIGN section 7): case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
+/// The folder of a run: case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
 /// best.<format>, run.json. Everything but history.csv, which grows row by row, is written atomically.
 namespace strake {
 

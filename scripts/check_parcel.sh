@@ -17,8 +17,7 @@ reference() {
 }
 packages() { ./package.sh source deb && lintian --fail-on warning dist/*.deb; }
 check reuse reuse lint --quiet
-spelling() { git ls-files -z | xargs -0 codespell; }
-check codespell spelling
+check codespell codespell
 check mypy env -C python mypy --strict --cache-dir=/dev/null strake/__init__.pyi
 check Doxygen reference
 [ "${1-}" = --quick ] || check packages packages

@@ -46,6 +46,7 @@ unpacked() { # FOLDER
     tar -xJf "$tarball" -C "$1" --strip-components=1
 }
 
+deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PACKAGE
 make_deb() {
     unpacked "$work/deb/strake-$version"
     (cd "$work/deb/strake-$version" && dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
@@ -55,17 +56,17 @@ make_deb() {
         cp "$file" "$dist"
         made+=("$dist/${file##*/}")
     done
+    git rev-parse HEAD >"$dist/.commit"
 }
 
-# The program and the module as the Debian packages have them, with the libraries that they need.
+# What the Debian packages install: one build serves every kind.
 build_once() {
-    [ -e "$work/build/cli/strake" ] && return
-    unpacked "$work/source"
-    cmake -S "$work/source" -B "$work/build" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_UNITY=ON -DSTRAKE_PYTHON=ON \
-        -DSTRAKE_REPORT_PAGE=ON -DCMAKE_INSTALL_PREFIX=/usr -DCMAKE_CXX_FLAGS="-ffile-prefix-map=$work=." >"$work/build.log" 2>&1 &&
-        ninja -C "$work/build" >>"$work/build.log" 2>&1 || { tail -n 40 "$work/build.log" >&2; return 1; }
-    DESTDIR=$work/installed ninja -C "$work/build" install >>"$work/build.log" 2>&1
-    strip --strip-unneeded "$work/installed/usr/bin/strake" "$work"/installed/usr/lib/python3/dist-packages/strake/_core*.so
+    [ -e "$work/installed/usr/bin/strake" ] && return
+    local name
+    for name in strake python3-strake; do
+        [ -e "$(deb_of $name)" ] && [ "$(cat "$dist/.commit" 2>/dev/null)" = "$(git rev-parse HEAD)" ] || make_deb
+        dpkg-deb -x "$(deb_of $name)" "$work/installed"
+    done
 }
 make_wheel() {
     build_once
@@ -78,9 +79,8 @@ make_tarball() {
     made+=("$dist"/strake-"$version"-"$(uname -m)".tar.xz)
 }
 make_image() {
-    local deb=$dist/strake_${version}_$(dpkg --print-architecture).deb
-    [ -e "$deb" ] || make_deb
-    packaging/make_image.sh "$deb" "$dist/strake-$version.oci.tar" || return 1
+    build_once
+    packaging/make_image.sh "$(deb_of strake)" "$dist/strake-$version.oci.tar" || return 1
     made+=("$dist/strake-$version.oci.tar")
 }
 

@@ -16,7 +16,8 @@ add_library(strake::strake ALIAS strake_everything)
 
 install(TARGETS ${targets} strake_version strake_options strake_everything EXPORT strake
   ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR}/strake)
-install(TARGETS strake RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
+# The guide's examples begin with make_surface.
+install(TARGETS strake make_surface RUNTIME DESTINATION ${CMAKE_INSTALL_BINDIR})
 # Not installed: headers of the examples, and headers that include other libraries, which users need not have.
 file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/core/*.hpp
   ${PROJECT_SOURCE_DIR}/objectives/*.hpp ${PROJECT_SOURCE_DIR}/optimize/*.hpp ${PROJECT_SOURCE_DIR}/casefile/*.hpp

@@ -21,6 +21,7 @@ import zipfile
 # What every Linux with this glibc has: never bundled.
 OF_THE_SYSTEM = re.compile(r"^(ld-linux|linux-vdso|lib(c|m|dl|rt|pthread|util|resolv|anl|nsl)\.so)")
 MAX_GLIBC = (2, 36)
+PROGRAMS = ["strake", "make_surface"]
 
 
 def run(*command):
@@ -49,7 +50,8 @@ def glibc_of(file):
 def bundle(package, libs):
     """Copies what module and program need, and points all of them there."""
     libs.mkdir()
-    ours = [*package.glob("_core*.so"), package / "bin/strake"]
+    programs = [package / "bin" / name for name in PROGRAMS]
+    ours = [*package.glob("_core*.so"), *programs]
     names = {}
     for file in ours:
         names |= needed(file)
@@ -57,8 +59,8 @@ def bundle(package, libs):
         shutil.copy(path, libs / name)
         os.chmod(libs / name, 0o755)
     for file in [*ours, *libs.iterdir()]:
-        run("patchelf", "--set-rpath", "$ORIGIN" + {package / "bin/strake": "/../../strake.libs"}.get(
-            file, "" if file.parent == libs else "/../strake.libs"), file)
+        to_libs = "/../../strake.libs" if file in programs else "" if file.parent == libs else "/../strake.libs"
+        run("patchelf", "--set-rpath", "$ORIGIN" + to_libs, file)
     for file in [*ours, *libs.iterdir()]:
         if glibc_of(file) > MAX_GLIBC:
             raise SystemExit(f"make_wheel.py: {file.name} needs glibc {'.'.join(map(str, glibc_of(file)))}, newer than {MAX_GLIBC}")
@@ -73,9 +75,17 @@ import pathlib
 import sys
 
 
-def main():
-    program = pathlib.Path(__file__).parent / "bin" / "strake"
+def start(name):
+    program = pathlib.Path(__file__).parent / "bin" / name
     os.execv(program, [str(program), *sys.argv[1:]])
+
+
+def main():
+    start("strake")
+
+
+def make_surface():
+    start("make_surface")
 
 
 if __name__ == "__main__":
@@ -120,13 +130,14 @@ def main():
     package = work / "strake"
     shutil.copytree(installed / "lib/python3/dist-packages/strake", package)
     (package / "bin").mkdir()
-    shutil.copy(installed / "bin/strake", package / "bin/strake")
+    for name in PROGRAMS:
+        shutil.copy(installed / "bin" / name, package / "bin" / name)
     (package / "__main__.py").write_text(MAIN)
     bundle(package, work / "strake.libs")
     info = f"strake-{version}.dist-info"
     (work / info).mkdir()
     (work / info / "METADATA").write_text(metadata(version, (root / "README.md").read_text(encoding="utf-8")), encoding="utf-8")
-    (work / info / "entry_points.txt").write_text("[console_scripts]\nstrake = strake.__main__:main\n")
+    (work / info / "entry_points.txt").write_text("[console_scripts]\nstrake = strake.__main__:main\nmake_surface = strake.__main__:make_surface\n")
     shutil.copy(root / "LICENSE", work / info / "LICENSE")
     machine = sysconfig.get_platform().replace("-", "_").replace(".", "_").replace("linux", "manylinux_{}_{}".format(*MAX_GLIBC))
     tag = f"cp311-cp311-{machine}"

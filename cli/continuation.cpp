@@ -38,6 +38,7 @@ void keep_meaning(Case& the_case, const JournalFacts& facts) {
     constexpr int since_shapes_are_limited = 2;
     the_case.parameters.limits_variables = facts.meaning < since_shapes_are_limited;
     the_case.optimize.is_relative_to_objective = facts.meaning < since_shapes_are_limited;
+    the_case.optimize.shares_with_all_levels = facts.meaning < since_shapes_are_limited;
 }
 
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir) {

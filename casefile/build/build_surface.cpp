@@ -1,4 +1,3 @@
-#include "casefile/build/make_wing.hpp"
 #include "casefile/build/prepare_surface.hpp"
 #include "casefile/build/problem_builder.hpp"
 #include "casefile/build/surface_check.hpp"
@@ -153,11 +152,11 @@ PatchHierarchy ProblemBuilder::whole_surface() const {
 }
 
 void ProblemBuilder::build_tree() {
-    if (purpose_ == Purpose::deform && !needs_patches(case_.regions, start_.mesh)) return;
+    if (purpose_ == Purpose::deform && !needs_patches(case_.regions, case_.planform, start_.mesh)) return;
     const ParameterEntry& p = case_.parameters;
     PatchHierarchy& tree = out_.problem.tree;
     if (!case_.has_shell && p.levels_deg.empty() && p.patches_per_level.empty() &&
-        !needs_patches(case_.regions, start_.mesh)) {
+        !needs_patches(case_.regions, case_.planform, start_.mesh)) {
         tree = whole_surface();
         return;
     }
@@ -179,6 +178,8 @@ void ProblemBuilder::build_tree() {
 void ProblemBuilder::evaluate_regions() {
     const WingSetup setup{case_.planform, case_.aero.axes.value_or(BodyAxes{}), case_.symmetry};
     RegionSets sets(case_.regions, start_, out_.problem.tree, &setup);
+    for (const WingEntry& entry : case_.planform)
+        at(entry.place, text("planform.", entry.name, ": "), [&] { wings_[entry.name] = sets.wing(entry.name); });
     for (std::size_t k = 0; k < case_.regions.size(); ++k)
         at(case_.regions[k].shape_place, "", [&] {
             const Region& region = case_.regions[k];
@@ -189,17 +190,6 @@ void ProblemBuilder::evaluate_regions() {
             found.box = triangle_box(start_.mesh, found.triangles);
             region_index_[region.name] = static_cast<int>(out_.regions.size());
             out_.regions.push_back(std::move(found));
-        });
-    for (const WingEntry& entry : case_.planform)
-        at(entry.place, text("planform.", entry.name, ": "), [&] {
-            std::vector<int> triangles;
-            if (entry.on) {
-                const std::vector<char> marks = sets.marks_of(entry.on->name);
-                for (std::size_t t = 0; t < marks.size(); ++t)
-                    if (marks[t]) triangles.push_back(static_cast<int>(t));
-                if (triangles.empty()) throw InvalidInput(text("'", printable(entry.on->name), "' holds no triangles"));
-            }
-            wings_[entry.name] = make_wing(entry, setup, start_.mesh, std::move(triangles));
         });
 }
 

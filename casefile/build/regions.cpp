@@ -175,16 +175,7 @@ struct RegionSets::Evaluate {
         return triangles;
     }
     std::vector<int> operator()(const WingRegion& part) const {
-        std::vector<std::string> names;
-        for (const WingEntry& entry : sets.wings_ ? sets.wings_->entries : std::vector<WingEntry>()) {
-            names.push_back(entry.name);
-            if (entry.name != part.of.name) continue;
-            std::vector<int> triangles;
-            if (entry.on) triangles = numbers_of(sets.marks_of(entry.on->name));
-            return wing_region(*make_wing(entry, *sets.wings_, start.mesh, std::move(triangles)), part, start.mesh);
-        }
-        throw InvalidInput(text("wing '", printable(part.of.name), "' is not declared under planform",
-                                names.empty() ? "" : text("; wings: ", joined(names))));
+        return wing_region(*sets.wing(part.of.name), part, start.mesh);
     }
     std::vector<int> operator()(const BoxShape& box) const {
         return triangles_in(box, start.mesh, start.diagonal, touches);
@@ -276,6 +267,31 @@ const std::vector<int>& RegionSets::triangles(int k) {
     throw InvalidInput(text("region '", region.name, "' holds no triangle", emptiness_words(region)));
 }
 
+std::shared_ptr<const Wing> RegionSets::wing(const std::string& name) {
+    if (const auto known = measured_.find(name); known != measured_.end()) {
+        if (!known->second) throw InvalidInput(text("wing '", name, "' has an error of its own"));
+        return known->second;
+    }
+    std::vector<std::string> names;
+    for (const WingEntry& entry : wings_ ? wings_->entries : std::vector<WingEntry>()) {
+        names.push_back(entry.name);
+        if (entry.name != name) continue;
+        try {
+            std::vector<int> triangles;
+            if (entry.on) {
+                triangles = numbers_of(marks_of(entry.on->name));
+                if (triangles.empty()) throw InvalidInput(text("'", printable(entry.on->name), "' holds no triangles"));
+            }
+            return measured_[name] = make_wing(entry, *wings_, start_.mesh, std::move(triangles));
+        } catch (...) {
+            measured_[name] = nullptr;
+            throw;
+        }
+    }
+    throw InvalidInput(text("wing '", printable(name), "' is not declared under planform",
+                            names.empty() ? "" : text("; wings: ", joined(names))));
+}
+
 /// Why a region holds nothing, and what would.
 std::string RegionSets::emptiness_words(const Region& region) const {
     std::optional<RegionShape> shape;
@@ -319,22 +335,27 @@ std::vector<char> RegionSets::marks_named(const std::string& name) {
     }
 }
 
-bool needs_patches(const std::vector<Region>& regions, const TriMesh& mesh) {
+bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEntry>& wings, const TriMesh& mesh) {
     std::set<std::string> known{"all"};
     for (const Region& region : regions) known.insert(region.name);
     if (!mesh.group.empty()) known.insert(mesh.group_names.begin(), mesh.group_names.end());
+    const auto names_patch = [&](const std::string& formula) {
+        try {
+            const std::vector<std::string> names = names_in_formula(formula);
+            return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return !known.count(name); });
+        } catch (const InvalidInput&) {
+            return false;  // reported where it is evaluated
+        }
+    };
+    if (std::any_of(wings.begin(), wings.end(),
+                    [&](const auto& wing) { return wing.on && names_patch(wing.on->name); }))
+        return true;
     return std::any_of(regions.begin(), regions.end(), [&](const Region& region) {
         std::string formula;
         if (const auto* made = std::get_if<RegionFormula>(&region.shape)) formula = made->formula;
         if (const auto* made = std::get_if<GrownRegion>(&region.shape)) formula = made->of.name;
         if (const auto* made = std::get_if<NearRegion>(&region.shape)) formula = made->of.name;
-        if (formula.empty()) return std::holds_alternative<PatchShape>(region.shape);
-        try {
-            const std::vector<std::string> names = names_in_formula(formula);
-            return std::any_of(names.begin(), names.end(), [&](const std::string& name) { return !known.count(name); });
-        } catch (const InvalidInput&) {
-            return false;  // reported where the region is evaluated
-        }
+        return formula.empty() ? std::holds_alternative<PatchShape>(region.shape) : names_patch(formula);
     });
 }
 

@@ -2,6 +2,9 @@
 #include "casefile/model/case.hpp"
 #include "core/mesh/adjacency.hpp"
 
+#include <map>
+#include <memory>
+
 /// Which triangles the regions of a case hold.
 namespace strake {
 
@@ -40,6 +43,9 @@ public:
     /// What a text of names and signs holds, of which a single name is the simplest.
     std::vector<char> marks_of(const std::string& formula);
 
+    /// A declared wing, measured once. @throws InvalidInput: not declared, as `Wing`, as `marks_of`.
+    std::shared_ptr<const Wing> wing(const std::string& name);
+
 private:
     struct Evaluate;
     struct Known {
@@ -55,10 +61,11 @@ private:
     const PatchHierarchy& tree_;
     const WingSetup* wings_;
     std::vector<Known> known_;
-    std::vector<int> path_;  ///< regions that are being evaluated
+    std::vector<int> path_;                                        ///< regions that are being evaluated
+    std::map<std::string, std::shared_ptr<const Wing>> measured_;  ///< null: refused
 };
 
-/// Some region names a patch: the tree is needed before them.
-bool needs_patches(const std::vector<Region>& regions, const TriMesh& mesh);
+/// Some region or wing names a patch: the tree is needed before them.
+bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEntry>& wings, const TriMesh& mesh);
 
 }  // namespace strake

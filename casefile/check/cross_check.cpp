@@ -1,4 +1,5 @@
 #include "casefile/check/cross_check.hpp"
+#include "casefile/read/read_case.hpp"
 #include "casefile/schema/quantity_types.hpp"
 #include "objectives/external/external.hpp"
 #include "optimize/nlp/program/methods.hpp"
@@ -178,6 +179,13 @@ std::string unknown_value(const Case& c, const std::string& name) {
                 if (name == quantity.name + "." + value)
                     return text("quantity '", printable(name),
                                 "' is left out: a half model at no sideslip has no side force, roll or yaw");
+    if (name.find('@') != std::string::npos) {  // only values of wings have it
+        std::vector<std::string> wings;
+        for (const WingEntry& wing : c.planform) wings.push_back(wing.name);
+        return text("quantity '", printable(name), "' is not known: no wing '",
+                    printable(name.substr(0, name.find('.'))), "' is declared under planform",
+                    wings.empty() ? "" : text("; wings: ", joined(wings)));
+    }
     std::vector<std::string> known = known_values(c);
     const std::string near = nearest(name, known);
     const std::string hint = near.empty() ? quantity_hint(name) : "";
@@ -239,7 +247,9 @@ void check_fitted(const Case& c, const Reference& target, Diagnostics& errors) {
 void check_targets(const Case& c, bool is_fit, Diagnostics& errors) {
     const std::vector<std::string> known = known_values(c);
     const auto check = [&](const Reference& value) {
-        if (std::find(known.begin(), known.end(), value.name) == known.end())
+        const bool is_known = std::find(known.begin(), known.end(), value.name) != known.end();
+        if (!is_known && is_wing_value(c, value.name)) return;  // has its error
+        if (!is_known)
             errors.add(value.place, unknown_value(c, value.name));
         else if (!is_fit)
             check_gradients(c, value, errors);

@@ -79,16 +79,22 @@ void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
 
 }  // namespace
 
-bool is_wing_angle(const Case& the_case, const std::string& value) {
-    for (const WingEntry& wing : the_case.planform)
-        if (value.starts_with(wing.name + ".")) {
-            try {
-                return is_angle(parse_wing_value(value.substr(wing.name.size() + 1)));
-            } catch (const InvalidInput&) {
-                return false;  // reported where the value is taken
-            }
-        }
-    return false;
+bool is_wing_value(const Case& the_case, const std::string& name) {
+    return std::any_of(the_case.planform.begin(), the_case.planform.end(),
+                       [&](const WingEntry& wing) { return name.starts_with(wing.name + "."); });
+}
+
+std::optional<bool> is_wing_angle(const Case& the_case, const std::string& name) {
+    // Only a wing's values have '@': of a wing that is not declared.
+    if (!is_wing_value(the_case, name))
+        return name.find('@') == std::string::npos ? std::optional(false) : std::nullopt;
+    const std::string value = name.substr(name.find('.') + 1);
+    if (value == grid_word) return false;
+    try {
+        return is_angle(parse_wing_value(value));
+    } catch (const InvalidInput&) {
+        return {};
+    }
 }
 
 void set_planform_values(Case& the_case, Diagnostics& errors) {

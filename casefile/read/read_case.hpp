@@ -1,6 +1,8 @@
 #pragma once
 #include "casefile/model/case_source.hpp"
 
+#include <optional>
+
 namespace strake {
 
 /// Fills the structs from the checked tree; refused values are skipped.
@@ -13,7 +15,10 @@ void set_formulas(Case& the_case, Diagnostics& errors);
 /// thickness_grid becomes one on each of its places. Before `set_formulas`.
 void set_planform_values(Case& the_case, Diagnostics& errors);
 
-/// The name is that of an angle of a declared wing: "wing.twist@0.37".
-bool is_wing_angle(const Case& the_case, const std::string& value);
+/// A value of a declared wing, "wing.twist@0.37", legal or not: `set_planform_values` reports what is not.
+bool is_wing_value(const Case& the_case, const std::string& name);
+
+/// Whether a value is an angle of a declared wing; nothing: it is refused elsewhere, and cannot be said.
+std::optional<bool> is_wing_angle(const Case& the_case, const std::string& name);
 
 }  // namespace strake

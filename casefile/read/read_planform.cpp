@@ -67,14 +67,14 @@ void CaseReader::read_wing(const Entry& entry) {
             errors_.add(axis->place, text(shown, ".axis = ", printable(axis->text),
                                           " must be a fraction of the chord, for example 25% chord"));
     }
-    const Value *grid = map.find("grid"), *box = map.find("box");
-    // Without the block its keys have no defaults of their own.
-    wing.grid_span = grid ? fractions_of(grid->find("span")) : std::vector<double>{0.1, 0.3, 0.5, 0.7, 0.9};
-    wing.grid_chord = grid ? fractions_of(grid->find("chord")) : std::vector<double>{0.15, 0.25, 0.4, 0.55, 0.7};
-    wing.box_chord = {0.15, 0.65};
-    wing.box_span = {0, 0.95};
-    read_range(box ? box->find("chord") : nullptr, shown + ".box.chord", wing.box_chord);
-    read_range(box ? box->find("span") : nullptr, shown + ".box.span", wing.box_span);
+    if (const Value* grid = map.find("grid")) {
+        wing.grid_span = fractions_of(grid->find("span"));
+        wing.grid_chord = fractions_of(grid->find("chord"));
+    }
+    if (const Value* box = map.find("box")) {
+        read_range(box->find("chord"), shown + ".box.chord", wing.box_chord);
+        read_range(box->find("span"), shown + ".box.span", wing.box_span);
+    }
     wing.values = references(map.find("values"));
     case_.planform.push_back(std::move(wing));
 }

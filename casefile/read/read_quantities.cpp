@@ -137,7 +137,9 @@ void CaseReader::check_limit_unit(const Value& map, const char* key, const std::
     if (!limit) return;
     const bool has_unit = limit->text.ends_with("deg") || limit->text.ends_with("rad");
     const bool is_relative = map.find("relative") && map.find("relative")->number != 0;
-    const bool needs_unit = is_wing_angle(case_, quantity) && !is_relative && limit->number != 0;
+    const std::optional<bool> is_angle = is_wing_angle(case_, quantity);
+    if (!is_angle) return;
+    const bool needs_unit = *is_angle && !is_relative && limit->number != 0;
     if (has_unit && !needs_unit && limit->number != 0)
         errors_.add(limit->place, text(shown, ".", key, " = ", printable(limit->text), " must be a plain number: ",
                                        is_relative ? "relative limits are multiples" : "the quantity is not an angle"));

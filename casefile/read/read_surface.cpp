@@ -65,8 +65,6 @@ bool CaseReader::read_shape(const Value& map, const std::string& kind, Region& r
     if (kind == "plane") {
         const auto normal = direction_of(value->find("normal"), shown + ".plane.normal", errors_);
         const Value *at = value->find("at"), *side = map.find("side");
-        if (!side && std::none_of(map.entries.begin(), map.entries.end(), [](auto& e) { return e.key == "side"; }))
-            errors_.add(map.place, shown + ".side is missing");
         if (side && side->text != "above" && side->text != "below") {
             errors_.add(side->place, text(shown, ".side of a plane must be above or below"));
             return false;

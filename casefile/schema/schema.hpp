@@ -41,6 +41,7 @@ struct Key {
     std::string doc = "";       ///< one sentence
     std::string fallback = "";  ///< default as it would be written; empty: none
     bool required = false;
+    std::string required_when = "";  ///< where only one of the keys in `when` needs it: that key
     Limits limits = {};
     std::vector<std::string> words = {};    ///< legal ones; of other types than word: accepted in place of a value
     std::vector<std::string> aliases = {};  ///< other spellings: one per word, in the same order, or none

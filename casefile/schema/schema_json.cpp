@@ -138,7 +138,9 @@ public:
             if (row.when.empty()) continue;
             const Json beside = condition(path, row.when);
             dependent[name] = beside;
-            if (row.required) rules.push_back({{"if", stated(beside, row.when)}, {"then", {{"required", {name}}}}});
+            const std::string needed = row.required ? row.when : row.required_when;
+            if (!needed.empty())
+                rules.push_back({{"if", stated(condition(path, needed), needed)}, {"then", {{"required", {name}}}}});
         }
         add_renamed(path, properties, dependent);
         j["properties"] = std::move(properties);

@@ -139,6 +139,7 @@ std::vector<Key> region_keys() {
          .type = Type::word,
          .doc = "plane (required): above is the side to which the normal points. of: upper and lower surface of the "
                 "wing, by the triangles' normals; default both.",
+         .required_when = "plane",
          .words = {"above", "below", "upper", "lower", "both"},
          .when = "plane|of"},
         {.path = "regions.*.solid",

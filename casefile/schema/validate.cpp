@@ -172,7 +172,9 @@ private:
                     node(entry.value, path, shown_path);
                 return;
             }
-        if (row.required && holds(row.when, map, false))
+        const bool is_needed = row.required ? holds(row.when, map, false)
+                                            : !row.required_when.empty() && holds(row.required_when, map, false);
+        if (is_needed)
             errors_.add(map.place, text(shown_path, " is missing"));
         else if (!row.fallback.empty() && holds(row.when, map, false))
             add_default(map, row, name, path, shown_path);

@@ -25,7 +25,8 @@ struct JournalFacts {
     std::string host;                ///< machine on which the run began
     bool is_fit = false;
     /// 1: `max_displacement` bounds variables (`Parameters::limits_variables`); 2: shapes,
-    /// and `objective_tolerance` is a share of the gain (`OptimizeOptions::is_relative_to_objective`).
+    /// `objective_tolerance` is a share of the gain (`OptimizeOptions::is_relative_to_objective`), and a budget is
+    /// shared among the levels that it can move (`OptimizeOptions::shares_with_all_levels`).
     int meaning = 2;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

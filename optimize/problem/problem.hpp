@@ -128,6 +128,8 @@ struct OptimizeOptions {
     /// The meaning of runs before 0.2: `objective_tolerance` is relative to the objective, and a gradient is checked
     /// only where the search got stuck.
     bool is_relative_to_objective = false;
+    /// The same: a budget is shared among all levels, also where each then has too few evaluations to move.
+    bool shares_with_all_levels = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

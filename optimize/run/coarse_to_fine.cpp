@@ -245,8 +245,10 @@ private:
     /// What is left, in equal parts for the levels to come: for no more of them than it can move.
     int level_budget() const {
         const int gradient = program_.gives_lagrangian() ? 0 : static_cast<int>(state_.space.size());
-        const int left = state_.evaluations_left(), levels = left / (least_evaluations + gradient);
-        return std::max(1, left / std::clamp(levels, 1, state_.levels_left() + 1));
+        const int left = state_.evaluations_left(), to_come = state_.levels_left() + 1;
+        const bool is_for_all = state_.problem.optimize.shares_with_all_levels;
+        const int levels = is_for_all ? to_come : std::clamp(left / (least_evaluations + gradient), 1, to_come);
+        return std::max(1, left / levels);
     }
 
     /// The first level, one below another, the present one once more, or to its end because no finer one comes.

@@ -80,6 +80,20 @@ TEST_F(Planform, ErrorsSayWhatToDo) {
                          "constraints.wing.twist@0.5.min = 2 must carry deg or rad"));
     EXPECT_TRUE(contains(in_case(wing + goal + "constraints: {wing.area: {min: 2deg}}\n"),
                          "must be a plain number: the quantity is not an angle"));
+    // One message for each mistake, and none that leads astray.
+    const auto count = [](const std::string& words) {
+        int lines = 0;
+        for (std::size_t at = words.find(".yaml:"); at != std::string::npos; at = words.find(".yaml:", at + 1)) ++lines;
+        return lines;
+    };
+    for (const auto& [limit, words] :
+         {std::pair{"wing.twist@1.5: {max: 1deg}", "must be a fraction in [0, 1]"},
+          {"wing.twst@0.5: {max: 1deg}", "did you mean 'twist'?"},
+          {"fin.twist@0.5: {max: 1deg}", "no wing 'fin' is declared under planform; wings: wing"}}) {
+        const std::string said = in_case(wing + goal + "constraints: {" + limit + "}\n");
+        EXPECT_TRUE(contains(said, words)) << said;
+        EXPECT_EQ(count(said), 1) << said;
+    }
     EXPECT_TRUE(contains(in_case("planform: {wing: {span: x}}\n" + goal), "perpendicular"));
     EXPECT_TRUE(contains(in_case("planform: {wing: {}}\n" + goal), "planform.wing.span is missing"));
     EXPECT_TRUE(contains(in_case("planform: {wing: {span: y, stations: [0, 2]}}\n" + goal), "stations[1] = 2"));

@@ -132,11 +132,11 @@ def torn(text):
     return text
 
 
-def twice(text):
-    """The same body once more, a little beside the first: they pass through each other."""
+def twice(text, away=0.3, size=1):
+    """The same body once more, a little beside the first: they pass through each other; or `away` from it, and smaller."""
     points = [line.split() for line in text.splitlines() if line.startswith("v ")]
     faces = [line.split() for line in text.splitlines() if line.startswith("f ")]
-    more = ["v %r %s %s\n" % (float(x) + 0.3, y, z) for _, x, y, z in points]
+    more = ["v %r %r %r\n" % (size * float(x) + away, size * float(y), size * float(z)) for _, x, y, z in points]
     more += ["f " + " ".join(str(int(w) + len(points)) for w in face[1:]) + "\n" for face in faces]
     return text + "".join(more)
 
@@ -221,6 +221,7 @@ def main():
                                               "^# REPLACE", r"^  # Number of patches from creases alone"], True)
     one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true"], True)
     one("torn body", made("lifting_body", 1500, "body.obj", torn), ["duplicates: true", "orient: true", r"holes: \d+%"], True)
+    one("two bodies", made("lifting_body", 1500, "apart.obj", lambda text: twice(text, 20, 0.3)), ["part_1: "], False)
     what_will_hardly_move_is_said()
     never_overwrites()
     odd_names()

@@ -197,6 +197,8 @@ TEST(CoarseToFine, ABudgetIsNotSplitForLevelsThatItCannotMove) {
         const RunResult r = optimize(problem);
         ASSERT_GE(static_cast<int>(r.levels.size()), 1) << budget;
         EXPECT_EQ(r.levels[0].evaluations, first) << budget;
+        problem.optimize.shares_with_all_levels = true;  // as runs before 0.2 are replayed
+        EXPECT_EQ(optimize(problem).levels.at(0).evaluations, budget / 3) << budget;
     }
 }
 

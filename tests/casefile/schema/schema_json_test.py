@@ -64,6 +64,7 @@ BROKEN = [
     ("[[-1, -1, 0 mm], [1, 0.01, 1]]", "[[-1, -1, 0 mm]]", "regions/root/box"),
     ("[[-1, -1, 0 mm], [1, 0.01, 1]]", "[[-1, -1, 5%], [1, 0.01, 1]]", "regions/root/box/0/2"),
     ("side: above", "side: abvoe", "regions/tip/side"),
+    (", side: above", "", "regions/tip"),
     ("fixed: [root]", "fixed: root", "fixed"),
     (", direction: [0, 0, 1]", "", "loads/0"),
     ("file: t.obj, ", "", "quantities/match"),

@@ -133,7 +133,7 @@ int main(int argc, char** argv) {
     app.add_option("--solvers", settings.solvers, "adaptive, uniform, finest, ffd, filtered; default: all")
         ->delimiter(',')
         ->check(CLI::IsMember({"adaptive", "uniform", "finest", "ffd", "filtered"}));
-    app.add_option("--methods", settings.methods, "sqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
+    app.add_option("--methods", settings.methods, "sqp, model, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
     app.add_option("--triangles", settings.triangles, "of a surface, about")->check(CLI::Range(500, 1'000'000));
     app.add_option("--budget", settings.budget, "evaluations of one solve")->check(CLI::Range(1, 100'000));
     app.add_option("--seed", settings.seed, "another seed makes another set of problems");
@@ -152,7 +152,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 600));
     app.add_flag(
         "--values-only", settings.values_only,
-        "no gradients: sqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
+        "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     try {

@@ -9,6 +9,7 @@
 #include "objectives/fit/target_shape.hpp"
 #include "objectives/geometry/measures.hpp"
 #include "optimize/journal/journal.hpp"
+#include "optimize/run/design_table.hpp"
 
 #include <algorithm>
 
@@ -43,6 +44,26 @@ std::optional<std::vector<std::string>> names_of(const std::optional<std::vector
 
 }  // namespace
 
+/// Designs that have been evaluated before: `sample.table`, and the samples of the run to start from.
+void ProblemBuilder::read_designs() {
+    std::vector<std::string> names;
+    for (const Quantity& quantity : out_.problem.quantities)
+        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
+    const auto read = [&](const std::filesystem::path& file, const Place& place) -> std::shared_ptr<const DesignTable> {
+        try {
+            return std::make_shared<const DesignTable>(read_table(file, names));
+        } catch (const InputError& refused) {
+            errors_.add(place, refused.what());
+            return nullptr;
+        }
+    };
+    if (case_.sample_table) out_.problem.table = read(*case_.sample_table, case_.sample_place);
+    std::error_code ignored;
+    if (case_.start_from && case_.optimize.method == Method::model && !case_.sample)
+        if (const auto file = *case_.start_from / "samples.csv"; std::filesystem::exists(file, ignored))
+            out_.problem.paid = read(file, case_.start_place);
+}
+
 void ProblemBuilder::set_goals() {
     for (const QuantityEntry& entry : case_.quantities)
         at(entry.place, text("quantities.", entry.name, ": "), [&] {
@@ -57,6 +78,7 @@ void ProblemBuilder::set_goals() {
     for (const Reference& target : case_.fit) out_.problem.fit.push_back(target.name);
     for (const ConstraintEntry& entry : case_.constraints) out_.problem.constraints.push_back(entry.constraint);
     out_.problem.optimize = case_.optimize;
+    out_.problem.sample = case_.sample;
     out_.problem.fitting = case_.fitting;
     const Length& scale = case_.loss_scale;
     out_.problem.fitting.loss_scale = scale.is_relative_to_diagonal ? scale.value : scale.value / start_.diagonal;

@@ -48,6 +48,7 @@ private:
     Split split();
     void build_tree();
     void read_stored();
+    void read_designs();
     void evaluate_regions();
     // build_shell.cpp
     void set_heights();

@@ -45,7 +45,11 @@ bool is_new_default(const std::string& key, const std::string& value) {
 std::vector<std::pair<std::string, std::filesystem::path>> files_of(const Case& the_case) {
     std::vector<std::pair<std::string, std::filesystem::path>> files;
     collect(the_case.source->root, "", the_case.dir(), files);
-    if (the_case.start_from) files.emplace_back("optimize.start_from", *the_case.start_from / "levels/best.design");
+    if (!the_case.start_from) return files;
+    files.emplace_back("optimize.start_from", *the_case.start_from / "levels/best.design");
+    std::error_code ignored;
+    if (const auto samples = *the_case.start_from / "samples.csv"; std::filesystem::exists(samples, ignored))
+        files.emplace_back("optimize.start_from.samples", samples);
     return files;
 }
 

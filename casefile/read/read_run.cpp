@@ -7,6 +7,7 @@ void CaseReader::read_optimize(const Value& map) {
     OptimizeOptions& o = case_.optimize;
     if (const Value* v = map.find("method"))
         if (const MethodFacts* method = method_named(v->text)) o.method = method->method;
+    set(o.batch, map.find("batch"));
     set(o.finite_differences, map.find("finite_differences"));
     set(o.difference_step, map.find("difference_step"));
     set(o.starts, map.find("starts"));
@@ -17,6 +18,15 @@ void CaseReader::read_optimize(const Value& map) {
     }
     read_fitting(map);
     read_stopping(map);
+}
+
+void CaseReader::read_sample(const Value& map) {
+    const Value* method = map.find("method");
+    case_.sample = method && method->text == "lhs" ? Spread::lhs : Spread::sobol;
+    if (const Value* v = map.find("table")) {
+        case_.sample_table = dir_ / v->text;
+        case_.sample_place = v->place;
+    }
 }
 
 void CaseReader::read_fitting(const Value& map) {

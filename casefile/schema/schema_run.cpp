@@ -39,6 +39,12 @@ std::vector<Key> method_keys() {
          .words = method_words(),
          .aliases = nlopt_words(),
          .loose_word = true},
+        {.path = "optimize.batch",
+         .type = Type::integer,
+         .doc = "With `method: model`: designs that are proposed together, and evaluated at the same time as far as "
+                "`parallel` of the programs allows. Results depend on it, and never on `parallel`. Not for fit.",
+         .fallback = "8",
+         .limits = {1, 1000, false, false}},
         {.path = "optimize.finite_differences",
          .type = Type::flag,
          .doc = "Finite-difference gradients for programs that return none, at one more evaluation per variable; for "
@@ -64,9 +70,30 @@ std::vector<Key> method_keys() {
          .limits = not_negative},
         {.path = "optimize.start_from",
          .type = Type::path,
-         .doc = "Folder of an earlier run or fit on the same surface. This one starts at its best design: with its "
-                "patches (and the deeper ones of this case if the levels agree), shape and values of `variables`. "
-                "Default: the start shape."},
+         .doc =
+             "Folder of an earlier run or fit on the same surface. This one starts at its best design: with its "
+             "patches (and the deeper ones of this case if the levels agree), shape and values of `variables`. After "
+             "`strake sample`, `method: model` also learns from every design of that folder. Default: the start "
+             "shape."},
+    };
+}
+
+std::vector<Key> sample_keys() {
+    return {
+        {.path = "sample",
+         .doc = "Evaluate designs spread over the space of the first level instead of searching; `strake sample` sets "
+                "it. `optimize.budget.evaluations` is the number of designs, the start included."},
+        {.path = "sample.method",
+         .type = Type::word,
+         .doc = "How designs are spread: sobol, a sequence that goes on when the budget is raised; lhs, a Latin "
+                "hypercube (random, `optimize.seed`).",
+         .fallback = "sobol",
+         .words = {"sobol", "lhs"}},
+        {.path = "sample.table",
+         .type = Type::file,
+         .doc = "Table (CSV) of designs that have been evaluated elsewhere: a column for each variable, in the units "
+                "that programs receive, and one for each value. Quantities in it are not called. Default: none; the "
+                "designs are spread."},
     };
 }
 
@@ -170,6 +197,8 @@ std::vector<Key> output_keys() {
 
 }  // namespace
 
-std::vector<Key> run_keys() { return in_order({method_keys(), fit_keys(), stopping_keys(), output_keys()}); }
+std::vector<Key> run_keys() {
+    return in_order({sample_keys(), method_keys(), fit_keys(), stopping_keys(), output_keys()});
+}
 
 }  // namespace strake

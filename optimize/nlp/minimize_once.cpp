@@ -8,6 +8,7 @@
 #include "optimize/nlp/program/finite_differences.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/sqp/sqp.hpp"
+#include "optimize/nlp/surrogate/model_search.hpp"
 
 namespace strake {
 namespace {
@@ -93,6 +94,7 @@ private:
     void search() {
         if (method_->method == Method::sqp) return run_sqp();
         if (method_->is_global) return run_global();
+        if (method_->method == Method::model) return take(minimize_by_model(guard_));
         // A few evaluations are kept for the way back onto the constraints.
         const int all = guard_.options.max_evaluations;
         const int jacobian =
@@ -346,6 +348,7 @@ void validate(const NonlinearProgram& p, const MinimizeOptions& o) {
             throw InvalidInput(
                 text("start of variable ", j, " = ", p.start[j], " must be in [", p.lower[j], ", ", p.upper[j], "]"));
     if (o.max_evaluations < 1) throw InvalidInput(text("max_evaluations = ", o.max_evaluations, " must be >= 1"));
+    if (o.batch < 1) throw InvalidInput(text("batch = ", o.batch, " must be >= 1"));
     if (o.starts < 1) throw InvalidInput(text("starts = ", o.starts, " must be >= 1"));
     if (p.differences) with_differences(p, *p.differences);
     const bool is_global = method_facts(o.method).is_global;

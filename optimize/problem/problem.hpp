@@ -110,8 +110,12 @@ enum class LevelStartHessian {
     diagonal  ///< a multiple of the metric's diagonal: raw variables, each scaled by itself
 };
 
+/// How `sample` spreads its designs.
+enum class Spread { sobol, lhs };
+
 struct OptimizeOptions {
     Method method = Method::sqp;
+    int batch = 8;                    ///< of method model: designs that are proposed together, >= 1
     int max_evaluations = 60;         ///< whole run, >= 1
     double max_seconds = 0;           ///< whole run; 0: no limit
     double min_expected_gain = 2e-3;  ///< split only what is expected to give this share of what was gained for every
@@ -140,6 +144,7 @@ struct FitOptions {
 };
 
 struct StoredDesign;
+struct DesignTable;
 
 struct Problem {
     std::string name;
@@ -163,6 +168,9 @@ struct Problem {
     FitOptions fitting;
     std::vector<Constraint> constraints;
     OptimizeOptions optimize;
+    std::optional<Spread> sample;               ///< designs are spread instead of searched
+    std::shared_ptr<const DesignTable> table;   ///< of `sample`: the designs and what they gave; null: they are spread
+    std::shared_ptr<const DesignTable> paid;    ///< designs whose values are known; used by method model
     std::shared_ptr<const StoredDesign> start;  ///< where `optimize` and `fit` begin, set by `start_from`; else at rest
 };
 

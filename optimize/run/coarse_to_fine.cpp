@@ -49,6 +49,7 @@ private:
         level.stop = MinimizeStop::converged;
         bool any = false;
         for (std::optional<LevelSet> next;;) {
+            parent_x_ = x;
             x = state_.next_level(x, next ? &*next : nullptr);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
@@ -190,6 +191,7 @@ private:
         how.max_evaluations = std::max(1, state_.evaluations_left() / (last ? 1 : state_.levels_left() + 1));
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
+        how.batch = options.batch;
         how.confirm = last;
         how.first_step = first_step_;
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
@@ -203,6 +205,7 @@ private:
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
         const bool last = entry == Entry::finished || state_.levels_left() == 0;
         const Eigen::VectorXd weight_before = program_.weight();
+        if (entry == Entry::refined) program_.carry_designs(parent_x_, start, state_.prolongation);
         NonlinearProgram program = program_.enter(start);
         carry_over(program, weight_before, entry == Entry::again || entry == Entry::finished);
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
@@ -305,6 +308,7 @@ private:
 
     RunState state_;
     LevelProgram program_;
+    Eigen::VectorXd parent_x_;        ///< the design that the present level inherits, on the level before
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient

@@ -3,7 +3,10 @@
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
+#include "optimize/run/design_table.hpp"
 #include "optimize/run/run_verdict.hpp"
+
+#include <utility>
 
 namespace strake {
 namespace {
@@ -72,7 +75,7 @@ std::vector<std::string> LevelProgram::differentiated_names(const Problem& probl
     return names;
 }
 
-LevelProgram::LevelProgram(RunState& state) : state_(state) {
+LevelProgram::LevelProgram(RunState& state) : state_(state), paid_(state.problem.paid) {
     const std::vector<std::string> names = differentiated_names(state.problem);
     const auto row = [&](const std::string& name) {
         const auto at = std::find(names.begin(), names.end(), name);
@@ -135,7 +138,64 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
         program_.differences = differences;
     }
     limit_motion();
+    if (learns()) {
+        take_paid_designs();
+        program_.known = [this] { return known_points(); };
+    }
     return program_;
+}
+
+void LevelProgram::carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
+                                 const Eigen::MatrixXd& prolongation) {
+    if (prolongation.cols() != parent.size()) seen_.clear();
+    for (SeenDesign& design : seen_) design.x = start + prolongation * (design.x - parent);
+}
+
+void LevelProgram::take_paid_designs() {
+    const std::shared_ptr<const DesignTable> paid = std::exchange(paid_, nullptr);
+    if (!paid) return;
+    std::vector<std::size_t> column;
+    for (const std::string& name : state_.result.names) {
+        const auto at = std::find(paid->values.begin(), paid->values.end(), name);
+        if (at == paid->values.end()) break;
+        column.push_back(static_cast<std::size_t>(at - paid->values.begin()));
+    }
+    DesignTable known;
+    try {
+        if (column.size() != state_.result.names.size())
+            throw InvalidInput(text(paid->name, ": a value of this case has no column"));
+        known = with_variables(*paid, variable_names(state_.space));
+    } catch (const InvalidInput& other) {
+        state_.note(text("start_from: only the best of the samples is used: ", other.what()));
+        return;
+    }
+    for (int i = 0; i < known.rows(); ++i) {
+        SeenDesign design{design_of(state_.space, known.designs.row(i)), {}};
+        if (known.status[static_cast<std::size_t>(i)] == "ok")
+            for (const std::size_t c : column) design.values.push_back(known.given(i, static_cast<Eigen::Index>(c)));
+        seen_.push_back(std::move(design));
+    }
+    state_.note(text("start_from: ", known.rows(), " samples are known to the models"));
+}
+
+std::vector<KnownPoint> LevelProgram::known_points() const {
+    std::vector<KnownPoint> points;
+    for (const SeenDesign& design : seen_)
+        points.push_back({design.x.cwiseProduct(weight_), from_values(design.values)});
+    return points;
+}
+
+Evaluation LevelProgram::from_values(const std::vector<double>& values) const {
+    Evaluation known;
+    if (values.empty()) {
+        known.failure = "failed before";
+        return known;
+    }
+    known.objective = sign() * values[static_cast<std::size_t>(objective_)];
+    known.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        known.constraints[static_cast<Eigen::Index>(i)] = rows_.rows[i].of(values[rows_.rows[i].value]);
+    return known;
 }
 
 void LevelProgram::narrow_bounds() {
@@ -235,6 +295,8 @@ Evaluation LevelProgram::evaluate(const Eigen::VectorXd& x) {
         sample.is_fatal = last_failed_in_quantity_ && !current_.may_go_on;
         quantity_failed_ |= sample.is_fatal;
     }
+    const bool says_nothing = current_.status != EvaluationStatus::ok && sample.is_of_step;
+    if (learns() && !says_nothing) seen_.push_back({x, current_.values});
     state_.record(x, current_, objective, rank,
                   objective_gradient_ == 0 && !current_.dJ_dv.empty() ? current_.dJ_dv[0] : Points());
     return sample;

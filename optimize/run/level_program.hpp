@@ -31,6 +31,11 @@ public:
     const NonlinearProgram& program() const { return program_; }
     const Eigen::VectorXd& weight() const { return weight_; }
     Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;
+    const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
+    /// Method model learns from the designs of all levels: those seen so far become designs of the level that is
+    /// entered next. @param parent, start the same design there and here; `prolongation` dx / d(x of the parent)
+    void carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
+                       const Eigen::MatrixXd& prolongation);
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.
@@ -51,6 +56,10 @@ private:
     void differentiate(Evaluation& sample);
     void limit_motion();
     void narrow_bounds();
+    bool learns() const { return state_.problem.optimize.method == Method::model; }
+    void take_paid_designs();
+    std::vector<KnownPoint> known_points() const;
+    Evaluation from_values(const std::vector<double>& values) const;
     StepLimits step_limits(const MotionConditions& at) const;
     double sign() const { return state_.problem.maximize ? -1 : 1; }
 
@@ -63,6 +72,13 @@ private:
     Eigen::VectorXd moved_y_,
         moved_x_;       ///< the last point moved inside the motion limit, without the scaling's round-off
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
+    /// A design of this level and what it gave; without values: it failed.
+    struct SeenDesign {
+        Eigen::VectorXd x;
+        std::vector<double> values;
+    };
+    std::vector<SeenDesign> seen_;             ///< of method model
+    std::shared_ptr<const DesignTable> paid_;  ///< until the first level has taken them
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;

@@ -14,7 +14,8 @@ enum class Method {
     tnewton,
     var2,
     nlopt_slsqp,
-    cobyla,  // local, without
+    model,  // local, without
+    cobyla,
     bobyqa,
     neldermead,
     sbplx,

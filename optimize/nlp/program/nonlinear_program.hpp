@@ -48,6 +48,12 @@ struct Differences {
     bool missing = false;    ///< also for single entries that `differentiate` leaves NaN
 };
 
+/// A point that has been evaluated before the search.
+struct KnownPoint {
+    Eigen::VectorXd x;
+    Evaluation evaluation;
+};
+
 struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
     int num_inequalities = 0, num_equalities = 0;
@@ -77,6 +83,9 @@ struct NonlinearProgram {
     Eigen::MatrixXd guessed;
     /// Where differences give the gradient. Used by sqp.
     std::optional<StartGradient> start_gradient;
+    /// Points beside the start that are known already, asked for once the start has been evaluated. May be empty. Used
+    /// by model.
+    std::function<std::vector<KnownPoint>()> known;
 };
 
 }  // namespace strake

@@ -17,32 +17,35 @@ constexpr int candidates = 24;  ///< of the initial numbers of a coordinate
 constexpr int compared = 24;    ///< coordinates before it, with which pairs are to be even
 using Directions = std::array<std::uint32_t, num_bits>;
 
-/// Coefficients of a polynomial over the integers modulo 2 as bits, the constant first.
+/// Polynomials over the integers modulo 2: coefficients as bits, the constant first. The remainder by `polynomial`.
+std::uint64_t remainder(std::uint64_t p, std::uint32_t polynomial, int degree) {
+    for (int k = 2 * degree; k >= degree; --k)
+        if (p >> k & 1) p ^= std::uint64_t(polynomial) << (k - degree);
+    return p;
+}
+
+std::uint64_t product(std::uint64_t a, std::uint64_t b, std::uint32_t polynomial, int degree) {
+    std::uint64_t sum = 0;
+    for (int k = 0; k < degree; ++k)
+        if (b >> k & 1) sum ^= a << k;
+    return remainder(sum, polynomial, degree);
+}
+
+/// t^exponent modulo the polynomial.
+std::uint64_t power(std::uint32_t exponent, std::uint32_t polynomial, int degree) {
+    std::uint64_t result = 1, base = remainder(2, polynomial, degree);
+    for (; exponent > 0; exponent >>= 1, base = product(base, base, polynomial, degree))
+        if (exponent & 1) result = product(result, base, polynomial, degree);
+    return result;
+}
+
 bool is_primitive(std::uint32_t polynomial, int degree) {
     const std::uint32_t order = (1U << degree) - 1;
-    const auto power = [&](std::uint32_t exponent) {  // of t, modulo the polynomial
-        std::uint64_t result = 1, base = 2;
-        const auto reduced = [&](std::uint64_t p) {
-            for (int k = 2 * degree; k >= degree; --k)
-                if (p >> k & 1) p ^= std::uint64_t(polynomial) << (k - degree);
-            return p;
-        };
-        const auto times = [&](std::uint64_t a, std::uint64_t b) {
-            std::uint64_t product = 0;
-            for (int k = 0; k < degree; ++k)
-                if (b >> k & 1) product ^= a << k;
-            return reduced(product);
-        };
-        base = reduced(base);
-        for (; exponent > 0; exponent >>= 1, base = times(base, base))
-            if (exponent & 1) result = times(result, base);
-        return result;
-    };
-    if (power(order) != 1) return false;
+    if (power(order, polynomial, degree) != 1) return false;
     std::uint32_t rest = order;
     for (std::uint32_t prime = 2; prime <= rest; ++prime) {
         if (rest % prime != 0) continue;
-        if (power(order / prime) == 1) return false;
+        if (power(order / prime, polynomial, degree) == 1) return false;
         while (rest % prime == 0) rest /= prime;
     }
     return true;

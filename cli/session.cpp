@@ -64,7 +64,7 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
 }
 
 /// The variables that matter most for each value.
-void report_effects(const Samples& samples) {
+void report_effects(const SampleSummary& samples) {
     constexpr std::size_t shown = 8;
     if (!samples.without_effects.empty()) fmt::print("{}\n", samples.without_effects);
     for (const SampledValue& value : samples.values) {

@@ -129,7 +129,7 @@ bool has_only_begun(const fs::path& folder) {
     return std::count(history.begin(), history.end(), '\n') < 2;
 }
 
-nlohmann::ordered_json samples_json(const Samples& samples) {
+nlohmann::ordered_json samples_json(const SampleSummary& samples) {
     nlohmann::ordered_json j;
     j["variables"] = samples.table->variables;
     for (const auto& [key, bounds] : {std::pair("lower", &samples.lower), std::pair("upper", &samples.upper)}) {

@@ -88,7 +88,7 @@ struct SampledValue {
     double predicted_share = 0;        ///< share of its variance that models of all other designs predict
     std::vector<double> share, error;  ///< main effects (`main_effects`) and their standard errors, per variable
 };
-struct Samples {
+struct SampleSummary {
     std::shared_ptr<const DesignTable> table;
     std::vector<double> lower, upper;  ///< the range of each variable of the table
     std::vector<SampledValue> values;
@@ -106,8 +106,8 @@ struct RunResult {
     std::vector<AwaitedCall> awaited;  ///< of status `waiting`
     std::vector<std::string> pending;  ///< of status `interrupted`: jobs that stay in a queue
     MotionAtEnd motion;
-    std::optional<Samples> samples;     ///< of `sample`
-    std::vector<std::string> conflict;  ///< names of the constraints that cannot be met together; empty: none found
+    std::optional<SampleSummary> samples;  ///< of `sample`
+    std::vector<std::string> conflict;     ///< names of the constraints that cannot be met together; empty: none found
     int level = 0, evaluations = 0;
     double objective_start = std::numeric_limits<double>::quiet_NaN();
     double objective = std::numeric_limits<double>::quiet_NaN();  ///< of the best design

@@ -18,7 +18,7 @@ using Eigen::VectorXd;
 
 constexpr int at_a_time = 256;  ///< designs that are asked for together, whatever runs in parallel
 constexpr double ball_dimensions = 3;
-constexpr double beyond_limit = 6;  ///< in the metric: from there a design is moved inside the motion limit
+constexpr double beyond_limit = 2;  ///< in the metric: from there a design is moved inside the motion limit
 constexpr int fewest_for_effects = 10;
 
 /// x with Phi(x) = share, by Newton's method on the normal distribution.
@@ -84,7 +84,7 @@ public:
             state_.leave_level();
             conclude_waiting(state_.result);
         }
-        state_.result.samples = Samples{std::make_shared<const DesignTable>(table_), {}, {}, {}, {}};
+        state_.result.samples = SampleSummary{std::make_shared<const DesignTable>(table_), {}, {}, {}, {}};
         if (state_.result.status == "sampled") learn(*state_.result.samples);
         return state_.result;
     }
@@ -165,12 +165,7 @@ private:
         VectorXd y = about.cwiseProduct(program_.weight());
         const VectorXd centre = y.head(shape);
         const VectorXd direction = U_.triangularView<Eigen::Upper>().solve(z / z.norm());
-        double length = is_limited ? beyond_limit : 1;
-        for (Eigen::Index j = 0; j < shape; ++j)
-            if (direction[j] != 0)
-                length =
-                    std::min(length, ((direction[j] > 0 ? nlp_.upper[j] : nlp_.lower[j]) - centre[j]) / direction[j]);
-        y.head(shape) += length * direction;
+        y.head(shape) += (is_limited ? beyond_limit : 1) * direction;
         y = y.cwiseMax(nlp_.lower).cwiseMin(nlp_.upper);
         if (is_limited) y = nlp_.within(y);
         y.head(shape) = centre + std::pow(radius, 1 / dimensions) * (y.head(shape) - centre);
@@ -231,7 +226,7 @@ private:
         end("sampled", words);
     }
 
-    void learn(Samples& samples) const {
+    void learn(SampleSummary& samples) const {
         const MatrixXd& designs = table_.designs;
         const Eigen::Index d = designs.cols();
         std::vector<Eigen::Index> ok;

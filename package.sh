@@ -35,7 +35,7 @@ make_source() {
     git archive HEAD | tar -x -C "$work/strake-$version"
     git rev-parse HEAD >"$work/strake-$version/.commit"
     cmake -S "$work/strake-$version" -B "$work/page" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_REPORT_PAGE=ON >"$work/page.log" 2>&1 &&
-        ninja -C "$work/page" report/page/main.js >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
+        ninja -C "$work/page" strake_page >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
     cp "$work/page/report/page/main.js" "$work/page/report/page/main.css" "$work/strake-$version/report/page/bundle"
     tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" -C "$work" -cJf "$tarball" "strake-$version"
     rm -rf "$work/page" "$work/strake-$version"

@@ -25,7 +25,7 @@ struct ExitMeaning {
     int status;
     const char* words;
 };
-/// DESIGN section 7.
+/// In the order of their numbers; a contract with scripts.
 const std::vector<ExitMeaning>& exit_meanings();
 std::string exit_help();  ///< the same text, for the end of --help
 

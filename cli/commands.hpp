@@ -6,7 +6,7 @@
 /// `ExitStatus`.
 namespace strake::cli {
 
-/// Exit statuses (DESIGN section 7).
+/// Exit statuses (`strake --help`).
 enum Status : int {
     done = 0,
     run_failed = 1,

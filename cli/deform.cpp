@@ -144,7 +144,7 @@ Points of_kind(const Problem& problem, const Points& vertices) {
     return problem.surface.vertices + invariance->projected(vertices - problem.surface.vertices);
 }
 
-/// The equilibrium, which must be a valid surface (DESIGN section 8).
+/// The equilibrium, which must be a valid surface.
 Points solved(const DeformArguments& args, const Problem& problem, const ShellSetup& setup, PrimoShell& shell,
               Equilibrium& end) {
     const double diagonal = box_diagonal(problem.surface);

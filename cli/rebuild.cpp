@@ -7,6 +7,7 @@
 #include "core/text/file.hpp"
 #include "core/text/shell_word.hpp"
 #include "optimize/journal/salvage.hpp"
+#include "optimize/run/history.hpp"
 #include "report/recorded_run.hpp"
 
 #include <algorithm>
@@ -37,22 +38,6 @@ int evaluation_folders(const fs::path& dir) {
     std::error_code why;
     for (fs::directory_iterator at(dir / "evaluations", why), end; !why && at != end; at.increment(why)) ++count;
     return count;
-}
-
-/// The names in the header of history.csv: of the values, then of the parameters.
-void names_of_history(const fs::path& dir, JournalFacts& facts) {
-    const std::string history = text_of(dir / "history.csv");
-    std::istringstream header(history.substr(0, history.find('\n')));
-    constexpr int before_values = 4;  // evaluation, level, status, objective
-    int column = 0;
-    bool is_parameter = false;
-    for (std::string name; std::getline(header, name, ','); ++column) {
-        if (column < before_values || name == "max_violation") continue;
-        if (name == "accepted")
-            is_parameter = true;
-        else
-            (is_parameter ? facts.parameters : facts.values).push_back(name);
-    }
 }
 
 std::optional<Beginning> beginning_in(const fs::path& dir) {
@@ -86,7 +71,10 @@ JournalFacts facts_from(const Case& the_case, const Beginning& began, const fs::
             "max_displacement bounds variables\n",
             printable((dir / "case.yaml").string(), 400));
     }
-    names_of_history(dir, facts);
+    const std::string history = text_of(dir / "history.csv");
+    const HistoryNames names = history_names(history.substr(0, history.find('\n')));
+    facts.values = names.values;
+    facts.parameters = names.parameters;
     facts.files = file_hashes(the_case);
     return facts;
 }

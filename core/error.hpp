@@ -28,7 +28,7 @@ struct SolverError : std::runtime_error {
     using runtime_error::runtime_error;
 };
 
-/// Joins its arguments to one string, in the classic locale whatever the program's is. (GCC 12 has no <format>.)
+/// Joins its arguments to one string, in the classic locale whatever the program's is. (GCC 12 has no `format`.)
 template <class... T>
 std::string text(const T&... parts) {
     std::ostringstream s;

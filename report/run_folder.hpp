@@ -9,8 +9,8 @@
 #include <memory>
 #include <optional>
 
-/// The folder of a run (DESIGN section 7): case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
-/// best.<format>, run.json. Everything but history.csv, which grows row by row, is written atomically.
+/// The folder of a run: case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
+/// best.FORMAT, run.json. Everything but history.csv, which grows row by row, is written atomically.
 namespace strake {
 
 enum class SeriesPolicy { every_accepted, best, none };
@@ -23,7 +23,7 @@ public:
     explicit RunFolder(const std::filesystem::path& folder, bool is_continued = false);
 
     void write_case(const std::string& yaml);
-    /// start.<format>, a surface that differs from the file's; and start-repairs.csv if `repairs_csv` is not empty.
+    /// start.FORMAT, a surface that differs from the file's; and start-repairs.csv if `repairs_csv` is not empty.
     void write_start(const TriMesh& surface, SurfaceFormat format, const std::string& repairs_csv);
 
     /// Starts the records. `problem` must outlive the folder.
@@ -33,7 +33,7 @@ public:
     void add(const EvaluationRecord& record);
     /// levels/labels_K.csv (patch of each triangle, file order) and levels/variables_K.csv.
     void add(const LevelStart& level);
-    /// best.<format>, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
+    /// best.FORMAT, levels/best.csv, levels/best.design (for `start_from`), and the next data set of the series.
     void add(const AcceptedDesign& design);
     /// Adds them to the design's data set, if it has one.
     void add_sensitivities(int evaluation, const Points& dJ_dv);

@@ -7,12 +7,12 @@ progress() {
     shift 2
     log=$(mktemp)
     # shellcheck disable=SC2094
-    { NINJA_STATUS='[%f/%t] ' "$@" 2>&1; echo "status $?"; } | {
+    { NINJA_STATUS='[%f/%t] ' "$@" 2>&1; printf '\001%s\n' $?; } | {
         local line done_count=0 total=0 unpacked=0 ready=0 shown=-100 now doing= status=1 more=yes
         while [ $more = yes ]; do
             if IFS= read -r -t 1 line; then
                 case $line in
-                "status "*) status=${line#status }; more=no ;;
+                $'\001'*) status=${line#?}; more=no ;;  # no command's own words begin so
                 *) printf '%s\n' "$line" >>"$log" ;;
                 esac
                 if [[ $line =~ ^\[([0-9]+)/([0-9]+)\]\ (.*) ]]; then
@@ -38,7 +38,9 @@ progress() {
     } || status=$?
     if [ $status = 0 ]; then
         printf '%s: done in %s\n' "$title" "$(minutes $((SECONDS - begin)))" >&2
-        grep -E 'warning: |CMake Warning|^WARNING' "$log" >&2 || true
+        # Of a warning of CMake the lines below it say what is wrong.
+        awk '/CMake Warning/ {print; below = 1; next} below && /^(  |$)/ {if (NF) print; next}
+             {below = 0} /warning: |^WARNING/' "$log" >&2
     else
         cat "$log" >&2
         printf '%s: failed, status %d (what it wrote is above)\n' "$title" $status >&2

@@ -11,7 +11,7 @@ wanted=$(awk -v kinds=" $kinds " '!/^#/ && NF >= 2 && index(kinds, " " $2 " ") {
     done)
 [ -n "$wanted" ] || { echo "setup.sh: no packages for '$kinds'; kinds: run, test, pictures, slurm, openfoam, package" >&2; exit 2; }
 if ! command -v dpkg-query >/dev/null; then
-    echo "setup.sh: this is no Debian; going on with what is installed (needed: $(echo $wanted))" >&2
+    echo "setup.sh: this is no Debian; continuing with what is installed (needed: $(echo $wanted))" >&2
     exit 0
 fi
 # shellcheck disable=SC2086

@@ -1,7 +1,7 @@
 #include "casefile/check/cross_check.hpp"
+#include "optimize/run/history.hpp"
 
 #include <algorithm>
-#include <array>
 #include <set>
 
 namespace strake {
@@ -15,12 +15,6 @@ bool holds(const Names& names, const std::string& name) {
 
 constexpr const char* taken_by_history = ": this is a column of history.csv; choose another name";
 
-bool is_column(const std::string& name) {
-    constexpr std::array<const char*, 6> columns{"evaluation", "level",         "status",
-                                                 "objective",  "max_violation", "accepted"};
-    return std::find(columns.begin(), columns.end(), name) != columns.end();
-}
-
 bool is_angle(const Case& c, const std::string& name) {
     return std::any_of(c.variables.begin(), c.variables.end(),
                        [&](const auto& v) { return v.variable.name == name && v.variable.is_angle; });
@@ -29,9 +23,10 @@ bool is_angle(const Case& c, const std::string& name) {
 /// No name means two things in a history.
 void check_columns(const Case& c, Diagnostics& errors) {
     for (const QuantityEntry& quantity : c.quantities)
-        if (is_column(quantity.name)) errors.add(quantity.place, text("quantities.", quantity.name, taken_by_history));
+        if (is_history_column(quantity.name))
+            errors.add(quantity.place, text("quantities.", quantity.name, taken_by_history));
     for (const ProgramParameterEntry& entry : c.variables)
-        if (is_column(entry.variable.name))
+        if (is_history_column(entry.variable.name))
             errors.add(entry.place, text("variables.", entry.variable.name, taken_by_history));
 }
 

@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 
 namespace strake {
 namespace {
@@ -162,6 +163,28 @@ std::string parameters_text(const RepairedSurface& surface, const std::optional<
     return out;
 }
 
+/// A limit on the root-mean-square motion for thin and stout bodies alike, with which any objective ends in a
+/// shape that is still that body.
+struct MeanMotion {
+    double rms = 0;
+    const char* of = "";
+};
+MeanMotion mean_motion(double thickness, double diagonal, bool has_volume) {
+    if (!has_volume) return {0.005 * diagonal, "0.5 % of the diagonal"};
+    if (0.05 * thickness < 0.01 * diagonal) return {0.05 * thickness, "5 % of the mean thickness"};
+    return {0.01 * diagonal, "1 % of the diagonal"};
+}
+
+/// Of fields: the mean motion has no slope at the start, so that the first steps do not see its limit: this one stops
+/// them. A point moves by some four times the mean where a motion is local.
+std::string farthest_motion_text(const MeanMotion& mean, double diagonal) {
+    std::ostringstream percent;
+    percent.imbue(std::locale::classic());
+    percent << std::setprecision(1) << std::clamp(400 * mean.rms / diagonal, 0.1, 5.0);
+    return padded("  max_displacement: " + percent.str() + "%",
+                  "of the diagonal: the farthest that any point may move");
+}
+
 /// Twice the enclosed volume by the area: the mean thickness of a thin body.
 double mean_thickness(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half) {
     const Eigen::RowVector3d origin =
@@ -175,21 +198,18 @@ double mean_thickness(const RepairedSurface& surface, const std::optional<Symmet
     return 2 * std::abs(volume) / surface.checkup.area;
 }
 
-/// A limit on the root-mean-square motion for thin and stout bodies alike, with which any objective ends in a
-/// shape that is still that body.
-std::string change_text(double rms, const std::string& of) {
+std::string change_text(const MeanMotion& mean) {
     std::ostringstream value, shown;
     value.imbue(std::locale::classic()), shown.imbue(std::locale::classic());
     shown.precision(2), value.precision(4);
-    shown << rms;
+    shown << mean.rms;
     const double rounded = std::strtod(shown.str().c_str(), nullptr);
     value << rounded * rounded;
     return padded(text("  change: {max: ", value.str(), "}"),
-                  text("(", shown.str(), ")^2: mean square displacement, ", of));
+                  text("(", shown.str(), ")^2: mean square displacement, ", mean.of));
 }
 
-std::string goal_text(const RepairedSurface& surface, double thickness, bool has_volume) {
-    const double diagonal = surface.checkup.diagonal;
+std::string goal_text(const MeanMotion& mean, bool has_volume) {
     std::string out =
         "\n# REPLACE THIS by your objective: a built-in quantity (docs/objectives.md) or your own program "
         "(docs/external.md).\n"
@@ -198,11 +218,9 @@ std::string goal_text(const RepairedSurface& surface, double thickness, bool has
         "quantities:\n" + padded("  change: {type: displacement}", "distance from the start shape; optional");
     if (!has_volume)
         return out + padded("objective: {minimize: area}", "the surface encloses no volume") + stays +
-               "constraints:\n" + change_text(0.005 * diagonal, "0.5 % of the diagonal");
-    const double rms = std::min(0.05 * thickness, 0.01 * diagonal);
+               "constraints:\n" + change_text(mean);
     return out + "objective: {maximize: volume}\n" + stays + "constraints:\n" +
-           padded("  area: {max: 1.01, relative: true}", "at most 1 % more than at the start") +
-           change_text(rms, rms < 0.01 * diagonal ? "5 % of the mean thickness" : "1 % of the diagonal");
+           padded("  area: {max: 1.01, relative: true}", "at most 1 % more than at the start") + change_text(mean);
 }
 
 /// Slivers invert at the smallest motion.
@@ -225,7 +243,8 @@ std::string remesh_text(const std::string& reason) {
 }
 
 /// Fields alone: nothing has to be held.
-std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason) {
+std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason,
+                        const std::string& farthest) {
     std::string out =
         "\n# No elastic shell: displacement fields, smooth motions of space, move the body as it is, whatever its "
         "triangles are.\n";
@@ -234,7 +253,7 @@ std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::s
         "# Nothing is held; motions of the whole body are left out. To hold something, declare a region and name it "
         "under fixed.\nshell: none\nparameters:\n";
     out += padded("  fields: auto", "27 at first, then those that the gradient asks for; strake check lists them");
-    out += padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
+    out += farthest;
     if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
     return out;
 }
@@ -319,6 +338,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
                                       " and is moved onto it (symmetry.snap)"));
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
+    const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
+    const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
     const std::string shown = case_file.filename().string();
     const std::string shell =
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
@@ -331,8 +352,9 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") +
         (by_fields ? "" : hold_text(options.hold, regions)) + (half ? symmetry_text(*half, cut) : "") +
         axes_text(surface.checkup, proposal.plane, proposal.down) +
-        (by_fields ? fields_text(mirror, options.reason) : shell + parameters_text(surface, mirror, options.hold)) +
-        goal_text(surface, thickness, proposal.has_volume) + "\noptimize:\n" +
+        (by_fields ? fields_text(mirror, options.reason, farthest)
+                   : shell + parameters_text(surface, mirror, options.hold)) +
+        goal_text(mean, proposal.has_volume) + "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
     return proposal;
 }

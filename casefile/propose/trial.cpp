@@ -44,6 +44,7 @@ Trial try_deformations(Problem problem, double max_seconds) {
             ++trial.tried;
             if (shape.status == EvaluationStatus::ok) continue;
             if (trial.failed++ == 0) trial.reason = shape.reason;
+            if (6 * trial.failed > 2 * num_probes) break;  // no more can make it sound
         }
     } catch (const Interrupted&) {
         trial.is_out_of_time = true;

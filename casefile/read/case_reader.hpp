@@ -46,9 +46,9 @@ private:
     void read_fields(const Value& value);
     void read_hold(const Value& value);
     void read_invariance(const Value& map);
-    // read_variables.cpp
+    // read_program_parameters.cpp
     void read_program_parameter(const Entry& entry);
-    // read_goals.cpp
+    // read_quantities.cpp
     ExternalEntry read_external(const Value& map, const std::string& name);
     void read_gradient_keys(const Value& map, const std::string& name, ExternalEntry& external);
     void read_where_it_runs(const Value& map, ExternalEntry& external) const;

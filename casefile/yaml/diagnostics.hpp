@@ -57,7 +57,7 @@ private:
     std::vector<Diagnostic> found_, notes_;
 };
 
-/// Safe to print: control characters and bytes that are not UTF-8 as \xNN, cut after `limit` bytes.
+/// Safe to print: control characters and bytes that are not UTF-8 as `\xNN`, cut after `limit` bytes.
 std::string printable(const std::string& raw, std::size_t limit = 80);
 
 /// Number of insertions, deletions, substitutions and swaps of neighbours between two words.

@@ -6,14 +6,14 @@
 /// The arrays of VTK's XML files, as bytes. Internal: programs use vtp_reader.hpp.
 namespace strake::vtk {
 
-/// Attributes of <VTKFile>.
+/// Attributes of `VTKFile`.
 struct Coding {
     bool is_swapped = false;       ///< big-endian
     std::size_t header_bytes = 4;  ///< 4 or 8, of each length
     bool is_compressed = false;    ///< by zlib
 };
 
-/// Of one <DataArray>.
+/// Of one `DataArray`.
 struct Array {
     std::string section, name;  ///< the element around it: "PointData", "Points", "Polys", …
     std::string type;           ///< "Float64", "Int32", …

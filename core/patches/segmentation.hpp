@@ -4,7 +4,7 @@
 
 #include <vector>
 
-/// One refinement of a hierarchy at one threshold (DESIGN section 3, steps 1 to 7). `segment` calls it level by level;
+/// One refinement of a hierarchy at one threshold (docs/theory.md, *Patches*). `segment` calls it level by level;
 /// a run that chooses its patches as it goes calls it itself.
 namespace strake {
 
@@ -14,7 +14,7 @@ struct SegmentationOptions {
     Split split = SplitAll{};
 };
 
-/// Levels at stated thresholds, DESIGN sections 2 and 3, steps 1 to 7; never splits geometrically.
+/// Levels at stated thresholds (docs/theory.md, *Patches*); never splits geometrically.
 /// @param angles_deg tau_1 > tau_2 > ..., each in (0, 90]. @throws InvalidInput naming the value and the limit.
 PatchHierarchy segment(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<double>& angles_deg,
                        const SegmentationOptions& options = {});

@@ -122,7 +122,7 @@ void add_faces(RestState& rest, const Adjacency& adjacent) {
     }
 }
 
-/// DESIGN section 4, *Vertices*: a fixed prism fixes its vertices; otherwise strain-pinned prisms drive them; otherwise
+/// A fixed prism fixes its vertices; otherwise strain-pinned prisms drive them; otherwise
 /// all prisms share.
 void add_vertex_map(RestState& rest, const Adjacency& adjacent) {
     const int n = rest.mesh.num_vertices();

@@ -6,7 +6,7 @@
 #include <vector>
 
 /// The deformation operator D(M, x): a shell of rigid prisms coupled by elastic fibres
-/// (Berkenstock & Aftosmis 2008, section II; PriMo: Botsch et al. 2006). DESIGN section 4.
+/// (Berkenstock & Aftosmis 2008, section II; PriMo: Botsch et al. 2006). docs/theory-shell.md.
 ///
 ///     PrimoShell shell(mesh, options);
 ///     Equilibrium end = shell.solve(loads);             // minimum of E, starting from the current poses
@@ -36,7 +36,8 @@ public:
     Equilibrium solve(const Loads& loads, const std::vector<RigidMotion>& motions = {},
                       const SolveOptions& options = {}, const SolveProgress& progress = {});
 
-    /// Vertices at the current poses, by the rule of DESIGN section 4 (*Vertices*). Fixed ones are copies.
+    /// Vertices at the current poses: the mean over the prisms around each, over the pinned ones where there are any.
+    /// Fixed ones are copies.
     Points vertices() const;
     /// Attached parts: the part's rotation, no displacement.
     Poses poses() const;

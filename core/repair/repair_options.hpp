@@ -13,9 +13,9 @@ enum class HoleFill {
 };
 
 struct RepairOptions {
-    std::optional<double> weld;  ///< merge vertices at most this far apart; a length >= 0, 0: equal coordinates
-    bool duplicates = false;     ///< remove triangles with the vertices of another one
-    bool degenerate = false;  ///< remove triangles of zero area (DESIGN: 1e-14 diagonal^2) without opening the surface
+    std::optional<double> weld;    ///< merge vertices at most this far apart; a length >= 0, 0: equal coordinates
+    bool duplicates = false;       ///< remove triangles with the vertices of another one
+    bool degenerate = false;       ///< remove triangles of zero area (1e-14 diagonal^2) without opening the surface
     std::optional<double> cracks;  ///< join open edges at most this far apart, splitting edges at T-junctions; > 0
     bool orient = false;           ///< turn triangles until neighbours agree; outward where that is defined
     bool split = false;            ///< separate parts that meet only in a vertex or an edge

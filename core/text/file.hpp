@@ -14,7 +14,7 @@ std::string read_bytes(const std::filesystem::path& file);
 void write_atomically(const std::filesystem::path& file, const std::string& bytes);
 
 /// A name or an excerpt of a file as it may appear in a message: control characters and bytes that are not UTF-8
-/// as \xNN, cut after `limit` bytes.
+/// as `\xNN`, cut after `limit` bytes.
 std::string printable(std::string_view bytes, std::size_t limit = 1000);
 
 }  // namespace strake

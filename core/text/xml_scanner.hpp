@@ -12,7 +12,7 @@ public:
     struct Tag {
         std::string name;                               ///< "/name" at its end; empty: no further tag
         std::map<std::string, std::string> attributes;  ///< by name
-        bool is_empty = false;                          ///< <name/>
+        bool is_empty = false;                          ///< without content
         std::string value(const std::string& key, const std::string& fallback = "") const {
             const auto at = attributes.find(key);
             return at == attributes.end() ? fallback : at->second;

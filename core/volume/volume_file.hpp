@@ -15,7 +15,7 @@ enum class VolumeFormat {
 
 /// Position and format of the points in a VTU file.
 struct VtuPlace {
-    std::size_t begin = 0, end = 0;  ///< the element <DataArray>
+    std::size_t begin = 0, end = 0;  ///< the element `DataArray`
     std::size_t raw = 0;             ///< offset of the first number, if replaceable in place; else 0
     std::string offset;
     bool is_text = false, is_swapped = false, is_compressed = false;

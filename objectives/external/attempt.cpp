@@ -23,7 +23,7 @@ namespace {
 namespace fs = std::filesystem;
 
 constexpr std::size_t result_limit = std::size_t{16} << 20;
-constexpr double match_rel = 1e-5;  // of the diagonal, DESIGN section 7
+constexpr double match_rel = 1e-5;  // of the diagonal
 
 /// Parameters that the values depend on.
 std::vector<std::string> wanted_variables(const ExternalCommand& command, const QuantityRequest& request) {

@@ -27,7 +27,7 @@ struct ExternalCommand {
     std::string format;  ///< of the surface file: as in `format_named`, or su2-positions (`handed_over_bytes`)
     std::filesystem::path case_dir;         ///< program paths containing '/' are relative to it
     std::filesystem::path evaluations_dir;  ///< new folders 000001, 000002, … are created here
-    bool own_folder = false;                ///< run in 000001/<name>, when several programs share evaluations_dir
+    bool own_folder = false;                ///< run in 000001/NAME, when several programs share evaluations_dir
     bool has_gradients = true;              ///< false: never asked for sensitivities
     /// Parameters that the values depend on; derivatives by others are 0. Default: all.
     std::optional<std::vector<std::string>> depends_on;

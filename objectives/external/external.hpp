@@ -2,7 +2,7 @@
 #include "objectives/external/command.hpp"
 #include "objectives/quantity/quantity.hpp"
 
-/// External programs (DESIGN section 7, External evaluation; for users docs/external.md).
+/// External programs (docs/external.md).
 namespace strake {
 
 /// A quantity that runs `command` once per evaluation, in the new folder evaluations_dir/NNNNNN (or its own folder

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Vector3d;
 
-constexpr double mirror_plane_rel = 1e-6;  // of the diagonal, DESIGN section 4 (Symmetry)
+constexpr double mirror_plane_rel = 1e-6;  // of the diagonal
 constexpr double zero_volume_rel = 1e-12;  // of area times diagonal: round-off of a flat surface
 
 [[noreturn]] void refuse_open(const TriMesh& mesh, const Adjacency& adjacent, const std::vector<int>& open,

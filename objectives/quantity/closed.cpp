@@ -12,7 +12,7 @@ std::string at(const TriMesh& mesh, int v) {
     return text("vertex ", v, " (", mesh.vertices(v, 0), ", ", mesh.vertices(v, 1), ", ", mesh.vertices(v, 2), ")");
 }
 
-constexpr double on_plane_rel = 1e-6;  // of the diagonal, DESIGN section 4 (Symmetry)
+constexpr double on_plane_rel = 1e-6;  // of the diagonal
 
 bool in_plane(const TriMesh& mesh, const Adjacency& adjacent, int e, const SymmetryPlane& symmetry, double limit) {
     if (adjacent.edge_triangles[e].size() != 1) return false;

@@ -12,7 +12,7 @@ public:
     /// These values and all that they are made of, ascending. Places among the values of all quantities in their order.
     std::vector<int> with_parts(const std::vector<int>& values) const;
 
-    /// Value i, which is a combination, from those before it. @param own physical values of the parameters.
+    /// Value i, which is a combination, from those before it. @param parameters physical values of the parameters.
     double value(int i, const std::vector<double>& values, const std::vector<double>& parameters) const;
 
     /// Fills the derivatives of the combinations among `wanted` (as `with_parts` gives them) from those of their parts:

@@ -7,7 +7,7 @@
 #include <optional>
 #include <set>
 
-/// Is a deformed surface still one that can be handed on? (DESIGN section 8.)
+/// Is a deformed surface still one that can be handed on?
 namespace strake {
 
 struct ValidityOptions {

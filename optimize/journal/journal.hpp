@@ -9,8 +9,8 @@ struct sqlite3;
 
 /// The journal of a run, `journal.sqlite` in its folder: every evaluation, and before that every call of a program, is
 /// on the disk before the optimizer sees it. A run that died is replayed from its start against it: the optimizer asks
-/// for the same designs again, and what is in the journal is not paid again. One writer; calls may be found and added
-/// by several threads.
+/// for the same designs again. Shapes are computed anew; calls of programs are answered from here (`QuantityCalls`),
+/// and the evaluations are compared bit by bit. One writer; calls may be found and added by several threads.
 namespace strake {
 
 class Journal {

@@ -274,7 +274,7 @@ private:
                 guard_.cause == StopCause::stopped || guard_.cause == StopCause::fatal)
                 take(end_by_cause(guard_));
             if (!guard_.best_feasible) return;
-            guard_.report_event(text("the constraints are met after ", guard_.evaluations, " evaluations; going on"));
+            guard_.report_event(text("the constraints are met after ", guard_.evaluations, " evaluations; continuing"));
             guard_.cause = guard_.cause == StopCause::failure ? StopCause::none : guard_.cause;
             if (guard_.cause != StopCause::none) return;
             guard_.wants_gradient |= method_->is_global;

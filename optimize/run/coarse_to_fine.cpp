@@ -22,6 +22,8 @@ constexpr double patience_by_differences = 2;
 /// Where trials of a few directions tell what else there is, a level is left once a gradient gives no more than this
 /// share of what the level has gained; the trial may find that it is to go on.
 constexpr double early_by_differences = 0.3;
+/// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
+constexpr int least_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
 constexpr int trial_share = 10;         ///< trials of directions that must still be affordable
 constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
@@ -229,8 +231,8 @@ private:
         how.scope = text(" of level ", state_.space.level);
         how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
-        const int share = last || (how.method == Method::sqp && may_try()) ? 1 : state_.levels_left() + 1;
-        how.max_evaluations = std::max(1, state_.evaluations_left() / share);
+        how.max_evaluations =
+            last || (how.method == Method::sqp && may_try()) ? state_.evaluations_left() : level_budget();
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
@@ -238,6 +240,13 @@ private:
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         return how;
+    }
+
+    /// What is left, in equal parts for the levels to come: for no more of them than it can move.
+    int level_budget() const {
+        const int gradient = program_.gives_lagrangian() ? 0 : static_cast<int>(state_.space.size());
+        const int left = state_.evaluations_left(), levels = left / (least_evaluations + gradient);
+        return std::max(1, left / std::clamp(levels, 1, state_.levels_left() + 1));
     }
 
     /// The first level, one below another, the present one once more, or to its end because no finer one comes.

@@ -3,12 +3,23 @@
 #include "core/error.hpp"
 #include "core/text/file.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cerrno>
 #include <charconv>
 #include <cstring>
+#include <sstream>
 
 namespace strake {
 namespace {
+
+// Names of values stand between the two, those of parameters behind.
+constexpr std::array before_values{"evaluation", "level", "status", "objective"};
+constexpr std::array after_values{"max_violation", "accepted"};
+
+bool holds(const auto& columns, const std::string& name) {
+    return std::find(columns.begin(), columns.end(), name) != columns.end();
+}
 
 /// 17 significant digits, independent of the locale; empty for NaN.
 std::string number(double value) {
@@ -35,11 +46,28 @@ std::string history_row(const EvaluationRecord& record, std::size_t num_values) 
 }
 
 std::string history_header(const std::vector<std::string>& names, const std::vector<std::string>& parameters) {
-    std::string header = "evaluation,level,status,objective";
-    for (const std::string& name : names) header += "," + name;
-    header += ",max_violation,accepted";
-    for (const std::string& name : parameters) header += "," + name;
+    std::string header;
+    const auto add = [&](const auto& columns) {
+        for (const std::string_view name : columns) header.append(header.empty() ? "" : ",").append(name);
+    };
+    add(before_values);
+    add(names);
+    add(after_values);
+    add(parameters);
     return header;
+}
+
+bool is_history_column(const std::string& name) { return holds(before_values, name) || holds(after_values, name); }
+
+HistoryNames history_names(const std::string& header) {
+    HistoryNames names;
+    std::istringstream row(header);
+    bool is_parameter = false;
+    for (std::string name; std::getline(row, name, ',');) {
+        if (holds(after_values, name)) is_parameter = true;
+        if (!is_history_column(name)) (is_parameter ? names.parameters : names.values).push_back(name);
+    }
+    return names;
 }
 
 HistoryWriter::HistoryWriter(const std::filesystem::path& file, const std::vector<std::string>& names,

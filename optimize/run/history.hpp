@@ -8,8 +8,9 @@
 namespace strake {
 
 /// Columns: evaluation, level, status, objective, one per value name, max_violation, accepted, one per parameter.
-/// Numbers with 17 digits;
-/// empty where there is none. Each row is flushed: a run that dies leaves all rows so far.
+/// Numbers with 17 digits; empty where there is none. Each row is flushed: a run that dies leaves all rows so far. A
+/// new column goes into `before_values` or `after_values` (history.cpp) and `history_row`, and into `record_of`
+/// (report/run_status.cpp) if status and report show it.
 class HistoryWriter {
 public:
     /// @throws OutputError with path and reason.
@@ -29,6 +30,13 @@ private:
     std::size_t num_values_ = 0;
 };
 
+/// One of the columns that every history has: no value or parameter may be called so.
+bool is_history_column(const std::string& name);
+/// Of values and parameters, as the first row has them.
+struct HistoryNames {
+    std::vector<std::string> values, parameters;
+};
+HistoryNames history_names(const std::string& header);
 /// The first row, without the end of line.
 std::string history_header(const std::vector<std::string>& names, const std::vector<std::string>& parameters);
 /// One row, without the end of line. `num_values` empty columns stand for a record without values.

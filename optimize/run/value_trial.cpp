@@ -69,7 +69,7 @@ struct Group {
 };
 
 /// By the gradient of the level before: what each variable of a group still gains.
-void credit_present(Group& group, const DesignSpace& before, const LeftLevel& left, const VectorXd& slope) {
+void expect_of_present(Group& group, const DesignSpace& before, const LeftLevel& left, const VectorXd& slope) {
     const std::vector<int> members = group_of(before, group.is_fields);
     group.is_there = !members.empty();
     if (!group.is_there || slope.size() != before.size() || left.hessian.rows() != before.size()) return;
@@ -102,7 +102,7 @@ public:
             group.variables = group_of(state_.space, group.is_fields);
             const MatrixXd columns = whitener(Eigen::all, group.variables);
             group.details = orthonormal(columns - known * (known.transpose() * columns));
-            credit_present(group, before_, left_, slope_);
+            expect_of_present(group, before_, left_, slope_);
         }
         measure(groups, p, metric);
         next_ = LevelSet{*state_.space.front, state_.space.fields, state_.space.has_patches};
@@ -190,12 +190,12 @@ private:
                 const Evaluation there = p.evaluate(points[next++]);
                 if (there.failure.empty()) slope = rise(here, there) / h;
             }
-        for (const Sample& sample : samples) credit(sample, p, here);
+        for (const Sample& sample : samples) correct(sample, p, here);
     }
 
     /// The metric is stiffer on details than objectives are, by up to a hundred times: one value where the best step
     /// along the directions is expected to end says by how much.
-    void credit(const Sample& sample, const NonlinearProgram& p, const Evaluation& here) {
+    void correct(const Sample& sample, const NonlinearProgram& p, const Evaluation& here) {
         const double slope = sample.slopes.norm();
         if (!(slope > 0)) return;
         const double length = std::min(slope / curvature_, longest_step);

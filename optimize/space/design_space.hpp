@@ -2,7 +2,7 @@
 #include "core/patches/front.hpp"
 #include "optimize/space/rest_facts.hpp"
 
-/// The design variables of one level: x in scaled units <-> loads, strains and prism heights (DESIGN section 6).
+/// The design variables of one level: x in scaled units <-> loads, strains and prism heights (docs/theory-optimize.md).
 /// A variable's unit is the change whose linear response at rest moves the surface by `variable_scale` at x = 1.
 /// Bounds and results then depend neither on the unit of length nor on the mesh. A prism height moves nothing at
 /// rest: its unit is ln 2.

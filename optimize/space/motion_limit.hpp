@@ -3,7 +3,7 @@
 
 #include <limits>
 
-/// How far the surface may be from its datum (DESIGN section 10, *Limits*): a property of shapes, whatever the
+/// How far the surface may be from its datum: a property of shapes, whatever the
 /// variables are. Each vertex has up to three conditions, direction.(v - datum) <= limit, all convex: the distance in
 /// any direction, and where the sides differ the part along the datum's normal and that against it.
 namespace strake {

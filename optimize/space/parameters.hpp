@@ -1,7 +1,7 @@
 #pragma once
 #include "optimize/space/design_space.hpp"
 
-/// Parameters: design variables that are not shape (DESIGN section 6). They stand behind the shape variables of every
+/// Parameters: design variables that are not shape. They stand behind the shape variables of every
 /// level and are the same on all of them. Scaling: x = 0 is the start, and a change of x by 1 is half of what the
 /// bounds allow: value = start + x (max - min) / 2. In the metric each has size 1 and no part in the others.
 namespace strake {

@@ -3,8 +3,8 @@
 
 #include <Eigen/Cholesky>
 
-/// Where to refine: the gradient that the children of every patch would have is known from one adjoint solve before
-/// they exist (DESIGN sections 4 and 6).
+/// Which patches to split (whether to at all: optimize/run/coarse_to_fine.cpp, `choose_next`): the gradient that the
+/// children of every patch would have is known from one adjoint solve before they exist (docs/theory-optimize.md).
 namespace strake {
 
 /// The expected decrease by splitting a patch (or patches that are tied), or by a field more.

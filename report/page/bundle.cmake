@@ -62,5 +62,8 @@ add_custom_command(OUTPUT ${built}/main.js ${built}/main.css
           --outfile=${built}/main.js
   DEPENDS ${sources} ${built}/fetched
   COMMENT "Bundling the page of strake report")
+# By itself for package.sh: as a part of strake_report alone it would wait for all libraries below.
+add_custom_target(strake_page DEPENDS ${built}/main.js ${built}/main.css)
+add_dependencies(strake_report strake_page)
 set_source_files_properties(report_page.cpp PROPERTIES OBJECT_DEPENDS "${built}/main.js;${built}/main.css")
 target_compile_definitions(strake_report PRIVATE STRAKE_PAGE_SCRIPT="${built}/main.js" STRAKE_PAGE_STYLE="${built}/main.css")

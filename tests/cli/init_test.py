@@ -65,6 +65,8 @@ def legend_is_right(name, picture):
         x, y, width = (int(re.search(r'%s="(\d+)"' % key, panel)[1]) for key in ("x", "y", "width"))
         colours = pixels(base64.b64decode(re.search(r"base64,([^\"]*)", panel)[1]))
         for at_x, at_y, words in re.findall(r'<text x="([\d.]+)" y="([\d.]+)"[^>]*middle[^>]*>([^<]*)</text>', panel):
+            if words in ("air", "up"):  # the axes' arrows stand beside the body
+                continue
             drawn = colours[int(float(at_y) - 4 - y) * width + int(float(at_x) - x)]
             compared += 1
             far = max(abs(a - b) for a, b in zip(hue(drawn), hue(legend.get(words, (0, 0, 0)))))

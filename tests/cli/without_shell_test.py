@@ -108,7 +108,7 @@ class WithoutShell(unittest.TestCase):
         subprocess.run([MAKE_SURFACE, "inner_walls", "-o", "walls.obj"], cwd=FOLDER.name, check=True, capture_output=True)
         told = json.loads(strake("init", "walls.obj", "-o", "walls.yaml", "--json", "--evaluations", "4").stdout)
         self.assertTrue(told["tried"][0].startswith("an elastic shell on the surface: "), told["tried"])
-        self.assertTrue("of 6 test deformations fail" in told["tried"][-1], told["tried"])
+        self.assertTrue("test deformations fail" in told["tried"][-1], told["tried"])
         strake("run", "walls.yaml", "--out", "runs/walls", "--quiet")
 
 

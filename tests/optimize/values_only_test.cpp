@@ -186,6 +186,20 @@ TEST(CoarseToFine, ABudgetIsNotLeftOverWhereRefiningPromisesNothing) {
     EXPECT_GT(r.evaluations, 3);
 }
 
+/// A level with less than four evaluations steps too far and has none to come back. Where the budget pays for fewer
+/// levels the first ones have it; three of four evaluations are the control.
+TEST(CoarseToFine, ABudgetIsNotSplitForLevelsThatItCannotMove) {
+    for (const auto& [budget, first] : {std::pair{6, 6}, {8, 4}, {12, 4}, {15, 5}}) {
+        Problem problem = ellipsoid_problem(2, 3);
+        maximize_volume(problem);
+        problem.optimize.progress_below = 0;
+        problem.optimize.max_evaluations = budget;
+        const RunResult r = optimize(problem);
+        ASSERT_GE(static_cast<int>(r.levels.size()), 1) << budget;
+        EXPECT_EQ(r.levels[0].evaluations, first) << budget;
+    }
+}
+
 /// A variable at its bound can do no more, but its parts have bounds of their own.
 TEST(Refinement, WhatABoundForbidsIsPromisedByTheParts) {
     Problem problem = ellipsoid_problem(2, 2);

@@ -26,7 +26,7 @@ BASE = 8.0       # where the body ends along x, and the stream with it
 FIELDS = ["U", "p", "T"]
 STEPS = 600, 600    # of first and of second order, at factor 1
 NEAR = 300, 800     # the same on a finer mesh. Many more of the second order are no good: see docs/external/openfoam.md
-COURANT = 0.2, 0.1  # in them; with 0.2, more cells of the lee side become too cold in the second order
+COURANT = 0.2, 0.1  # in them; with 0.2, more cells of the leeward side become too cold in the second order
 MEAN = 100       # steps that the coefficients are averaged over
 STEADY = 1e-2    # largest difference between the means of the last steps and those before
 
@@ -48,7 +48,7 @@ def march(folder, steps, courant, limiter, of_vectors):
 
 def solve(folder, first, second):
     """Of first order until the stream has found its way around the body: before that, the second gives negative temperatures
-    where the lee side is nearly empty."""
+    where the leeward side is nearly empty."""
     march(folder, first, COURANT[0], "upwind", "upwind")
     flow.start_from(folder, FIELDS)
     march(folder, second, COURANT[1], "Minmod", "MinmodV")

@@ -1,6 +1,7 @@
 #pragma once
 
-/// Every threshold of the steps of sqp, with its reason. Internal.
+/// Every threshold of the steps of sqp, with its reason; `SqpSearch::resize` changes the radius by them, and
+/// `MinimizeOptions::first_step` is the first one. Internal.
 namespace strake {
 
 /// Lengths are in the program's metric, in which 1 is the largest reasonable step.

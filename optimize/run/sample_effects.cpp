@@ -1,5 +1,6 @@
 #include "optimize/run/sample_effects.hpp"
 
+#include "core/error.hpp"
 #include "optimize/nlp/surrogate/main_effects.hpp"
 #include "optimize/run/design_table.hpp"
 

@@ -67,6 +67,7 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
 void report_effects(const SampleSummary& samples) {
     constexpr std::size_t shown = 8;
     if (!samples.without_effects.empty()) fmt::print("{}\n", samples.without_effects);
+    for (const std::string& remark : samples.remarks) fmt::print("note         {}\n", remark);
     for (const SampledValue& value : samples.values) {
         fmt::print("{:<11}  deviation {:.4g}; the model predicts {:.1f} % of the variance of a design left out\n",
                    value.name, value.deviation, 100 * std::max(0.0, value.predicted_share));
@@ -74,8 +75,9 @@ void report_effects(const SampleSummary& samples) {
         for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
         std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return value.share[k]; });
         for (std::size_t k = 0; k < std::min(shown, order.size()); ++k)
-            fmt::print("  {:<24} main effect {:5.1f} % +- {:.1f} %\n", samples.table->variables[order[k]],
-                       100 * value.share[order[k]], 100 * value.error[order[k]]);
+            fmt::print("  {:<24} main effect {:5.1f} % +- {:.1f} %, with interactions {:5.1f} %\n",
+                       samples.table->variables[order[k]], 100 * value.share[order[k]], 100 * value.error[order[k]],
+                       100 * value.total[order[k]]);
     }
 }
 

@@ -81,7 +81,8 @@ public:
             const std::vector<std::string> row = fields(line);
             if (row.size() == 1 && row[0].empty()) continue;
             if (row.size() != columns_.size())
-                refuse(text("has ", row.size(), " fields, the first line names ", columns_.size(), " columns"));
+                refuse(text("has ", row.size(), " fields, the first line names ", columns_.size(),
+                            " columns; separate them by commas, and leave a field empty where there is no value"));
             designs.push_back(numbers(row, of_variables, false));
             given.push_back(numbers(row, of_values, true));
             const bool has_all = std::ranges::none_of(given.back(), [](double v) { return std::isnan(v); });
@@ -89,7 +90,7 @@ public:
             table.status.push_back(has_all ? "ok" : status.empty() || status == "ok" ? "no_value" : status);
             if (!has_all) std::ranges::fill(given.back(), none);
         }
-        if (table.rows() == 0) refuse("there is no row below the names of the columns");
+        if (table.rows() == 0) refuse("there is no row below the names of the columns; add one for each design");
         table.designs = matrix(designs);
         table.given = matrix(given);
         return table;
@@ -124,9 +125,10 @@ private:
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
             const bool is_number = error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
             if (!is_number && !(may_miss && (word.empty() || word == "nan" || word == "NaN")))
-                refuse(text("column '", printable(columns_[static_cast<std::size_t>(c)]), "': '", printable(word),
-                            "' is not a finite number",
-                            may_miss ? "; leave the field empty where there is no value" : ""));
+                refuse(text(
+                    "column '", printable(columns_[static_cast<std::size_t>(c)]), "': '", printable(word),
+                    "' is not a finite number",
+                    may_miss ? "; leave the field empty where there is no value" : "; correct it, or remove the row"));
             out.push_back(is_number ? value : none);
         }
         return out;

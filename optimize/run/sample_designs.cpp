@@ -11,8 +11,8 @@ namespace {
 
 constexpr int points_at_a_time = 256;
 constexpr double ball_dimensions = 3;
-constexpr double beyond_limit = 2;  ///< in the metric: from there a design is moved inside the motion limit
-constexpr double slack = 1e-6;      ///< of the motion limit: more than what separates two solutions of one equilibrium
+constexpr double reach = 2;     ///< in the metric, where nothing limits it before: far beyond, shells buckle
+constexpr double slack = 1e-6;  ///< of the motion limit: more than what separates two solutions of one equilibrium
 
 /// x with Phi(x) = share, by Newton's method on the normal distribution.
 double normal_quantile(double share) {
@@ -125,22 +125,21 @@ Eigen::VectorXd SampleDesigns::shape_towards(const Eigen::VectorXd& about, const
     Eigen::VectorXd x = about;
     if (!(share > 0)) return x;
     const Eigen::VectorXd direction = U_.triangularView<Eigen::Upper>().solve(z / z.norm());
-    x.head(shape_) += (limit_.is_none() ? 1 : beyond_limit) * direction;
-    x = inside(x.cwiseMax(space_.lower).cwiseMin(space_.upper));
+    x.head(shape_) += (limit_.is_none() ? 1 : reach) * direction;
+    x = x.cwiseMax(space_.lower).cwiseMin(space_.upper);
+    // A solver of its own: where others begin depends on what they have solved before.
+    std::optional<ShapeSolver> solver;
+    if (!limit_.is_none()) {
+        solver.emplace(problem_, space_.rest);
+        solver->set_stop(stop_wanted_);
+        solver->enter(space_);
+        solver->set_limit(limit_, datum_);
+        x = moved_inside(*solver, x, start_, slack);
+    }
     x.head(shape_) = about.head(shape_) + share * (x.head(shape_) - about.head(shape_));
-    x = inside(x);  // displacements are not quite linear in the design
+    if (solver) x = moved_inside(*solver, x, start_, slack);  // displacements are not quite linear in the design
     x.tail(parameters_) = about.tail(parameters_);
     return x;
-}
-
-/// By a solver of its own: where others begin depends on what they have solved before.
-Eigen::VectorXd SampleDesigns::inside(const Eigen::VectorXd& x) const {
-    if (limit_.is_none()) return x;
-    ShapeSolver solver(problem_, space_.rest);
-    solver.set_stop(stop_wanted_);
-    solver.enter(space_);
-    solver.set_limit(limit_, datum_);
-    return moved_inside(solver, x, start_, slack);
 }
 
 }  // namespace strake

@@ -5,10 +5,11 @@
 namespace strake {
 
 /// Design 0 is the start. Parameters are spread evenly between their bounds. The shape goes from the start in
-/// directions spread evenly in the coordinates that the response metric whitens, over a share of the way to the motion
-/// limit (without one: to size 1 in the metric) that is spread as in a ball of at most three dimensions: in one of
-/// many, nearly all points are at the border. With `Spread::levels` the place in the whitened cube says direction and
-/// share. A design depends on its number, not on which were asked for before.
+/// directions spread evenly in the coordinates that the response metric whitens, over a share of the way to size 2 in
+/// the metric, or to the motion limit where that is nearer (without a limit: to size 1). The share is spread as in a
+/// ball of at most three dimensions: in one of many, nearly all points are at the border. With `Spread::levels` the
+/// place in the whitened cube says direction and share. A design depends on its number, not on which were asked for
+/// before.
 class SampleDesigns {
 public:
     /// @param most number of designs, the start included: what a Latin hypercube and levels are made for
@@ -29,7 +30,6 @@ private:
     int combinations(int levels, std::vector<Eigen::VectorXd>* places) const;
     Eigen::VectorXd place_of(int number);
     Eigen::VectorXd shape_towards(const Eigen::VectorXd& about, const Eigen::VectorXd& z, double share) const;
-    Eigen::VectorXd inside(const Eigen::VectorXd& x) const;
 
     const Problem& problem_;
     const DesignSpace& space_;

@@ -11,8 +11,8 @@ function effectTable(samples, names, value) {
   const { main_effects: effects, predicted_share: share, deviation } = samples.values[value];
   const order = names.map((name) => name).sort((a, b) => effects[b].share - effects[a].share);
   return h('details', { open: names.length <= 12 }, h('summary', {}, `${value}: deviation ${number(deviation, 4)}; models of all other designs predict ${percentOf(Math.max(0, share))} of its variance`),
-    table(`Main effects on ${value}`, [['variable', false], ['share of the variance', true], ['standard error', true]],
-      order.map((name) => [name, percentOf(effects[name].share), percentOf(effects[name].error)])));
+    table(`Effects on ${value}`, [['variable', false], ['main effect', true], ['standard error', true], ['with interactions', true]],
+      order.map((name) => [name, percentOf(effects[name].share), percentOf(effects[name].error), percentOf(effects[name].total)])));
 }
 
 function svg(tag, attributes, ...children) {
@@ -47,7 +47,7 @@ function scatter(run) {
   const shown = names.filter((name) => at[name]);
   if (shown.length === 0 || values.length === 0) return null;
   const width = left + shown.length * (cell + gap), height = values.length * (cell + gap) + below;
-  const plot = svg('svg', { class: 'scatter', viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'Values of all designs over the variables that matter most' });
+  const plot = svg('svg', { class: 'scatter', width, viewBox: `0 0 ${width} ${height}`, role: 'img', 'aria-label': 'Values of all designs over the variables that matter most' });
   const range = (list) => { const known = list.filter(Number.isFinite); return [Math.min(...known), Math.max(...known)]; };
   values.forEach((value, row) => {
     const y = run.history.values.map((v) => v[row] ?? null), [yLow, yHigh] = range(y);
@@ -74,9 +74,10 @@ function scatter(run) {
 
 export function samples(run) {
   if (!run.samples) return '';
-  const { values, variables, without_effects: without } = run.samples;
+  const { values, variables, without_effects: without, remarks = [] } = run.samples;
   return section('samples', 'Samples',
-    h('p', {}, 'The main effect of a variable is the share of the variance of a value that this variable alone explains, by a Gaussian process of all designs. The rest is due to other variables and to interactions.'),
+    h('p', {}, 'The main effect of a variable is the share of the variance of a value that this variable alone explains, by a Gaussian process of all designs. With interactions: the share that is lost where the variable is fixed. Shape variables count as independent, each over the range of the designs.'),
+    remarks.length > 0 ? h('ul', {}, remarks.map((remark) => h('li', {}, `${remark}.`))) : '',
     without ? h('p', {}, `${without}.`) : Object.keys(values).map((value) => effectTable(run.samples, variables, value)),
     scatter(run));
 }

@@ -2,11 +2,15 @@
 
 #include "core/error.hpp"
 #include "core/mesh/temp_folder.hpp"
+#include "optimize/nlp/surrogate/spread.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/design_table.hpp"
+#include "optimize/run/run_state.hpp"
+#include "optimize/run/sample_effects.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
+#include <set>
 
 namespace strake {
 namespace {
@@ -39,6 +43,26 @@ Problem ishigami(int designs, int* calls = nullptr) {
     problem.maximize = false;
     problem.constraints.clear();
     return problem;
+}
+
+QuantityResult with_value(double value) {
+    QuantityResult result;
+    result.values = {value};
+    return result;
+}
+
+Problem spread_by_levels(Problem problem) {
+    problem.sample = Spread::levels;
+    return problem;
+}
+
+std::vector<EvaluationRecord> records_of(const Problem& problem) {
+    std::vector<EvaluationRecord> records;
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord& record) { records.push_back(record); };
+    const RunResult r = sample(problem, events);
+    EXPECT_EQ(r.status, "sampled") << r.reason;
+    return records;
 }
 
 std::string refusal(const std::function<void()>& work) {
@@ -99,6 +123,46 @@ TEST(Sample, IsTheSameEachTimeAndASequenceGoesOn) {
     EXPECT_NE(sample(other).samples->table->designs, lhs.samples->table->designs);
 }
 
+TEST(Sample, LevelsAreAllCombinations) {
+    const RunResult r = sample(spread_by_levels(ishigami(28)));
+    EXPECT_EQ(r.status, "sampled") << r.reason;
+    EXPECT_TRUE(says(r.reason, "3 levels of each variable")) << r.reason;
+    EXPECT_TRUE(says(r.reason, "all there are of these levels")) << r.reason;
+    const DesignTable& table = *r.samples->table;
+    ASSERT_EQ(table.rows(), 27);  // the middle is the start, which is paid once
+    std::set<std::vector<int>> seen;
+    for (int i = 0; i < 27; ++i) {
+        std::vector<int> level;
+        for (int j = 0; j < 3; ++j) level.push_back(static_cast<int>(std::lround(table.designs(i, j) / M_PI)));
+        for (int j = 0; j < 3; ++j) EXPECT_NEAR(table.designs(i, j), level[static_cast<std::size_t>(j)] * M_PI, 1e-12);
+        seen.insert(level);
+    }
+    EXPECT_EQ(seen.size(), 27u);
+    EXPECT_TRUE(says(refusal([] { sample(spread_by_levels(ishigami(8))); }),
+                     "two levels of each of 3 variables are 9 designs, and there are 8"));
+    EXPECT_TRUE(says(refusal([] { sample(sampled_ellipsoid(40, Spread::levels)); }), "take method sobol or lhs"));
+}
+
+TEST(Sample, AnActiveMotionLimitHoldsAndIsReached) {
+    const auto largest = [](Spread spread, int designs, double max_displacement) {  // over the limit
+        Problem problem = sampled_ellipsoid(designs, spread);
+        problem.parameters.max_displacement = max_displacement;
+        problem.parameters.variable_scale = 0.05;
+        double most = 0;
+        for (const EvaluationRecord& record : records_of(problem)) {
+            EXPECT_EQ(record.status, "ok") << record.reason;
+            most = std::max(most, record.max_displacement);
+        }
+        return most / (max_displacement * box_diagonal(problem.surface));
+    };
+    for (const auto& [spread, designs] : {std::pair(Spread::levels, 65), std::pair(Spread::lhs, 24)}) {
+        const double of_tight = largest(spread, designs, 0.01), of_wide = largest(spread, designs, 0.05);
+        EXPECT_LE(of_tight, 1);
+        EXPECT_GT(of_tight, spread == Spread::levels ? 0.99 : 0.6);  // the others go a share of the way
+        EXPECT_GT(5 * of_wide, 1.2);                                 // without the tight limit designs are beyond it
+    }
+}
+
 TEST(Sample, MainEffectsOfIshigamisFunction) {
     const RunResult r = sample(ishigami(200));
     ASSERT_EQ(r.status, "sampled") << r.reason;
@@ -110,6 +174,11 @@ TEST(Sample, MainEffectsOfIshigamisFunction) {
         EXPECT_NEAR(f.share[j], exact[j], 0.02) << j;
         EXPECT_LT(f.error[j], 0.02);
     }
+    // With interactions: x1 and x3 have V13 = 8 b^2 pi^8 / 225 together.
+    const double V13 = 8 * 0.01 * p4 * p4 / 225;
+    const double total[] = {exact[0] + V13 / V, exact[1], V13 / V};
+    for (int j = 0; j < 3; ++j) EXPECT_NEAR(f.total[j], total[j], 0.02) << j;
+    EXPECT_TRUE(r.samples->remarks.empty()) << r.samples->remarks[0];  // x3 is not without effect
     EXPECT_GT(f.predicted_share, 0.97);
     EXPECT_EQ(r.samples->lower[0], -M_PI);
     EXPECT_FALSE(says(sample(ishigami(8)).samples->without_effects, "nan"));
@@ -142,6 +211,58 @@ TEST(Sample, DesignsThatFailAreRowsWithoutValues) {
     EXPECT_EQ(sample(problem).status, "evaluation_failed");
 }
 
+TEST(Sample, SaysWhatIsOddWithARemedy) {
+    Problem constant = ishigami(16);
+    constant.quantities[0].evaluate = [](const QuantityRequest&) { return with_value(2.5); };
+    const auto of_constant = sample(constant).samples->remarks;
+    ASSERT_EQ(of_constant.size(), 1u);
+    EXPECT_TRUE(says(of_constant[0], "f is 2.5 in all 16 designs")) << of_constant[0];
+    EXPECT_TRUE(says(of_constant[0], "check that it depends on")) << of_constant[0];
+
+    Problem without = ishigami(40);
+    without.quantities[0].evaluate = [](const QuantityRequest& request) {
+        return with_value(std::sin(request.parameters[0].second));
+    };
+    const auto of_idle = sample(without).samples->remarks;
+    ASSERT_EQ(of_idle.size(), 1u);
+    EXPECT_TRUE(says(of_idle[0], "b, c have no effect on any value")) << of_idle[0];
+
+    DesignTable table = *sample(ishigami(16)).samples->table;
+    Problem read = ishigami(2);
+    const auto remarks_of = [&](const DesignTable& t) {
+        read.table = std::make_shared<const DesignTable>(t);
+        return sample(read).samples->remarks;
+    };
+    EXPECT_TRUE(remarks_of(table).empty());
+    table.designs.row(9) = table.designs.row(4);
+    ASSERT_EQ(remarks_of(table).size(), 1u);
+    EXPECT_TRUE(says(remarks_of(table)[0], "rows 5 and 10 are the same design, with f = ")) << remarks_of(table)[0];
+    table.given(9, 0) = table.given(4, 0);
+    EXPECT_TRUE(says(remarks_of(table)[0], "rows 5 and 10 are the same design: the second says nothing new; remove"));
+}
+
+/// A model of thousands of designs would take hours: a part of them is enough for the same answer.
+TEST(Sample, ManyDesignsAreLearnedFromAPartOfThem) {
+    DesignTable table;
+    table.name = "many.csv";
+    table.variables = {"a", "b", "c"};
+    table.values = {"f"};
+    table.designs = M_PI * (2 * sobol_points(0, 4000, 3).array() - 1);
+    table.given = (table.designs.col(0).array().sin() + 2 * table.designs.col(1).array().sin()).matrix();
+    table.status.assign(4000, "ok");
+    SampleSummary samples;
+    samples.table = std::make_shared<const DesignTable>(table);
+    const Problem problem = ishigami(2);
+    const RunEvents events;
+    RunState state(problem, events, {});
+    state.next_level({});
+    learn(problem, state.space, samples);
+    ASSERT_FALSE(samples.remarks.empty());
+    EXPECT_TRUE(says(samples.remarks[0], "500 of the 4000 designs"));
+    EXPECT_NEAR(samples.values[0].share[0], 0.2, 0.01);
+    EXPECT_NEAR(samples.values[0].share[1], 0.8, 0.01);
+}
+
 TEST(DesignTable, GoesThroughAFileAndSaysWhatIsWrong) {
     const TempFolder folder;
     const RunResult r = sample(ishigami(16));
@@ -159,7 +280,7 @@ TEST(DesignTable, GoesThroughAFileAndSaysWhatIsWrong) {
     EXPECT_TRUE(says(refused(""), "t.csv:1: the table is empty"));
     EXPECT_TRUE(says(refused("a,b,c\n1,2,3\n"), "no column is one of the values of the case (f)"));
     EXPECT_TRUE(says(refused("a,f\n1,x\n"), "t.csv:2: column 'f': 'x' is not a finite number; leave"));
-    EXPECT_TRUE(says(refused("a,f\n1,2\ninf,3\n"), "t.csv:3: column 'a': 'inf'"));
+    EXPECT_TRUE(says(refused("a,f\n1,2\ninf,3\n"), "t.csv:3: column 'a': 'inf' is not a finite number; correct it"));
     EXPECT_TRUE(says(refused("a,f\n1\n"), "t.csv:2: has 1 fields"));
     EXPECT_TRUE(says(refused("a,a,f\n1,1,1\n"), "two columns are called 'a'"));
     EXPECT_TRUE(says(refused("a,f\n"), "there is no row"));
@@ -181,7 +302,7 @@ TEST(Sample, ATableIsReadAndNothingIsCalled) {
     DesignTable beyond = *r.samples->table;
     beyond.designs(3, 1) = 4;
     problem.table = std::make_shared<const DesignTable>(beyond);
-    EXPECT_TRUE(says(refusal([&] { sample(problem); }), "row 4 of the table: b = 4 is outside of its bounds"));
+    EXPECT_TRUE(says(refusal([&] { sample(problem); }), "row 4: b = 4 is outside of its bounds"));
 }
 
 }  // namespace strake

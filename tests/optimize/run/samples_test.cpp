@@ -144,16 +144,18 @@ TEST(Sample, LevelsAreAllCombinations) {
 }
 
 TEST(Sample, AnActiveMotionLimitHoldsAndIsReached) {
-    const auto largest = [](Spread spread, int designs, double max_displacement) {  // over the limit
+    const auto largest = [](Spread spread, int designs, double limit) {  // over the limit
         Problem problem = sampled_ellipsoid(designs, spread);
-        problem.parameters.max_displacement = max_displacement;
-        problem.parameters.variable_scale = 0.05;
+        problem.parameters.max_outward = Eigen::VectorXd::Constant(problem.surface.num_vertices(), limit);
+        // Of a vertex that is held: variables have as much room as the largest limit allows.
+        problem.parameters.max_outward[problem.surface.triangles(problem.fixed[0], 0)] = 0.05;
+        problem.parameters.max_inward = problem.parameters.max_outward;
         double most = 0;
         for (const EvaluationRecord& record : records_of(problem)) {
             EXPECT_EQ(record.status, "ok") << record.reason;
             most = std::max(most, record.max_displacement);
         }
-        return most / (max_displacement * box_diagonal(problem.surface));
+        return most / (limit * box_diagonal(problem.surface));
     };
     for (const auto& [spread, designs] : {std::pair(Spread::levels, 65), std::pair(Spread::lhs, 24)}) {
         const double of_tight = largest(spread, designs, 0.01), of_wide = largest(spread, designs, 0.05);

@@ -3,6 +3,7 @@
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
+#include "optimize/run/samples.hpp"
 #include "optimize/space/shape_map.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"

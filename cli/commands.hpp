@@ -30,6 +30,7 @@ void add_deform(CLI::App& app);
 void add_check(CLI::App& app);
 void add_run(CLI::App& app);
 void add_fit(CLI::App& app);
+void add_sample(CLI::App& app);
 void add_schema(CLI::App& app);
 void add_gradient_check(CLI::App& app);
 void add_sweep(CLI::App& app);

@@ -106,7 +106,7 @@ void add_types(const std::exception_ptr& thrown, std::string& out) {
 }  // namespace
 
 void add_threads_option(CLI::App& app) {
-    for (const char* name : {"deform", "run", "fit", "resume", "step", "sweep", "gradient-check"})
+    for (const char* name : {"deform", "run", "fit", "sample", "resume", "step", "sweep", "gradient-check"})
         app.get_subcommand(name)
             ->add_option_function<int>(
                 "--threads", &set_num_threads,

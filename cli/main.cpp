@@ -70,6 +70,7 @@ int main(int argc, char** argv) {
     cli::add_check(app);
     cli::add_run(app);
     cli::add_fit(app);
+    cli::add_sample(app);
     cli::add_schema(app);
     cli::add_gradient_check(app);
     cli::add_sweep(app);

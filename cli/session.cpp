@@ -13,6 +13,7 @@
 #include "core/text/file.hpp"
 #include "core/text/shell_word.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/design_table.hpp"
 #include "optimize/run/fit.hpp"
 #include "optimize/space/parameters.hpp"
 #include "report/recorded_run.hpp"
@@ -62,6 +63,24 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
                100 * (r.vertices - problem.surface.vertices).rowwise().norm().maxCoeff() / diagonal);
 }
 
+/// The variables that matter most for each value.
+void report_effects(const SampleSummary& samples) {
+    constexpr std::size_t shown = 8;
+    if (!samples.without_effects.empty()) fmt::print("{}\n", samples.without_effects);
+    for (const std::string& remark : samples.remarks) fmt::print("note         {}\n", remark);
+    for (const SampledValue& value : samples.values) {
+        fmt::print("{:<11}  deviation {:.4g}; the model predicts {:.1f} % of the variance of a design left out\n",
+                   value.name, value.deviation, 100 * std::max(0.0, value.predicted_share));
+        std::vector<std::size_t> order(value.share.size());
+        for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+        std::ranges::stable_sort(order, std::greater(), [&](std::size_t k) { return value.share[k]; });
+        for (std::size_t k = 0; k < std::min(shown, order.size()); ++k)
+            fmt::print("  {:<24} main effect {:5.1f} % +- {:.1f} %, with interactions {:5.1f} %\n",
+                       samples.table->variables[order[k]], 100 * value.share[order[k]], 100 * value.error[order[k]],
+                       100 * value.total[order[k]]);
+    }
+}
+
 /// @param dir the run folder as the user named it
 /// @param has_page report.html is there
 void report(const Problem& problem, const RunResult& r, const RunFolder& folder, const std::filesystem::path& dir,
@@ -72,6 +91,7 @@ void report(const Problem& problem, const RunResult& r, const RunFolder& folder,
         fmt::print("  level {}    {} patches, {} variables, {} evaluations: {}\n", s.level, s.patches, s.variables,
                    s.evaluations, level_change(s, is_fit));
     if (r.best_evaluation > 0) report_design(problem, r, is_fit);
+    if (r.samples) report_effects(*r.samples);
     fmt::print("files        {}:", dir.string());
     for (const std::string& file : folder.files())
         if (file.find('/') == std::string::npos) fmt::print(" {}", file);

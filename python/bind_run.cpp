@@ -3,6 +3,7 @@
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
+#include "optimize/run/samples.hpp"
 #include "optimize/space/shape_map.hpp"
 #include "python/evaluation_failed.hpp"
 #include "python/problem.hpp"
@@ -179,7 +180,9 @@ RunResult run(PythonProblem& p, const py::object& callback, const std::optional<
         if (output)
             result = run_in_folder(p, *output, events, is_fit);
         else
-            result = is_fit ? fit(p.problem, events) : optimize(p.problem, events);
+            result = is_fit             ? fit(p.problem, events)
+                     : p.problem.sample ? sample(p.problem, events)
+                                        : optimize(p.problem, events);
     }
     if (const std::exception_ptr thrown = std::exchange(*p.thrown, nullptr)) std::rethrow_exception(thrown);
     return result;
@@ -295,7 +298,7 @@ void bind_records(py::module_& m) {
             repr_doc);
     py::class_<RunResult>(m, "Result", "How a run ended, and its best design.")
         .def_readonly("status", &RunResult::status,
-                      "String: converged, budget, progress, roundoff, no_valid_step, conflict, infeasible,\n"
+                      "String: converged, budget, sampled, progress, roundoff, no_valid_step, conflict, infeasible,\n"
                       "gradient_inconsistent, failed, evaluation_failed or interrupted.")
         .def_readonly("reason", &RunResult::reason, "String: why it stopped, and what to do next.")
         .def_property_readonly("done", &RunResult::is_done,

@@ -3,7 +3,9 @@
 #include "casefile/read/resolved_case.hpp"
 #include "core/text/file.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/design_table.hpp"
 #include "optimize/run/fit.hpp"
+#include "optimize/run/samples.hpp"
 #include "report/report_subject.hpp"
 #include "report/run_report.hpp"
 
@@ -103,7 +105,11 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
         if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
         folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview),
                      keep_policy(the_case.output.keep));
-        return is_fit ? fit(problem, events, journal.get()) : optimize(problem, events, journal.get());
+        if (is_fit) return fit(problem, events, journal.get());
+        if (!problem.sample) return optimize(problem, events, journal.get());
+        RunResult result = sample(problem, events, journal.get());
+        if (result.samples->table->rows() > 0) folder.write_samples(*result.samples->table);
+        return result;
     } catch (...) {
         journal.reset();
         std::error_code ignored;

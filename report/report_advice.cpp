@@ -57,6 +57,10 @@ void about_budget(const RunFiles& run, std::vector<std::string>& out) {
         out.push_back(text("The budget ended the run, not the search: `strake resume ", folder, " --evaluations +",
                            std::max(10, run.status.max_evaluations / 2),
                            "` continues from here without repeating any evaluation."));
+    if (status == "sampled")
+        out.push_back(text("`optimize: {start_from: ", folder,
+                           "}` in the case starts a search at the best of these designs; variables with small effects "
+                           "may be fixed."));
     if (status == "interrupted" || status == "killed")
         out.push_back(text("`strake resume ", folder, "` continues; no finished evaluation is repeated."));
     if (status == "waiting") out.push_back("Answer the pending requests, then run `strake step` again.");

@@ -111,6 +111,13 @@ std::string symmetry_words(const SymmetryPlane& plane) {
                        number(plane.normal.y()), number(plane.normal.z()), number(plane.offset));
 }
 
+std::string sample_words(const Case& c) {
+    if (c.sample_table) return "designs of " + c.sample_table->filename().string();
+    return *c.sample == Spread::sobol ? "samples: Sobol' sequence"
+           : *c.sample == Spread::lhs ? "samples: Latin hypercube"
+                                      : "samples: all combinations of levels";
+}
+
 }  // namespace
 
 ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
@@ -134,7 +141,7 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
     ask("Shape variables", variable_words(c));
     ask("Levels", level_words(c));
     for (const ProgramParameterEntry& entry : c.variables) ask("Parameter", parameter_words(entry.variable));
-    if (c.fit.empty()) ask("Method", method_facts(c.optimize.method).name);
+    if (c.fit.empty()) ask("Method", c.sample ? sample_words(c) : method_facts(c.optimize.method).name);
     ask("Budget", budget_words(c.optimize));
     subject.symmetry = c.symmetry;
     if (const std::optional<BodyAxes> axes = body_axes(c); axes && axes->is_stated) {

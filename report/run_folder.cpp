@@ -4,6 +4,7 @@
 
 #include "core/error.hpp"
 #include "core/formats/vtp.hpp"
+#include "optimize/run/design_table.hpp"
 #include "optimize/run/stored_design.hpp"
 #include "optimize/space/parameters.hpp"
 #include "report/design_fields.hpp"
@@ -126,6 +127,27 @@ bool has_only_begun(const fs::path& folder) {
     if (!fs::exists(folder / "history.csv", why)) return true;
     const std::string history = read_bytes(folder / "history.csv");
     return std::count(history.begin(), history.end(), '\n') < 2;
+}
+
+nlohmann::ordered_json samples_json(const SampleSummary& samples) {
+    nlohmann::ordered_json j;
+    j["variables"] = samples.table->variables;
+    for (const auto& [key, bounds] : {std::pair("lower", &samples.lower), std::pair("upper", &samples.upper)}) {
+        j[key] = nlohmann::ordered_json::array();
+        for (const double bound : *bounds) j[key].push_back(json_number(bound));
+    }
+    j["values"] = nlohmann::ordered_json::object();
+    for (const SampledValue& value : samples.values) {
+        nlohmann::ordered_json& of = j["values"][value.name];
+        of = {{"deviation", json_number(value.deviation)}, {"predicted_share", json_number(value.predicted_share)}};
+        for (std::size_t k = 0; k < value.share.size(); ++k)
+            of["main_effects"][samples.table->variables[k]] = {{"share", json_number(value.share[k])},
+                                                               {"error", json_number(value.error[k])},
+                                                               {"total", json_number(value.total[k])}};
+    }
+    if (!samples.without_effects.empty()) j["without_effects"] = samples.without_effects;
+    j["remarks"] = samples.remarks;
+    return j;
 }
 
 }  // namespace
@@ -302,6 +324,8 @@ void RunFolder::add_to_series(int evaluation, DataSet design) {
     if (steps_.size() == 1) write("series.py", paraview_script());
 }
 
+void RunFolder::write_samples(const DesignTable& table) { write("samples.csv", table_csv(table)); }
+
 void RunFolder::finish(const RunResult& result) {
     const bool is_over = result.status != "interrupted" && result.status != "waiting";
     if (is_over && policy_ == SeriesPolicy::best && result.vertices.rows() > 0 && result.best_evaluation > 1)
@@ -347,6 +371,7 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
                                 {"folder", call.folder},
                                 {"request", call.request},
                                 {"command", call.command}});
+    if (result.samples) j["samples"] = samples_json(*result.samples);
     j["levels"] = nlohmann::ordered_json::array();
     for (const LevelSummary& level : result.levels) j["levels"].push_back(level_json(level));
     return j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace);

@@ -45,6 +45,8 @@ public:
     /// A file that others write after the end: listed among the files, and removed by `discard`.
     void list_file(const std::string& name) { remember(name); }
 
+    /// samples.csv, for `start_from`.
+    void write_samples(const DesignTable& table);
     /// Completes series and run.json.
     void finish(const RunResult& result);
     /// Removes everything written and the folders made, before the first design: as if there had been no run.

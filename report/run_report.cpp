@@ -71,6 +71,7 @@ std::string report_html(const fs::path& folder, const ReportSubject& subject) {
     data["quantities"] = page::values_json(run, subject);
     data["history"] = page::history_json(run);
     data["levels"] = page::levels_json(run);
+    data["samples"] = run.end.value("samples", Json());
     data["failures"] = page::failures_json(run);
     data["cost"] = page::cost_json(run);
     std::vector<std::string> notes = subject.notes;

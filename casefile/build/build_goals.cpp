@@ -10,6 +10,7 @@
 #include "objectives/geometry/measures.hpp"
 #include "objectives/quantity/closed.hpp"
 #include "optimize/journal/journal.hpp"
+#include "optimize/run/design_table.hpp"
 
 #include <algorithm>
 
@@ -44,6 +45,19 @@ std::optional<std::vector<std::string>> names_of(const std::optional<std::vector
 
 }  // namespace
 
+/// Designs that have been evaluated elsewhere: `sample.table`.
+void ProblemBuilder::read_designs() {
+    if (!case_.sample_table) return;
+    std::vector<std::string> names;
+    for (const Quantity& quantity : out_.problem.quantities)
+        names.insert(names.end(), quantity.names.begin(), quantity.names.end());
+    try {
+        out_.problem.table = std::make_shared<const DesignTable>(read_table(*case_.sample_table, names));
+    } catch (const InputError& refused) {
+        errors_.add(case_.sample_place, refused.what());
+    }
+}
+
 void ProblemBuilder::set_goals() {
     for (const QuantityEntry& entry : case_.quantities)
         at(entry.place, text("quantities.", entry.name, ": "), [&] {
@@ -58,6 +72,7 @@ void ProblemBuilder::set_goals() {
     for (const Reference& target : case_.fit) out_.problem.fit.push_back(target.name);
     for (const ConstraintEntry& entry : case_.constraints) out_.problem.constraints.push_back(entry.constraint);
     out_.problem.optimize = case_.optimize;
+    out_.problem.sample = case_.sample;
     out_.problem.fitting = case_.fitting;
     const Length& scale = case_.loss_scale;
     out_.problem.fitting.loss_scale = scale.is_relative_to_diagonal ? scale.value : scale.value / start_.diagonal;

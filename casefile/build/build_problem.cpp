@@ -26,7 +26,10 @@ BuiltProblem ProblemBuilder::build() {
     set_springs();
     set_twists();
     if (!case_.loads.empty()) set_tractions();
-    if (purpose_ != Purpose::deform) set_goals();
+    if (purpose_ != Purpose::deform) {
+        set_goals();
+        read_designs();
+    }
     errors_.throw_if_any();
     problem.surface = std::move(start_.mesh);
     if (stored_) at(case_.start_place, "optimize.start_from: ", [&] { start_from(problem, stored_); });

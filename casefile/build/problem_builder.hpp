@@ -50,6 +50,7 @@ private:
     void build_tree();
     PatchHierarchy whole_surface() const;
     void read_stored();
+    void read_designs();
     void evaluate_regions();
     // build_shell.cpp
     void set_heights();

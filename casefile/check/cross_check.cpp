@@ -208,7 +208,7 @@ void check_gradients(const Case& c, const Reference& value, Diagnostics& errors)
         for (const std::string& part : formula->of) check_gradients(c, {part, value.place}, errors);
     const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
     if (!external || external->has_gradients || c.optimize.finite_differences) return;
-    if (!method_facts(c.optimize.method).needs_gradients) return;
+    if (!method_facts(c.optimize.method).needs_gradients || c.sample) return;
     std::vector<std::string> without;
     for (const MethodFacts& method : all_methods())
         if (!method.needs_gradients) without.push_back(method.name);
@@ -309,6 +309,8 @@ void check_purpose(const Value& root, Purpose purpose, const Case& c, Diagnostic
         check_fit(root, c, errors);
     else if (objective)
         check_run(root, errors);
+    if (const Entry* sample = entry_of(&root, "sample"); sample && fit)
+        errors.add(sample->key_place, "sample needs an objective, which a case for 'strake fit' does not have");
     if (const Entry* constraints = entry_of(&root, "constraints"); constraints && !objective && !fit)
         if (!errors.suggests("objective") && !errors.suggests("fit"))
             errors.add(constraints->key_place, "constraints without an objective");

@@ -331,6 +331,9 @@ struct Case {
     OptimizeOptions optimize;
     std::optional<std::filesystem::path> start_from;  ///< folder of a run
     Place start_place;
+    std::optional<Spread> sample;  ///< designs are spread instead of searched
+    std::optional<std::filesystem::path> sample_table;
+    Place sample_place;
     FitOptions fitting;              ///< without the scale
     Length loss_scale{0.001, true};  ///< of `fitting`
     struct Output {

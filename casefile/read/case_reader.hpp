@@ -66,6 +66,7 @@ private:
     void check_limit_unit(const Value& map, const char* key, const std::string& quantity, const std::string& shown);
     // read_run.cpp
     void read_optimize(const Value& map);
+    void read_sample(const Value& map);
     void read_fitting(const Value& map);
     void read_stopping(const Value& map);
     void read_output(const Value& map);

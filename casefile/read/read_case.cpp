@@ -88,6 +88,7 @@ void CaseReader::read(const Value& root) {
     case_.fit = references(root.find("fit"));
     entries("constraints", &CaseReader::read_constraint);
     map("optimize", &CaseReader::read_optimize);
+    map("sample", &CaseReader::read_sample);
     map("output", &CaseReader::read_output);
 }
 

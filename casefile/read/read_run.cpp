@@ -19,6 +19,16 @@ void CaseReader::read_optimize(const Value& map) {
     read_stopping(map);
 }
 
+void CaseReader::read_sample(const Value& map) {
+    const Value* method = map.find("method");
+    const std::string word = method ? method->text : "";
+    case_.sample = word == "lhs" ? Spread::lhs : word == "levels" ? Spread::levels : Spread::sobol;
+    if (const Value* v = map.find("table")) {
+        case_.sample_table = dir_ / v->text;
+        case_.sample_place = v->place;
+    }
+}
+
 void CaseReader::read_fitting(const Value& map) {
     if (const Value* v = map.find("loss"))
         case_.fitting.loss = v->text == "huber"     ? Loss::huber

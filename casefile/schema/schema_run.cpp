@@ -66,9 +66,29 @@ std::vector<Key> method_keys() {
          .limits = not_negative},
         {.path = "optimize.start_from",
          .type = Type::path,
-         .doc = "Folder of an earlier run or fit on the same surface. This one starts at its best design: with its "
-                "patches (and the deeper ones of this case if the levels agree), shape and values of `variables`. "
-                "Default: the start shape."},
+         .doc = "Folder of an earlier run or fit, or of samples, on the same surface. This one starts at its best "
+                "design: with its patches (and the deeper ones of this case if the levels agree), shape and values of "
+                "`variables`. Default: the start shape."},
+    };
+}
+
+std::vector<Key> sample_keys() {
+    return {
+        {.path = "sample",
+         .doc = "Evaluate designs spread over the space of the first level instead of searching; `strake sample` sets "
+                "it. `optimize.budget.evaluations` is the number of designs, the start included."},
+        {.path = "sample.method",
+         .type = Type::word,
+         .doc = "How designs are spread: sobol, a sequence that goes on when the budget is raised; lhs, a Latin "
+                "hypercube (random, `optimize.seed`); levels, all combinations of equidistant levels of each variable, "
+                "as many as the budget holds.",
+         .fallback = "sobol",
+         .words = {"sobol", "lhs", "levels"}},
+        {.path = "sample.table",
+         .type = Type::file,
+         .doc = "Table (CSV) of designs that have been evaluated elsewhere: a column for each variable, in the units "
+                "that programs receive, and one for each value. Quantities in it are not called. Default: none; the "
+                "designs are spread."},
     };
 }
 
@@ -173,6 +193,8 @@ std::vector<Key> output_keys() {
 
 }  // namespace
 
-std::vector<Key> run_keys() { return in_order({method_keys(), fit_keys(), stopping_keys(), output_keys()}); }
+std::vector<Key> run_keys() {
+    return in_order({sample_keys(), method_keys(), fit_keys(), stopping_keys(), output_keys()});
+}
 
 }  // namespace strake

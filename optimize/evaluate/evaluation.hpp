@@ -38,6 +38,11 @@ public:
     /// the shapes are made one after another in this order and the programs called when a concurrent call is free. If
     /// others are asked for, what was begun is cancelled.
     void expect(const std::vector<Eigen::VectorXd>& designs, int first) { queue_.expect(designs, first); }
+    /// The same where they are made one by one, when a concurrent call is free. @param design by the evaluation's
+    /// number; nothing: none for now.
+    void expect(std::function<std::optional<Eigen::VectorXd>(int number)> design, int first) {
+        queue_.expect(std::move(design), first);
+    }
     /// Fills `evaluation.gradients` (one adjoint call), after asking quantities that differentiate separately. Where
     /// one of these fails the evaluation is quantity_failed. @pre `evaluation` is the last result and ok.
     void differentiate(ShapeEvaluation& evaluation);

@@ -19,13 +19,26 @@ void EvaluationQueue::expect(const std::vector<Eigen::VectorXd>& designs, int fi
     for (const Eigen::VectorXd& x : designs) expected_.emplace_back(first++, x);
 }
 
+void EvaluationQueue::expect(std::function<std::optional<Eigen::VectorXd>(int number)> design, int first) {
+    if (parallel_ < 2) return;
+    clear();
+    more_ = std::move(design);
+    next_more_ = first;
+}
+
+void EvaluationQueue::ask_for_more() {
+    if (!expected_.empty() || !more_) return;
+    if (const auto x = more_(next_more_)) expected_.emplace_back(next_more_++, *x);
+}
+
 void EvaluationQueue::clear() {
     expected_.clear();
+    more_ = {};
     ahead_.clear();
 }
 
 void EvaluationQueue::drop_expected(int number) {
-    const bool was_expected = !ahead_.empty() || !expected_.empty();
+    const bool was_expected = !ahead_.empty() || !expected_.empty() || more_;
     clear();
     if (was_expected && journal_) journal_->drop_calls_from(number);
 }
@@ -33,7 +46,9 @@ void EvaluationQueue::drop_expected(int number) {
 /// Begins one more of the expected designs where a program may be free for it. Only a few shapes are kept.
 bool EvaluationQueue::begin_expected() {
     const auto open = std::count_if(ahead_.begin(), ahead_.end(), [](const QueuedDesign& d) { return !d.is_ready(); });
-    if (expected_.empty() || open >= parallel_ || static_cast<int>(ahead_.size()) >= 4 * parallel_) return false;
+    if (open >= parallel_ || static_cast<int>(ahead_.size()) >= 4 * parallel_) return false;
+    ask_for_more();
+    if (expected_.empty()) return false;
     try {
         ahead_.push_back(begin_(expected_.front().second, expected_.front().first));
     } catch (const Interrupted&) {  // ends the run, not this design
@@ -70,6 +85,7 @@ QueuedDesign EvaluationQueue::next(const Eigen::VectorXd& x, int number) {
         design = begin_(x, number);
     } else {
         const auto is_asked = [&](int n, const Eigen::VectorXd& other) { return n == number && other == x; };
+        if (ahead_.empty()) ask_for_more();
         const bool is_begun = !ahead_.empty() && is_asked(ahead_.front().number, ahead_.front().x);
         const bool is_expected =
             ahead_.empty() && !expected_.empty() && is_asked(expected_.front().first, expected_.front().second);

@@ -37,6 +37,9 @@ public:
 
     /// These designs are asked for next, as the evaluations from `first` on.
     void expect(const std::vector<Eigen::VectorXd>& designs, int first);
+    /// The same for a row without a known end: `design(number)` is asked, number by number, when a place is free.
+    /// Nothing: none for now.
+    void expect(std::function<std::optional<Eigen::VectorXd>(int number)> design, int first);
     /// Cancels all that was begun.
     void clear();
     /// The same, and forgets their recorded calls from this evaluation on: others are asked for.
@@ -51,6 +54,7 @@ public:
 private:
     QueuedDesign take_first();
     bool begin_expected();
+    void ask_for_more();
     void advance();
 
     const std::vector<Quantity>& quantities_;
@@ -59,6 +63,8 @@ private:
     std::function<bool()> stop_wanted_;
     int parallel_ = 1;  ///< maximum number of designs whose programs run at the same time
     std::deque<std::pair<int, Eigen::VectorXd>> expected_;
+    std::function<std::optional<Eigen::VectorXd>(int number)> more_;  ///< what comes behind these
+    int next_more_ = 0;
     std::deque<QueuedDesign> ahead_;  ///< begun and not yet asked for, and the one that is
 };
 

@@ -42,7 +42,7 @@ private:
 
 }  // namespace
 
-SearchEnd search_least_squares(LeastSquaresWatch& watch, double& radius) {
+LeastSquaresEnd search_least_squares(LeastSquaresWatch& watch, double& radius) {
     silence_glog();
     const LeastSquares& problem = watch.problem;
     const LeastSquaresOptions& options = watch.options;
@@ -70,9 +70,9 @@ SearchEnd search_least_squares(LeastSquaresWatch& watch, double& radius) {
     ceres::Solver::Summary summary;
     ceres::Solve(how, &ceres_problem, &summary);
     if (!summary.iterations.empty()) radius = summary.iterations.back().trust_region_radius;
-    return summary.termination_type == ceres::CONVERGENCE      ? SearchEnd::converged
-           : summary.termination_type == ceres::NO_CONVERGENCE ? SearchEnd::limit
-                                                               : SearchEnd::other;
+    return summary.termination_type == ceres::CONVERGENCE      ? LeastSquaresEnd::converged
+           : summary.termination_type == ceres::NO_CONVERGENCE ? LeastSquaresEnd::limit
+                                                               : LeastSquaresEnd::other;
 }
 
 }  // namespace strake

@@ -24,24 +24,24 @@ void validate(const LeastSquares& p, const LeastSquaresOptions& o) {
                                 o.step_tolerance, "; a limit is below its least value"));
 }
 
-LeastSquaresStop stop_of(const LeastSquaresWatch& watch, SearchEnd end) {
+LeastSquaresStop stop_of(const LeastSquaresWatch& watch, LeastSquaresEnd end) {
     if (!std::isfinite(watch.best)) return LeastSquaresStop::no_start;
     if (watch.stopped) return LeastSquaresStop::stopped;
     // Steps that were refused often enough are short, which passes for convergence.
     if (watch.failures > 1) return LeastSquaresStop::no_valid_step;
-    if (end == SearchEnd::converged) return LeastSquaresStop::converged;
-    if (end == SearchEnd::limit) return LeastSquaresStop::limit;
+    if (end == LeastSquaresEnd::converged) return LeastSquaresStop::converged;
+    if (end == LeastSquaresEnd::limit) return LeastSquaresStop::limit;
     return LeastSquaresStop::no_better_step;
 }
 
 }  // namespace
 
-LeastSquaresResult least_squares_by(SearchEnd (*search)(LeastSquaresWatch&, double&), const LeastSquares& problem,
+LeastSquaresResult least_squares_by(LeastSquaresEnd (*search)(LeastSquaresWatch&, double&), const LeastSquares& problem,
                                     const LeastSquaresOptions& options) {
     validate(problem, options);
     LeastSquaresWatch watch{problem, options};
     double radius = options.radius;
-    const SearchEnd end = search(watch, radius);
+    const LeastSquaresEnd end = search(watch, radius);
     if (watch.exception) std::rethrow_exception(watch.exception);
     return {watch.best_x, stop_of(watch, end), radius};
 }

@@ -50,16 +50,16 @@ struct LeastSquaresWatch {
 };
 
 /// How a search ended by its own measures.
-enum class SearchEnd { converged, limit, other };
+enum class LeastSquaresEnd { converged, limit, other };
 
 /// One of these is linked: Ceres, or our own (STRAKE_GPL off). @return how it ended; `radius`: at the end.
-SearchEnd search_least_squares(LeastSquaresWatch& watch, double& radius);
+LeastSquaresEnd search_least_squares(LeastSquaresWatch& watch, double& radius);
 /// Our own, always there: Levenberg-Marquardt in the scaling of More (1978), with Nielsen's rule for the damping, steps
 /// projected onto the bounds and shortened along the projection.
-SearchEnd levenberg_marquardt(LeastSquaresWatch& watch, double& radius);
+LeastSquaresEnd levenberg_marquardt(LeastSquaresWatch& watch, double& radius);
 
 /// The contract of least_squares(), with a search of choice.
-LeastSquaresResult least_squares_by(SearchEnd (*search)(LeastSquaresWatch&, double&), const LeastSquares& problem,
+LeastSquaresResult least_squares_by(LeastSquaresEnd (*search)(LeastSquaresWatch&, double&), const LeastSquares& problem,
                                     const LeastSquaresOptions& options);
 
 }  // namespace strake

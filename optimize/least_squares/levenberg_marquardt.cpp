@@ -26,17 +26,17 @@ public:
     Search(LeastSquaresWatch& watch, double& radius)
         : watch_(watch), options_(watch.options), radius_(radius), m_(watch.problem.num_residuals) {}
 
-    SearchEnd run() {
+    LeastSquaresEnd run() {
         at_.x = watch_.problem.start;
-        if (!linearize() || !watch_.go_on(0)) return SearchEnd::other;
+        if (!linearize() || !watch_.go_on(0)) return LeastSquaresEnd::other;
         for (int iteration = 1; iteration <= options_.max_iterations; ++iteration) {
-            if (at_.cost == 0) return SearchEnd::converged;
-            if (radius_ < min_radius) return SearchEnd::converged;
+            if (at_.cost == 0) return LeastSquaresEnd::converged;
+            if (radius_ < min_radius) return LeastSquaresEnd::converged;
             const Outcome outcome = try_step();
-            if (outcome == Outcome::converged) return SearchEnd::converged;
-            if (outcome == Outcome::broken || !watch_.go_on(iteration)) return SearchEnd::other;
+            if (outcome == Outcome::converged) return LeastSquaresEnd::converged;
+            if (outcome == Outcome::broken || !watch_.go_on(iteration)) return LeastSquaresEnd::other;
         }
-        return SearchEnd::limit;
+        return LeastSquaresEnd::limit;
     }
 
 private:
@@ -128,6 +128,6 @@ private:
 
 }  // namespace
 
-SearchEnd levenberg_marquardt(LeastSquaresWatch& watch, double& radius) { return Search(watch, radius).run(); }
+LeastSquaresEnd levenberg_marquardt(LeastSquaresWatch& watch, double& radius) { return Search(watch, radius).run(); }
 
 }  // namespace strake

@@ -115,6 +115,13 @@ enum class LevelStartHessian {
     diagonal  ///< a multiple of the metric's diagonal: raw variables, each scaled by itself
 };
 
+/// How `sample` spreads its designs.
+enum class Spread {
+    sobol,
+    lhs,    ///< a Latin hypercube
+    levels  ///< all combinations of equidistant levels
+};
+
 struct OptimizeOptions {
     Method method = Method::sqp;
     int max_evaluations = 60;         ///< whole run, >= 1
@@ -150,6 +157,7 @@ struct FitOptions {
 };
 
 struct StoredDesign;
+struct DesignTable;
 
 struct Problem {
     std::string name;
@@ -177,6 +185,8 @@ struct Problem {
     FitOptions fitting;
     std::vector<Constraint> constraints;
     OptimizeOptions optimize;
+    std::optional<Spread> sample;               ///< designs are spread instead of searched
+    std::shared_ptr<const DesignTable> table;   ///< of `sample`: the designs and what they gave; null: they are spread
     std::shared_ptr<const StoredDesign> start;  ///< where `optimize` and `fit` begin, set by `start_from`; else at rest
 };
 

@@ -31,6 +31,7 @@ public:
     const NonlinearProgram& program() const { return program_; }
     const Eigen::VectorXd& weight() const { return weight_; }
     Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;
+    const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
     /// Of the Lagrangian (as minimized) at the known design. @pre it has sensitivities of all values in it.

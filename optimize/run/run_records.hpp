@@ -4,6 +4,8 @@
 /// Progress of a run or a fit, and its result.
 namespace strake {
 
+struct DesignTable;
+
 struct EvaluationRecord {
     int evaluation = 0;  ///< from 1, over the whole run
     int level = 0;
@@ -79,17 +81,36 @@ struct MotionAtEnd {
     double gain = std::numeric_limits<double>::quiet_NaN();
 };
 
+/// What `sample` learned of one value.
+struct SampledValue {
+    std::string name;
+    double deviation = 0;              ///< of the value over the range of the variables, by the model
+    double predicted_share = 0;        ///< share of its variance that models of all other designs predict
+    std::vector<double> share, error;  ///< main effects (`main_effects`) and their standard errors, per variable
+    std::vector<double> total;         ///< total effects: with all interactions, per variable
+};
+struct SampleSummary {
+    std::shared_ptr<const DesignTable> table;
+    std::vector<double> lower, upper;  ///< the range of each variable of the table
+    std::vector<SampledValue> values;
+    std::string without_effects;       ///< why there are none; empty: there are
+    std::vector<std::string> remarks;  ///< what is odd, each with a remedy: equal designs, constant values, variables
+                                       ///< without effect
+};
+
 struct RunResult {
     /// One word: converged | budget (evaluations or time) | progress (a fit whose progress slackened on the last level)
     /// | roundoff | no_valid_step (valid evaluations end next to the best design) | conflict (constraints that cannot
     /// be met together) | infeasible | gradient_inconsistent (with the values) | failed | evaluation_failed (a quantity
-    /// gave no value) | interrupted (`RunEvents::stop_wanted` said so) | waiting (for answers from outside)
+    /// gave no value) | interrupted (`RunEvents::stop_wanted` said so) | waiting (for answers from outside) | sampled
+    /// (`sample`: all designs are evaluated)
     std::string status = "failed";
     std::string reason;                ///< one sentence or two: why, and what to do next
     std::vector<AwaitedCall> awaited;  ///< of status `waiting`
     std::vector<std::string> pending;  ///< of status `interrupted`: jobs that stay in a queue
     MotionAtEnd motion;
-    std::vector<std::string> conflict;  ///< names of the constraints that cannot be met together; empty: none found
+    std::optional<SampleSummary> samples;  ///< of `sample`
+    std::vector<std::string> conflict;     ///< names of the constraints that cannot be met together; empty: none found
     int level = 0, evaluations = 0;
     double objective_start = std::numeric_limits<double>::quiet_NaN();
     double objective = std::numeric_limits<double>::quiet_NaN();  ///< of the best design
@@ -105,7 +126,7 @@ struct RunResult {
     /// once it has improved on the start: buckling is a limit too.
     bool is_done() const {
         return status == "converged" || status == "budget" || status == "progress" || status == "roundoff" ||
-               (status == "no_valid_step" && best_evaluation > 1);
+               status == "sampled" || (status == "no_valid_step" && best_evaluation > 1);
     }
 };
 

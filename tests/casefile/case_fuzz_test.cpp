@@ -113,6 +113,7 @@ optimize:
   start_from: runs/before
   budget: {evaluations: 40}
   tolerances: {objective: 1e-5, step: 1e-4, constraint: 1e-7}
+sample: {method: lhs, table: lines.csv}
 )";
 
 const char* robust_fit = R"(surface: {file: wing.obj}

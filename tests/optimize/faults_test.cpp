@@ -58,7 +58,7 @@ Faulty with_fault(const NonlinearProgram& sound, Fault fault) {
 
 class EveryMethodFaulty : public testing::TestWithParam<std::tuple<MethodFacts, Fault>> {};
 
-std::string name_of(const testing::TestParamInfo<EveryMethodFaulty::ParamType>& info) {
+std::string faulty_name(const testing::TestParamInfo<EveryMethodFaulty::ParamType>& info) {
     const char* names[] = {"NotANumber", "Infinite", "Throws", "Fails", "Constraint", "Gradient"};
     return std::string(std::get<0>(info.param).name) + names[static_cast<int>(std::get<1>(info.param))];
 }
@@ -98,7 +98,8 @@ TEST_P(EveryMethodFaulty, RightOptimumOrAClearVerdict) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, EveryMethodFaulty,
-                         testing::Combine(testing::ValuesIn(all_methods()), testing::ValuesIn(all_faults)), name_of);
+                         testing::Combine(testing::ValuesIn(all_methods()), testing::ValuesIn(all_faults)),
+                         faulty_name);
 
 TEST(Faults, DifferencesUnderFaultsToo) {
     for (const MethodFacts& method : all_methods())

@@ -3,17 +3,17 @@
 import { h, section, table } from './dom.js';
 import { number, change, duration, parameterValue, plural } from './format.js';
 
-const marks = { converged: '✔', budget: '■', progress: '■', roundoff: '✔', interrupted: '❚❚', waiting: '…', running: '▶', killed: '✖' };
-const good = ['converged', 'budget', 'progress', 'roundoff', 'running', 'waiting'];
+const marks = { converged: '✔', budget: '■', sampled: '✔', progress: '■', roundoff: '✔', interrupted: '❚❚', waiting: '…', running: '▶', killed: '✖' };
+const good = ['converged', 'sampled', 'budget', 'progress', 'roundoff', 'running', 'waiting'];
 
 export function head(run) {
   const { status } = run.end;
   return h('header', {},
-    h('p', { class: 'kind' }, `Strake · ${run.is_fit ? 'fit' : 'optimization'} · ${run.folder}`),
+    h('p', { class: 'kind' }, `Strake · ${run.is_fit ? 'fit' : run.samples ? 'samples' : 'optimization'} · ${run.folder}`),
     h('h1', {}, run.title),
     h('p', { class: `status ${good.includes(status) ? 'good' : 'bad'}` }, h('span', { 'aria-hidden': 'true' }, `${marks[status] || '✖'} `), status.replace(/_/g, ' ')),
     h('nav', { 'aria-label': 'Sections of this page' },
-      [['summary', 'Summary'], ['progress', 'Progress'], ['shapes', 'Shape'], ['patches', 'Patches'], ['failures', 'Failures'], ['cost', 'Cost'], ['case', 'Case']]
+      [['summary', 'Summary'], ...(run.samples ? [['samples', 'Samples']] : []), ['progress', 'Progress'], ['shapes', 'Shape'], ['patches', 'Patches'], ['failures', 'Failures'], ['cost', 'Cost'], ['case', 'Case']]
         .map(([id, words]) => h('a', { href: `#${id}` }, words))));
 }
 

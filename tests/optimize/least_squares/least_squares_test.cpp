@@ -34,7 +34,7 @@ double cost(const VectorXd& x) {
 }
 
 /// The search that is linked (Ceres, or with STRAKE_GPL off our own), and our own.
-struct LeastSquaresBy : testing::TestWithParam<SearchEnd (*)(LeastSquaresWatch&, double&)> {
+struct LeastSquaresBy : testing::TestWithParam<LeastSquaresEnd (*)(LeastSquaresWatch&, double&)> {
     static LeastSquaresResult least_squares(const LeastSquares& problem, const LeastSquaresOptions& options) {
         return least_squares_by(GetParam(), problem, options);
     }

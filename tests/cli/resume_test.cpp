@@ -105,7 +105,7 @@ TEST_F(Resume, ABudgetCanBeRaisedAndNothingElseChanged) {
     expect_refused(edited("load]", "load_normal]"), "parameters.variables[0]");
     expect_refused(edited("max: 1.02", "max: 1.03"), "constraints.area.max");
     expect_refused(edited("retries: 1", "retries: 2"), "quantities.bulk.retries");
-    expect_refused(edited(", -E,", ", -I,"), "quantities.bulk.command[2]");
+    expect_refused(edited("\"-E\"", "\"-I\""), "quantities.bulk.command[2]");
     expect_refused(edited("evaluations: 10", "evaluations: 9"), "can only be raised");
     folder.write("a/case.yaml", yaml);
     expect_refused(run_strake({"resume", path("a"), "-q", "--evaluations", "+1.5"}), "whole number");

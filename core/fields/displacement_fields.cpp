@@ -1,6 +1,7 @@
 #include "core/fields/displacement_fields.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/field_frame.hpp"
 #include "core/fields/field_functions.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/closest_point.hpp"
@@ -322,9 +323,10 @@ void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOp
 
 }  // namespace
 
-DisplacementFields::DisplacementFields(const TriMesh& rest, const FieldConditions& conditions,
+DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldConditions& conditions,
                                        const FieldOptions& options) {
-    check(rest, conditions, options);
+    check(surface, conditions, options);
+    const TriMesh rest = with_loose_vertices_joined(surface);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
     frame_ = field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
     centroid_ = triangle_centroids(rest);
@@ -347,6 +349,9 @@ DisplacementFields::DisplacementFields(const TriMesh& rest, const FieldCondition
     }
     if (names_.empty()) throw InvalidInput("fields: nothing is left that could move");
     if (conditions.cut) keep_in_plane(rest, *conditions.cut);
+    const std::vector<char> used = used_vertices(rest);
+    for (Eigen::Index v = 0; v < values_.rows(); ++v)
+        if (!used[static_cast<std::size_t>(v)]) values_.row(v).setZero();
 }
 
 void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const std::vector<FieldCandidate>& rigid,

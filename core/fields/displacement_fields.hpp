@@ -53,7 +53,8 @@ class DisplacementFields {
 public:
     /// @throws InvalidInput: number out of range, a held triangle that is none, an axis that is not of length one or
     /// crosses the plane of symmetry at an angle, nothing that is free to move.
-    DisplacementFields(const TriMesh& rest, const FieldConditions& conditions, const FieldOptions& options);
+    /// Vertices that no triangle uses stay where they are.
+    DisplacementFields(const TriMesh& surface, const FieldConditions& conditions, const FieldOptions& options);
 
     int size() const { return static_cast<int>(names_.size()); }  ///< <= number: what adds nothing is left out
     const std::string& name(int b) const { return names_[static_cast<std::size_t>(b)]; }

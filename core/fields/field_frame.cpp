@@ -136,6 +136,15 @@ Vector3d FieldFrame::local(const Vector3d& x) const {
     return result;
 }
 
+TriMesh with_loose_vertices_joined(TriMesh mesh) {
+    if (mesh.num_triangles() == 0) return mesh;
+    const std::vector<char> used = used_vertices(mesh);
+    const Eigen::RowVector3d place = mesh.vertices.row(mesh.triangles(0, 0));
+    for (int v = 0; v < mesh.num_vertices(); ++v)
+        if (!used[static_cast<std::size_t>(v)]) mesh.vertices.row(v) = place;
+    return mesh;
+}
+
 FieldFrame field_frame(const TriMesh& rest, const std::optional<SymmetryPlane>& plane, bool is_half,
                        const std::optional<Vector3d>& axis, const std::optional<ShapeKind>& kind) {
     const Matrix3d axes = all_axes(rest, plane, given_axes(plane, axis, kind));

@@ -19,6 +19,10 @@ struct FieldFrame {
     Eigen::Vector3d local(const Eigen::Vector3d& x) const;
 };
 
+/// The same triangles, with the vertices that none of them uses moved onto one that is used: extents are those of the
+/// surface, wherever a file keeps its other points.
+TriMesh with_loose_vertices_joined(TriMesh mesh);
+
 /// Principal axes of the surface (vertex areas), the one with the largest extent first; the normal of a plane of
 /// symmetry is one of them. Where two principal moments agree within 1e-3 (round bodies) the coordinate directions
 /// decide.

@@ -215,8 +215,9 @@ std::vector<NamedMotion> motions_of_sections(const Places& at) {
 
 }  // namespace
 
-std::vector<TypicalMotion> typical_motions(const TriMesh& rest, const FieldConditions& conditions,
+std::vector<TypicalMotion> typical_motions(const TriMesh& surface, const FieldConditions& conditions,
                                            const std::optional<Vector3d>& axis) {
+    const TriMesh rest = with_loose_vertices_joined(surface);
     const Places at = places_of(rest, conditions, axis);
     const auto& plane = conditions.cut ? conditions.cut : conditions.mirror;
     std::optional<Invariance> invariance;

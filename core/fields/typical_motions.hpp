@@ -20,7 +20,7 @@ struct TypicalMotion {
 /// symmetry), thicken s^2, swell 1 - s^2, span s, flatten 1, all without the rigid part. Motions that the plane of
 /// symmetry forbids are left out; of a kind of shape it is what of them keeps it, where that is more than a tenth.
 /// @throws InvalidInput as `DisplacementFields`.
-std::vector<TypicalMotion> typical_motions(const TriMesh& rest, const FieldConditions& conditions,
+std::vector<TypicalMotion> typical_motions(const TriMesh& surface, const FieldConditions& conditions,
                                            const std::optional<Eigen::Vector3d>& axis = {});
 
 /// Translations and rotations, those that keep the plane where there is one: 3 or 6 of n x 3.

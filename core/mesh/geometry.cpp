@@ -19,6 +19,13 @@ Box bounding_box(const TriMesh& mesh) {
     return box;
 }
 
+std::vector<char> used_vertices(const TriMesh& mesh) {
+    std::vector<char> used(static_cast<std::size_t>(mesh.num_vertices()), 0);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) used[static_cast<std::size_t>(mesh.triangles(t, k))] = 1;
+    return used;
+}
+
 double box_diagonal(const TriMesh& mesh) {
     const Box box = bounding_box(mesh);
     return (box.max - box.min).norm();

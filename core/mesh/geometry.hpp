@@ -12,6 +12,9 @@ struct Box {
 Box bounding_box(const TriMesh& mesh);     ///< of all vertices that a triangle uses; zero box without triangles
 double box_diagonal(const TriMesh& mesh);  ///< length of the bounding box's diagonal
 
+/// 1 for each vertex that a triangle uses, else 0 (n).
+std::vector<char> used_vertices(const TriMesh& mesh);
+
 Eigen::Vector3d area_vector(const TriMesh& mesh, int t);  ///< (b-a) x (c-a) / 2: unit normal times area
 Points triangle_normals(const TriMesh& mesh);             ///< m x 3 unit normals; zero rows for triangles of zero area
 Eigen::VectorXd triangle_areas(const TriMesh& mesh);      ///< m

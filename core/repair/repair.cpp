@@ -1,6 +1,7 @@
 #include "core/repair/repair.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
@@ -48,12 +49,6 @@ void Surface::append_vertices(const std::vector<Eigen::Vector3d>& points) {
 }
 
 namespace {
-
-std::vector<char> used_vertices(const TriMesh& mesh) {
-    std::vector<char> is_used(static_cast<std::size_t>(mesh.num_vertices()));
-    for (int i = 0; i < mesh.triangles.size(); ++i) is_used[mesh.triangles.data()[i]] = 1;
-    return is_used;
-}
 
 /// Removes vertices that lost their last triangle; those unused before only on request.
 void leave_out_vertices(Surface& surface, const std::vector<char>& had_triangles, bool isolated) {
@@ -129,7 +124,7 @@ RepairResult repair(const TriMesh& mesh, const RepairOptions& options) {
                              result.before.diagonal,
                              {}};
     std::iota(surface.source.begin(), surface.source.end(), 0);
-    const std::vector<char> had_triangles = mending::used_vertices(mesh);
+    const std::vector<char> had_triangles = used_vertices(mesh);
     for (int round = 0; round < 5; ++round) {  // one repair may create work for an earlier one
         const std::size_t before = surface.items.size();
         mending::connect(surface, options);

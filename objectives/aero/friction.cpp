@@ -55,13 +55,6 @@ struct Seen {
     std::vector<char> used;  ///< by a triangle
 };
 
-std::vector<char> used_vertices(const TriMesh& mesh) {
-    std::vector<char> used(static_cast<std::size_t>(mesh.num_vertices()), 0);
-    for (int t = 0; t < mesh.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k) used[mesh.triangles(t, k)] = 1;
-    return used;
-}
-
 std::vector<Begin> leading_line(const Seen& seen, double edge) {
     const VectorXd &along = seen.along, &across = seen.across;
     const double low = across.minCoeff(), high = across.maxCoeff();

@@ -19,6 +19,10 @@ public:
     /// Shapes beyond the problem's motion limit are refused from now on: before the first evaluation.
     void limit_motion();
     const MotionLimit& motion_limit() const { return solver_.limit(); }
+    /// Designs do not follow each other (`ShapeSolver::solve_each_from_datum`).
+    void solve_each_from_datum() { solver_.solve_each_from_datum(); }
+    /// Ends the run between two evaluations: stops all programs. @throws Interrupted, with the jobs that are pending.
+    [[noreturn]] void interrupt() { queue_.interrupt(); }
     /// x, or where its shape does not keep `slack` of the motion limit a design near it whose shape does, if there is
     /// one (`moved_inside`).
     Eigen::VectorXd within(const Eigen::VectorXd& x, double slack);

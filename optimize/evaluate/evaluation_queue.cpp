@@ -47,9 +47,9 @@ void EvaluationQueue::drop_expected(int number) {
 bool EvaluationQueue::begin_expected() {
     const auto open = std::count_if(ahead_.begin(), ahead_.end(), [](const QueuedDesign& d) { return !d.is_ready(); });
     if (open >= parallel_ || static_cast<int>(ahead_.size()) >= 4 * parallel_) return false;
-    ask_for_more();
-    if (expected_.empty()) return false;
     try {
+        ask_for_more();
+        if (expected_.empty()) return false;
         ahead_.push_back(begin_(expected_.front().second, expected_.front().first));
     } catch (const Interrupted&) {  // ends the run, not this design
         interrupt();

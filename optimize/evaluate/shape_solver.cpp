@@ -63,6 +63,7 @@ void ShapeSolver::set_last(std::optional<Poses> poses, const Eigen::VectorXd& x)
 
 const Poses* ShapeSolver::nearest_known(const Eigen::VectorXd& x) const {
     const Poses* nearest = accepted_ ? &*accepted_ : nullptr;
+    if (is_each_from_datum_) return nearest ? nearest : &rest_poses_;
     double least = std::numeric_limits<double>::infinity();
     for (const KnownShape& shape : known_) {
         const Eigen::VectorXd d = x - shape.x;
@@ -81,6 +82,7 @@ void ShapeSolver::build_shell(const ShellDemand& demand) {
     shell_.reset();  // before the new one: two factors may not fit
     shell_x_.resize(0);
     shell_ = std::make_unique<PrimoShell>(rest_->surface, options);
+    rest_poses_ = shell_->poses();
     shell_pin_ = space_.pin;
     shell_height_ = demand.prism_height;
 }
@@ -122,8 +124,8 @@ bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     options.keep_factor = true;
     // From an accepted design on a shorter step is cheaper than a way around a buckling point; the first design has to
     // be reached as it is.
-    if (start) options.max_iterations = max_iterations;
-    options.fallbacks = !start;
+    options.fallbacks = !start || is_each_from_datum_;
+    if (!options.fallbacks) options.max_iterations = max_iterations;
     shell_x_.resize(0);
     Equilibrium end;
     try {

@@ -30,6 +30,9 @@ public:
     /// Shapes beyond it are refused from now on. @param poses of its datum; equilibria are sought from there first.
     void set_limit(MotionLimit limit, std::optional<Poses> poses);
     const MotionLimit& limit() const { return limit_; }
+    /// Designs do not follow each other: from now on every equilibrium is sought from the datum (without a limit: from
+    /// rest), by any way that the shell knows. What a design gives depends on it alone.
+    void solve_each_from_datum() { is_each_from_datum_ = true; }
     /// There is no datum: every shape is refused with this reason.
     void refuse_all(std::string reason) { no_datum_ = std::move(reason); }
 
@@ -47,7 +50,7 @@ public:
     const Eigen::VectorXd& last_x() const { return last_x_; }
     /// The next level starts from the equilibrium of the last design.
     void accept() {
-        if (last_) accepted_ = last_;
+        if (last_ && !is_each_from_datum_) accepted_ = last_;
     }
 
     PrimoShell* shell() { return shell_.get(); }  ///< null: the problem has none
@@ -79,6 +82,8 @@ private:
     ShellDemand shell_demand_;  ///< of the same; where only the fields change, it is kept
     MotionLimit limit_;
     std::string no_datum_;
+    bool is_each_from_datum_ = false;
+    Poses rest_poses_;           ///< of `shell_`
     Eigen::VectorXd settled_x_;  ///< of the last call of `settle`
     ShapeEvaluation settled_;    ///< what it gave
     Eigen::VectorXd last_x_;

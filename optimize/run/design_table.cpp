@@ -31,11 +31,22 @@ std::string number(double value) {
     return {buffer, end.ptr};
 }
 
+bool is_nan(std::string word) {
+    std::ranges::transform(word, word.begin(), [](unsigned char c) { return std::tolower(c); });
+    return word == "nan";
+}
+
 std::string trimmed(std::string word) {
     const char* blank = " \t\r\"";
     word.erase(0, word.find_first_not_of(blank));
     word.erase(word.find_last_not_of(blank) + 1);
     return word;
+}
+
+/// Spreadsheets begin a file in UTF-8 with a mark.
+std::string without_mark(const std::string& line) {
+    constexpr std::string_view mark = "\xEF\xBB\xBF";
+    return line.starts_with(mark) ? line.substr(mark.size()) : line;
 }
 
 std::vector<std::string> fields(const std::string& line) {
@@ -55,9 +66,14 @@ public:
     TableReader(const std::filesystem::path& file, const std::vector<std::string>& values)
         : file_(file), values_(values), lines_(read_bytes(file)) {
         std::string line;
-        if (next(line)) columns_ = fields(line);
+        if (next(line)) columns_ = fields(without_mark(line));
         if (columns_.empty() || (columns_.size() == 1 && columns_[0].empty()))
             refuse("the table is empty; its first line must name the columns");
+        if (columns_.size() == 1 && columns_[0].find(';') != std::string::npos)
+            refuse("columns are separated by ';'; separate them by commas, with points in numbers");
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (columns_[c].empty())
+                refuse(text("column ", c + 1, " has no name; name it, or remove the comma before it"));
         for (std::size_t c = 0; c < columns_.size(); ++c)
             for (std::size_t d = c + 1; d < columns_.size(); ++d)
                 if (columns_[c] == columns_[d])
@@ -124,7 +140,7 @@ private:
             double value = none;
             const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
             const bool is_number = error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
-            if (!is_number && !(may_miss && (word.empty() || word == "nan" || word == "NaN")))
+            if (!is_number && !(may_miss && (word.empty() || is_nan(word))))
                 refuse(text(
                     "column '", printable(columns_[static_cast<std::size_t>(c)]), "': '", printable(word),
                     "' is not a finite number",

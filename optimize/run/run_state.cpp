@@ -37,7 +37,7 @@ RunState::RunState(const Problem& p, const RunEvents& e, const std::vector<std::
 }
 
 ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
-    if (events.stop_wanted && events.stop_wanted()) throw Interrupted{};
+    if (events.stop_wanted && events.stop_wanted()) interrupt();
     const auto begin = std::chrono::steady_clock::now();
     ++result.evaluations;
     check_design(x);
@@ -53,6 +53,11 @@ ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
     }
     last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return evaluation;
+}
+
+void RunState::interrupt() {
+    with_unfinished_calls([&] { evaluator.interrupt(); });
+    throw Interrupted{};
 }
 
 void RunState::differentiate(ShapeEvaluation& evaluation) {

@@ -32,6 +32,8 @@ public:
     ShapeEvaluation evaluate(const Eigen::VectorXd& x);
     /// Completes the gradients of the last evaluation. @throws Interrupted; Awaited.
     void differentiate(ShapeEvaluation& evaluation);
+    /// Ends the run between two evaluations; `result.pending` tells of jobs that stay. @throws Interrupted.
+    [[noreturn]] void interrupt();
     /// Vertex sensitivities of the objective came later than the values of the last evaluation.
     void tell_sensitivities(const ShapeEvaluation& evaluation, const Points& dJ_dv) const;
     /// Records the last evaluation. `objective` as the case states it. Returns whether it is the best of the level;

@@ -11,8 +11,9 @@ namespace {
 
 constexpr int points_at_a_time = 256;
 constexpr double ball_dimensions = 3;
-constexpr double reach = 2;     ///< in the metric, where nothing limits it before: far beyond, shells buckle
-constexpr double slack = 1e-6;  ///< of the motion limit: more than what separates two solutions of one equilibrium
+constexpr double same_place = 1e-6;  ///< of the cube's side: nobody pays for such a difference
+constexpr double reach = 2;          ///< in the metric, where nothing limits it before: far beyond, shells buckle
+constexpr double slack = 1e-6;       ///< of the motion limit: more than what separates two solutions of one equilibrium
 
 /// x with Phi(x) = share, by Newton's method on the normal distribution.
 double normal_quantile(double share) {
@@ -71,9 +72,7 @@ void SampleDesigns::choose_levels() {
 /// All places but that of the start, in the unit cube, the last variable fastest.
 int SampleDesigns::combinations(int levels, std::vector<Eigen::VectorXd>* places) const {
     const Eigen::Index dimensions = shape_ + parameters_;
-    Eigen::VectorXd at_start = Eigen::VectorXd::Constant(dimensions, 0.5);
-    for (Eigen::Index j = shape_; j < dimensions; ++j)
-        at_start[j] = (start_[j] - space_.lower[j]) / (space_.upper[j] - space_.lower[j]);
+    const Eigen::VectorXd at_start = place_of_start();
     std::vector<int> level(static_cast<std::size_t>(dimensions), 0);
     int count = 0;
     for (bool goes_on = true; goes_on;) {
@@ -99,7 +98,19 @@ Eigen::VectorXd SampleDesigns::place_of(int number) {
         points_ = is_lhs ? latin_hypercube(std::max(1, most_ - 1), dimensions, problem_.optimize.seed)
                          : sobol_points(1 + first_point_, points_at_a_time, dimensions);
     }
-    return points_.row(number - first_point_);
+    const Eigen::VectorXd place = points_.row(number - first_point_);
+    // The second point of the sequence is the middle, which may be the start; the first one is the corner below.
+    if (!is_lhs && shape_ == 0 && (place - place_of_start()).lpNorm<Eigen::Infinity>() < same_place)
+        return Eigen::VectorXd::Zero(dimensions);
+    return place;
+}
+
+/// In the unit cube of shape and parameters.
+Eigen::VectorXd SampleDesigns::place_of_start() const {
+    Eigen::VectorXd place = Eigen::VectorXd::Constant(shape_ + parameters_, 0.5);
+    for (Eigen::Index j = shape_; j < place.size(); ++j)
+        place[j] = (start_[j] - space_.lower[j]) / (space_.upper[j] - space_.lower[j]);
+    return place;
 }
 
 Eigen::VectorXd SampleDesigns::design(int number) {

@@ -29,6 +29,7 @@ private:
     void choose_levels();
     int combinations(int levels, std::vector<Eigen::VectorXd>* places) const;
     Eigen::VectorXd place_of(int number);
+    Eigen::VectorXd place_of_start() const;
     Eigen::VectorXd shape_towards(const Eigen::VectorXd& about, const Eigen::VectorXd& z, double share) const;
 
     const Problem& problem_;

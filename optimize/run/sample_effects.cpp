@@ -18,9 +18,10 @@ using Rows = std::vector<Eigen::Index>;
 constexpr int fewest_for_effects = 10;
 /// A model costs some 100 times 2 n^3 + n^2 d flops, and n^2 d numbers in memory.
 constexpr double most_for_effects = 500, most_squares = 60 * most_for_effects * most_for_effects;
-constexpr double no_effect = 1e-3;   ///< total effect below which a variable has none
-constexpr double good_enough = 0.9;  ///< predicted share of a model that may say so
-constexpr std::size_t named = 5;     ///< of names in a message
+constexpr double no_effect = 1e-3;  ///< total effect below which a variable has none
+constexpr double good_enough =
+    0.995;                        ///< predicted share of a model that may say so: what it misses could be an effect
+constexpr std::size_t named = 5;  ///< of names in a message
 
 /// Indices from 0 to `count` - 1 in an order of their own, the same on every machine.
 Rows shuffled(Eigen::Index count) {

@@ -8,6 +8,7 @@
 #include "optimize/run/sample_effects.hpp"
 
 #include <cmath>
+#include <map>
 
 namespace strake {
 namespace {
@@ -51,6 +52,7 @@ public:
     Sampling(const Problem& problem, const RunEvents& events, Journal* journal)
         : problem_(answered(problem)), state_(problem_, events, {}, journal), program_(state_) {
         if (!problem_.table) state_.evaluator.limit_motion();
+        state_.evaluator.solve_each_from_datum();
     }
 
     RunResult run() {
@@ -97,6 +99,7 @@ private:
             throw InvalidInput(text(given_.name,
                                     ": a constraint is relative to the start, which must be the first row of the "
                                     "table; add it there, or state the limit as a number"));
+        for (int row = 0; row < given_.rows(); ++row) design(row);  // before the first is paid for
     }
 
     int wanted() const {
@@ -109,15 +112,22 @@ private:
 
     /// The design of evaluation number `index` + 1, in x.
     VectorXd design(int index) {
-        if (!problem_.table) return designs_->design(index);
+        if (!problem_.table) return spread_design(index);
         const VectorXd x = design_of(space(), given_.designs.row(index));
         const VectorXd inside = x.cwiseMax(space().lower).cwiseMin(space().upper);
         for (Eigen::Index j = 0; j < x.size(); ++j)
             if (std::abs(x[j] - inside[j]) > 1e-9)
-                throw InvalidInput(text(given_.name, ": row ", index + 1, ": ", table_.variables[j], " = ",
-                                        given_.designs(index, j),
-                                        " is outside of its bounds; widen the bounds in the case, or remove the row"));
+                throw InvalidInput(text(
+                    given_.name, ": row ", index + 1, ": ", table_.variables[j], " = ", given_.designs(index, j),
+                    " is outside of its bounds, ", physical_design(space(), space().lower)[j], " to ",
+                    physical_design(space(), space().upper)[j], "; widen the bounds in the case, or remove the row"));
         return inside;
+    }
+
+    /// Where programs run in parallel a design is asked for when they begin, and again when its answer is due.
+    VectorXd spread_design(int index) {
+        const auto known = made_.find(index);
+        return known != made_.end() ? known->second : made_.emplace(index, designs_->design(index)).first->second;
     }
 
     /// As the program of the level asks for it, and as it is evaluated: the same bits.
@@ -133,8 +143,17 @@ private:
             1);
     }
 
+    VectorXd next_design() {
+        try {
+            return scaled(state_.result.evaluations);
+        } catch (const Interrupted&) {
+            state_.interrupt();
+        }
+    }
+
     void evaluate_next() {
-        const VectorXd y = scaled(state_.result.evaluations);
+        const VectorXd y = next_design();
+        made_.erase(state_.result.evaluations);
         const Evaluation at = nlp_.evaluate(y);
         if (at.is_fatal)
             return end("evaluation_failed", text("evaluation ", state_.result.evaluations, ": ", at.failure));
@@ -187,6 +206,7 @@ private:
     NonlinearProgram nlp_;
     VectorXd start_;
     std::unique_ptr<SampleDesigns> designs_;  ///< null: those of the table
+    std::map<int, VectorXd> made_;            ///< those that were begun and not yet evaluated, by index
     DesignTable table_, given_;               ///< of this run; `problem.table` in the order of the variables
     bool has_ended_ = false;
 };

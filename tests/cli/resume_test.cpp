@@ -331,8 +331,8 @@ TEST_F(Resume, ADamagedJournalIsRebuiltFromWhatIsThere) {
     }
 }
 
-/// A budget that was raised is in force again where it was, and a journal that is kept from an earlier try is in
-/// nobody's way.
+/// A budget that was raised is in force again where it was, a journal that is kept from an earlier try is in nobody's
+/// way, and a case that is lost comes from the journal.
 TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
     const std::string file =
         folder.write("case.yaml", body + built_in + "optimize: {budget: {evaluations: 6}}\n").string();
@@ -346,6 +346,7 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
         fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
         folder.write(damage + "/journal.sqlite", bytes.substr(0, damage == "lost" ? 0 : bytes.size() - 4096));
         if (damage == "tried") folder.write(damage + "/journal.damaged.sqlite", "of an earlier try");
+        if (damage == "tried") fs::remove(folder / damage / "case.yaml");
         const ProgramRun rebuilt = run_strake({"resume", path(damage), "--rebuild", "-q"});
         EXPECT_EQ(rebuilt.status, 0) << damage << ": " << rebuilt.err;
         const std::string again = bytes_of(folder / damage / "history.csv");

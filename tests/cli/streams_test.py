@@ -40,6 +40,7 @@ JSON = [["info", "body.obj"], ["repair", "body.obj", "-o", "mended.obj", "--orie
         ["remesh", "body.obj", "-o", "even.obj", "--edge-length", "10%"], ["patches", "body.obj", "--angle", "20"],
         ["init", "body.obj", "-o", "new.yaml"], ["deform", "bent.yaml", "-o", "bent.obj"], ["check", "case.yaml"],
         ["run", "case.yaml", "--out", "run"], ["status", "run"], ["history", "run"], ["resume", "run", "--evaluations", "+1"],
+        ["sample", "case.yaml", "-n", "3", "--out", "sampled"],
         ["schema"], ["explain", "objective"], ["gradient-check", "case.yaml"],
         ["sweep", "case.yaml", "--variable", "p1.load_normal", "--from", "0", "--to", "0.1", "--steps", "2"],
         ["apply", "run", "body.obj", "-o", "moved.obj"], ["compare", "body.obj", "moved.obj"],
@@ -102,7 +103,7 @@ class Streams(unittest.TestCase):
         for number, row in enumerate(rows):
             # What is made must not be there yet; the run that is looked at is.
             row = [{"new.yaml": f"new{number}.yaml", "fitted": f"fitted{number}"}.get(word, word) for word in row]
-            if row[0] == "run" and "--out" in row:
+            if row[0] in ("run", "sample") and "--out" in row:
                 row[row.index("--out") + 1] = f"full{number}"
             else:
                 row[1:] = ["shown" if word == "run" else word for word in row[1:]]

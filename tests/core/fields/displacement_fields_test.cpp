@@ -1,6 +1,7 @@
 #include "core/fields/displacement_fields.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/typical_motions.hpp"
 #include "core/mesh/geometry.hpp"
 #include "surfaces.hpp"
 #include "tests/core/fields/left_over.hpp"
@@ -64,6 +65,32 @@ TEST(DisplacementFields, AreExactlyZeroOnWhatIsHeldAndOfSizeOne) {
         EXPECT_NEAR(u.rowwise().norm().maxCoeff(), 1, 1e-12);
         for (const int t : wing.conditions.held)
             for (int k = 0; k < 3; ++k) EXPECT_TRUE(u.row(wing.mesh.triangles(t, k)).isZero(0)) << fields.name(b);
+    }
+}
+
+/// A file may keep points that are none of the surface, wherever they are.
+TEST(DisplacementFields, AreThoseOfTheSurfaceWithoutItsLooseVertices) {
+    const HeldWing wing;
+    TriMesh loose = wing.mesh;
+    const int n = loose.num_vertices();
+    loose.vertices.conservativeResize(n + 2, 3);
+    loose.vertices.bottomRows(2) << 1000, -30, 7, 0.5, 0.5, 0.01;
+    for (const bool is_held : {true, false}) {
+        const FieldConditions conditions = is_held ? wing.conditions : FieldConditions{};
+        const DisplacementFields alone(wing.mesh, conditions, {30, {}}), beside(loose, conditions, {30, {}});
+        ASSERT_EQ(alone.size(), beside.size());
+        for (int b = 0; b < alone.size(); ++b) {
+            EXPECT_EQ(alone.name(b), beside.name(b));
+            const Points u = beside.field(b);
+            EXPECT_LT((alone.field(b) - u.topRows(n)).cwiseAbs().maxCoeff(), 1e-12) << alone.name(b);
+            EXPECT_TRUE(u.bottomRows(2).isZero(0)) << "what no triangle uses stays";
+        }
+        const std::vector<TypicalMotion> of_body = typical_motions(wing.mesh, conditions, {}),
+                                         of_both = typical_motions(loose, conditions, {});
+        ASSERT_EQ(of_body.size(), of_both.size());
+        for (std::size_t k = 0; k < of_body.size(); ++k)
+            EXPECT_LT((of_body[k].displacement - of_both[k].displacement.topRows(n)).cwiseAbs().maxCoeff(), 1e-12)
+                << of_body[k].name;
     }
 }
 

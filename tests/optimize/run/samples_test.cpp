@@ -279,7 +279,15 @@ TEST(DesignTable, GoesThroughAFileAndSaysWhatIsWrong) {
     EXPECT_EQ(turned.designs(0, 2), 2);
     EXPECT_EQ(turned.status[1], "no_value");
     const auto refused = [&](const std::string& text) { return refusal([&] { read(text); }); };
+    EXPECT_EQ(read("\xEF\xBB\xBF"
+                   "a,f\n1,2\n")
+                  .variables[0],
+              "a")
+        << "as spreadsheets begin";
+    EXPECT_EQ(read("a,f\n1,NAN\n").status[0], "no_value");
     EXPECT_TRUE(says(refused(""), "t.csv:1: the table is empty"));
+    EXPECT_TRUE(says(refused("a;f\n1;2\n"), "t.csv:1: columns are separated by ';'"));
+    EXPECT_TRUE(says(refused("a,f,\n1,2,\n"), "t.csv:1: column 3 has no name"));
     EXPECT_TRUE(says(refused("a,b,c\n1,2,3\n"), "no column is one of the values of the case (f)"));
     EXPECT_TRUE(says(refused("a,f\n1,x\n"), "t.csv:2: column 'f': 'x' is not a finite number; leave"));
     EXPECT_TRUE(says(refused("a,f\n1,2\ninf,3\n"), "t.csv:3: column 'a': 'inf' is not a finite number; correct it"));
@@ -304,7 +312,37 @@ TEST(Sample, ATableIsReadAndNothingIsCalled) {
     DesignTable beyond = *r.samples->table;
     beyond.designs(3, 1) = 4;
     problem.table = std::make_shared<const DesignTable>(beyond);
-    EXPECT_TRUE(says(refusal([&] { sample(problem); }), "row 4: b = 4 is outside of its bounds"));
+    EXPECT_TRUE(says(refusal([&] { sample(problem); }), "row 4: b = 4 is outside of its bounds, -3.14159 to 3.14159"));
+    int rows = 0;
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord&) { ++rows; };
+    EXPECT_THROW(sample(problem, events), InvalidInput);
+    EXPECT_EQ(rows, 0) << "known before anything is evaluated";
+}
+
+/// The middle of the sequence is the start where only parameters vary: nobody pays for it twice.
+TEST(Sample, NoDesignIsTheStartAgain) {
+    const DesignTable table = *sample(ishigami(20)).samples->table;
+    for (int i = 1; i < table.rows(); ++i)
+        EXPECT_GT((table.designs.row(i) - table.designs.row(0)).lpNorm<Eigen::Infinity>(), 1e-3) << i;
+}
+
+/// Samples jump across the whole space: what a design gives is what it gives alone, from rest.
+TEST(Sample, NoDesignFailsForTheOneBeforeIt) {
+    Problem problem = sampled_ellipsoid(40);
+    problem.parameters.max_displacement = 0.25;
+    problem.constraints.clear();
+    const DesignTable together = *sample(problem).samples->table;
+    Problem alone = problem;
+    for (int i = 0; i < together.rows(); ++i) {
+        DesignTable row = together;
+        row.name = "row.csv";
+        row.designs = together.designs.row(i);
+        row.given = Eigen::MatrixXd::Zero(1, together.given.cols());
+        row.status = {"ok"};
+        alone.table = std::make_shared<const DesignTable>(row);
+        EXPECT_EQ(sample(alone).samples->table->status[0], together.status[static_cast<std::size_t>(i)]) << i;
+    }
 }
 
 }  // namespace strake

@@ -66,6 +66,23 @@ TEST(Invariance, ProjectsToMotionsThatKeepTheKindOfShape) {
     }
 }
 
+/// Of chosen motions alone: a profile changes, its stations stay; and together they are as many as without a choice.
+TEST(Invariance, FieldsOfChosenMotions) {
+    const TriMesh mesh = body_of_revolution(16, 12);
+    FieldConditions conditions;
+    conditions.kind = ShapeKind{Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1};
+    const DisplacementFields scaled(mesh, conditions, {8, {}, {"scale"}}), all(mesh, conditions, {8, {}, {}});
+    ASSERT_EQ(scaled.size(), 8);
+    for (int b = 0; b < 8; ++b) {
+        EXPECT_EQ(scaled.name(b), text("section.scale.", b));
+        EXPECT_EQ(scaled.field(b).col(0).cwiseAbs().maxCoeff(), 0) << "along the axis";
+        EXPECT_GT(scaled.field(b).cwiseAbs().maxCoeff(), 0.5);
+    }
+    EXPECT_GT(all.displacement(VectorXd::Ones(8)).col(0).cwiseAbs().maxCoeff(), 0.1) << "the test can fail";
+    EXPECT_THROW(DisplacementFields(mesh, conditions, {8, {}, {"grow"}}), InvalidInput);
+    EXPECT_THROW(DisplacementFields(mesh, conditions, {8, {}, {"shear"}}), InvalidInput) << "none are revolved";
+}
+
 /// The half sees what the whole sees: of motions and, with half of the forces on the cut, of forces.
 TEST(Invariance, OfAHalfIsThatOfTheWhole) {
     const TriMesh whole = body_of_revolution(16, 12);

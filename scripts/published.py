@@ -31,7 +31,8 @@ class Row:
     """A number that is published, and ours."""
 
     def __init__(self, what, published, value, passed, digits=5):
-        self.what, self.published, self.value, self.passed, self.digits = what, published, value, passed, digits
+        self.what, self.published, self.value, self.digits = what, published, float(value), digits
+        self.passed = None if passed is None else bool(passed)  # None: shown, not judged
 
     def words(self):
         return f"{self.value:.{self.digits}g}"

@@ -175,6 +175,8 @@ CutOff cut_off(const TriMesh& rest, const Points& centroid, const FieldCondition
     CutOff cut{VectorXd::Ones(n), VectorXd::Ones(m), Points::Zero(m, 3)};
     for (const HeldPart& part : with_small_ones_joined(held_parts(rest, conditions.held, conditions.cut)))
         Ramp(rest, part, conditions.cut, conditions.smooth_border).multiply(cut, centroid);
+    // The centroid of a held triangle is at no distance but for rounding, which has any direction.
+    for (const int t : conditions.held) cut.at_centroids[t] = 0, cut.gradient.row(t).setZero();
     return cut;
 }
 

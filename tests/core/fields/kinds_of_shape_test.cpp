@@ -83,6 +83,23 @@ TEST(Invariance, FieldsOfChosenMotions) {
     EXPECT_THROW(DisplacementFields(mesh, conditions, {8, {}, {"shear"}}), InvalidInput) << "none are revolved";
 }
 
+/// What is held is not deformed, also where its triangles have centroids that rounding puts beside them.
+TEST(Invariance, FieldsLeaveHeldTrianglesAsTheyAre) {
+    const TriMesh mesh = body_of_revolution(16, 12);
+    FieldConditions conditions;
+    conditions.kind = ShapeKind{Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1};
+    const double front = mesh.vertices.col(0).minCoeff(), length = mesh.vertices.col(0).maxCoeff() - front;
+    const Points centroid = triangle_centroids(mesh);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (centroid(t, 0) < front + 0.3 * length) conditions.held.push_back(t);
+    ASSERT_GT(conditions.held.size(), 16u);
+    const DisplacementFields fields(mesh, conditions, {8, {}, {"scale"}});
+    const auto maps = fields.local_maps(VectorXd::Ones(8));
+    for (const int t : conditions.held)
+        EXPECT_EQ((maps[static_cast<std::size_t>(t)] - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0) << t;
+    EXPECT_GT((maps[static_cast<std::size_t>(mesh.num_triangles() / 2)] - Eigen::Matrix3d::Identity()).norm(), 0.1);
+}
+
 /// The half sees what the whole sees: of motions and, with half of the forces on the cut, of forces.
 TEST(Invariance, OfAHalfIsThatOfTheWhole) {
     const TriMesh whole = body_of_revolution(16, 12);

@@ -47,6 +47,16 @@ if command -v python3 >/dev/null && [ ! -e "$wing_start/start.obj" ]; then
     python3 "$fakes/openfoam_wing/twist.py" 12 "$wing_start/wing.obj" "$wing_start/part.obj"
     mv "$wing_start/part.obj" "$wing_start/start.obj"
 fi
+# Those of the published problems.
+if command -v python3 >/dev/null; then
+    published=$cases/published/generated
+    mkdir -p "$published"
+    for start in bumped_spindle:10000 bumped_ogive:10000 sphere:2000 wing_10:2000 wing_6_12:2000; do
+        [ -e "$published/${start%:*}.obj" ] && continue
+        python3 "$(dirname "$0")/../cases/published/surfaces.py" "${start%:*}" --triangles "${start#*:}" -o "$published/part.obj"
+        mv "$published/part.obj" "$published/${start%:*}.obj"
+    done
+fi
 # The shape that cases/wing/fit.yaml is to recover.
 if [ ! -e "$wing/target.obj" ] || [ "$cases/wing/target.yaml" -nt "$wing/target.obj" ] ||
    [ "$wing/wing.obj" -nt "$wing/target.obj" ]; then

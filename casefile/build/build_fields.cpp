@@ -117,6 +117,7 @@ void ProblemBuilder::set_fields() {
     FieldOptions options;
     options.number = entry.number > 0 ? entry.number : automatic.back();
     options.axis = entry.axis;
+    options.motions = entry.motions;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
         if (entry.number == 0)

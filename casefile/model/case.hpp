@@ -185,6 +185,7 @@ struct FieldsEntry {
     int number = 0;  ///< 0: automatic
     std::optional<Reference> on;
     std::optional<Eigen::Vector3d> axis;  ///< unit
+    std::vector<std::string> motions;     ///< empty: all
     Place place;
 };
 

@@ -66,6 +66,7 @@ void CaseReader::read_fields(const Value& value) {
     read_number(value.find("number"));
     if (const Value* on = value.find("on"); on && on->accepted) fields.on = Reference{on->text, on->place};
     fields.axis = axis_of(value.find("axis"), "parameters.fields.axis", errors_);
+    fields.motions = texts(value.find("motions"));
 }
 
 }  // namespace strake

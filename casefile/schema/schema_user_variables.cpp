@@ -45,6 +45,14 @@ std::vector<Key> field_keys() {
          .doc = "An axis of any direction; its length has no effect.",
          .element = Type::number,
          .count = 3},
+        {.path = "parameters.fields.motions",
+         .type = Type::list,
+         .doc =
+             "What the fields may do, by the words in their names, for example [scale] of a body of revolution, whose "
+             "profile then changes and whose stations stay. out and around: of bodies that are revolved or cyclic. "
+             "Default: all.",
+         .words = {"move", "scale", "twist", "tilt", "shear", "out", "around"},
+         .element = Type::word},
     };
 }
 

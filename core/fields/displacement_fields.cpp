@@ -176,6 +176,8 @@ CutOff cut_off(const TriMesh& rest, const Points& centroid, const FieldCondition
     CutOff cut{VectorXd::Ones(n), VectorXd::Ones(m), Points::Zero(m, 3)};
     for (const HeldPart& part : with_small_ones_joined(held_parts(rest, conditions.held, conditions.cut)))
         Ramp(rest, part, conditions.cut, conditions.smooth_border).multiply(cut, centroid);
+    // The centroid of a held triangle is at no distance but for rounding, which has any direction.
+    for (const int t : conditions.held) cut.at_centroids[t] = 0, cut.gradient.row(t).setZero();
     return cut;
 }
 
@@ -311,9 +313,19 @@ private:
     std::vector<std::pair<Coefficients, Coefficients>> known_;
 };
 
+/// "scale" of section.scale_y.0, "out" of polynomial.out.r3.
+std::string motion_of(const FieldCandidate& candidate) {
+    const std::size_t begin = candidate.name.find('.') + 1;
+    return candidate.name.substr(begin, candidate.name.find_first_of("._", begin) - begin);
+}
+
 void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOptions& options) {
     if (options.number < 1 || options.number > max_number)
         throw InvalidInput(text("fields: number = ", options.number, " must be in [1, ", max_number, "]"));
+    for (const std::string& motion : options.motions)
+        if (std::ranges::find(field_motions(), motion) == field_motions().end())
+            throw InvalidInput(
+                text("fields: motion '", motion, "' is none of move, scale, twist, tilt, shear, out, around"));
     if (conditions.cut && conditions.mirror)
         throw InvalidInput("fields: a half model has no mirror image to tie to it");
     for (const int t : conditions.held)
@@ -322,6 +334,11 @@ void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOp
 }
 
 }  // namespace
+
+const std::vector<std::string>& field_motions() {
+    static const std::vector<std::string> motions{"move", "scale", "twist", "tilt", "shear", "out", "around"};
+    return motions;
+}
 
 DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldConditions& conditions,
                                        const FieldOptions& options) {
@@ -340,11 +357,15 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
         rigid = rigid_candidates(frame_, plane.has_value(), conditions.kind);
     int before = -1;  // twice as many that add nothing: the vertices have no more
     for (int tried = 2 * options.number + 20;; tried *= 2) {
-        const std::vector<FieldCandidate> candidates =
-            field_candidates(frame_, plane.has_value(), tried, conditions.kind);
-        choose(rest, cut.at_vertices, rigid, candidates, options.number);
+        std::vector<FieldCandidate> candidates = field_candidates(frame_, plane.has_value(), tried, conditions.kind);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
-        if (size() == options.number || are_all || size() == before) break;
+        if (!options.motions.empty())
+            std::erase_if(candidates, [&](const FieldCandidate& candidate) {
+                return std::ranges::find(options.motions, motion_of(candidate)) == options.motions.end();
+            });
+        choose(rest, cut.at_vertices, rigid, candidates, options.number);
+        // Of chosen motions the next ones may be far down the list.
+        if (size() == options.number || are_all || (size() == before && options.motions.empty())) break;
         before = size();
     }
     if (names_.empty()) throw InvalidInput("fields: nothing is left that could move");

@@ -40,7 +40,13 @@ struct FieldConditions {
 struct FieldOptions {
     int number = 27;                      ///< at most so many fields, in [1, 600]; the first ones of a larger number
     std::optional<Eigen::Vector3d> axis;  ///< of the sections, unit; none: the longest principal axis
+    /// Only these, by the first word of their names behind the dot ("scale" of section.scale_y.0); empty: all. The
+    /// words are those of `field_motions()`.
+    std::vector<std::string> motions{};
 };
+
+/// move, scale, twist, tilt, shear, out, around: what a field does, as its name says it.
+const std::vector<std::string>& field_motions();
 
 /// The fields of a surface at rest. Orthogonal in the mean over the surface, each scaled to a largest displacement of
 /// 1: its value is a length. A field is named after what it does before what those before it do is taken out:
@@ -52,7 +58,7 @@ struct FieldOptions {
 class DisplacementFields {
 public:
     /// @throws InvalidInput: number out of range, a held triangle that is none, an axis that is not of length one or
-    /// crosses the plane of symmetry at an angle, nothing that is free to move.
+    /// crosses the plane of symmetry at an angle, a motion that is none, nothing that is free to move.
     /// Vertices that no triangle uses stay where they are.
     DisplacementFields(const TriMesh& surface, const FieldConditions& conditions, const FieldOptions& options);
 

@@ -18,7 +18,9 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double pi = std::numbers::pi;
-constexpr double end_inset = 1e-3;  // of the length: a flat base has its area just ahead of the end
+/// Of the length: a flat base that is not stated has its area just ahead of the end. Where it is stated the body goes
+/// on as a cylinder, and the area at the end itself is the base's.
+constexpr double end_inset = 1e-3;
 
 /// The quadratic form of the areas at the stations, ends included.
 struct AreaForm {
@@ -26,7 +28,7 @@ struct AreaForm {
     VectorXd base;            ///< u at the inner ones
     Eigen::MatrixXd inverse;  ///< of P
 
-    explicit AreaForm(int inner) {
+    AreaForm(int inner, bool has_base) {
         std::vector<double> k;
         for (int i = 1; i <= inner; ++i) k.push_back(static_cast<double>(i) / (inner + 1));
         base.resize(inner);
@@ -34,7 +36,7 @@ struct AreaForm {
         inverse = eminton_matrix(k).ldlt().solve(Eigen::MatrixXd::Identity(inner, inner));
         stations.push_back(end_inset);
         stations.insert(stations.end(), k.begin(), k.end());
-        stations.push_back(1 - end_inset);
+        stations.push_back(has_base ? 1 : 1 - end_inset);
     }
 
     /// D/q of these areas over a length; derivatives by both.
@@ -106,7 +108,7 @@ Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag
     check(name, start, flow, symmetry);
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     require_closed(name, start, symmetry);
-    const auto form = std::make_shared<const AreaForm>(flow.stations);
+    const auto form = std::make_shared<const AreaForm>(flow.stations, !flow.base.empty());
     std::vector<AreaCuts> all = cuts_of(flow, *form);
     if (symmetry)
         for (AreaCuts& cuts : all) cuts.excluded.insert(cuts.excluded.end(), flow.base.begin(), flow.base.end());

@@ -34,6 +34,16 @@ TEST_F(FieldsOfACase, AreVariablesThatLeaveWhatIsHeld) {
     EXPECT_EQ(automatic.field_steps.back(), automatic.fields->size());
 }
 
+TEST_F(FieldsOfACase, DoOnlyTheChosenMotions) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    const Problem problem =
+        build(std::string(body) + "parameters: {fields: {number: 6, motions: [scale, twist]}, variables: []}\n")
+            .problem;
+    ASSERT_EQ(problem.parameters.user_variables.size(), 6u);
+    for (const auto& variable : problem.parameters.user_variables)
+        EXPECT_TRUE(contains(variable.name, "scale") || contains(variable.name, "twist")) << variable.name;
+}
+
 TEST_F(FieldsOfACase, MoveOnlyTheirRegionAndNothingThatIsFrozen) {
     const TriMesh mesh = box_surface({4, 1, 0.5}, 8);
     surface(mesh);
@@ -116,6 +126,7 @@ TEST_F(FieldsOfACase, WrongOnesAreErrorsWithTheirLine) {
     EXPECT_TRUE(contains(refusal("fields: 0"), "parameters.fields = 0 must be in [1, 600]")) << refusal("fields: 0");
     EXPECT_TRUE(contains(refusal("fields: many"), "case.yaml:8:")) << refusal("fields: many");
     EXPECT_TRUE(contains(refusal("fields: {axis: [0, 0, 0]}"), "parameters.fields.axis = [0, 0, 0] has no direction"));
+    EXPECT_TRUE(contains(refusal("fields: {motions: [grow]}"), "case.yaml:8:")) << refusal("fields: {motions: [grow]}");
     EXPECT_TRUE(contains(refusal("fields: {on: tpi}"), "parameters.fields.on: 'tpi' is not a declared region"));
     EXPECT_TRUE(contains(refusal("variables: []"), "nothing can change"));
 }

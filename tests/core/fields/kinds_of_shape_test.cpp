@@ -66,6 +66,40 @@ TEST(Invariance, ProjectsToMotionsThatKeepTheKindOfShape) {
     }
 }
 
+/// Of chosen motions alone: a profile changes, its stations stay; and together they are as many as without a choice.
+TEST(Invariance, FieldsOfChosenMotions) {
+    const TriMesh mesh = body_of_revolution(16, 12);
+    FieldConditions conditions;
+    conditions.kind = ShapeKind{Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1};
+    const DisplacementFields scaled(mesh, conditions, {8, {}, {"scale"}}), all(mesh, conditions, {8, {}, {}});
+    ASSERT_EQ(scaled.size(), 8);
+    for (int b = 0; b < 8; ++b) {
+        EXPECT_EQ(scaled.name(b), text("section.scale.", b));
+        EXPECT_EQ(scaled.field(b).col(0).cwiseAbs().maxCoeff(), 0) << "along the axis";
+        EXPECT_GT(scaled.field(b).cwiseAbs().maxCoeff(), 0.5);
+    }
+    EXPECT_GT(all.displacement(VectorXd::Ones(8)).col(0).cwiseAbs().maxCoeff(), 0.1) << "the test can fail";
+    EXPECT_THROW(DisplacementFields(mesh, conditions, {8, {}, {"grow"}}), InvalidInput);
+    EXPECT_THROW(DisplacementFields(mesh, conditions, {8, {}, {"shear"}}), InvalidInput) << "none are revolved";
+}
+
+/// What is held is not deformed, also where its triangles have centroids that rounding puts beside them.
+TEST(Invariance, FieldsLeaveHeldTrianglesAsTheyAre) {
+    const TriMesh mesh = body_of_revolution(16, 12);
+    FieldConditions conditions;
+    conditions.kind = ShapeKind{Type::revolved, Vector3d::UnitX(), Vector3d::Zero(), 1};
+    const double front = mesh.vertices.col(0).minCoeff(), length = mesh.vertices.col(0).maxCoeff() - front;
+    const Points centroid = triangle_centroids(mesh);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (centroid(t, 0) < front + 0.3 * length) conditions.held.push_back(t);
+    ASSERT_GT(conditions.held.size(), 16u);
+    const DisplacementFields fields(mesh, conditions, {8, {}, {"scale"}});
+    const auto maps = fields.local_maps(VectorXd::Ones(8));
+    for (const int t : conditions.held)
+        EXPECT_EQ((maps[static_cast<std::size_t>(t)] - Eigen::Matrix3d::Identity()).cwiseAbs().maxCoeff(), 0) << t;
+    EXPECT_GT((maps[static_cast<std::size_t>(mesh.num_triangles() / 2)] - Eigen::Matrix3d::Identity()).norm(), 0.1);
+}
+
 /// The half sees what the whole sees: of motions and, with half of the forces on the cut, of forces.
 TEST(Invariance, OfAHalfIsThatOfTheWhole) {
     const TriMesh whole = body_of_revolution(16, 12);

@@ -110,6 +110,25 @@ TEST(WaveDrag, VonKarmanOgive) {
     EXPECT_NEAR(value(wave_drag("w", mesh, flow), mesh), wanted, 0.01 * wanted);
 }
 
+/// What a body does in the last thousandth of its length counts where its base is stated, and only there.
+TEST(WaveDrag, TheAreaOfAStatedBaseIsThatAtTheEnd) {
+    const double L = 5, R = 0.3, flare = 1.2;
+    std::vector<Eigen::Vector2d> meridian;
+    for (int i = 0; i <= 400; ++i) {
+        const double k = 0.5 * (1 - std::cos(pi * i / 400));
+        if (k < 1 - 5e-4) meridian.push_back({L * k, R * std::sqrt(eminton_base(k))});
+    }
+    meridian.push_back({L, flare * R});
+    const TriMesh mesh = lathe(meridian, 64);
+    WaveDrag flow;
+    flow.stations = 30;
+    const double unseen = value(wave_drag("w", mesh, flow), mesh);
+    flow.base = base_at(mesh, L);
+    const double seen = value(wave_drag("w", mesh, flow), mesh), wanted = 4 / pi * std::pow(pi * R * R / L, 2);
+    EXPECT_NEAR(unseen, wanted, 0.01 * wanted);
+    EXPECT_GT(seen, std::pow(flare, 4) * wanted) << "no less than the ogive of the larger base";
+}
+
 TEST(WaveDrag, ConeCylinderAgreesWithSlenderBodyTheory) {
     // Ward: C_D = d^2 (2 ln(2 / (beta d)) - 1) on the cone's base, d = tan of the half angle, none behind the shoulder.
     const double d = 0.08, beta = 1;

@@ -1,0 +1,187 @@
+#!/usr/bin/env python3
+"""Start surfaces of the published problems: surfaces.py KIND -o FILE.obj [--triangles N]
+
+Plain Python, so that the surfaces can be made wherever Strake runs. Every body of revolution has its axis along x and its vertices
+on rings, which `invariance: {revolve: x}` needs.
+"""
+import argparse
+import math
+
+
+class Surface:
+    """Vertices and triangles, both of which only grow."""
+
+    def __init__(self):
+        self.vertices, self.triangles = [], []
+
+    def ring(self, x, r, around):
+        """Indices of a ring's vertices; one vertex where the radius is 0."""
+        count = around if r > 0 else 1
+        first = len(self.vertices)
+        for k in range(count):
+            phi = 2 * math.pi * k / around
+            self.vertices.append((x, r * math.cos(phi), r * math.sin(phi)))
+        return list(range(first, first + count))
+
+    def strip(self, a, b):
+        """Triangles between ring a and ring b behind it, outward. Diagonals alternate, so that none winds around the body."""
+        n = max(len(a), len(b))
+        for k in range(n):
+            m = (k + 1) % n
+            if len(a) == 1:
+                self.triangles.append((a[0], b[m], b[k]))
+            elif len(b) == 1:
+                self.triangles.append((a[k], a[m], b[0]))
+            elif k % 2:
+                self.triangles += [(a[k], a[m], b[k]), (a[m], b[m], b[k])]
+            else:
+                self.triangles += [(a[k], a[m], b[m]), (a[k], b[m], b[k])]
+
+    def write(self, path):
+        with open(path, "w", encoding="ascii") as out:
+            for v in self.vertices:
+                out.write("v %.17g %.17g %.17g\n" % v)
+            for t in self.triangles:
+                out.write("f %d %d %d\n" % tuple(i + 1 for i in t))
+
+
+def body_of_revolution(points, around):
+    """A closed body through the rings (x, r), nose first; rings of radius 0 are its ends.
+
+    All sections are polygons of the same kind: rings turned against each other would make the areas swing between them.
+    """
+    surface, before = Surface(), None
+    for x, r in points:
+        ring = surface.ring(x, r, around)
+        if before is not None:
+            surface.strip(before, ring)
+        before = ring
+    return surface
+
+
+def places(count):
+    """count + 1 places in [0, 1], equidistant on a half circle: fine where areas of least drag grow with the power 3/2 (at points
+    and before a base). With rings further apart there the facets alone cost drag: 0.36 % of it with 208 rings twice as far apart.
+    """
+    return [(1 - math.cos(math.pi * k / count)) / 2 for k in range(count + 1)]
+
+
+LENGTH, RADIUS = 1.0, 0.05  # of the bodies for wave drag
+
+
+def cylinder_with_cones(k):
+    return RADIUS * min(1, k / 0.25, (1 - k) / 0.25)
+
+
+def bumped_spindle(k):
+    """Radius by the power 3/4 of a parabola, and the area larger and smaller by up to 30 % five times."""
+    return RADIUS * (4 * k * (1 - k)) ** 0.75 * math.sqrt(1 + 0.3 * math.sin(5 * math.pi * k) * math.sin(math.pi * k))
+
+
+def cone_and_cylinder(k):
+    return RADIUS * min(1, k / 0.5)
+
+
+def bumped_ogive(k):
+    """The same up to its largest radius, with three bumps."""
+    return RADIUS * (k * (2 - k)) ** 0.75 * math.sqrt(1 + 0.3 * math.sin(3 * math.pi * k) * math.sin(math.pi * k))
+
+
+def slender(profile, triangles, base=False):
+    # Triangles twice as long as wide: the sections, not the circles, are what counts.
+    around = max(12, 2 * round(math.sqrt(triangles / 400)))
+    count = max(20, round(triangles / (2 * around)))
+    points = [(LENGTH * k, profile(k)) for k in places(count)]
+    points[0] = (0.0, 0.0)
+    if base:
+        radius = points[-1][1]
+        disc = max(2, round(radius / (2 * math.pi * radius / around) / 2))
+        points += [(LENGTH, radius * (1 - j / disc)) for j in range(1, disc)] + [(LENGTH, 0.0)]
+    else:
+        points[-1] = (LENGTH, 0.0)
+    return body_of_revolution(points, around)
+
+
+def rectangular_wing(span, triangles):
+    """The right half of a rectangular wing of chord 1, NACA 0012 with a sharp trailing edge, open at y = 0, with a flat tip."""
+    chordwise = max(6, round(math.sqrt(triangles / 6)))
+    spanwise = max(6, round(triangles / (4 * chordwise)))
+    surface = Surface()
+
+    def height(x):
+        return 0.6 * (0.2969 * math.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+
+    rows = []
+    for s in range(spanwise + 1):  # finer to the tip, where the load falls
+        y = span / 2 * math.sin(math.pi / 2 * s / spanwise)
+        row = []
+        for k in range(2 * chordwise):  # from the trailing edge over the upper side forward, and back below
+            t = math.pi * k / chordwise
+            x = (1 + math.cos(t)) / 2
+            row.append(len(surface.vertices))
+            surface.vertices.append((x, y, 0.0 if k % chordwise == 0 else height(x) * (1 if k < chordwise else -1)))
+        rows.append(row)
+    for a, b in zip(rows, rows[1:]):
+        surface.strip(b, a)
+    tip = rows[-1]
+    for k in range(chordwise):
+        upper, lower = tip[k:k + 2], [tip[-k], tip[-k - 1]]
+        if k > 0:
+            surface.triangles.append((upper[0], lower[0], upper[1]))
+        if k < chordwise - 1:
+            surface.triangles.append((upper[1], lower[0], lower[1]))
+    return surface
+
+
+def sphere(triangles):
+    """A sphere of radius 1 from the icosahedron, its edges cut into equal parts."""
+    golden = (1 + math.sqrt(5)) / 2
+    corners = [(-1, golden, 0), (1, golden, 0), (-1, -golden, 0), (1, -golden, 0), (0, -1, golden), (0, 1, golden),
+               (0, -1, -golden), (0, 1, -golden), (golden, 0, -1), (golden, 0, 1), (-golden, 0, -1), (-golden, 0, 1)]
+    faces = [(0, 11, 5), (0, 5, 1), (0, 1, 7), (0, 7, 10), (0, 10, 11), (1, 5, 9), (5, 11, 4), (11, 10, 2), (10, 7, 6), (7, 1, 8),
+             (3, 9, 4), (3, 4, 2), (3, 2, 6), (3, 6, 8), (3, 8, 9), (4, 9, 5), (2, 4, 11), (6, 2, 10), (8, 6, 7), (9, 8, 1)]
+    parts = max(1, round(math.sqrt(triangles / 20)))
+    surface, known = Surface(), {}
+
+    def vertex(weights):
+        key = tuple(sorted((c, w) for c, w in weights if w))
+        if key not in known:
+            p = [sum(w * corners[c][d] for c, w in key) for d in range(3)]
+            size = math.sqrt(sum(x * x for x in p))
+            known[key] = len(surface.vertices)
+            surface.vertices.append(tuple(x / size for x in p))
+        return known[key]
+
+    for a, b, c in faces:
+        def at(i, j):
+            return vertex([(a, parts - i - j), (b, i), (c, j)])
+        for i in range(parts):
+            for j in range(parts - i):
+                surface.triangles.append((at(i, j), at(i + 1, j), at(i, j + 1)))
+                if i + j < parts - 1:
+                    surface.triangles.append((at(i + 1, j), at(i + 1, j + 1), at(i, j + 1)))
+    return surface
+
+
+KINDS = {
+    "cylinder_with_cones": lambda n: slender(cylinder_with_cones, n),
+    "bumped_spindle": lambda n: slender(bumped_spindle, n),
+    "cone_and_cylinder": lambda n: slender(cone_and_cylinder, n, True),
+    "bumped_ogive": lambda n: slender(bumped_ogive, n, True),
+    "sphere": sphere,
+    "wing_6_12": lambda n: rectangular_wing(6.12, n),
+    "wing_10": lambda n: rectangular_wing(10, n),
+}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
+    parser.add_argument("kind", choices=sorted(KINDS))
+    parser.add_argument("--triangles", type=int, default=8000, help="about so many")
+    parser.add_argument("-o", "--out", required=True, help="OBJ file")
+    options = parser.parse_args()
+    KINDS[options.kind](options.triangles).write(options.out)
+
+
+if __name__ == "__main__":
+    main()

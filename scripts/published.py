@@ -1,0 +1,196 @@
+#!/usr/bin/python3
+"""Runs the problems of cases/published and judges what they wrote: see published.sh, which calls this."""
+import argparse
+import csv
+import json
+import math
+import pathlib
+import re
+import resource
+import shutil
+import subprocess
+import sys
+
+try:
+    import numpy as np
+    import scipy  # noqa: F401
+except ImportError:
+    print("skipped: needs python3-numpy and python3-scipy")
+    sys.exit(77)
+
+ROOT = pathlib.Path(__file__).resolve().parent.parent
+CASES = ROOT / "cases/published"
+sys.path.insert(0, str(CASES))
+import areas  # noqa: E402
+import lattice  # noqa: E402
+import stokes  # noqa: E402
+import surfaces  # noqa: E402
+
+
+class Row:
+    """A number that is published, and ours."""
+
+    def __init__(self, what, published, value, passed, digits=5):
+        self.what, self.published, self.value, self.digits = what, published, float(value), digits
+        self.passed = None if passed is None else bool(passed)  # None: shown, not judged
+
+    def words(self):
+        return f"{self.value:.{self.digits}g}"
+
+
+def wave_drag(kind):
+    def judge(run):
+        found = areas.judge(run / "best.obj", kind)
+        return [Row("drag over the least", "1, within 0.5 %", 1 + found["excess"], abs(found["excess"]) < 0.005, 6),
+                Row("largest error of S over largest S", "0, within 1 %", found["area_error"], found["area_error"] < 0.01, 2)]
+    return judge
+
+
+def span_efficiency(lift, at_start):
+    """From the load itself: e = 1 / sum n (A_n / A_1)^2 of its sine series, on a lattice with twice as many strips."""
+    def efficiency(vertices, triangles, moved, alpha):
+        lattice.divide(4, 48)
+        places, area, _ = lattice.lattice_points(vertices)
+        wing = lattice.Lattice((lattice.sheet(vertices, triangles, places) @ moved).reshape(5, 49, 3), alpha)
+        t = np.pi / 2 * (1 - (np.arange(48) + 0.5) / 48)  # pi/2 at the root, 0 at the tip
+        n = np.arange(1, 96, 2)
+        A = np.sin(np.outer(n, t)) @ wing.last
+        lift = wing.wake()[0][0] / area
+        lattice.divide(4, 24)
+        return float(1 / np.sum(n * (A / A[0]) ** 2)), lift
+
+    def judge(run):
+        vertices, triangles = lattice.read_obj(surface_of(run))
+        moved = lattice.read_obj(run / "best.obj")[0]
+        rows = history(run)
+        first = float(rows[0]["wing.efficiency"])
+        e, cl = efficiency(vertices, triangles, moved, float(best_row(rows)["alpha"]))
+        return [Row("span efficiency at the start", f"{at_start}, within 0.001", first, abs(first - at_start) < 0.001, 4),
+                Row("span efficiency", "1, at least 0.999", e, 0.999 <= e < 1.0005),
+                Row("lift coefficient", f"{lift}, within 1 %", cl, abs(cl / lift - 1) < 0.01, 4),
+                Row("evaluations", "at most 10", len(rows), len(rows) <= 10, 3)]
+    return judge
+
+
+def spheroid(aspect):
+    """Drag along its axis of a prolate spheroid over that of the sphere of its volume (Oberbeck 1876)."""
+    e = math.sqrt(1 - aspect**-2)
+    over_half_length = 8 / 3 * e**3 / ((1 + e * e) * math.log((1 + e) / (1 - e)) - 2 * e)
+    return over_half_length * aspect ** (2 / 3)
+
+
+def tip_angle(run):
+    """Mean of both ends, in degrees: of the slope of the radius, from areas of sections, over 0.5 to 2 % of the length."""
+    vertices, triangles = areas.read_obj(run / "best.obj")
+    begin, end = vertices[:, 0].min(), vertices[:, 0].max()
+    angles = []
+    for tip, way in ((begin, 1), (end, -1)):
+        d = (end - begin) * np.linspace(0.005, 0.02, 7)
+        r = [math.sqrt(areas.section_area(vertices[triangles], tip + way * x) / math.pi) for x in d]
+        angles.append(math.degrees(math.atan(np.polyfit(d, r, 1)[0])))
+    return sum(angles) / 2
+
+
+def stokes_drag(run):
+    start, best = (areas.read_obj(p) for p in (surface_of(run), run / "best.obj"))
+    ratio = stokes.Body(*best).drag() / stokes.Body(*start).drag() * (areas.volume(*start) / areas.volume(*best)) ** (1 / 3)
+    best_spheroid = min(spheroid(a) for a in np.arange(1.8, 2.1, 0.001))
+    return [Row("drag over the sphere's", f"0.95425; best spheroid {best_spheroid:.5f}; at most 0.9555", ratio, 0.953 < ratio <= 0.9555),
+            Row("semi-angle of the ends, degrees", "60", tip_angle(run), None, 3)]
+
+
+def surface_of(run):
+    text = (run / "case.yaml").read_text(encoding="utf-8")
+    return (run / re.search(r"file: *\"?([^\s\"},]+)", text).group(1)).resolve()
+
+
+def history(run):
+    with open(run / "history.csv", encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file))
+
+
+def best_row(rows):
+    return min((r for r in rows if r["status"] == "ok" and float(r["max_violation"]) <= 1e-6), key=lambda r: float(r["objective"]))
+
+
+#         case: start surface, triangles, triangles of the quick run, judge, source
+PROBLEMS = {
+    "sears_haack": ("bumped_spindle", 10000, 10000, wave_drag("volume"), "Haack 1941, Sears 1947: D/q = 128 V²/(π L⁴)"),
+    "haack": ("bumped_spindle", 10000, 10000, wave_drag("diameter"), "Haack 1941: D/q = 4π S²/L²"),
+    "karman": ("bumped_ogive", 10000, 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
+    "stokes": ("sphere", 2000, 500, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014"),
+    "twist_10": ("wing_10", 2000, 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
+    "twist_6_12": ("wing_6_12", 2000, 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
+}
+
+
+def run_problem(name, options):
+    start, full, quick, judge, source = PROBLEMS[name]
+    triangles = quick if options.quick else full
+    surface = CASES / "generated" / f"{start}.obj"
+    surface.parent.mkdir(exist_ok=True)
+    if triangles != full:
+        surface = options.out / f"{start}_{triangles}.obj"
+    surfaces.KINDS[start](triangles).write(surface.with_suffix(".part"))
+    surface.with_suffix(".part").replace(surface)
+    run = options.out / name
+    shutil.rmtree(run, ignore_errors=True)
+    command = [options.bin / "strake", "run", CASES / f"{name}.yaml", "--out", run, "-q"]
+    if triangles != full:
+        command += ["--set", f"surface.file={surface}"]
+    before = resource.getrusage(resource.RUSAGE_CHILDREN)
+    done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+    after = resource.getrusage(resource.RUSAGE_CHILDREN)
+    # 3: the budget is spent, or no step is left: what was found counts
+    if not (run / "best.obj").exists():
+        print(done.stdout)
+        return name, triangles, [Row(f"the run ended with status {done.returncode}", "a design", math.nan, False)], 0, 0, source
+    seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
+    return name, triangles, judge(run), len(history(run)), seconds, source
+
+
+def tables(results):
+    lines = ["| problem | triangles | what | published | ours | | evaluations | seconds of CPU |", "|---|---|---|---|---|---|---|---|"]
+    for name, triangles, rows, evaluations, seconds, _ in results:
+        for k, row in enumerate(rows):
+            verdict = {True: "met", False: "**missed**", None: "not judged"}[row.passed]
+            first = [f"`{name}`", str(triangles)] if k == 0 else ["", ""]
+            last = [str(evaluations), f"{seconds:.0f}"] if k == 0 else ["", ""]
+            lines.append("| " + " | ".join(first + [row.what, row.published, row.words(), verdict] + last) + " |")
+    return "\n".join(lines)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Problems with published answers.")
+    parser.add_argument("--write", action="store_true", help="the tables of docs/published.md")
+    parser.add_argument("--quick", action="store_true", help="small sizes")
+    parser.add_argument("--out", type=pathlib.Path, default=ROOT / "build/published", help="folder of the runs")
+    parser.add_argument("--bin", type=pathlib.Path, default=ROOT / "build/release/programs", help="folder of strake")
+    parser.add_argument("names", nargs="*", help=", ".join(PROBLEMS))
+    options = parser.parse_args()
+    unknown = [n for n in options.names if n not in PROBLEMS]
+    if unknown:
+        parser.error(f"no problem is called {unknown[0]}; there are {', '.join(PROBLEMS)}")
+    if options.write and (options.names or options.quick):
+        parser.error("--write needs all problems at their full size")
+    options.out.mkdir(parents=True, exist_ok=True)
+    options.out, options.bin = options.out.resolve(), options.bin.resolve()
+    results = []
+    for name in options.names or PROBLEMS:
+        results.append(run_problem(name, options))
+        print(tables(results[-1:]).split("\n", 2)[2], flush=True)
+    (options.out / "results.json").write_text(json.dumps(
+        [{"problem": r[0], "triangles": r[1], "evaluations": r[3], "seconds": r[4],
+          "rows": [{"what": row.what, "published": row.published, "ours": row.value, "met": row.passed} for row in r[2]]}
+         for r in results], indent=1), encoding="utf-8")
+    if options.write:
+        page = ROOT / "docs/published.md"
+        text = page.read_text(encoding="utf-8")
+        begin, end = "<!-- results -->\n", "<!-- end of results -->"
+        head, rest = text.split(begin)
+        page.write_text(head + begin + "\n" + tables(results) + "\n\n" + end + rest.split(end)[1], encoding="utf-8")
+    sys.exit(0 if all(row.passed is not False for r in results for row in r[2]) else 1)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,133 @@
+#!/usr/bin/python3
+"""The programs of cases/published by themselves: closed forms, and derivatives of order 2. Argument: the repository."""
+import math
+import sys
+import unittest
+
+try:
+    import numpy as np
+    import scipy  # noqa: F401
+except ImportError:
+    print("skipped: needs python3-numpy and python3-scipy")
+    sys.exit(77)
+
+ROOT = sys.argv.pop(1)
+sys.path[:0] = [f"{ROOT}/{folder}" for folder in ("cases/published", "scripts")]
+import areas  # noqa: E402
+import lattice  # noqa: E402
+import published  # noqa: E402
+import stokes  # noqa: E402
+import surfaces  # noqa: E402
+
+
+def arrays(surface):
+    return np.array(surface.vertices), np.array(surface.triangles)
+
+
+def order(value, slope, step):
+    """Of the remainder value(h) - value(0) - h slope, between step and a quarter of it."""
+    rest = [abs(value(h) - value(0) - h * slope) for h in (step, step / 4)]
+    return math.log(rest[0] / rest[1]) / math.log(4)
+
+
+class LeastWaveDrag(unittest.TestCase):
+    """The published optima are those of a quadratic program in the coefficients of S' = L sum A_n sin(n t), L = 1: least
+    pi / 4 sum n A_n^2 under one linear condition, which is integrated here."""
+
+    def least(self, condition, sums=(), count=400):
+        n = np.arange(1, count + 1)
+        t = np.linspace(0, np.pi, 40001)
+        x, slope = (1 - np.cos(t)) / 2, np.sin(t) / 2
+        areas_of = np.array([np.concatenate([[0], np.cumsum((f[1:] + f[:-1]) / 2 * np.diff(t))])
+                             for f in np.sin(np.outer(n, t)) * slope])
+        rows = np.array([g(areas_of, x) for g in (condition, *sums)])
+        # min a.W a, rows a = wanted: wanted . (rows W^-1 rows^T)^-1 wanted
+        return np.linalg.inv((rows / (np.pi / 4 * n)) @ rows.T)[0, 0]
+
+    def test_volume(self):
+        closed = lambda S, x: S[:, -1]
+        volume = lambda S, x: np.sum((S[:, 1:] + S[:, :-1]) / 2 * np.diff(x), 1)
+        self.assertAlmostEqual(self.least(volume, (closed,)) / (128 / np.pi), 1, delta=1e-6)
+
+    def test_largest_area(self):
+        closed = lambda S, x: S[:, -1]
+        middle = lambda S, x: S[:, S.shape[1] // 2]
+        self.assertAlmostEqual(self.least(middle, (closed,)) / (4 * np.pi), 1, delta=1e-4)  # 400 sines of a kink
+        beside = lambda S, x: S[:, int(0.45 * S.shape[1])]
+        self.assertGreater(self.least(beside, (closed,)) / (4 * np.pi), 1.001)
+
+    def test_base(self):
+        self.assertAlmostEqual(self.least(lambda S, x: S[:, -1]) / (4 / np.pi), 1, delta=1e-6)
+
+    def test_judge(self):
+        t = np.linspace(0, np.pi, 2002)
+        k = (1 - np.cos(t)) / 2
+        for S, least in ((areas.sears_haack(k, 1, 1), 128 / np.pi), (areas.haack_diameter(k, 1), 4 * np.pi),
+                         (areas.karman_ogive(k, 1), 4 / np.pi)):
+            self.assertAlmostEqual(areas.wave_drag(t, S, 1, 200) / least, 1, delta=1e-4)
+            bumped = S * (1 + 0.1 * np.sin(6 * np.pi * k) * np.sin(np.pi * k))
+            self.assertGreater(areas.wave_drag(t, bumped, 1, 200) / least, 1.05)
+
+    def test_sections(self):
+        vertices, triangles = arrays(surfaces.KINDS["cylinder_with_cones"](4000))
+        around = int(np.sum(abs(vertices[:, 0] - vertices[1, 0]) < 1e-12))
+        polygon = around / 2 * math.sin(2 * math.pi / around) * surfaces.RADIUS**2
+        self.assertAlmostEqual(areas.section_area(vertices[triangles], 0.5), polygon, delta=1e-12)
+
+
+class Stokes(unittest.TestCase):
+    def test_derivative(self):
+        vertices, triangles = arrays(surfaces.sphere(80))
+        random = np.random.default_rng(1)
+        vertices = vertices * [1.3, 0.9, 1] + 0.03 * random.normal(size=vertices.shape)
+        body, way = stokes.Body(vertices, triangles), random.normal(size=vertices.shape)
+        body.drag()
+        slope = float(np.sum(body.gradient() * way))
+        value = lambda h: stokes.Body(vertices + h * way, triangles).drag()
+        self.assertAlmostEqual(order(value, slope, 1e-3), 2, delta=0.1)
+        self.assertAlmostEqual(order(value, 1.5 * slope, 1e-3), 1, delta=0.1)
+
+    def test_sphere_and_spheroid(self):
+        vertices, triangles = arrays(surfaces.sphere(500))
+        radius = (areas.volume(vertices, triangles) * 3 / 4 / math.pi) ** (1 / 3)
+        drag = stokes.Body(vertices, triangles).drag()
+        self.assertAlmostEqual(drag / (6 * math.pi * radius), 1, delta=2e-3)
+        self.assertAlmostEqual(stokes.Body(2 * vertices, triangles).drag() / (2 * drag), 1, delta=1e-5)
+        for aspect in (1.3, 1.952):
+            stretched = vertices * [aspect ** (2 / 3), aspect ** (-1 / 3), aspect ** (-1 / 3)]
+            self.assertAlmostEqual(stokes.Body(stretched, triangles).drag() / drag, published.spheroid(aspect), delta=2e-4)
+
+
+class VortexLattice(unittest.TestCase):
+    def test_derivative(self):
+        vertices, triangles = arrays(surfaces.rectangular_wing(10, 1200))
+        random = np.random.default_rng(1)
+        moved = vertices.copy()
+        moved[:, 2] += 0.02 * vertices[:, 1] ** 2 * vertices[:, 0]
+        way, by_alpha = 0.1 * random.normal(size=vertices.shape), 0.3
+        values, gradients = lattice.evaluate(vertices, triangles, moved, 0.1)
+        for name in values:
+            slope = float(np.sum(gradients[name][0] * way) + gradients[name][1] * by_alpha)
+            value = lambda h, name=name: lattice.evaluate(vertices, triangles, moved + h * way, 0.1 + h * by_alpha, False)[0][name]
+            self.assertAlmostEqual(order(value, slope, 1e-3), 2, delta=0.1, msg=name)
+            self.assertAlmostEqual(order(value, 1.5 * slope, 1e-3), 1, delta=0.1, msg=name)
+
+    def test_untwisted_wing(self):
+        """The efficiencies at which the published problems start; and on a slender wing that of Glauert's lifting line, solved here."""
+        for span, wanted in ((6.12, 0.983), (10, 0.960)):
+            vertices, triangles = arrays(surfaces.rectangular_wing(span, 1200))
+            values = lattice.evaluate(vertices, triangles, vertices, 0.05, False)[0]
+            self.assertAlmostEqual(values["efficiency"], wanted, delta=1e-3)
+        span, alpha = 40, 0.01
+        vertices, triangles = arrays(surfaces.rectangular_wing(span, 1200))
+        values = lattice.evaluate(vertices, triangles, vertices, alpha, False)[0]
+        n, t = np.arange(1, 100, 2), np.pi / 2 * (np.arange(50) + 0.5) / 50
+        mu = 2 * np.pi / (4 * span)
+        A = np.linalg.solve(np.sin(np.outer(t, n)) * (mu * n + np.sin(t)[:, None]), mu * alpha * np.sin(t))
+        # The line knows no chord: it misses what happens within a chord of the ends, a share of the order of 1 / span.
+        self.assertAlmostEqual(values["lift"] / (np.pi * span * A[0]), 1, delta=1 / span)
+        self.assertAlmostEqual(values["efficiency"] * np.sum(n * (A / A[0]) ** 2), 1, delta=3 / span)
+
+
+if __name__ == "__main__":
+    unittest.main()

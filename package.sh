@@ -5,7 +5,8 @@
 #   wheel    the Python package with the program inside and its libraries beside it, for this Python and glibc
 #   tarball  strake-VERSION-MACHINE.tar.xz: program, loader and libraries in one folder, for machines without root or with older systems
 #   image    strake-VERSION.oci.tar: a container image (needs buildah and user namespaces)
-# Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage.
+# Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage. Where there is ccache it is
+# used: the same sources once more take two minutes.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$PWD
@@ -14,7 +15,10 @@ version=$(sed -n 's/^project(strake VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 [ "$(dpkg-parsechangelog -S Version)" = "$version" ] || { echo "package.sh: debian/changelog is not of version $version" >&2; exit 1; }
 dist=$root/dist
 mkdir -p "$dist"
-work=$(mktemp -d)
+# Always the same folder, so that a compiler cache knows the sources again.
+work=$root/build/package
+rm -rf "$work"
+mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
@@ -48,8 +52,11 @@ unpacked() { # FOLDER
 
 deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PACKAGE
 make_deb() {
-    unpacked "$work/deb/strake-$version"
-    (cd "$work/deb/strake-$version" && dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
+    local sources=$work/deb/strake-$version
+    unpacked "$sources"
+    # Symbols for a debugger would double the compiler's time, and nobody gets them.
+    (cd "$sources" && PATH=/usr/lib/ccache:$PATH CCACHE_BASEDIR=$sources CCACHE_NOHASHDIR=true DEB_CFLAGS_STRIP=-g DEB_CXXFLAGS_STRIP=-g \
+        DEB_BUILD_OPTIONS="noautodbgsym ${DEB_BUILD_OPTIONS-}" dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
     rm "$dist/deb.log"
     for file in "$work"/deb/*.deb; do
         [[ $file != *-dbgsym* ]] || continue

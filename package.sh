@@ -6,7 +6,7 @@
 #   tarball  strake-VERSION-MACHINE.tar.xz: program, loader and libraries in one folder, for machines without root or with older systems
 #   image    strake-VERSION.oci.tar: a container image (needs buildah and user namespaces)
 # Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage. Where there is ccache it is
-# used: the same sources once more take two minutes.
+# used: the same sources once more take two minutes. STRAKE_GPL=OFF in the environment makes them without parts under the GPL.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$PWD
@@ -50,6 +50,8 @@ unpacked() { # FOLDER
     tar -xJf "$tarball" -C "$1" --strip-components=1
 }
 
+# What the packages in dist/ were made from.
+built_from() { echo "$(git rev-parse HEAD) ${STRAKE_GPL:-ON}"; }
 deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PACKAGE
 make_deb() {
     local sources=$work/deb/strake-$version
@@ -63,7 +65,7 @@ make_deb() {
         cp "$file" "$dist"
         made+=("$dist/${file##*/}")
     done
-    git rev-parse HEAD >"$dist/.commit"
+    built_from >"$dist/.built_from"
 }
 
 # What the Debian packages install: one build serves every kind.
@@ -71,7 +73,7 @@ build_once() {
     [ -e "$work/installed/usr/bin/strake" ] && return
     local name
     for name in strake python3-strake; do
-        [ -e "$(deb_of $name)" ] && [ "$(cat "$dist/.commit" 2>/dev/null)" = "$(git rev-parse HEAD)" ] || make_deb
+        [ -e "$(deb_of $name)" ] && [ "$(cat "$dist/.built_from" 2>/dev/null)" = "$(built_from)" ] || make_deb
         dpkg-deb -x "$(deb_of $name)" "$work/installed"
     done
 }

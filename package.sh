@@ -56,7 +56,9 @@ deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PA
 make_deb() {
     local sources=$work/deb/strake-$version
     unpacked "$sources"
-    # Symbols for a debugger would double the compiler's time, and nobody gets them.
+    # debhelper has a HOME of its own, where the compiler's cache would be lost. Symbols for a debugger would double the
+    # compiler's time, and nobody gets them.
+    ! command -v ccache >/dev/null || export CCACHE_DIR="${CCACHE_DIR:-$(ccache --get-config cache_dir)}"
     (cd "$sources" && PATH=/usr/lib/ccache:$PATH CCACHE_BASEDIR=$sources CCACHE_NOHASHDIR=true DEB_CFLAGS_STRIP=-g DEB_CXXFLAGS_STRIP=-g \
         DEB_BUILD_OPTIONS="noautodbgsym ${DEB_BUILD_OPTIONS-}" dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
     rm "$dist/deb.log"

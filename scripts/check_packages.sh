@@ -46,11 +46,14 @@ enter() {
     mount -t proc proc "$root/proc"
     mkdir "$root/parcel"
 }
-inside() { # USER COMMANDS, as a script read from the standard input where there are none
+inside() { # USER COMMAND...
     local user=$1
     shift
-    chroot --userspec="$user" "$root" env -i PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin HOME=/tmp LANG=C.UTF-8 DEBIAN_FRONTEND=noninteractive OMP_NUM_THREADS=2 \
-        "${OPENBLAS_CORETYPE:+OPENBLAS_CORETYPE=$OPENBLAS_CORETYPE}" "$@"
+    # Some processors need OPENBLAS_CORETYPE with Debian's OpenBLAS: it is what this machine has it to be.
+    local -a blas=()
+    [ -z "${OPENBLAS_CORETYPE-}" ] || blas=("OPENBLAS_CORETYPE=$OPENBLAS_CORETYPE")
+    chroot --userspec="$user" "$root" env -i PATH=/usr/local/bin:/usr/bin:/bin:/usr/sbin:/sbin HOME=/tmp LANG=C.UTF-8 \
+        DEBIAN_FRONTEND=noninteractive "${blas[@]}" "$@"
 }
 install() { inside 0 sh -euc 'apt-get update -qq && apt-get install -y -qq --no-install-recommends "$@" >/tmp/apt.log 2>&1 || { tail /tmp/apt.log; exit 1; }; rm /tmp/apt.log' sh "$@"; }
 files() { (cd "$root" && find . -xdev \( -path ./proc -o -path ./parcel -o -path ./tmp -o -path './var/lib/apt' -o -path './var/cache' -o -path './var/log' -o -path './var/lib/dpkg' \) -prune -o -print | sort); }

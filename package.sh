@@ -5,7 +5,8 @@
 #   wheel    the Python package with the program inside and its libraries beside it, for this Python and glibc
 #   tarball  strake-VERSION-MACHINE.tar.xz: program, loader and libraries in one folder, for machines without root or with older systems
 #   image    strake-VERSION.oci.tar: a container image (needs buildah and user namespaces)
-# Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage.
+# Needs what scripts/setup.sh run package installs. DEB_BUILD_OPTIONS goes to dpkg-buildpackage. Where there is ccache it is
+# used: the same sources once more take two minutes. STRAKE_GPL=OFF in the environment makes them without parts under the GPL.
 set -euo pipefail
 cd "$(dirname "$0")"
 root=$PWD
@@ -14,7 +15,10 @@ version=$(sed -n 's/^project(strake VERSION \([0-9.]*\).*/\1/p' CMakeLists.txt)
 [ "$(dpkg-parsechangelog -S Version)" = "$version" ] || { echo "package.sh: debian/changelog is not of version $version" >&2; exit 1; }
 dist=$root/dist
 mkdir -p "$dist"
-work=$(mktemp -d)
+# Always the same folder, so that a compiler cache knows the sources again.
+work=$root/build/package
+rm -rf "$work"
+mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
 SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
 export SOURCE_DATE_EPOCH
@@ -46,17 +50,24 @@ unpacked() { # FOLDER
     tar -xJf "$tarball" -C "$1" --strip-components=1
 }
 
+# What the packages in dist/ were made from.
+built_from() { echo "$(git rev-parse HEAD) ${STRAKE_GPL:-ON}"; }
 deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PACKAGE
 make_deb() {
-    unpacked "$work/deb/strake-$version"
-    (cd "$work/deb/strake-$version" && dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
+    local sources=$work/deb/strake-$version
+    unpacked "$sources"
+    # debhelper has a HOME of its own, where the compiler's cache would be lost. Symbols for a debugger would double the
+    # compiler's time, and nobody gets them.
+    ! command -v ccache >/dev/null || export CCACHE_DIR="${CCACHE_DIR:-$(ccache --get-config cache_dir)}"
+    (cd "$sources" && PATH=/usr/lib/ccache:$PATH CCACHE_BASEDIR=$sources CCACHE_NOHASHDIR=true DEB_CFLAGS_STRIP=-g DEB_CXXFLAGS_STRIP=-g \
+        DEB_BUILD_OPTIONS="noautodbgsym ${DEB_BUILD_OPTIONS-}" dpkg-buildpackage -b -us -uc) >"$dist/deb.log" 2>&1 || { tail -n 40 "$dist/deb.log" >&2; return 1; }
     rm "$dist/deb.log"
     for file in "$work"/deb/*.deb; do
         [[ $file != *-dbgsym* ]] || continue
         cp "$file" "$dist"
         made+=("$dist/${file##*/}")
     done
-    git rev-parse HEAD >"$dist/.commit"
+    built_from >"$dist/.built_from"
 }
 
 # What the Debian packages install: one build serves every kind.
@@ -64,7 +75,7 @@ build_once() {
     [ -e "$work/installed/usr/bin/strake" ] && return
     local name
     for name in strake python3-strake; do
-        [ -e "$(deb_of $name)" ] && [ "$(cat "$dist/.commit" 2>/dev/null)" = "$(git rev-parse HEAD)" ] || make_deb
+        [ -e "$(deb_of $name)" ] && [ "$(cat "$dist/.built_from" 2>/dev/null)" = "$(built_from)" ] || make_deb
         dpkg-deb -x "$(deb_of $name)" "$work/installed"
     done
 }

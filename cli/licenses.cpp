@@ -17,6 +17,7 @@ constexpr std::array parts{
     Part{"Strake", "Apache-2.0"},
     Part{"Eigen", "MPL-2.0"},
     Part{"CGAL (exact predicates)", "LGPL-3.0-or-later"},
+    Part{"GMP, by CGAL", "LGPL-3.0-or-later"},
     Part{"METIS", "Apache-2.0"},
     Part{"OpenBLAS", "BSD-3-Clause"},
     Part{"NLopt", "MIT, LGPL-2.1-or-later"},
@@ -29,6 +30,7 @@ constexpr std::array parts{
     Part{"SQLite", "blessing (public domain)"},
     Part{"zlib", "Zlib"},
     Part{"three.js, uPlot (page of the report)", "MIT"},
+    Part{"runtime libraries of GCC", "GPL-3.0-or-later WITH GCC-exception-3.1"},
 };
 #if STRAKE_GPL
 constexpr std::array more_parts{
@@ -37,6 +39,8 @@ constexpr std::array more_parts{
     Part{"CHOLMOD (core, Cholesky, Partition)", "LGPL-2.1-or-later"},
     Part{"CHOLMOD (Supernodal, Modify)", "GPL-2.0-or-later"},
     Part{"SPQR, by Ceres", "GPL-2.0-or-later"},
+    Part{"CXSparse, by Ceres", "LGPL-2.1-or-later"},
+    Part{"AMD, COLAMD, by CHOLMOD", "BSD-3-Clause"},
     Part{"CGAL alpha wrap", "GPL-3.0-or-later"},
 };
 constexpr const char* terms =

@@ -15,11 +15,12 @@ mmdebstrap --variant=minbase --include=strake,ca-certificates --skip=cleanup/apt
     --aptopt='APT::Install-Recommends "false"' --aptopt='Acquire::AllowInsecureRepositories "true"' \
     --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' --dpkgopt='path-exclude=/usr/share/info/*' \
     --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' --dpkgopt='path-include=/usr/share/doc/strake/examples/*' \
-    --setup-hook="mkdir -p \"\$1/parcel\" && cp $work/*.deb $work/Packages \"\$1/parcel\"" \
     --customize-hook='chroot "$1" useradd --create-home --uid 1000 strake' \
-    --customize-hook='rm -rf "$1/parcel" "$1/var/lib/apt/lists"/* "$1/var/cache/apt"/*.bin "$1/usr/share/perl"' \
-    bookworm "$work/root.tar" "$(grep -rhoE '^deb [^#]*bookworm main' /etc/apt/sources.list /etc/apt/sources.list.d 2>/dev/null | head -n 1)" \
-    "deb [trusted=yes] copy:/parcel ./"
+    --customize-hook='sed -i "/copy:/d" "$1"/etc/apt/sources.list' \
+    --customize-hook='rm -rf "$1/var/lib/apt/lists"/* "$1/var/cache/apt"/*.bin "$1/usr/share/perl"' \
+    --customize-hook='mkdir "$1/work" && chown 1000:1000 "$1/work"' \
+    bookworm "$work/root.tar" "deb $("$(dirname "$0")/mirror.sh") bookworm main" \
+    "deb [trusted=yes] copy:$work ./"
 if command -v buildah >/dev/null && container=$(buildah from scratch 2>/dev/null); then
     buildah add "$container" "$work/root.tar" / >/dev/null
     buildah config --user strake --workingdir /work --entrypoint '["/usr/bin/strake"]' --cmd --help \

@@ -93,12 +93,19 @@ if __name__ == "__main__":
 '''
 
 
-def metadata(version, readme):
+def numpy_of(work):
+    """The versions of NumPy that the module works with: pybind11 before 2.12 does not know NumPy 2."""
+    asked = f"import sys; sys.path.insert(0, {str(work)!r}); import strake; print(strake._core.numpy_2)"
+    return ">=1.24" if run("/usr/bin/python3", "-B", "-c", asked).strip() == "True" else ">=1.24,<2"
+
+
+def metadata(version, readme, licenses, numpy):
+    permissive = "no part under the GPL" in licenses
     return (f"Metadata-Version: 2.1\nName: strake\nVersion: {version}\n"
             "Summary: Shape optimization of triangulated surfaces without CAD\n"
-            "License: GPL-3.0-or-later\n"
+            f"License: {'Apache-2.0; libraries: see strake --licenses' if permissive else 'GPL-3.0-or-later'}\n"
             "Classifier: Programming Language :: C++\nClassifier: Topic :: Scientific/Engineering\nClassifier: Typing :: Typed\n"
-            "Requires-Python: >=3.11,<3.12\nRequires-Dist: numpy>=1.24\n"
+            f"Requires-Python: >=3.11,<3.12\nRequires-Dist: numpy{numpy}\n"
             f"Description-Content-Type: text/markdown\n\n{readme}")
 
 
@@ -136,7 +143,8 @@ def main():
     bundle(package, work / "strake.libs")
     info = f"strake-{version}.dist-info"
     (work / info).mkdir()
-    (work / info / "METADATA").write_text(metadata(version, (root / "README.md").read_text(encoding="utf-8")), encoding="utf-8")
+    (work / info / "METADATA").write_text(metadata(
+        version, (root / "README.md").read_text(encoding="utf-8"), run(package / "bin/strake", "--licenses"), numpy_of(work)), encoding="utf-8")
     (work / info / "entry_points.txt").write_text("[console_scripts]\nstrake = strake.__main__:main\nmake_surface = strake.__main__:make_surface\n")
     shutil.copy(root / "LICENSE", work / info / "LICENSE")
     machine = sysconfig.get_platform().replace("-", "_").replace(".", "_").replace("linux", "manylinux_{}_{}".format(*MAX_GLIBC))

@@ -93,6 +93,7 @@ PYBIND11_MODULE(_core, m) {
     m.doc() = "The compiled part of `strake`.";
     m.attr("__module__") = "strake";  // where users find what is in it
     m.attr("version") = version();
+    m.attr("numpy_2") = PYBIND11_VERSION_HEX >= 0x020C0000;  // before 2.12 pybind11 knows NumPy 1 alone
     bind_errors(m);
     bind_surface(m);
     bind_patches(m);

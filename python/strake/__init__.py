@@ -48,6 +48,9 @@ except ImportError as _missing:
     raise ImportError("strake needs numpy: install it, for example by `apt install python3-numpy` or "
                       "`pip install numpy`") from _missing
 from . import _core
+if not _core.numpy_2 and int(_numpy.__version__.split(".", maxsplit=1)[0]) > 1:
+    raise ImportError(f"this build of strake knows NumPy 1 (its pybind11 is older than 2.12), and here is NumPy "
+                      f"{_numpy.__version__}: `pip install 'numpy<2'`, or build strake with pybind11 2.12 or later")
 from ._core import (CaseError, DesignSpace, Equilibrium, Error, Evaluation, EvaluationFailed, InputError, InvalidInput,
                     Motion, OutputError, Patch, PatchLevel, PatchTree, Problem, Result, Sensitivities, Shell,
                     SolverError, Surface, SurfaceMap, UnheldPart)

@@ -1,3 +1,6 @@
+import subprocess
+import sys
+
 import numpy as np
 import pytest
 
@@ -99,3 +102,12 @@ def test_other_points_move_along(body):
 def test_distance(body):
     told = body.distance(body.with_vertices(body.vertices + [0, 0, 0.01]))
     assert told["max"] == pytest.approx(0.01, rel=0.05) and len(told["at_vertices"]) == body.num_vertices
+
+
+def test_a_numpy_that_the_module_does_not_know_is_refused():
+    code = "import numpy; numpy.__version__ = '2.1.0'; import strake"
+    done = subprocess.run([sys.executable, "-c", code], capture_output=True, text=True, check=False)
+    if strake._core.numpy_2:
+        assert done.returncode == 0, done.stderr
+    else:
+        assert done.returncode == 1 and "here is NumPy 2.1.0" in done.stderr, done.stderr

@@ -39,7 +39,7 @@ TEST(Wrap, CapsCloseEachOpenBorder) {
 }
 
 TEST(Wrap, IsClosedEvenAndOutside) {
-    if (!has_alpha_wrap()) GTEST_SKIP();
+    if (!has_alpha_wrap()) GTEST_SKIP() << "built without the alpha wrap (-DSTRAKE_GPL=OFF)";
     for (const char* kind : {"wing_through_body", "holes", "crossing_cylinders", "gaps"}) {
         const TriMesh body = example::dirty_body(kind);
         const Wrap wrap = wrap_around(body);
@@ -68,7 +68,7 @@ TEST(Wrap, IsClosedEvenAndOutside) {
 }
 
 TEST(Wrap, CarriesADirtyBodyThroughABend) {
-    if (!has_alpha_wrap()) GTEST_SKIP();
+    if (!has_alpha_wrap()) GTEST_SKIP() << "built without the alpha wrap (-DSTRAKE_GPL=OFF)";
     for (const char* kind : {"wing_through_body", "flipped_parts"}) {
         const TriMesh body = example::dirty_body(kind);
         const Wrap wrap = wrap_around(body);
@@ -84,7 +84,7 @@ TEST(Wrap, CarriesADirtyBodyThroughABend) {
 }
 
 TEST(Wrap, TakesACoarserSecondTryWhereTimeIsShort) {
-    if (!has_alpha_wrap()) GTEST_SKIP();
+    if (!has_alpha_wrap()) GTEST_SKIP() << "built without the alpha wrap (-DSTRAKE_GPL=OFF)";
     WrapOptions options;
     options.max_seconds = 1e-9;
     try {
@@ -111,7 +111,7 @@ TEST(Wrap, WrongOptionsAreRefused) {
 }
 
 TEST(Wrap, ABuildWithoutItSaysSo) {
-    if (has_alpha_wrap()) GTEST_SKIP();
+    if (has_alpha_wrap()) GTEST_SKIP() << "built with the alpha wrap";
     try {
         wrap_around(icosphere(2));
         FAIL();

@@ -24,8 +24,8 @@ public:
     void solve_each_from_datum() { solver_.solve_each_from_datum(); }
     /// Ends the run between two evaluations: stops all programs. @throws Interrupted, with the jobs that are pending.
     [[noreturn]] void interrupt() { queue_.interrupt(); }
-    /// x, or where its shape does not keep `slack` of the motion limit, or its fields fold space, a design near it whose
-    /// shape does, if there is one (`moved_inside`).
+    /// x, or where its shape does not keep `slack` of the motion limit, or its fields fold space, a design near it
+    /// whose shape does, if there is one (`moved_inside`).
     Eigen::VectorXd within(const Eigen::VectorXd& x, double slack);
     /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or its fields fold space.
     bool is_beyond(const Eigen::VectorXd& x, double slack);

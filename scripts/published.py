@@ -4,6 +4,7 @@ import argparse
 import csv
 import json
 import math
+import os
 import pathlib
 import re
 import resource
@@ -11,6 +12,7 @@ import shutil
 import subprocess
 import sys
 
+os.environ.setdefault("OPENBLAS_NUM_THREADS", "1")  # here and in the programs that Strake calls: the same bits everywhere
 try:
     import numpy as np
     import scipy  # noqa: F401
@@ -137,7 +139,7 @@ def run_problem(name, options):
     shutil.rmtree(run, ignore_errors=True)
     command = [options.bin / "strake", "run", CASES / f"{name}.yaml", "--out", run, "-q"]
     if triangles != full:
-        command += ["--set", f"surface.file={surface}"]
+        command += ["--set", f"surface.file={surface}", "--set", "optimize.budget.evaluations=16"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -11,10 +11,10 @@ chmod 755 "$work"
 cp "$deb" "$work"
 (cd "$work" && dpkg-scanpackages . >Packages 2>/dev/null)
 # Pages and translations stay outside.
-mmdebstrap --variant=minbase --include=strake,ca-certificates --skip=cleanup/apt/lists \
-    --aptopt='APT::Install-Recommends "false"' --aptopt='Acquire::AllowInsecureRepositories "true"' \
+mmdebstrap --variant=minbase --include=strake --skip=cleanup/apt/lists \
+    --aptopt='APT::Install-Recommends "false"' \
     --dpkgopt='path-exclude=/usr/share/man/*' --dpkgopt='path-exclude=/usr/share/locale/*' --dpkgopt='path-exclude=/usr/share/info/*' \
-    --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' --dpkgopt='path-include=/usr/share/doc/strake/examples/*' \
+    --dpkgopt='path-exclude=/usr/lib/*/perl/*' --dpkgopt='path-exclude=/usr/share/doc/*' --dpkgopt='path-include=/usr/share/doc/*/copyright' --dpkgopt='path-include=/usr/share/doc/strake/examples/*' \
     --customize-hook='chroot "$1" useradd --create-home --uid 1000 strake' \
     --customize-hook='sed -i "/copy:/d" "$1"/etc/apt/sources.list' \
     --customize-hook='rm -rf "$1/var/lib/apt/lists"/* "$1/var/cache/apt"/*.bin "$1/usr/share/perl"' \

@@ -1,4 +1,5 @@
 #include "casefile/load_case.hpp"
+#include "casefile/yaml/value.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/session.hpp"
@@ -24,12 +25,18 @@ std::string quoted(const std::string& words) {
     return out + "\"";
 }
 
-/// What the command line says, else the case, else a sequence.
-Spread method_of(const SampleArguments& args) {
-    if (args.method == "lhs") return Spread::lhs;
-    if (args.method == "levels") return Spread::levels;
-    if (args.method == "sobol") return Spread::sobol;
-    return load_case(args.session.case_file, Purpose::run, args.session.settings).sample.value_or(Spread::sobol);
+/// The method that the command line or the case says; empty: neither does.
+std::string method_of(const SampleArguments& args) {
+    if (!args.method.empty()) return args.method;
+    const std::string key = "sample.method=";
+    for (const std::string& setting : args.session.settings)
+        if (setting.starts_with(key)) return setting.substr(key.size());
+    const Value root = parse_yaml(read_case_file(args.session.case_file), args.session.case_file);
+    for (const Entry& entry : root.entries)
+        if (entry.key == "sample")
+            for (const Entry& below : entry.value.entries)
+                if (below.key == "method") return below.value.text;
+    return "";
 }
 
 /// Everything that was asked for stands in the case.yaml of the folder, so that `resume` knows it.
@@ -42,11 +49,9 @@ void sample(SampleArguments& args) {
             throw InputError(printable(args.table, 400) + ": no such file; give a table (CSV) of designs and values");
         settings.push_back("sample.table=" + quoted(table.string()));
     }
-    const Spread method = method_of(args);
-    settings.push_back(text("sample.method=", method == Spread::lhs      ? "lhs"
-                                              : method == Spread::levels ? "levels"
-                                                                         : "sobol"));
-    if (args.seed && method != Spread::lhs)
+    const std::string method = method_of(args);
+    settings.push_back("sample.method=" + (method.empty() ? "sobol" : method));
+    if (args.seed && method != "lhs")
         throw InvalidInput("--seed is for --method lhs: the other methods give the same designs each time");
     if (args.seed) settings.push_back(text("optimize.seed=", *args.seed));
     if (args.designs > 0) settings.push_back(text("optimize.budget.evaluations=", args.designs));

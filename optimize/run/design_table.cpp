@@ -138,7 +138,9 @@ private:
         for (const int c : at) {
             const std::string& word = row[static_cast<std::size_t>(c)];
             double value = none;
-            const auto [end, error] = std::from_chars(word.data(), word.data() + word.size(), value);
+            const bool has_plus = word.size() > 1 && word[0] == '+' && word[1] != '-';
+            const char* begin = word.data() + (has_plus ? 1 : 0);
+            const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
             const bool is_number = error == std::errc() && end == word.data() + word.size() && std::isfinite(value);
             if (!is_number && !(may_miss && (word.empty() || is_nan(word))))
                 refuse(text(

@@ -57,6 +57,8 @@ SampleDesigns::SampleDesigns(const Problem& problem, const DesignSpace& space, c
 void SampleDesigns::choose_levels() {
     const Eigen::Index dimensions = shape_ + parameters_;
     const double room = static_cast<double>(most_) + 1;
+    // One below the root always fits: counting from one level on takes hours for a variable and a million designs.
+    levels_ = std::max(0, static_cast<int>(std::pow(most_, 1 / static_cast<double>(dimensions))) - 1);
     while (power_up_to(levels_ + 1, dimensions, room) < room && 1 + combinations(levels_ + 1, nullptr) <= most_)
         ++levels_;
     if (levels_ < 2) {

@@ -15,6 +15,18 @@ namespace {
 
 using Eigen::VectorXd;
 
+/// One call of a program gives all its values: those of the table would be paid for again, and be ignored.
+[[noreturn]] void refuse_some_values(const DesignTable& table, const Quantity& quantity) {
+    std::string with, without;
+    for (const std::string& name : quantity.names) {
+        std::string& list = std::ranges::find(table.values, name) != table.values.end() ? with : without;
+        list += (list.empty() ? "" : ", ") + name;
+    }
+    throw InvalidInput(text(table.name, ": there is a column for ", with, ", and none for ", without,
+                            ", which the same program returns; add the columns that are missing, remove them from the "
+                            "outputs of the case, or remove all columns of the program to have it called"));
+}
+
 /// The problem with the answers of the table in place of the quantities that it has all values of.
 Problem answered(Problem problem) {
     problem.optimize.method = Method::cobyla;  // asks for no gradients
@@ -27,7 +39,8 @@ Problem answered(Problem problem) {
             const auto at = std::find(known.begin(), known.end(), name);
             if (at != known.end()) columns.push_back(at - known.begin());
         }
-        if (columns.size() != quantity.names.size()) continue;
+        if (columns.empty()) continue;
+        if (columns.size() != quantity.names.size()) refuse_some_values(*problem.table, quantity);
         Quantity read;
         read.names = quantity.names;
         read.has_sensitivities = false;

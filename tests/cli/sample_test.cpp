@@ -118,6 +118,18 @@ TEST_F(SampleProgram, SaysWhatIsWrongWithARemedy) {
     refused_table("speed,bulk\n", "there is no row below");
 }
 
+/// Two values of one call; with no --method and no finite differences, too.
+TEST_F(SampleProgram, RefusesATableWithSomeOfTheValuesOfAProgram) {
+    std::string two = bytes_of(sampled_case(", outputs: [volume, mass]"));
+    two.replace(two.find("maximize: bulk"), 14, "maximize: bulk.mass");
+    const std::string file = folder.write("two.yaml", two).string();
+    const std::string table = folder.write("t.csv", "x,bulk.mass\n0,1\n").string();
+    const ProgramRun run = run_strake({"sample", file, "--read", table, "--out", path("x"), "-q"});
+    EXPECT_EQ(run.status, 2) << run.err;
+    EXPECT_NE(run.err.find("a column for bulk.mass, and none for bulk.volume"), std::string::npos) << run.err;
+    EXPECT_TRUE(calls().empty());
+}
+
 /// The case says how; the command line has the last word, and all of it stands in the folder for `resume`.
 TEST_F(SampleProgram, TakesTheMethodOfTheCaseUnlessToldAnother) {
     const std::string file =

@@ -90,6 +90,7 @@ bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
 }
 
 FoldConditions ShapeEvaluator::fold_conditions(const Eigen::VectorXd& x, double below) const {
+    if (solver_.limit().is_none()) return {};
     return strake::fold_conditions(space(), x, below);
 }
 

@@ -31,7 +31,7 @@ public:
     bool is_beyond(const Eigen::VectorXd& x, double slack);
     /// Of vertices that use at least `min_used` of their limit at x; none without an equilibrium there.
     MotionConditions motion_conditions(const Eigen::VectorXd& x, double min_used);
-    /// Of triangles with a determinant below `below` at x.
+    /// Of triangles with a determinant below `below` at x; none without a motion limit.
     FoldConditions fold_conditions(const Eigen::VectorXd& x, double below) const;
 
     /// Evaluates in this space from now on; the poses are kept.

@@ -84,7 +84,10 @@ TEST(DisplacementFields, TheGradientOfAMapIsTheTransposeOfTheMaps) {
 
 /// A file may keep points that are none of the surface, wherever they are.
 TEST(DisplacementFields, AreThoseOfTheSurfaceWithoutItsLooseVertices) {
-    const HeldWing wing;
+    HeldWing wing;
+    // No station is where slices of typical motions meet: rounding would choose its slice.
+    wing.mesh = naca0012_wing(24, 23, 3);
+    wing.conditions.held = triangles_where(wing.mesh, [](const Vector3d& x) { return x[1] < 0.13; });
     TriMesh loose = wing.mesh;
     const int n = loose.num_vertices();
     loose.vertices.conservativeResize(n + 2, 3);
@@ -213,6 +216,7 @@ TEST(DisplacementFields, OfAHalfAreThoseOfTheWholeThatAreSymmetric) {
     of_half.held = triangles_where(box.half, low);
     of_whole.held = triangles_where(box.whole, low);
     const DisplacementFields half(box.half, of_half, {30, {}}), whole(box.whole, of_whole, {30, {}});
+    const std::vector<char> used = used_vertices(box.whole);
     for (int b = 0; b < half.size(); ++b) {
         const Points u = half.field(b);
         for (int v = 0; v < box.half.num_vertices(); ++v) {
@@ -223,6 +227,7 @@ TEST(DisplacementFields, OfAHalfAreThoseOfTheWholeThatAreSymmetric) {
         const Points w = whole.field(b);
         for (int v = 0; v < box.whole.num_vertices(); ++v)
             for (int other = 0; other < box.whole.num_vertices(); ++other) {
+                if (!used[static_cast<std::size_t>(v)] || !used[static_cast<std::size_t>(other)]) continue;
                 const Vector3d image(box.whole.vertices(v, 0), 2 - box.whole.vertices(v, 1), box.whole.vertices(v, 2));
                 if ((Vector3d(box.whole.vertices.row(other)) - image).norm() > 1e-9) continue;
                 EXPECT_NEAR(w(v, 0), w(other, 0), 1e-9);

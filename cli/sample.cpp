@@ -25,17 +25,27 @@ std::string quoted(const std::string& words) {
     return out + "\"";
 }
 
-/// The method that the command line or the case says; empty: neither does.
+std::string method_in(const Value& sample) {
+    for (const Entry& entry : sample.entries)
+        if (entry.key == "method") return entry.value.text;
+    return "";
+}
+
+/// The method that the command line or the case says, the last word first; empty: neither does. A case is only complete
+/// with it, so it cannot be loaded to ask.
 std::string method_of(const SampleArguments& args) {
     if (!args.method.empty()) return args.method;
-    const std::string key = "sample.method=";
-    for (const std::string& setting : args.session.settings)
-        if (setting.starts_with(key)) return setting.substr(key.size());
+    const std::vector<std::string>& settings = args.session.settings;
+    for (auto setting = settings.rbegin(); setting != settings.rend(); ++setting)
+        for (const std::string key : {"sample.method=", "sample="})
+            if (setting->starts_with(key)) {
+                const Value value = parse_yaml(setting->substr(key.size()), "--set");
+                const std::string method = key == "sample=" ? method_in(value) : value.text;
+                if (!method.empty() || key == "sample=") return method;
+            }
     const Value root = parse_yaml(read_case_file(args.session.case_file), args.session.case_file);
     for (const Entry& entry : root.entries)
-        if (entry.key == "sample")
-            for (const Entry& below : entry.value.entries)
-                if (below.key == "method") return below.value.text;
+        if (entry.key == "sample") return method_in(entry.value);
     return "";
 }
 

@@ -144,6 +144,7 @@ TEST_F(SampleProgram, TakesTheMethodOfTheCaseUnlessToldAnother) {
     const std::string of_case = samples("a", {}), of_seed = samples("b", {"--seed", "4"}),
                       of_word = samples("c", {"--method", "sobol"});
     EXPECT_EQ(of_case, samples("d", {"--method", "lhs", "--seed", "3"}));
+    EXPECT_EQ(of_case, samples("e", {"--set", "sample.method=sobol", "--set", "sample={method: lhs}", "--seed", "3"}));
     EXPECT_NE(of_case, of_seed);
     EXPECT_NE(of_case, of_word);
     EXPECT_NE(bytes_of(folder / "b/case.yaml").find("seed: 4"), std::string::npos);

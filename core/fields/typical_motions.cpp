@@ -123,10 +123,8 @@ Points without_rigid(const TriMesh& rest, const Points& u, const std::optional<S
     VectorXd own(3 * n);
     for (int v = 0; v < n; ++v) own.segment<3>(3 * v) = weight[v] * u.row(v).transpose();
     const VectorXd share = rigid.completeOrthogonalDecomposition().solve(own);
-    const VectorXd left = own - rigid * share;
-    Points result(n, 3);
-    for (int v = 0; v < n; ++v)
-        result.row(v) = weight[v] > 0 ? Vector3d(left.segment<3>(3 * v) / weight[v]) : Vector3d(u.row(v));
+    Points result = u;
+    for (std::size_t k = 0; k < motions.size(); ++k) result -= share[static_cast<Eigen::Index>(k)] * motions[k];
     return result;
 }
 

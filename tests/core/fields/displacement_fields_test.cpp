@@ -259,9 +259,14 @@ TEST(DisplacementFields, OfAHalfKnowTheImagesOfWhatIsHeldBesideThePlane) {
         const Points of = triangle_centroids(box.half), all = triangle_centroids(box.whole);
         const auto turn = half.local_maps(0.1 * z), turns = whole.local_maps(0.1 * z);
         double off = 0, maps_off = 0;
+        const std::vector<char> in_half = used_vertices(box.half), in_whole = used_vertices(box.whole);
         for (int v = 0; v < box.half.num_vertices(); ++v) {
+            if (!in_half[static_cast<std::size_t>(v)]) continue;
             Eigen::Index same = 0;
-            (box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm().minCoeff(&same);
+            VectorXd distance = (box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm();
+            for (Eigen::Index w = 0; w < distance.size(); ++w)
+                if (!in_whole[static_cast<std::size_t>(w)]) distance[w] = 1e9;
+            distance.minCoeff(&same);
             off = std::max(off, (u.row(v) - w.row(same)).norm());
         }
         for (int t = 0; t < box.half.num_triangles(); ++t) {
@@ -330,11 +335,12 @@ TEST(DisplacementFields, RotationsArePolarPartsOfTheMapsGradient) {
     const int first = body.num_vertices(), t = body.num_triangles();
     const double edge = 1e-5;
     body.vertices.conservativeResize(first + 4, 3);
-    body.triangles.conservativeResize(t + 1, 3);
+    body.triangles.conservativeResize(t + 2, 3);
     const Vector3d at(1.1, 0.3, 0.2);
     body.vertices.row(first) = at;
     for (int k = 0; k < 3; ++k) body.vertices.row(first + 1 + k) = at + edge * Vector3d::Unit(k);
     body.triangles.row(t) << first, first + 1, first + 2;
+    body.triangles.row(t + 1) << first, first + 1, first + 3;
     FieldConditions conditions;
     conditions.held = triangles_where(body, [](const Vector3d& x) { return x[0] < -2; });
     const DisplacementFields fields(body, conditions, {27, {}});

@@ -264,8 +264,8 @@ TEST(DisplacementFields, OfAHalfKnowTheImagesOfWhatIsHeldBesideThePlane) {
             if (!in_half[static_cast<std::size_t>(v)]) continue;
             Eigen::Index same = 0;
             VectorXd distance = (box.whole.vertices.rowwise() - box.half.vertices.row(v)).rowwise().norm();
-            for (Eigen::Index w = 0; w < distance.size(); ++w)
-                if (!in_whole[static_cast<std::size_t>(w)]) distance[w] = 1e9;
+            for (Eigen::Index k = 0; k < distance.size(); ++k)
+                if (!in_whole[static_cast<std::size_t>(k)]) distance[k] = 1e9;
             distance.minCoeff(&same);
             off = std::max(off, (u.row(v) - w.row(same)).norm());
         }

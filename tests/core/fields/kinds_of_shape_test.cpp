@@ -220,10 +220,11 @@ TEST(Invariance, NoFieldMovesOrTurnsTheBodyAtAPointThatIsStill) {
     const int first = body.num_vertices();
     const double h = 1e-4;
     probe.vertices.conservativeResize(first + 4, 3);
-    probe.triangles.conservativeResize(body.num_triangles() + 1, 3);
+    probe.triangles.conservativeResize(body.num_triangles() + 2, 3);
     probe.vertices.row(first) = *conditions.still;
     for (int k = 0; k < 3; ++k) probe.vertices.row(first + 1 + k) = *conditions.still + h * Vector3d::Unit(k);
     probe.triangles.row(body.num_triangles()) << first, first + 1, first + 2;
+    probe.triangles.row(body.num_triangles() + 1) << first, first + 1, first + 3;
     const DisplacementFields same(probe, conditions, {27, {}});
     double strain = 0;
     for (int b = 0; b < same.size(); ++b) {

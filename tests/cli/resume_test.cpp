@@ -331,8 +331,8 @@ TEST_F(Resume, ADamagedJournalIsRebuiltFromWhatIsThere) {
     }
 }
 
-/// A budget that was raised is in force again where it was, a journal that is kept from an earlier try is in nobody's
-/// way, and a case that is lost comes from the journal.
+/// A budget that was raised is in force again where it was, and a journal that is kept from an earlier try is in
+/// nobody's way.
 TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
     const std::string file =
         folder.write("case.yaml", body + built_in + "optimize: {budget: {evaluations: 6}}\n").string();
@@ -346,7 +346,6 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
         fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
         folder.write(damage + "/journal.sqlite", bytes.substr(0, damage == "lost" ? 0 : bytes.size() - 4096));
         if (damage == "tried") folder.write(damage + "/journal.damaged.sqlite", "of an earlier try");
-        if (damage == "tried") fs::remove(folder / damage / "case.yaml");
         const ProgramRun rebuilt = run_strake({"resume", path(damage), "--rebuild", "-q"});
         EXPECT_EQ(rebuilt.status, 0) << damage << ": " << rebuilt.err;
         const std::string again = bytes_of(folder / damage / "history.csv");
@@ -369,6 +368,16 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
     const ProgramRun old = run_strake({"resume", path("old"), "--rebuild", "-q"});
     EXPECT_NE(old.err.find("goes on as before 0.2, where max_displacement bounds variables"), std::string::npos)
         << old.err;
+}
+
+TEST_F(Resume, ALostCaseComesFromTheJournal) {
+    const std::string file =
+        folder.write("case.yaml", body + built_in + "optimize: {budget: {evaluations: 3}}\n").string();
+    ASSERT_EQ(run_strake({"run", file, "--out", path("run"), "-q"}).status, 0);
+    const std::string yaml = bytes_of(folder / "run/case.yaml");
+    fs::remove(folder / "run/case.yaml");
+    EXPECT_EQ(run_strake({"resume", path("run"), "-q"}).status, 0);
+    EXPECT_EQ(bytes_of(folder / "run/case.yaml"), yaml);
 }
 
 /// The program has run, and there is no room for what it said.

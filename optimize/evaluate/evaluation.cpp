@@ -85,13 +85,7 @@ Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack) {
 
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
-    return !solver_.limit().is_none() && solver_.settle(x, shape) &&
-           (!solver_.limit().is_within(shape.vertices, slack) || is_folded(space(), x));
-}
-
-FoldConditions ShapeEvaluator::fold_conditions(const Eigen::VectorXd& x, double below) const {
-    if (solver_.limit().is_none()) return {};
-    return strake::fold_conditions(space(), x, below);
+    return !solver_.limit().is_none() && solver_.settle(x, shape) && !solver_.limit().is_within(shape.vertices, slack);
 }
 
 MotionConditions ShapeEvaluator::motion_conditions(const Eigen::VectorXd& x, double min_used) {

@@ -242,11 +242,12 @@ PYTHON
     size=$(du -smx "$root" | cut -f1)
     [ "$size" -lt 200 ] || fail "the image's root has $size MB, 200 are allowed"
     mount -t proc proc "$root/proc"
-    cp -r "$root/usr/share/doc/strake/examples/wing" "$root/work/wing"
-    chown -R 1000:1000 "$root/work"
+    local mounted=/work  # the folder that users mount
+    cp -r "$root/usr/share/doc/strake/examples/wing" "$root$mounted/wing"
+    chown -R 1000:1000 "$root$mounted"
     begin=$(clock)
-    inside strake sh -c "$wing" sh /work/wing
-    converged /work/wing
+    inside strake sh -c "$wing" sh "$mounted/wing"
+    converged "$mounted/wing"
     tell image "$(inside strake sh -c 'id -un') converged in $(since "$begin"); $size MB unpacked"
     leave
 }

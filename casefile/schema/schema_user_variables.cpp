@@ -1,4 +1,5 @@
 #include "casefile/schema/schema_parts.hpp"
+#include "core/fields/displacement_fields.hpp"
 
 namespace strake {
 
@@ -51,7 +52,7 @@ std::vector<Key> field_keys() {
              "What the fields may do, by the words in their names, for example [scale] of a body of revolution, whose "
              "profile then changes and whose stations stay. out and around: of bodies that are revolved or cyclic. "
              "Default: all.",
-         .words = {"move", "scale", "twist", "tilt", "shear", "out", "around"},
+         .words = field_motions(),
          .element = Type::word},
     };
 }

@@ -11,17 +11,7 @@ import json
 
 import numpy as np
 
-
-def read_obj(path):
-    vertices, triangles = [], []
-    with open(path, encoding="ascii") as lines:
-        for line in lines:
-            words = line.split()
-            if words[:1] == ["v"]:
-                vertices.append([float(w) for w in words[1:4]])
-            elif words[:1] == ["f"]:
-                triangles.append([int(w.split("/")[0]) - 1 for w in words[1:4]])
-    return np.array(vertices), np.array(triangles)
+from obj import read_obj
 
 
 def section_area(corners, x):

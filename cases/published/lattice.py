@@ -13,6 +13,8 @@ import sys
 
 import numpy as np
 
+from obj import read_obj
+
 WAKE = 1e4  # its length
 MIRROR = np.array([1.0, -1.0, 1.0])
 
@@ -28,18 +30,6 @@ def divide(chordwise, spanwise):
 
 
 divide(4, 24)
-
-
-def read_obj(path):
-    vertices, triangles = [], []
-    with open(path, encoding="ascii") as lines:
-        for line in lines:
-            words = line.split()
-            if words[:1] == ["v"]:
-                vertices.append([float(w) for w in words[1:4]])
-            elif words[:1] == ["f"]:
-                triangles.append([int(w.split("/")[0]) - 1 for w in words[1:4]])
-    return np.array(vertices), np.array(triangles)
 
 
 def sheet(vertices, triangles, points):

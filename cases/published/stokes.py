@@ -15,23 +15,13 @@ import sys
 import numpy as np
 from scipy import linalg, sparse
 
+from obj import read_obj
+
 # Radon's rule of degree 5: barycentric coordinates and weights.
 ROOT = np.sqrt(15)
 A1, A2, W1, W2 = (6 - ROOT) / 21, (6 + ROOT) / 21, (155 - ROOT) / 1200, (155 + ROOT) / 1200
 POINTS = np.array([[1 / 3] * 3] + [[1 - 2 * a if k == j else a for k in range(3)] for a in (A1, A2) for j in range(3)])
 WEIGHTS = np.array([9 / 40] + [W1] * 3 + [W2] * 3)
-
-
-def read_obj(path):
-    vertices, triangles = [], []
-    with open(path, encoding="ascii") as lines:
-        for line in lines:
-            words = line.split()
-            if words[:1] == ["v"]:
-                vertices.append([float(w) for w in words[1:4]])
-            elif words[:1] == ["f"]:
-                triangles.append([int(w.split("/")[0]) - 1 for w in words[1:4]])
-    return np.array(vertices), np.array(triangles)
 
 
 def near_pairs(triangles, vertices):

@@ -323,9 +323,11 @@ void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOp
     if (options.number < 1 || options.number > max_number)
         throw InvalidInput(text("fields: number = ", options.number, " must be in [1, ", max_number, "]"));
     for (const std::string& motion : options.motions)
-        if (std::ranges::find(field_motions(), motion) == field_motions().end())
-            throw InvalidInput(
-                text("fields: motion '", motion, "' is none of move, scale, twist, tilt, shear, out, around"));
+        if (std::ranges::find(field_motions(), motion) == field_motions().end()) {
+            std::string all;
+            for (const std::string& known : field_motions()) all += (all.empty() ? "" : ", ") + known;
+            throw InvalidInput(text("fields: motion '", motion, "' is none of ", all));
+        }
     if (conditions.cut && conditions.mirror)
         throw InvalidInput("fields: a half model has no mirror image to tie to it");
     for (const int t : conditions.held)

@@ -1,6 +1,7 @@
 #include "optimize/run/design_table.hpp"
 
 #include "core/error.hpp"
+#include "core/text/csv_columns.hpp"
 #include "core/text/file.hpp"
 
 #include <algorithm>
@@ -50,13 +51,8 @@ std::string without_mark(const std::string& line) {
 }
 
 std::vector<std::string> fields(const std::string& line) {
-    std::vector<std::string> out(1);
-    for (const char c : line)
-        if (c == ',')
-            out.emplace_back();
-        else
-            out.back() += c;
-    for (std::string& word : out) word = trimmed(word);
+    std::vector<std::string> out;
+    for (const std::string_view field : csv_fields(line, line.size())) out.push_back(trimmed(std::string(field)));
     return out;
 }
 

@@ -38,15 +38,7 @@ public:
     }
 
     RunResult run() {
-        try {
-            walk();
-        } catch (const Interrupted&) {
-            state_.leave_level();
-            conclude_interrupted(state_.result);
-        } catch (const Awaited&) {
-            state_.leave_level();
-            conclude_waiting(state_.result);
-        }
+        state_.run([this] { walk(); });
         return std::move(state_.result);
     }
 

@@ -1,6 +1,7 @@
 #include "optimize/run/run_state.hpp"
 
 #include "core/error.hpp"
+#include "optimize/run/run_verdict.hpp"
 #include "optimize/run/stored_design.hpp"
 #include "optimize/space/parameters.hpp"
 #include "optimize/space/refinement.hpp"
@@ -53,6 +54,18 @@ ShapeEvaluation RunState::evaluate(const Eigen::VectorXd& x) {
     }
     last_seconds_ = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
     return evaluation;
+}
+
+void RunState::run(const std::function<void()>& search) {
+    try {
+        search();
+    } catch (const Interrupted&) {
+        leave_level();
+        conclude_interrupted(result);
+    } catch (const Awaited&) {
+        leave_level();
+        conclude_waiting(result);
+    }
 }
 
 void RunState::interrupt() {

@@ -48,7 +48,9 @@ public:
     bool can_refine() const;
     void end_level(const std::string& why);  ///< completes the level's summary
     void leave_level();                      ///< the run continues another time: the summary up to now
-    void begin_level_again();                ///< from its best design, under the limits of now
+    /// Runs the search. Where it is interrupted, or waits for answers from outside, the result says so.
+    void run(const std::function<void()>& search);
+    void begin_level_again();  ///< from its best design, under the limits of now
 
     int evaluations_of_level() const;  ///< of the present one, up to now
     int evaluations_left() const { return limits().evaluations - result.evaluations; }

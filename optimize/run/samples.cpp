@@ -69,17 +69,11 @@ public:
     }
 
     RunResult run() {
-        try {
+        state_.run([this] {
             begin();
             while (!has_ended_ && goes_on()) evaluate_next();
             conclude();
-        } catch (const Interrupted&) {
-            state_.leave_level();
-            conclude_interrupted(state_.result);
-        } catch (const Awaited&) {
-            state_.leave_level();
-            conclude_waiting(state_.result);
-        }
+        });
         state_.result.samples.emplace();
         state_.result.samples->table = std::make_shared<const DesignTable>(table_);
         if (state_.result.status == "sampled") learn(problem_, space(), *state_.result.samples);

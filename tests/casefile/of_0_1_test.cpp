@@ -1,21 +1,15 @@
 #include "casefile/load_case.hpp"
 #include "casefile/read/resolved_case.hpp"
+#include "core/text/file.hpp"
 #include "tests/casefile/folder.hpp"
 
 #include <gtest/gtest.h>
 #include <cstdlib>
-#include <fstream>
-#include <iterator>
 
 /// Case files of version 0.1, as they were: tests/casefile/of_0_1. The examples that it came with are run by
 /// of_0_1_test.py.
 namespace strake {
 namespace {
-
-std::string bytes_of(const std::filesystem::path& file) {
-    std::ifstream in(file, std::ios::binary);
-    return {std::istreambuf_iterator<char>(in), {}};
-}
 
 /// The files of `keys` hold every key that 0.1 had.
 TEST(CasesOf01, EveryKeyIsStillRead) {
@@ -31,7 +25,7 @@ TEST(CasesOf01, EveryKeyIsStillRead) {
     setenv("PATH", (folder.path().string() + ":" + before).c_str(), 1);
     int count = 0;
     for (const auto& entry : std::filesystem::directory_iterator(STRAKE_SOURCE_DIR "/tests/casefile/of_0_1/keys")) {
-        const auto file = folder.write("case.yaml", bytes_of(entry.path()));
+        const auto file = folder.write("case.yaml", read_bytes(entry.path()));
         ++count;
         try {
             const Case c = load_case(file);

@@ -12,7 +12,6 @@
 #include "surfaces.hpp"
 
 #include <gtest/gtest.h>
-#include <sys/stat.h>
 #include <zlib.h>
 
 #include <bit>
@@ -578,36 +577,6 @@ TEST(SurfaceIo, ScaleAndOffsetKeepTheVolume) {
         cube.vertices.array() += offset;
         EXPECT_NEAR(enclosed_volume(tri_of(formats::tri(cube)).mesh), 1, 1e-6);
     }
-}
-
-TEST(SurfaceIo, WritesThroughLinksWithTheUmaskAndLeavesNothingBehind) {
-    const TempFolder folder;
-    const TriMesh mesh = icosphere(0);
-    std::filesystem::create_symlink(folder / "real.off", folder / "link.off");
-    folder.write("real.off", "old");
-    write_surface(folder / "link.off", mesh, SurfaceFormat::off);
-    EXPECT_TRUE(std::filesystem::is_symlink(folder / "link.off"));
-    EXPECT_EQ(read_surface(folder / "real.off").mesh.num_triangles(), 20);
-    const mode_t old = umask(077);
-    write_surface(folder / "private.off", mesh, SurfaceFormat::off);
-    umask(old);
-    struct stat st;
-    ASSERT_EQ(stat((folder / "private.off").c_str(), &st), 0);
-    EXPECT_EQ(st.st_mode & 0777, 0600u);
-    EXPECT_EQ(std::distance(std::filesystem::directory_iterator(folder.path()), {}), 3);
-}
-
-TEST(SurfaceIo, AFailedWriteKeepsTheOldFile) {
-    const TempFolder folder;
-    TriMesh mesh = icosphere(0);
-    const auto file = folder.write("a.stl", "old");
-    mesh.vertices(0, 0) = 1e300;
-    EXPECT_THROW(write_surface(file, mesh, SurfaceFormat::stl_binary), OutputError);
-    mesh.vertices(0, 0) = std::numeric_limits<double>::quiet_NaN();
-    EXPECT_THROW(write_surface(file, mesh, SurfaceFormat::off), InvalidInput);
-    EXPECT_EQ(bytes_of(file), "old");
-    EXPECT_THROW(write_surface(folder / "none/a.off", icosphere(0), SurfaceFormat::off), OutputError);
-    EXPECT_THROW(write_surface(folder.path(), icosphere(0), SurfaceFormat::off), OutputError);
 }
 
 TEST(SurfaceIo, FormatsHaveNames) {

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Makes what others install, into dist/, and says what it made: package.sh [source|deb|wheel|tarball|image]... (default: all)
-#   source   strake-VERSION.tar.xz: the committed sources with the finished page of the report, so that they build without a network
+#   source   strake-VERSION.tar.xz: the committed sources with the finished pages of report and studio, so that they build without a network
 #   deb      strake, libstrake-dev and python3-strake for this Debian, by dpkg-buildpackage from that tarball
 #   wheel    the Python package with the program inside and its libraries beside it, for this Python and glibc
 #   tarball  strake-VERSION-MACHINE.tar.xz: program, loader and libraries in one folder, for machines without root or with older systems
@@ -33,14 +33,14 @@ for kind in $kinds; do
     esac
 done
 
-# The committed sources, and what npm makes of the report's page.
+# The committed sources, and what npm makes of the pages of report and studio.
 make_source() {
-    mkdir -p "$work/strake-$version/report/page/bundle"
+    mkdir -p "$work/strake-$version/viewer/page/bundle"
     git archive HEAD | tar -x -C "$work/strake-$version"
     git rev-parse HEAD >"$work/strake-$version/.commit"
     cmake -S "$work/strake-$version" -B "$work/page" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_REPORT_PAGE=ON >"$work/page.log" 2>&1 &&
-        ninja -C "$work/page" strake_page >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
-    cp "$work/page/report/page/main.js" "$work/page/report/page/main.css" "$work/strake-$version/report/page/bundle"
+        ninja -C "$work/page" strake_pages >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
+    cp "$work/page/viewer/page/"{report,studio}.{js,css} "$work/strake-$version/viewer/page/bundle"
     tar --sort=name --owner=0 --group=0 --numeric-owner --mtime="@$SOURCE_DATE_EPOCH" -C "$work" -cJf "$tarball" "strake-$version"
     rm -rf "$work/page" "$work/strake-$version"
     made+=("$tarball")

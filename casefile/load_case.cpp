@@ -82,9 +82,8 @@ void set_defaults_without_shell(Value& root) {
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
-Case loaded(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
-            const std::vector<std::string>& settings) {
-    const std::string bytes = read_case_file(file.string());
+Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose purpose,
+            const std::filesystem::path& command_dir, const std::vector<std::string>& settings) {
     auto source = std::make_shared<Case::Source>();
     source->root = parse_yaml(bytes, file.string());
     source->lines = split_lines(bytes);
@@ -115,13 +114,19 @@ Case loaded(const std::filesystem::path& file, Purpose purpose, const std::files
 }  // namespace
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
-    return loaded(file, purpose, command_dir, {});
+    return loaded(read_case_file(file.string()), file, purpose, command_dir, {});
 }
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings) {
-    return loaded(file, purpose, "", settings);
+    return loaded(read_case_file(file.string()), file, purpose, "", settings);
 }
 
-Case load_case(const std::filesystem::path& file, Purpose purpose) { return loaded(file, purpose, "", {}); }
+Case load_case(const std::filesystem::path& file, Purpose purpose) {
+    return loaded(read_case_file(file.string()), file, purpose, "", {});
+}
+
+Case load_case_text(const std::string& yaml, const std::filesystem::path& file, Purpose purpose) {
+    return loaded(yaml, file, purpose, "", {});
+}
 
 }  // namespace strake

@@ -11,5 +11,7 @@ Case load_case(const std::filesystem::path& file, Purpose purpose, const std::ve
 /// The same, where {case_dir} of commands stays another folder than the file's: a run that continues; without notes
 /// about old names, which its user did not write.
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir);
+/// The same of a text that does not stand in `file` yet: of an editor. Paths in it are relative to the file's folder.
+Case load_case_text(const std::string& yaml, const std::filesystem::path& file, Purpose purpose = Purpose::any);
 
 }  // namespace strake

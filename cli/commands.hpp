@@ -37,6 +37,7 @@ void add_sweep(CLI::App& app);
 void add_resume(CLI::App& app);
 void add_step(CLI::App& app);
 void add_status(CLI::App& app);
+void add_studio(CLI::App& app);
 void add_history(CLI::App& app);
 void add_apply(CLI::App& app);
 void add_report(CLI::App& app);

@@ -82,6 +82,7 @@ int main(int argc, char** argv) {
     cli::add_mix(app);
     cli::add_compare(app);
     cli::add_report(app);
+    cli::add_studio(app);
     cli::add_explain(app);
     cli::add_completion(app);
     cli::add_man(app);

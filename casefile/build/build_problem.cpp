@@ -37,6 +37,15 @@ BuiltProblem ProblemBuilder::build() {
     return std::move(out_);
 }
 
+RegionGround ProblemBuilder::ground() {
+    read_start();
+    at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
+    errors_.throw_if_any();
+    return {std::move(start_), std::move(out_.problem.tree), std::move(out_.notes), std::move(out_.warnings)};
+}
+
 BuiltProblem build_problem(const Case& the_case, Purpose purpose) { return ProblemBuilder(the_case, purpose).build(); }
+
+RegionGround region_ground(const Case& the_case) { return ProblemBuilder(the_case, Purpose::any).ground(); }
 
 }  // namespace strake

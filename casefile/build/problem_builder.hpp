@@ -1,6 +1,6 @@
 #pragma once
 #include "casefile/build/build_problem.hpp"
-#include "casefile/build/regions.hpp"
+#include "casefile/build/region_ground.hpp"
 #include "optimize/space/twist.hpp"
 
 #include <map>
@@ -18,6 +18,7 @@ public:
     ProblemBuilder(const Case& the_case, Purpose purpose)
         : case_(the_case), purpose_(purpose), errors_(diagnostics_of(the_case)) {}
     BuiltProblem build();
+    RegionGround ground();
 
 private:
     const Case& case_;

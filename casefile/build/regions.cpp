@@ -39,7 +39,7 @@ std::vector<int> numbers_of(const std::vector<char>& marks) {
 }
 
 /// Marked triangles and those whose three vertices are no farther from them along edges than `reach`.
-std::vector<char> grown(const StartSurface& start, const std::vector<char>& marks, double reach) {
+std::vector<char> outward(const StartSurface& start, const std::vector<char>& marks, double reach) {
     constexpr double far = std::numeric_limits<double>::infinity();
     const TriMesh& mesh = start.mesh;
     std::vector<std::vector<std::pair<int, double>>> next(mesh.num_vertices());
@@ -119,6 +119,10 @@ std::vector<int> read_triangle_numbers(const std::filesystem::path& file, int nu
 
 }  // namespace
 
+std::vector<char> grown_marks(const StartSurface& start, const std::vector<char>& marks, double by) {
+    return by >= 0 ? outward(start, marks, by) : inverted(outward(start, inverted(marks), -by));
+}
+
 struct RegionSets::Evaluate {
     RegionSets& sets;
     bool touches;
@@ -129,7 +133,7 @@ struct RegionSets::Evaluate {
     std::vector<int> operator()(const GrownRegion& made) const {
         const double by = made.by.in(start.diagonal);
         const std::vector<char> of = sets.marks_of(made.of.name);
-        return numbers_of(by >= 0 ? grown(start, of, by) : inverted(grown(start, inverted(of), -by)));
+        return numbers_of(grown_marks(start, of, by));
     }
     std::vector<int> operator()(const FloodedRegion& made) const {
         const int first = made.triangle ? triangle_of_file(start, *made.triangle)

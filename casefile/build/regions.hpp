@@ -65,6 +65,10 @@ private:
     std::map<std::string, std::shared_ptr<const Wing>> measured_;  ///< null: refused
 };
 
+/// Marked triangles and those whose three vertices are no farther from them along edges than `by`; negative: the marks
+/// shrink, by growing the rest. What `grow` does.
+std::vector<char> grown_marks(const StartSurface& start, const std::vector<char>& marks, double by);
+
 /// Some region or wing names a patch: the tree is needed before them.
 bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEntry>& wings, const TriMesh& mesh);
 

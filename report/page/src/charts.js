@@ -2,9 +2,9 @@
 
 import uPlot from 'uplot';
 import 'uplot/dist/uPlot.min.css';
-import { h, section, choice } from './dom.js';
-import { number, parameterValue } from './format.js';
-import { scaleOf, colorAt, gradient } from './colors.js';
+import { h, section, choice } from '../../../viewer/page/src/dom.js';
+import { number, parameterValue } from '../../../viewer/page/src/format.js';
+import { scaleOf, colorAt, gradient } from '../../../viewer/page/src/colors.js';
 
 const colours = { seen: '#7a7a7a', best: '#0072b2', limit: '#d55e00', band: '#f2f4f7', failed: '#a3350c' };
 

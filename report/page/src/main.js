@@ -1,7 +1,7 @@
 // The page of `strake report`. Its data are in the element `data`, its arrays in the elements blob-*.
 
 import './page.css';
-import { h } from './dom.js';
+import { h } from '../../../viewer/page/src/dom.js';
 import { head, summary, failures, cost, theCase, evaluations } from './summary.js';
 import { progress } from './charts.js';
 import { shapes } from './shapes.js';

@@ -1,7 +1,7 @@
 // Samples: main effects, and values over the variables that matter most.
 
-import { h, section, table } from './dom.js';
-import { number } from './format.js';
+import { h, section, table } from '../../../viewer/page/src/dom.js';
+import { number } from '../../../viewer/page/src/format.js';
 
 const mostVariables = 6, mostValues = 6, cell = 130, gap = 14, left = 92, below = 30;
 

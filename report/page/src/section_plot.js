@@ -1,7 +1,7 @@
 // Start and design in a section plane, to the same scale.
 
-import { h } from './dom.js';
-import { number } from './format.js';
+import { h } from '../../../viewer/page/src/dom.js';
+import { number } from '../../../viewer/page/src/format.js';
 
 const space = 'http://www.w3.org/2000/svg';
 

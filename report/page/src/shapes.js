@@ -1,10 +1,11 @@
 // The section with the shapes: 3D view, sections, a slider through the designs, and the colours.
 
-import { h, section, choice, slider, tick, newId } from './dom.js';
-import { number, change } from './format.js';
-import { Shape, acrossOf } from './shape.js';
-import { Viewer, likelyUp } from './viewer.js';
-import { scaleOf, colorAt, gradient, patchColors, plain, css } from './colors.js';
+import { h, section, choice, slider, tick, newId } from '../../../viewer/page/src/dom.js';
+import { number, change } from '../../../viewer/page/src/format.js';
+import { Shape } from './shape.js';
+import { acrossOf } from '../../../viewer/page/src/surface.js';
+import { Viewer, likelyUp } from '../../../viewer/page/src/viewer.js';
+import { scaleOf, colorAt, gradient, patchColors, plain, css } from '../../../viewer/page/src/colors.js';
 import { SectionPlot } from './section_plot.js';
 
 const axes = ['x', 'y', 'z'];

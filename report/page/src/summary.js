@@ -1,7 +1,7 @@
 // The goal, the result, why the run stopped, what to try next; and the tables.
 
-import { h, section, table } from './dom.js';
-import { number, change, duration, parameterValue, plural } from './format.js';
+import { h, section, table } from '../../../viewer/page/src/dom.js';
+import { number, change, duration, parameterValue, plural } from '../../../viewer/page/src/format.js';
 
 const marks = { converged: '✔', budget: '■', sampled: '✔', progress: '■', roundoff: '✔', interrupted: '❚❚', waiting: '…', running: '▶', killed: '✖' };
 const good = ['converged', 'sampled', 'budget', 'progress', 'roundoff', 'running', 'waiting'];

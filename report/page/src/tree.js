@@ -1,7 +1,7 @@
 // The patch tree with the contribution of each patch.
 
-import { h, section } from './dom.js';
-import { number, percent } from './format.js';
+import { h, section } from '../../../viewer/page/src/dom.js';
+import { number, percent } from '../../../viewer/page/src/format.js';
 
 const byName = ([a], [b]) => a.name.localeCompare(b.name, 'en', { numeric: true });
 const deepest = 400;  // rows created at once

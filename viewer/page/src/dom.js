@@ -6,6 +6,7 @@ export function h(tag, attributes = {}, ...children) {
     if (value === undefined || value === null || value === false) continue;
     if (name.startsWith('on')) element.addEventListener(name.slice(2), value);
     else if (name === 'class') element.className = value;
+    else if (name === 'style') element.style.cssText = value;  // the attribute is refused without 'unsafe-inline'
     else element.setAttribute(name, value === true ? '' : value);
   }
   element.append(...children.flat(3).filter((c) => c !== null && c !== undefined && c !== false));

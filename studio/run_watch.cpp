@@ -1,0 +1,49 @@
+#include "studio/run_watch.hpp"
+
+#include "report/json_number.hpp"
+#include "report/run_status.hpp"
+
+namespace strake {
+
+void RunWatch::refresh() {
+    const RunStatus status = run_status(folder_);
+    facts_ = {{"folder", folder_.string()},
+              {"status", status.status},
+              {"reason", status.reason},
+              {"level", status.level},
+              {"evaluations", status.evaluations},
+              {"max_evaluations", status.max_evaluations},
+              {"seconds", status.seconds},
+              {"objective", json_number(status.objective)},
+              {"max_violation", json_number(status.max_violation)},
+              {"best_evaluation", status.best_evaluation},
+              {"has_report", std::filesystem::exists(folder_ / "report.html")},
+              {"holder", nullptr}};
+    if (status.holder) facts_["holder"] = status.holder->words();
+    rows_ = nlohmann::ordered_json::array();
+    std::error_code missing;
+    if (!std::filesystem::exists(folder_ / "journal.sqlite", missing)) return;
+    const auto journal = Journal::look(folder_ / "journal.sqlite");
+    for (const JournalEvaluation& e : journal->evaluations())
+        rows_.push_back({e.number, e.level, e.status, json_number(e.objective), json_number(e.max_violation), e.seconds,
+                         e.accepted, e.reason.substr(0, 500)});
+}
+
+nlohmann::ordered_json RunWatch::look(int from) {
+    const std::lock_guard lock(busy_);
+    const Clock::time_point begin = Clock::now();
+    if (begin >= next_) {
+        refresh();
+        const auto cost = Clock::now() - begin;
+        next_ = Clock::now() + std::max<Clock::duration>(std::chrono::milliseconds(200), 50 * cost);
+    }
+    nlohmann::ordered_json answer = facts_, rows = nlohmann::ordered_json::array();
+    constexpr std::size_t most = 2000;
+    for (std::size_t k = static_cast<std::size_t>(std::max(0, from)); k < rows_.size() && rows.size() < most; ++k)
+        rows.push_back(rows_[k]);
+    answer["from"] = from;
+    answer["rows"] = std::move(rows);
+    return answer;
+}
+
+}  // namespace strake

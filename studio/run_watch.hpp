@@ -1,0 +1,30 @@
+#pragma once
+#include <chrono>
+#include <filesystem>
+#include <mutex>
+#include <nlohmann/json.hpp>
+
+/// A run folder as the page sees it, also of a run that was started elsewhere. Looked at only when a page asks, and
+/// never so often that looking takes more than a fiftieth of the time.
+namespace strake {
+
+class RunWatch {
+public:
+    explicit RunWatch(std::filesystem::path folder) : folder_(std::move(folder)) {}
+    const std::filesystem::path& folder() const { return folder_; }
+
+    /// {folder, status, reason, level, evaluations, max_evaluations, seconds, best: {…}, names, rows: [[evaluation,
+    /// level, status, objective, max_violation, seconds, is_best, reason], …] from number `from` on (at most 2000)}.
+    /// @throws InputError: no run there.
+    nlohmann::ordered_json look(int from);
+
+private:
+    using Clock = std::chrono::steady_clock;
+    std::filesystem::path folder_;
+    std::mutex busy_;
+    Clock::time_point next_{};
+    nlohmann::ordered_json facts_, rows_ = nlohmann::ordered_json::array();
+    void refresh();
+};
+
+}  // namespace strake

@@ -1,0 +1,133 @@
+#include "studio/studio.hpp"
+
+#include "core/error.hpp"
+#include "core/text/hash.hpp"
+#include "studio/studio_impl.hpp"
+#include "studio/studio_page.hpp"
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace strake {
+
+namespace fs = std::filesystem;
+
+std::string text_in(const nlohmann::json& asked, const char* key) {
+    if (!asked.contains(key) || !asked[key].is_string()) throw InvalidInput(text("'", key, "' must be a text"));
+    return asked[key].get<std::string>();
+}
+
+std::string content_mark(const std::string& bytes) { return hash_digits(fnv1a(bytes)); }
+
+Studio::Impl::Impl(const StudioOptions& wishes) : options(wishes) {
+    if (!has_studio_page())
+        throw OutputError(
+            "this program was built without the studio's page, because node and npm, or npm's packages, were missing. "
+            "Install them (scripts/setup.sh run), configure again (cmake -U 'STRAKE_PAGE*' …) and rebuild");
+    const fs::path target = options.target.empty() ? fs::path(".") : options.target;
+    std::error_code error;
+    const fs::path real = fs::canonical(target, error);
+    if (error) throw InputError(text("studio: ", target.string(), ": ", error.message()));
+    folder = fs::is_directory(real) ? real : real.parent_path();
+    folder_lock = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+    is_second = folder_lock >= 0 && ::flock(folder_lock, LOCK_EX | LOCK_NB) != 0;
+    server = std::make_unique<WebServer>(options.port, [this](const WebRequest& request) { return answer(request); });
+    if (!fs::is_directory(real) || fs::exists(real / "journal.sqlite", error))
+        open_later(real);
+    else if (fs::exists(real / "case.yaml", error))
+        open_later(real / "case.yaml");
+    reader = std::thread([this] { read_targets(); });
+    server->start();
+}
+
+Studio::Impl::~Impl() {
+    server.reset();
+    {
+        const std::lock_guard lock(busy);
+        ends = true;
+        to_open.clear();
+    }
+    wanted.notify_all();
+    if (reader.joinable()) reader.join();
+    if (task) task->interrupt();
+    if (folder_lock >= 0) ::close(folder_lock);
+}
+
+WebAnswer Studio::Impl::answer(const WebRequest& request) {
+    if (request.body.empty()) return get(request);
+    WebAnswer answer;
+    try {
+        const Asked asked = Asked::parse(request.body);
+        if (!asked.is_object()) throw InvalidInput("the body must be an object");
+        answer.body = post(asked).dump(-1, ' ', false, Json::error_handler_t::replace);
+    } catch (const Asked::exception& error) {
+        answer = {400, "application/json",
+                  Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    } catch (const std::exception& error) {
+        answer = {409, "application/json",
+                  Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    }
+    return answer;
+}
+
+WebAnswer Studio::Impl::get(const WebRequest& request) {
+    const auto json = [](const Json& value) {
+        return WebAnswer{200, "application/json", value.dump(-1, ' ', false, Json::error_handler_t::replace)};
+    };
+    if (request.path == "/") return {200, "text/html; charset=utf-8", std::string(studio_html())};
+    if (request.path == "/studio.js") return {200, "text/javascript; charset=utf-8", std::string(studio_script())};
+    if (request.path == "/studio.css") return {200, "text/css; charset=utf-8", std::string(studio_style())};
+    if (request.path == "/api/state") return json(state(request));
+    if (request.path == "/api/files") return json(files());
+    if (request.path == "/api/surface") {
+        const auto shown = need_subject();
+        return {200, "application/octet-stream", shown->payload};
+    }
+    if (request.path == "/api/case") {
+        const std::lock_guard lock(busy);
+        return json({{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
+    }
+    if (request.path == "/api/best") return best_shape();
+    if (request.path == "/report") return report();
+    return {404, "text/plain", "not found\n"};
+}
+
+Studio::Impl::Json Studio::Impl::post(const Asked& asked) {
+    const std::string what = text_in(asked, "do");
+    if (what == "open") {
+        open_later(inside(text_in(asked, "name")));
+        return {{"ok", true}};
+    }
+    if (what == "check") return check(asked);
+    if (what == "choose") return choose(asked);
+    if (what == "region") return put_region(asked);
+    if (what == "attach") return attach(asked);
+    need_write();
+    if (what == "save") return save(asked);
+    if (what == "propose") return propose(asked);
+    if (what == "full_check") return full_check(asked);
+    if (what == "run") return start_run(asked);
+    if (what == "stop") return stop_run();
+    if (what == "resume") return resume_run(asked);
+    throw InvalidInput(text("'", what.substr(0, 40), "' is nothing that the studio does"));
+}
+
+Studio::Studio(const StudioOptions& options) : impl_(std::make_unique<Impl>(options)) {}
+Studio::~Studio() = default;
+std::string Studio::url() const { return impl_->server->url(); }
+int Studio::port() const { return impl_->server->gate().port; }
+
+std::string Studio::notice() const {
+    if (!impl_->is_second) return "";
+    return text("another studio is open on ", impl_->folder.string(),
+                "; both may be used, and neither overwrites what the other has saved without a question");
+}
+
+std::string Studio::continuing() const {
+    const std::lock_guard lock(impl_->busy);
+    if (!impl_->run_child || impl_->run_child->ended()) return "";
+    return text("the run in ", impl_->run->folder().string(), " goes on; strake status shows it");
+}
+
+}  // namespace strake

@@ -1,0 +1,132 @@
+#include "casefile/load_case.hpp"
+#include "core/error.hpp"
+#include "core/text/file.hpp"
+#include "studio/choice_json.hpp"
+#include "studio/studio_impl.hpp"
+
+#include <algorithm>
+
+/// The case in the editor: its errors, its regions, and what is being chosen.
+namespace strake {
+
+namespace fs = std::filesystem;
+
+namespace {
+
+using Json = nlohmann::ordered_json;
+
+Json errors_json(const CaseError& error) {
+    Json list = Json::array();
+    for (const Diagnostic& d : error.diagnostics)
+        list.push_back({{"line", d.place.line}, {"column", d.place.column}, {"message", d.message}});
+    return list;
+}
+
+/// The regions that the editor's text declares, where it can be read; they may be part of what is chosen.
+std::optional<Case> readable_case(const std::string& yaml, const fs::path& file) {
+    try {
+        return load_case_text(yaml, file, Purpose::deform);
+    } catch (const InvalidInput&) {
+        return {};
+    }
+}
+
+ChoiceGround ground_for(const Subject& subject, const std::optional<Case>& the_case) {
+    static const std::vector<Region> none;
+    if (!the_case) return {subject.ground, none};
+    return {subject.ground, the_case->regions, the_case->planform, the_case->aero.axes.value_or(BodyAxes{}),
+            the_case->symmetry};
+}
+
+std::string numbers_text(const std::vector<int>& numbers) {
+    std::string bytes;
+    for (const int number : numbers) bytes += std::to_string(number) + "\n";
+    return bytes;
+}
+
+}  // namespace
+
+std::shared_ptr<const Subject> Studio::Impl::need_subject() {
+    const std::lock_guard lock(busy);
+    if (!subject) throw Declined("no surface is open");
+    return subject;
+}
+
+/// {errors: [{line, column, message}], regions, ground_changed}. Nothing that the case names is executed.
+Studio::Impl::Json Studio::Impl::check(const Asked& asked) {
+    const std::string yaml = text_in(asked, "text");
+    fs::path file;
+    std::shared_ptr<const Subject> shown;
+    {
+        const std::lock_guard lock(busy);
+        file = case_file.empty() ? folder / "case.yaml" : case_file;
+        shown = subject;
+    }
+    Json answer{{"errors", Json::array()}, {"regions", Json::array()}, {"ground_changed", false}};
+    try {
+        const Case the_case = load_case_text(yaml, file);
+        answer["ground_changed"] = !shown || shown->blocks != ground_blocks(yaml);
+        if (!shown) return answer;
+        answer["regions"] = regions_json(*shown, the_case);
+        for (const Json& region : answer["regions"])
+            if (region.contains("error"))
+                answer["errors"].push_back(
+                    {{"line", region["error_line"]}, {"column", 1}, {"message", region["error"]}});
+    } catch (const CaseError& error) {
+        answer["errors"] = errors_json(error);
+    }
+    return answer;
+}
+
+/// {marks, triangles, area, kind, lines: how the case would say it}.
+Studio::Impl::Json Studio::Impl::choose(const Asked& asked) {
+    const auto shown = need_subject();
+    const auto the_case = readable_case(text_in(asked, "text"), folder / "case.yaml");
+    const ChoiceGround ground = ground_for(*shown, the_case);
+    if (!asked.contains("steps")) throw InvalidInput("'steps' is missing");
+    const auto steps = choice_steps(asked["steps"], shown->ground.start.mesh);
+    const std::vector<char> marks = chosen(ground, steps);
+    double area = 0;
+    int count = 0;
+    for (std::size_t t = 0; t < marks.size(); ++t)
+        if (marks[t]) {
+            area += shown->ground.start.area[static_cast<Eigen::Index>(t)];
+            ++count;
+        }
+    Json answer{
+        {"marks", packed_marks(marks)}, {"triangles", count}, {"area", area}, {"kind", ""}, {"lines", Json::array()}};
+    if (count == 0) return answer;
+    try {
+        const std::string name = asked.contains("name") ? text_in(asked, "name") : "chosen";
+        const Description words = described(ground, steps, marks, name, name + "-triangles.txt");
+        answer["kind"] = words.kind;
+        for (const RegionText& region : words.regions) answer["lines"].push_back(region_line(region));
+    } catch (const InvalidInput& refused) {
+        answer["kind"] = refused.what();
+    }
+    return answer;
+}
+
+/// {text}: the editor's text with the chosen region, under `fixed`, too, if asked. A list of triangles is written
+/// beside the case.
+Studio::Impl::Json Studio::Impl::put_region(const Asked& asked) {
+    const auto shown = need_subject();
+    std::string yaml = text_in(asked, "text");
+    const std::string name = text_in(asked, "name"), list_file = name + "-triangles.txt";
+    auto the_case = readable_case(yaml, folder / "case.yaml");
+    // A region is not described by its own former self.
+    if (the_case) std::erase_if(the_case->regions, [&](const Region& region) { return region.name == name; });
+    const ChoiceGround ground = ground_for(*shown, the_case);
+    if (!asked.contains("steps")) throw InvalidInput("'steps' is missing");
+    const auto steps = choice_steps(asked["steps"], shown->ground.start.mesh);
+    const Description words = described(ground, steps, chosen(ground, steps), name, list_file);
+    for (const RegionText& region : words.regions) yaml = with_region(yaml, region);
+    if (asked.value("fix", false)) yaml = with_fixed(yaml, name);
+    if (!words.numbers.empty()) {
+        need_write();
+        write_atomically(folder / list_file, numbers_text(words.numbers));
+    }
+    return {{"text", yaml}, {"kind", words.kind}};
+}
+
+}  // namespace strake

@@ -1,0 +1,223 @@
+#include "casefile/yaml/value.hpp"
+#include "core/error.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/base64.hpp"
+#include "core/text/file.hpp"
+#include "report/run_lock.hpp"
+#include "studio/studio_impl.hpp"
+
+#include <algorithm>
+#include <charconv>
+#include <csignal>
+#include <cstring>
+
+/// Commands that the page starts, each as a process of its own: init, check, run and resume.
+namespace strake {
+
+namespace fs = std::filesystem;
+
+void Studio::Impl::need_write() const {
+    if (options.read_only) throw Declined("this studio is read-only");
+}
+
+void Studio::Impl::need_no_task() {
+    if (task && !task->ended()) throw Declined(text("'", task_name, "' is still at work"));
+}
+
+fs::path Studio::Impl::need_saved_case() const {
+    std::error_code ignored;
+    if (case_file.empty() || !fs::exists(case_file, ignored)) throw Declined("save the case first");
+    return case_file;
+}
+
+Studio::Impl::Json Studio::Impl::task_state() {
+    if (!task) return nullptr;
+    Json facts{{"name", task_name}, {"is_running", false}, {"status", nullptr}, {"messages", ""}, {"output", ""}};
+    if (const auto status = task->ended()) {
+        facts["status"] = *status;
+        facts["messages"] = task->messages();
+        facts["output"] = task->output();
+    } else {
+        facts["is_running"] = true;
+    }
+    return facts;
+}
+
+/// All that the page shows beside the surface; asked for twice a second while it is visible.
+Studio::Impl::Json Studio::Impl::state(const WebRequest& request) {
+    int from = 0;
+    if (const auto found = request.query.find("from"); found != request.query.end())
+        std::from_chars(found->second.data(), found->second.data() + found->second.size(), from);
+    std::shared_ptr<RunWatch> watch;
+    Json facts;
+    {
+        const std::lock_guard lock(busy);
+        if (task && task->ended() == 0 && !task_file.empty()) {  // init has written a case
+            to_open = task_file;
+            is_opening = true;
+            task_file.clear();
+            wanted.notify_all();
+        }
+        watch = run;
+        facts = {{"folder", folder.string()},
+                 {"read_only", options.read_only},
+                 {"version", version},
+                 {"is_opening", is_opening},
+                 {"trouble", trouble},
+                 {"has_surface", subject != nullptr},
+                 {"surface", subject ? subject->surface.filename().string() : ""},
+                 {"case", case_file.filename().string()},
+                 {"is_second", is_second},
+                 {"task", task_state()},
+                 {"disk_mark", nullptr},
+                 {"run", nullptr},
+                 {"run_messages", ""}};
+        std::error_code ignored;
+        if (!case_file.empty() && fs::exists(case_file, ignored))
+            facts["disk_mark"] = content_mark(read_case_file(case_file.string()));
+        if (run_child && run_child->ended()) facts["run_messages"] = run_child->messages();
+    }
+    if (!watch) return facts;
+    try {
+        facts["run"] = watch->look(from);
+    } catch (const std::exception& error) {
+        facts["run"] = {{"folder", watch->folder().string()},
+                        {"status", "starting"},
+                        {"reason", error.what()},
+                        {"rows", Json::array()},
+                        {"from", from}};
+    }
+    return facts;
+}
+
+Studio::Impl::Json Studio::Impl::propose(const Asked& asked) {
+    const auto shown = need_subject();
+    const fs::path file = inside(text_in(asked, "name"));
+    std::error_code ignored;
+    if (fs::exists(fs::symlink_status(file, ignored)))
+        throw Declined(text(file.filename().string(), " exists already: open it, or choose another name"));
+    const std::lock_guard lock(busy);
+    need_no_task();
+    task = std::make_unique<Child>(
+        folder, std::vector<std::string>{"init", shown->surface.string(), "-o", file.string(), "--json"});
+    task_name = "propose a case";
+    task_file = file;
+    return {{"ok", true}};
+}
+
+Studio::Impl::Json Studio::Impl::full_check(const Asked&) {
+    const std::lock_guard lock(busy);
+    need_no_task();
+    task = std::make_unique<Child>(folder,
+                                   std::vector<std::string>{"check", need_saved_case().string(), "--json", "--quick"});
+    task_name = "check";
+    task_file.clear();
+    return {{"ok", true}};
+}
+
+Studio::Impl::Json Studio::Impl::start_run(const Asked& asked) {
+    const std::lock_guard lock(busy);
+    if (run_child && !run_child->ended()) throw Declined("a run that this studio started is still at work");
+    const fs::path file = need_saved_case();
+    const std::string stem = file.stem() == "case" && subject ? subject->surface.stem().string() : file.stem().string();
+    fs::path out;
+    std::error_code ignored;
+    for (int k = 1;; ++k) {
+        std::string number = std::to_string(k);
+        out = folder / "runs" / (stem + "-" + std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number);
+        if (!fs::exists(out, ignored)) break;
+    }
+    std::vector<std::string> arguments{"run", file.string(), "--out", out.string(), "--quiet"};
+    if (asked.contains("evaluations")) {
+        if (!asked["evaluations"].is_number_integer()) throw InvalidInput("evaluations must be a whole number");
+        arguments.insert(arguments.end(),
+                         {"--set", text("optimize.budget.evaluations=", asked["evaluations"].get<long>())});
+    }
+    run_child = std::make_unique<Child>(folder, arguments);
+    run = std::make_shared<RunWatch>(out);
+    return {{"folder", fs::relative(out, folder, ignored).string()}};
+}
+
+/// Ends in order, and can be resumed. Also a run that was started elsewhere on this machine.
+Studio::Impl::Json Studio::Impl::stop_run() {
+    const std::lock_guard lock(busy);
+    if (run_child && !run_child->ended()) {
+        run_child->interrupt();
+        return {{"ok", true}};
+    }
+    if (!run) throw Declined("no run is open");
+    const auto holder = lock_holder(run->folder());
+    if (!holder) throw Declined("the run is not at work");
+    int process = 0;
+    std::from_chars(holder->process.data(), holder->process.data() + holder->process.size(), process);
+    if (holder->host != host_name() || process <= 1)
+        throw Declined(text("the run is at work as ", holder->words(), "; stop it there"));
+    if (::kill(process, SIGINT) != 0)
+        throw Declined(text("the run cannot be stopped from here: ", std::strerror(errno)));
+    return {{"ok", true}};
+}
+
+Studio::Impl::Json Studio::Impl::resume_run(const Asked& asked) {
+    const std::lock_guard lock(busy);
+    if (!run) throw Declined("no run is open");
+    if ((run_child && !run_child->ended()) || lock_holder(run->folder())) throw Declined("the run is at work");
+    std::vector<std::string> arguments{"resume", run->folder().string(), "--quiet"};
+    if (asked.contains("evaluations")) {
+        if (!asked["evaluations"].is_number_unsigned()) throw InvalidInput("evaluations must be a whole number");
+        arguments.insert(arguments.end(), {"--evaluations", text("+", asked["evaluations"].get<unsigned long>())});
+    }
+    run_child = std::make_unique<Child>(folder, arguments);
+    run = std::make_shared<RunWatch>(run->folder());
+    return {{"ok", true}};
+}
+
+Studio::Impl::Json Studio::Impl::attach(const Asked& asked) {
+    const fs::path path = inside(text_in(asked, "name"));
+    std::error_code ignored;
+    if (!fs::exists(path / "journal.sqlite", ignored)) throw InvalidInput("that is not a run folder");
+    const std::lock_guard lock(busy);
+    run = std::make_shared<RunWatch>(path);
+    return {{"ok", true}};
+}
+
+WebAnswer Studio::Impl::report() {
+    std::shared_ptr<RunWatch> watch;
+    {
+        const std::lock_guard lock(busy);
+        watch = run;
+    }
+    std::error_code ignored;
+    if (!watch || !fs::exists(watch->folder() / "report.html", ignored))
+        return {404, "text/plain", "there is no report yet: it is written when the run ends\n"};
+    return {200, "text/html; charset=utf-8", read_bytes(watch->folder() / "report.html"), true};
+}
+
+/// Positions of the best shape so far, as those of /api/surface: n x 3 numbers relative to its middle.
+WebAnswer Studio::Impl::best_shape() {
+    const auto shown = need_subject();
+    std::shared_ptr<RunWatch> watch;
+    {
+        const std::lock_guard lock(busy);
+        watch = run;
+    }
+    if (!watch) return {404, "text/plain", "no run is open\n"};
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(watch->folder(), ignored)) {
+        if (entry.path().stem() != "best" || !entry.is_regular_file(ignored)) continue;
+        const TriMesh best = read_surface(entry.path()).mesh;
+        const TriMesh& start = shown->ground.start.mesh;
+        if (best.num_vertices() != start.num_vertices() || best.triangles != start.triangles)
+            return {404, "text/plain", "the best shape has other triangles than the surface shown\n"};
+        const Box box = bounding_box(start);
+        std::vector<float> positions;
+        for (int v = 0; v < best.num_vertices(); ++v)
+            for (int c = 0; c < 3; ++c)
+                positions.push_back(static_cast<float>(best.vertices(v, c) - (box.min[c] + box.max[c]) / 2));
+        std::string bytes(positions.size() * sizeof(float), '\0');
+        std::memcpy(bytes.data(), positions.data(), bytes.size());
+        return {200, "application/octet-stream", std::move(bytes)};
+    }
+    return {404, "text/plain", "there is no best shape yet\n"};
+}
+
+}  // namespace strake

@@ -1,0 +1,34 @@
+#pragma once
+#include "studio/choice.hpp"
+
+#include <memory>
+#include <nlohmann/json.hpp>
+
+/// What the studio shows: a surface, and the case that it belongs to. Made once, then only read.
+namespace strake {
+
+struct Subject {
+    std::filesystem::path surface, case_file;  ///< the latter empty: a bare surface
+    std::string case_text;                     ///< as it was read
+    RegionGround ground;
+    std::string blocks;   ///< of the case's text that decide about `ground` (`ground_blocks`)
+    std::string payload;  ///< what the page gets (`payload_of`)
+};
+
+/// A bare surface with its automatic patches, as it is in its file: defects are shown, not refused.
+/// @throws InputError.
+std::shared_ptr<const Subject> surface_subject(const std::filesystem::path& file);
+/// The surface as the case prepares it. @throws CaseError, InputError, SurfaceRefused.
+std::shared_ptr<const Subject> case_subject(const std::filesystem::path& case_file, const std::string& yaml);
+
+/// The blocks of a case's text on which the prepared surface and its patches depend.
+std::string ground_blocks(const std::string& yaml);
+
+/// Regions of a case on a surface: {regions: [{name, triangles, area, box, fixed, line, error}], masks: base64 of one
+/// bit a triangle each, least significant first}. Errors by region do not throw.
+nlohmann::ordered_json regions_json(const Subject& subject, const Case& the_case);
+
+/// One bit a triangle, least significant first, in base64.
+std::string packed_marks(const std::vector<char>& marks);
+
+}  // namespace strake

@@ -64,8 +64,9 @@ export function likelyUp(size) {
   return size[order[0]] < 0.5 * size[order[1]] ? order[0] : 2;
 }
 
-/** A direction given for z up, for another axis. */
-function turned([x, y, z], up) {
+/** A direction given for z up, for another axis; negative: that axis points down. */
+function turned(direction, up, isDown = false) {
+  const x = direction[0], y = isDown ? -direction[1] : direction[1], z = isDown ? -direction[2] : direction[2];
   if (up === 1) return [x, z, -y];
   return up === 0 ? [z, y, -x] : [x, y, z];
 }
@@ -93,9 +94,10 @@ export class Viewer {
   }
 
   /** 0, 1, 2: x, y, z. */
-  setUp(axis) {
+  setUp(axis, isDown = false) {
     this.up = axis;
-    this.camera.up.set(...turned([0, 0, 1], axis));
+    this.isDown = isDown;
+    this.camera.up.set(...turned([0, 0, 1], axis, isDown));
     if (this.controls) this.controls.dispose();
     this.controls = new OrbitControls(this.camera, this.canvas);  // they keep the `up` of their creation
     this.controls.enableDamping = false;
@@ -144,8 +146,8 @@ export class Viewer {
     const [x, y, z] = directions[name];
     const size = Math.hypot(x, y, z);
     this.controls.target.set(0, 0, 0);
-    this.camera.up.set(...turned(Math.abs(z) === size ? [0, 1, 0] : [0, 0, 1], this.up));
-    this.camera.position.set(...turned([x, y, z], this.up)).multiplyScalar((4 * this.radius) / size);
+    this.camera.up.set(...turned(Math.abs(z) === size ? [0, 1, 0] : [0, 0, 1], this.up, this.isDown));
+    this.camera.position.set(...turned([x, y, z], this.up, this.isDown)).multiplyScalar((4 * this.radius) / size);
     this.camera.zoom = 1;
     this.controls.update();
     this.fit();
@@ -240,6 +242,7 @@ export class Viewer {
       this.renderer.render(model.scene, this.camera);
       if (ghost) model.scene.remove(this.ghost);
     }
+    if (this.onrender) this.onrender();
   }
 
   /** The start as a wireframe over the design. */
@@ -253,14 +256,37 @@ export class Viewer {
 
   /** The triangle under a point of the canvas, or -1. */
   triangleAt(x, y) {
+    const hit = this.hitAt(x, y);
+    return hit ? hit.faceIndex : -1;
+  }
+
+  /** The nearest place of the surface under a point of the canvas: {faceIndex, point}, or null. */
+  hitAt(x, y) {
     for (const [model, left, top, w, h] of this.panes) {
       if (x < left || x >= left + w || y < top || y >= top + h) continue;
       const caster = new Raycaster();
       caster.setFromCamera(new Vector2((2 * (x - left)) / w - 1, 1 - (2 * (y - top)) / h), this.camera);
       const hit = caster.intersectObject(model.mesh, false)
         .find(({ point }) => this.clip.every((plane) => plane.distanceToPoint(point) >= 0));
-      return hit ? hit.faceIndex : -1;
+      return hit || null;
     }
-    return -1;
+    return null;
+  }
+
+  /** Where a point is on the canvas of a single view, [x, y] in CSS pixels. */
+  placeOf(point) {
+    const p = new Vector3(...point).project(this.camera);
+    return [((p.x + 1) / 2) * this.width, ((1 - p.y) / 2) * this.height];
+  }
+
+  /** Moves the view so that a point is in its middle, and closer. */
+  flyTo(point, zoom) {
+    const shift = new Vector3(...point).sub(this.controls.target);
+    this.controls.target.add(shift);
+    this.camera.position.add(shift);
+    this.camera.zoom = zoom;
+    this.camera.updateProjectionMatrix();
+    this.controls.update();
+    this.draw();
   }
 }

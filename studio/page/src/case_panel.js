@@ -1,0 +1,143 @@
+// The case as text, with its errors at their lines and its regions on the surface.
+
+import { h, tick } from '../../../viewer/page/src/dom.js';
+import { number } from '../../../viewer/page/src/format.js';
+import { get, post, marksOf, newest } from './api.js';
+
+export class Editor {
+  constructor(studio) {
+    this.studio = studio;
+    this.mark = '';
+    this.name = '';
+    this.saved = '';
+    this.before = [];
+    this.shownRegions = new Set();
+    this.regions = [];
+    this.area = h('textarea', { id: 'case-text', spellcheck: 'false', autocomplete: 'off', wrap: 'off', rows: 24, 'aria-label': 'Case file, YAML', oninput: () => this.changed() });
+    this.numbers = h('pre', { class: 'lines', 'aria-hidden': 'true' });
+    this.area.addEventListener('scroll', () => { this.numbers.scrollTop = this.area.scrollTop; });
+    this.errors = h('div', { class: 'errors', 'aria-live': 'polite' });
+    this.list = h('div', { class: 'regions' });
+    this.check = newest(() => this.ask());
+    this.badLines = new Set();
+  }
+
+  get text() { return this.area.value; }
+  get isChanged() { return this.text !== this.saved; }
+
+  async load() {
+    const { name, text, mark } = await get('api/case');
+    this.name = name;
+    this.mark = mark;
+    this.saved = text;
+    if (this.area.value !== text) { this.area.value = text; this.before = []; }
+    this.changed();
+  }
+
+  replace(text) {
+    this.before.push(this.area.value);
+    this.area.value = text;
+    this.changed();
+  }
+
+  changed() {
+    this.number();
+    this.status();
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.check(), 250);
+  }
+
+  number() {
+    const count = this.text.split('\n').length;
+    this.numbers.replaceChildren(...Array.from({ length: count }, (_, k) => h('span', { class: this.badLines.has(k + 1) && 'bad' }, `${k + 1}\n`)));
+    this.numbers.scrollTop = this.area.scrollTop;
+  }
+
+  status() {
+    if (!this.state) return;
+    this.state.textContent = this.name ? `${this.name}${this.isChanged ? ', not saved' : ''}` : (this.text ? 'a new case, not saved' : 'no case yet');
+  }
+
+  goTo(line) {
+    const lines = this.text.split('\n'), from = lines.slice(0, line - 1).reduce((sum, l) => sum + l.length + 1, 0);
+    this.area.focus();
+    this.area.setSelectionRange(from, from + (lines[line - 1] || '').length);
+    this.area.scrollTop = (line - 5) * (this.area.scrollHeight / lines.length);
+  }
+
+  async ask() {
+    if (!this.text.trim()) { this.errors.replaceChildren(); this.list.replaceChildren(); this.regions = []; this.show(); return; }
+    try {
+      const found = await post('check', { text: this.text });
+      this.badLines = new Set(found.errors.map((e) => e.line));
+      this.errors.replaceChildren(found.errors.length === 0 ? h('p', { class: 'good' }, 'No errors in the text and its regions.')
+        : h('ul', {}, found.errors.map((e) => h('li', {}, h('button', { type: 'button', onclick: () => this.goTo(e.line) }, `line ${e.line}`), ` ${e.message}`))),
+      found.ground_changed && found.errors.length === 0 ? h('p', { class: 'hint' }, 'The surface, its repairs or its patches will be prepared anew when this is saved.') : '');
+      this.regions = found.regions;
+      document.documentElement.dataset.errors = String(found.errors.length);
+    } catch (error) { this.errors.replaceChildren(h('p', { class: 'problem' }, error.message)); }
+    this.number();
+    this.listRegions();
+    this.show();
+  }
+
+  listRegions() {
+    this.list.replaceChildren(...this.regions.map((r) => h('div', { class: 'region' },
+      tick(`${r.name}${r.fixed ? ' (fixed)' : ''}`, this.shownRegions.has(r.name), (v) => { this.shownRegions[v ? 'add' : 'delete'](r.name); this.show(); }),
+      h('span', { class: 'hint' }, r.error ? r.error : `${r.triangles} triangles, area ${number(r.area)}`))));
+  }
+
+  /** What is held in blue, regions that are ticked in green. */
+  show() {
+    const { scene } = this.studio;
+    if (!scene) return;
+    const union = (list) => {
+      if (list.length === 0) return null;
+      const marks = new Uint8Array(scene.body.count);
+      for (const r of list) marksOf(r.marks, marks.length).forEach((m, t) => { if (m) marks[t] = 1; });
+      return marks;
+    };
+    const whole = this.regions.filter((r) => r.marks);
+    scene.held = union(whole.filter((r) => r.fixed));
+    scene.shown = union(whole.filter((r) => !r.fixed && this.shownRegions.has(r.name)));
+    scene.paint();
+  }
+
+  async save() {
+    const { studio } = this;
+    try {
+      const more = this.name ? {} : { name: this.newName.value || 'case.yaml' };
+      const found = await post('save', { text: this.text, mark: this.mark, ...more });
+      if (found.changed) {
+        studio.tell(`${this.name || more.name} has been changed by another program and was not overwritten.`);
+        this.other.replaceChildren(h('p', { class: 'problem' }, 'The file on the disk differs from what this page has read.'),
+          h('button', { type: 'button', onclick: () => { this.before.push(this.text); this.area.value = found.text; this.saved = found.text; this.mark = found.mark; this.name = this.name || more.name; this.other.replaceChildren(); this.changed(); } }, 'Take the file (Undo brings this text back)'),
+          h('button', { type: 'button', onclick: () => { this.mark = found.mark; this.name = this.name || more.name; this.other.replaceChildren(); this.save(); } }, 'Overwrite the file'));
+        return false;
+      }
+      this.mark = found.mark;
+      this.name = found.name;
+      this.saved = this.text;
+      this.status();
+      studio.tell(`${found.name} is saved.`);
+      return true;
+    } catch (error) { studio.tell(error.message); return false; }
+  }
+
+  async propose() {
+    try { await post('propose', { name: this.newName.value || 'case.yaml' }); this.studio.tell('Strake tries ways to move this surface; that takes some seconds …'); } catch (error) { this.studio.tell(error.message); }
+  }
+
+  panel() {
+    this.state = h('p', { class: 'kind' });
+    this.other = h('div', {});
+    this.newName = h('input', { type: 'text', value: 'case.yaml', size: 14, 'aria-label': 'Name of a new case' });
+    this.fresh = h('div', { class: 'controls' }, h('button', { type: 'button', id: 'propose', class: 'main', onclick: () => this.propose() }, 'Propose a case'), h('label', { class: 'control' }, h('span', {}, 'as'), this.newName));
+    this.status();
+    return [this.state, this.fresh, this.other,
+      h('div', { class: 'controls' }, h('button', { type: 'button', id: 'save', class: 'main', onclick: () => this.save() }, 'Save'),
+        h('button', { type: 'button', onclick: () => { if (this.before.length) { this.area.value = this.before.pop(); this.changed(); } } }, 'Undo'),
+        h('button', { type: 'button', onclick: () => post('full_check').then(() => this.studio.tell('strake check is at work …'), (e) => this.studio.tell(e.message)) }, 'Check all of the saved case')),
+      h('div', { class: 'editor' }, this.numbers, this.area), this.errors, h('h3', {}, 'Regions'), this.list];
+  }
+}

@@ -1,0 +1,167 @@
+// Choosing triangles by pointing, planes and boxes; the server computes them and says them as the case would.
+
+import { h, choice, slider, tick, newId } from '../../../viewer/page/src/dom.js';
+import { number } from '../../../viewer/page/src/format.js';
+import { post, marksOf, newest } from './api.js';
+
+const tools = [['patch', 'patches'], ['component', 'connected parts'], ['part', 'parts of the file'], ['flood', 'up to creases'],
+  ['plane', 'a plane'], ['box', 'a box'], ['rectangle', 'a rectangle of the view'], ['triangle', 'single triangles']];
+const axes = ['x', 'y', 'z'];
+
+const words = (step) => {
+  const sign = { '+': 'add', '-': 'subtract', '&': 'intersect with' }[step.op];
+  if (step.patch) return `${sign} patch ${step.patch}`;
+  if (step.component !== undefined) return `${sign} connected part ${step.component}`;
+  if (step.part !== undefined) return `${sign} part ${step.part}`;
+  if (step.flood) return `${sign} what is reached without a crease above ${step.flood.angle}°`;
+  if (step.plane) return `${sign} ${step.plane.above ? 'above' : 'below'} the plane at ${number(step.plane.at)}`;
+  if (step.box) return `${sign} a box`;
+  if (step.triangles) return `${sign} ${step.triangles.length} triangles of the view`;
+  if (step.all) return `${sign} all`;
+  if (step.grow !== undefined) return step.grow >= 0 ? `grow by ${number(step.grow)}` : `shrink by ${number(-step.grow)}`;
+  if (step.region) return `${sign} region ${step.region}`;
+  return 'complement';
+};
+
+export class Choosing {
+  /** editor: {text, replace(text, why)}; told: says words. */
+  constructor(scene, editor, told) {
+    Object.assign(this, { scene, editor, told });
+    this.tool = 'patch';
+    this.op = '+';
+    this.steps = [];
+    this.angle = 30;
+    this.through = false;
+    this.plane = { axis: 0, share: 0.2, above: false };
+    this.corners = [scene.body.facts.low.slice(), scene.body.facts.high.slice()];
+    this.name = 'held';
+    this.fix = true;
+    this.update = newest(() => this.ask());
+  }
+
+  get level() { const k = this.scene.colour.split(':'); return k[0] === 'level' ? Number(k[1]) : this.scene.body.facts.levels.length - 1; }
+
+  at() { const { low, high } = this.scene.body.facts, a = this.plane.axis; return low[a] + this.plane.share * (high[a] - low[a]); }
+
+  /** The step of a plane or box that is being dragged. */
+  dragged() {
+    if (this.tool === 'plane') {
+      const normal = axes.map((_, k) => (k === this.plane.axis ? 1 : 0));
+      return { op: this.op, plane: { normal, at: this.plane.typed ?? Number(this.at().toPrecision(4)), above: this.plane.above } };
+    }
+    if (this.tool === 'box') return { op: this.op, box: this.corners };
+    return null;
+  }
+
+  all() { const last = this.dragged(); return last ? [...this.steps, last] : this.steps; }
+
+  async ask() {
+    const { scene } = this, steps = this.all(), last = this.dragged();
+    scene.hint(last && last.plane, last && last.box);
+    try {
+      const found = await post('choose', { steps, name: this.name, text: this.editor.text });
+      scene.chosen = found.triangles > 0 ? marksOf(found.marks, scene.body.count) : null;
+      this.found.replaceChildren(h('p', {}, h('strong', {}, `${found.triangles} triangles`), `, area ${number(found.area)}`),
+        found.lines.length > 0 ? h('pre', {}, found.lines.join('\n')) : '', h('p', { class: 'hint' }, found.kind ? `As ${found.kind}.` : ''));
+      this.count = found.triangles;
+    } catch (error) { this.found.replaceChildren(h('p', { class: 'problem' }, error.message)); }
+    scene.paint();
+    this.list.replaceChildren(...steps.map((s) => h('li', {}, words(s))));
+    document.documentElement.dataset.chosen = String(this.count);
+  }
+
+  push(step) { this.steps.push(step); return this.update(); }
+
+  /** A point of the surface was clicked. */
+  pick(place) {
+    const { body } = this.scene, { triangle, point } = place, { op } = this;
+    if (this.tool === 'patch') {
+      const level = body.facts.levels[this.level];
+      if (!level) return this.told('This surface has no patches; choose otherwise.');
+      return this.push({ op, patch: level.patches[body.array(level.array)[triangle]] });
+    }
+    if (this.tool === 'component') return this.push({ op, component: body.array('component')[triangle] });
+    if (this.tool === 'part') {
+      const part = body.array('part');
+      return part ? this.push({ op, part: part[triangle] }) : this.told('The file names no parts; choose connected parts instead.');
+    }
+    if (this.tool === 'flood') return this.push({ op, flood: { point: body.middle(triangle), angle: this.angle } });
+    if (this.tool === 'triangle') return this.push({ op, triangles: [triangle] });
+    if (this.tool === 'plane') { this.plane.typed = Number(point[this.plane.axis].toPrecision(4)); this.options(); return this.update(); }
+    return undefined;
+  }
+
+  rectangle(x0, y0, x1, y1) {
+    const triangles = this.scene.inRectangle(x0, y0, x1, y1, this.through);
+    if (triangles.length > 0) this.push({ op: this.op, triangles });
+  }
+
+  setTool(tool) { this.tool = tool; this.options(); this.update(); }
+
+  numberBox(label, value, changed) {
+    const input = h('input', { type: 'number', step: 'any', value: String(value), 'aria-label': label, onchange: () => { if (Number.isFinite(input.valueAsNumber)) changed(input.valueAsNumber); } });
+    return input;
+  }
+
+  options() {
+    const { body } = this.scene, parts = [];
+    if (this.tool === 'patch') parts.push(h('p', { class: 'hint' }, `Click patches of level ${this.level + 1}; Colour changes the level.`));
+    if (this.tool === 'flood') parts.push(slider('Angle of a crease', { min: 1, max: 90, step: 1, value: this.angle, id: 'flood-angle' }, (v) => { this.angle = v; this.angleWords.textContent = `${v}°`; }).label,
+      this.angleWords = h('output', {}, `${this.angle}°`), h('p', { class: 'hint' }, 'Click: all is chosen that is reached without crossing a sharper edge.'));
+    if (this.tool === 'plane') {
+      const typed = this.numberBox('Position of the plane', this.plane.typed ?? Number(this.at().toPrecision(4)), (v) => { this.plane.typed = v; this.update(); });
+      parts.push(choice('Normal to', axes.map((a, k) => [String(k), a]), String(this.plane.axis), (v) => { this.plane.axis = Number(v); this.plane.typed = undefined; this.options(); this.update(); }),
+        choice('Side', [['below', 'below'], ['above', 'above']], this.plane.above ? 'above' : 'below', (v) => { this.plane.above = v === 'above'; this.update(); }),
+        slider('at', { min: 0, max: 1000, step: 1, value: 1000 * this.plane.share, id: 'plane-at' }, (v) => { this.plane.share = v / 1000; this.plane.typed = undefined; typed.value = Number(this.at().toPrecision(4)); this.update(); }).label, typed,
+        h('p', { class: 'hint' }, 'Drag the slider, type, or click the surface where the plane is to be.'));
+    }
+    if (this.tool === 'box') {
+      parts.push(...axes.map((a, c) => h('span', { class: 'control' }, h('span', {}, a), ...[0, 1].map((k) => this.numberBox(`${a} ${k ? 'to' : 'from'}`, Number(this.corners[k][c].toPrecision(6)), (v) => {
+        this.corners[k][c] = v;
+        if (this.corners[0][c] > this.corners[1][c]) this.corners[1 - k][c] = v;
+        this.options(); this.update();
+      })))), ...axes.flatMap((a, c) => [0, 1].map((k) => slider(`${a} ${k ? 'to' : 'from'}`, { min: 0, max: 1000, step: 1, id: `box-${a}-${k}`,
+        value: 1000 * (this.corners[k][c] - body.facts.low[c]) / (body.size[c] || 1) }, (v) => {
+        this.corners[k][c] = Number((body.facts.low[c] + (v / 1000) * body.size[c]).toPrecision(5));
+        if (this.corners[0][c] > this.corners[1][c]) this.corners[1 - k][c] = this.corners[k][c];
+        this.update();
+      }).label)));
+    }
+    if (this.tool === 'rectangle') parts.push(tick('through the body', this.through, (v) => { this.through = v; }), h('p', { class: 'hint' }, 'Drag a rectangle over the surface; with Shift the view turns instead.'));
+    if (['plane', 'box'].includes(this.tool)) parts.push(h('button', { type: 'button', onclick: () => { const step = this.dragged(); this.steps.push(step); this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; } }, 'Keep it, and go on with patches'));
+    this.place.replaceChildren(...parts);
+  }
+
+  panel() {
+    this.place = h('div', { class: 'controls options' });
+    this.found = h('div', { 'aria-live': 'polite', class: 'found' });
+    this.list = h('ol', { class: 'steps' });
+    this.toolChoice = choice('Choose by', tools, this.tool, (v) => this.setTool(v));
+    const by = h('input', { type: 'number', step: 'any', value: String(Number((0.01 * this.scene.body.diagonal).toPrecision(2))), 'aria-label': 'Length to grow by' });
+    const name = h('input', { type: 'text', id: newId('name'), value: this.name, size: 14, maxlength: 60, oninput: () => { this.name = name.value || 'chosen'; } });
+    const button = (label, work) => h('button', { type: 'button', onclick: work }, label);
+    this.options();
+    this.update();
+    return [
+      h('div', { class: 'controls' }, this.toolChoice, choice('and', [['+', 'add'], ['-', 'subtract'], ['&', 'intersect']], this.op, (v) => { this.op = v; this.update(); })),
+      this.place,
+      h('div', { class: 'controls' }, button('Undo', () => { this.steps.pop(); this.update(); }), button('Clear', () => { this.steps = []; this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; }),
+        button('All', () => this.push({ op: this.op, all: true })), button('Complement', () => this.push({ op: '+', invert: true })),
+        h('span', { class: 'control' }, button('Grow', () => this.push({ op: '+', grow: by.valueAsNumber || 0 })), button('Shrink', () => this.push({ op: '+', grow: -(by.valueAsNumber || 0) })), h('span', {}, 'by'), by)),
+      this.list, this.found,
+      h('div', { class: 'controls' }, h('label', { class: 'control' }, h('span', {}, 'Name'), name), tick('it does not move (fixed)', this.fix, (v) => { this.fix = v; }),
+        h('button', { type: 'button', id: 'put-region', class: 'main', onclick: () => this.put() }, 'Put it into the case')),
+    ];
+  }
+
+  async put() {
+    try {
+      const made = await post('region', { steps: this.all(), name: this.name, text: this.editor.text, fix: this.fix });
+      this.editor.replace(made.text, `region ${this.name}, as ${made.kind}`);
+      this.steps = [];
+      this.setTool('patch');
+      this.toolChoice.querySelector('select').value = 'patch';
+      this.told(`The case has the region ${this.name} now, as ${made.kind}. Save it under Case.`);
+    } catch (error) { this.told(error.message); }
+  }
+}

@@ -1,0 +1,72 @@
+// The panel about the surface: size, wings, defects, what the colours mean.
+
+import { h, choice, table } from '../../../viewer/page/src/dom.js';
+import { number, plural } from '../../../viewer/page/src/format.js';
+
+export function colourChoices(facts) {
+  const list = [['plain', 'nothing']];
+  facts.levels.forEach((level, k) => list.push([`level:${k}`, `patches of level ${k + 1} (${level.patches.length})`]));
+  if (facts.parts.length > 0) list.push(['part', `parts of the file (${facts.parts.length})`]);
+  list.push(['component', `connected parts (${facts.components})`]);
+  return list;
+}
+
+/** Three likely units, with what the body would be in metres. */
+function unitWords(facts) {
+  if (facts.units) return `The case says that coordinates are in ${facts.units}.`;
+  const longest = Math.max(...facts.high.map((v, c) => v - facts.low[c]));
+  const inMetres = { m: 1, mm: 1e-3, in: 0.0254 };
+  const list = Object.entries(inMetres).map(([unit, size]) => `${unit}: ${number(longest * size, 3)} m`).join(', ');
+  return `The file does not say its unit. Its longest side would be, in ${list}. State it as surface: {units: …} where a length of the case has a unit.`;
+}
+
+function wings(facts) {
+  if (facts.wings.length === 0) return h('p', {}, 'No wing found along a coordinate; declare one under planform if it lies otherwise.');
+  return facts.wings.map((wing) => [
+    table(wing.is_half ? 'Wing (values of both sides; the file holds one)' : 'Wing', [['', false], ['value', true]], [
+      ['span', number(wing.span)], [wing.has_body ? 'area, exposed' : 'area', number(wing.area)], ['aspect ratio', number(wing.aspect_ratio, 4)],
+      ['taper', number(wing.taper, 3)], ['sweep of the quarter chord', `${number(wing.sweep_deg, 3)}°`],
+      ['dihedral', `${number(wing.dihedral_deg, 3)}°`], ['mean aerodynamic chord', number(wing.mean_chord)]]),
+    table('Stations', [['semispan', true], ['chord', true], ['twist', true], ['t/c', true]], wing.stations.map((s) => [
+      number(s.station, 3), number(s.chord, 4), `${number(s.twist_deg, 3)}°`, `${number(100 * s.thickness_to_chord, 3)} %`])),
+    h('p', { class: 'hint' }, `Found by ${wing.why}.`)]);
+}
+
+function defects(facts, scene) {
+  if (facts.defects.length === 0) return h('p', {}, 'No defects.');
+  return [h('ul', { class: 'defects' }, facts.defects.map((d) => h('li', {}, h('button', { type: 'button', onclick: () => scene.mark(d.places) },
+    d.count > 1 ? `${d.count} ${d.what}` : d.what)))),
+  h('button', { type: 'button', onclick: () => { scene.mark([]); scene.viewer.look('iso'); } }, 'Hide the marks')];
+}
+
+export function lookPanel(scene) {
+  const { body } = scene, { facts } = body, unit = facts.units ? ` ${facts.units}` : '';
+  const size = body.size.map((v) => number(v)).join(' × ');
+  return [
+    table('Surface', [['', false], ['value', true]], [
+      [`size x × y × z${unit}`, size],
+      ['from', facts.low.map((v) => number(v)).join(', ')], ['to', facts.high.map((v) => number(v)).join(', ')],
+      ['diagonal', number(facts.diagonal)], ['area', number(facts.area)],
+      ['volume', facts.volume === null ? 'none: it is open' : number(facts.volume)],
+      ['triangles, vertices', `${facts.triangles}, ${facts.vertices}`], ['connected parts', String(facts.components)]]),
+    h('p', { class: 'hint' }, unitWords(facts)),
+    facts.is_prepared ? h('p', {}, 'Shown as the case repairs and remeshes it.') : '',
+    [...facts.notes, ...facts.warnings].map((words) => h('p', { class: 'hint' }, words)),
+    h('h3', {}, 'Wings'), wings(facts),
+    h('h3', {}, `Defects${facts.defects.length ? ` (${plural(facts.defects.length, 'kind')})` : ''}`), defects(facts, scene),
+    facts.advice.map((words) => h('p', { class: 'hint' }, words)),
+  ];
+}
+
+export function viewControls(scene) {
+  const views = [['iso', 'Oblique'], ['front', 'Front'], ['side', 'Side'], ['top', 'Top'], ['back', 'Back'], ['below', 'Below']];
+  const axes = scene.body.facts.axes;
+  const up = String(scene.viewer.up) + (scene.viewer.isDown ? '-' : '');
+  const ups = ['x', 'y', 'z'].flatMap((a, k) => [[String(k), `+${a}`], [`${k}-`, `\u2212${a}`]]);
+  return [
+    choice('Colour', colourChoices(scene.body.facts), scene.colour, (v) => { scene.colour = v; scene.paint(); }),
+    choice(axes && axes.is_stated ? 'Up' : 'Up (guess)', ups, up, (v) => scene.viewer.setUp(Number(v[0]), v.length > 1)),
+    h('span', { class: 'buttons', role: 'group', 'aria-label': 'View from' },
+      views.map(([v, words]) => h('button', { type: 'button', onclick: () => scene.viewer.look(v) }, words))),
+  ];
+}

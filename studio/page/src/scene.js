@@ -1,0 +1,224 @@
+// The surface in 3D, with arrows, planes and marks around it.
+
+import {
+  ArrowHelper, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
+  MeshBasicMaterial, Points, PointsMaterial, Vector3,
+} from 'three';
+import { h } from '../../../viewer/page/src/dom.js';
+import { Viewer, likelyUp } from '../../../viewer/page/src/viewer.js';
+import { categories, patchColors } from '../../../viewer/page/src/colors.js';
+
+const grey = [196, 200, 206], chosen = [230, 159, 0], held = [86, 180, 233], region = [0, 158, 115];
+const names = ['x', 'y', 'z'];
+
+export class Scene3D {
+  constructor(canvas, labels, body) {
+    this.body = body;
+    this.labels = labels;
+    this.viewer = new Viewer(canvas, body);
+    this.viewer.both = false;
+    this.model = this.viewer.design;
+    this.extras = new Group();
+    this.hints = new Group();
+    this.model.scene.add(this.extras, this.hints);
+    this.model.scene.background = new Color(window.matchMedia('(prefers-color-scheme: dark)').matches ? 0x1b2027 : 0xffffff);
+    this.model.setPositions(body.start);
+    this.colour = body.facts.levels.length > 0 ? 'level:0' : 'plain';
+    this.chosen = this.held = this.shown = null;
+    this.words = [];
+    this.viewer.onrender = () => this.placeLabels();
+    this.arrows();
+    this.creases();
+    const { axes } = body.facts;
+    if (axes) {
+      const up = axes.up.map(Math.abs), axis = up.indexOf(Math.max(...up));
+      this.viewer.setUp(axis, axes.up[axis] < 0);
+    } else this.viewer.setUp(likelyUp(body.size));
+    this.paint();
+    this.viewer.resize();
+  }
+
+  dispose() { this.viewer.controls.dispose(); this.viewer.renderer.dispose(); this.viewer.onrender = null; this.labels.replaceChildren(); }
+
+  label(text, at, kind) { this.words.push({ at, element: h('span', { class: kind }, text) }); }
+
+  /** Coordinate axes at the corner of the box, stream and up before and above the body, the plane of symmetry. */
+  arrows() {
+    const { body } = this, half = body.size.map((s) => s / 2), long = 0.16 * body.diagonal;
+    const arrow = (direction, from, color, words, kind) => {
+      const d = new Vector3(...direction).normalize(), o = new Vector3(...from);
+      this.extras.add(new ArrowHelper(d, o, long, color, 0.22 * long, 0.12 * long));
+      this.label(words, o.clone().addScaledVector(d, 1.12 * long).toArray(), kind);
+    };
+    const corner = half.map((s) => -s - 0.04 * body.diagonal);
+    for (let c = 0; c < 3; ++c) arrow([0, 1, 2].map((k) => (k === c ? 1 : 0)), corner, [0xc0392b, 0x2e7d32, 0x1f5fbf][c], names[c], 'axis');
+    const { axes, symmetry } = body.facts;
+    if (axes) {
+      const reach = (d) => half.reduce((sum, s, c) => sum + s * Math.abs(d[c]), 0);
+      const guess = axes.is_stated ? '' : ' (guess)';
+      arrow(axes.downstream, axes.downstream.map((v) => -v * (reach(axes.downstream) + 1.25 * long)), 0x0072b2, `stream${guess}`, 'stream');
+      arrow(axes.up, axes.up.map((v) => v * (reach(axes.up) + 0.1 * long)), 0xd55e00, `up${guess}`, 'up');
+    }
+    if (symmetry) this.extras.add(...this.planeOf(symmetry.normal, symmetry.offset, 0x7b3fa0, 0.06, symmetry.is_half ? 'plane of symmetry (half a body)' : 'plane of symmetry'));
+  }
+
+  /** A rectangle of the plane normal . x = at of the file's coordinates, around the body. */
+  planeOf(normal, at, color, opacity, words) {
+    const n = new Vector3(...normal).normalize(), { body } = this;
+    const distance = at - n.dot(new Vector3(...body.center));
+    const other = Math.abs(n.x) < 0.7 ? new Vector3(1, 0, 0) : new Vector3(0, 1, 0);
+    const u = new Vector3().crossVectors(n, other).normalize(), w = new Vector3().crossVectors(n, u);
+    const reach = (d) => 0.56 * (body.size[0] * Math.abs(d.x) + body.size[1] * Math.abs(d.y) + body.size[2] * Math.abs(d.z)) + 0.02 * body.diagonal;
+    const corner = (a, b) => n.clone().multiplyScalar(distance).addScaledVector(u, a * reach(u)).addScaledVector(w, b * reach(w));
+    const points = [corner(-1, -1), corner(1, -1), corner(1, 1), corner(-1, 1)];
+    const loop = new LineLoop(new BufferGeometry().setFromPoints(points), new LineBasicMaterial({ color }));
+    const face = new BufferGeometry().setFromPoints([points[0], points[1], points[2], points[0], points[2], points[3]]);
+    const sheet = new Mesh(face, new MeshBasicMaterial({ color, transparent: true, opacity, side: DoubleSide, depthWrite: false }));
+    if (words) this.label(words, points[2].toArray(), 'symmetry');
+    return [loop, sheet];
+  }
+
+  boxOf(low, high) {
+    const c = this.body.center, point = (k) => [0, 1, 2].map((a) => ((k >> a) & 1 ? high[a] : low[a]) - c[a]);
+    const ends = [];
+    for (let k = 0; k < 8; ++k) for (let a = 0; a < 3; ++a) if (!((k >> a) & 1)) ends.push(...point(k), ...point(k | (1 << a)));
+    const geometry = new BufferGeometry();
+    geometry.setAttribute('position', new BufferAttribute(new Float32Array(ends), 3));
+    return new LineSegments(geometry, new LineBasicMaterial({ color: 0xb35806 }));
+  }
+
+  /** Shows a plane or a box that is being dragged; nothing: none. */
+  hint(plane, box) {
+    for (const one of [...this.hints.children]) { this.hints.remove(one); one.geometry.dispose(); }
+    if (plane) this.hints.add(...this.planeOf(plane.normal, plane.at, 0xb35806, 0.12));
+    if (box) this.hints.add(this.boxOf(box[0], box[1]));
+    this.viewer.draw();
+  }
+
+  creases() {
+    const lines = (pairs, color) => {
+      const at = new Float32Array(3 * pairs.length);
+      pairs.forEach((v, k) => { for (let c = 0; c < 3; ++c) at[3 * k + c] = this.body.start[3 * v + c]; });
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', new BufferAttribute(at, 3));
+      return new LineSegments(geometry, new LineBasicMaterial({ color }));
+    };
+    this.creaseLines = lines(this.body.array('creases'), 0x000000);
+    this.extras.add(this.creaseLines);
+    const trailing = this.body.array('trailing');
+    if (trailing && trailing.length >= 6) {
+      const points = [];
+      for (let k = 0; k + 2 < trailing.length; k += 3) points.push(new Vector3(trailing[k], trailing[k + 1], trailing[k + 2]));
+      const pairs = points.slice(1).flatMap((p, k) => [points[k], p]);
+      this.extras.add(new LineSegments(new BufferGeometry().setFromPoints(pairs), new LineBasicMaterial({ color: 0xd55e00, depthTest: false })));
+    }
+  }
+
+  /** Points of the file's coordinates as marks; the view goes to the first. */
+  mark(places) {
+    if (this.marks) { this.extras.remove(this.marks); this.marks.geometry.dispose(); this.marks = null; }
+    if (places.length > 0) {
+      const at = places.map((p) => new Vector3(...p.map((v, c) => v - this.body.center[c])));
+      this.marks = new Points(new BufferGeometry().setFromPoints(at), new PointsMaterial({ color: 0xd5005e, size: 9, sizeAttenuation: false, depthTest: false }));
+      this.extras.add(this.marks);
+      this.viewer.flyTo(at[0].toArray(), 6);
+    }
+    this.viewer.draw();
+  }
+
+  placeLabels() {
+    if (this.labels.childElementCount !== this.words.length) this.labels.replaceChildren(...this.words.map((w) => w.element));
+    for (const { at, element } of this.words) {
+      const [x, y] = this.viewer.placeOf(at);
+      element.style.transform = `translate(${x.toFixed(1)}px, ${y.toFixed(1)}px) translate(-50%, -50%)`;
+    }
+  }
+
+  /** The label of each triangle and the names, of what the colours show. */
+  labelling() {
+    const { body } = this, [kind, level] = this.colour.split(':');
+    if (kind === 'level') return { label: body.array(body.facts.levels[level].array), names: body.facts.levels[level].patches };
+    if (kind === 'part') return { label: body.array('part'), names: body.facts.parts };
+    if (kind === 'component') return { label: body.array('component'), names: null };
+    return null;
+  }
+
+  paint() {
+    const shown = this.labelling(), isMarked = this.chosen || this.held || this.shown;
+    let colors = null;
+    if (shown) {
+      this.known = this.known || new Map();
+      if (!this.known.has(this.colour)) {
+        const count = shown.names ? shown.names.length : 1 + shown.label.reduce((a, b) => Math.max(a, b), 0);
+        this.known.set(this.colour, count > 4000 ? Array.from({ length: count }, (_, k) => categories[k % categories.length]) : patchColors(shown.label, count, this.body.triangles));
+        this.known.set(`${this.colour} borders`, this.body.borders(shown.label));
+      }
+      colors = this.known.get(this.colour);
+    }
+    this.model.setColors((t, v, out, at) => {
+      let c = colors ? colors[shown.label[t]] : grey, fade = isMarked && colors ? 0.72 : 0;
+      if (this.held && this.held[t]) { c = held; fade = 0; }
+      if (this.shown && this.shown[t]) { c = region; fade = 0; }
+      if (this.chosen && this.chosen[t]) { c = chosen; fade = 0; }
+      for (let k = 0; k < 3; ++k) out[at + k] = (1 - fade) * c[k] + fade * 214;
+    });
+    this.model.setBorders(shown ? this.known.get(`${this.colour} borders`) : new Uint32Array(0));
+    this.viewer.draw();
+  }
+
+  setPositions(p) { this.model.setPositions(p); this.creaseLines.visible = p === this.body.start; this.viewer.draw(); }
+
+  /** What is at a point of the canvas, in the file's coordinates. */
+  at(x, y) {
+    const hit = this.viewer.hitAt(x, y);
+    if (!hit) return null;
+    const point = hit.point.toArray().map((v, c) => v + this.body.center[c]);
+    return { triangle: hit.faceIndex, point };
+  }
+
+  /** Triangles whose middle lies in a rectangle of the canvas; unless `through`, only those that are seen: they face the
+   * eye and nothing hides their middle. */
+  inRectangle(x0, y0, x1, y1, through) {
+    const { body, viewer } = this, found = [], eye = viewer.camera.getWorldDirection(new Vector3());
+    const f = body.faceNormals(this.model.p), e = viewer.camera.matrixWorldInverse, p = viewer.camera.projectionMatrix;
+    const v = new Vector3();
+    for (let t = 0; t < body.count; ++t) {
+      if (!through && f[3 * t] * eye.x + f[3 * t + 1] * eye.y + f[3 * t + 2] * eye.z >= 0) continue;
+      v.set(0, 0, 0);
+      for (let k = 0; k < 3; ++k) {
+        const at = 3 * body.triangles[3 * t + k];
+        v.x += this.model.p[at] / 3; v.y += this.model.p[at + 1] / 3; v.z += this.model.p[at + 2] / 3;
+      }
+      v.applyMatrix4(e).applyMatrix4(p);
+      const x = ((v.x + 1) / 2) * viewer.width, y = ((1 - v.y) / 2) * viewer.height;
+      if (x < x0 || x > x1 || y < y0 || y > y1) continue;
+      found.push(t);
+    }
+    return through ? found : this.seen(found);
+  }
+
+  /** Those of the triangles that a picture with one colour a triangle shows. */
+  seen(triangles) {
+    const { renderer, camera, width, height } = this.viewer, ratio = renderer.getPixelRatio();
+    const visible = new Set();
+    const saved = this.model.geometry.attributes.color.array.slice(), { material } = this.model.mesh;
+    const flat = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
+    this.model.setColors((t, v, out, at) => { out[at] = (t + 1) & 255; out[at + 1] = ((t + 1) >> 8) & 255; out[at + 2] = ((t + 1) >> 16) & 255; });
+    const { background } = this.model.scene, wasVisible = [this.extras.visible, this.hints.visible, this.model.lines.visible];
+    this.model.mesh.material = flat;
+    this.model.scene.background = new Color(0x000000);
+    this.extras.visible = this.hints.visible = this.model.lines.visible = false;
+    renderer.render(this.model.scene, camera);
+    const gl = renderer.getContext(), w = Math.floor(width * ratio), hgt = Math.floor(height * ratio), pixels = new Uint8Array(4 * w * hgt);
+    gl.readPixels(0, 0, w, hgt, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    for (let k = 0; k < pixels.length; k += 4) visible.add(pixels[k] + 256 * pixels[k + 1] + 65536 * pixels[k + 2] - 1);
+    this.model.mesh.material = material;
+    this.model.scene.background = background;
+    [this.extras.visible, this.hints.visible, this.model.lines.visible] = wasVisible;
+    this.model.geometry.attributes.color.array.set(saved);
+    this.model.geometry.attributes.color.needsUpdate = true;
+    flat.dispose();
+    this.viewer.draw();
+    return triangles.filter((t) => visible.has(t));
+  }
+}

@@ -6,7 +6,7 @@
         browser.click("#design")
         browser.screenshot("page.png")
 
-Errors of the page's console and requests that it makes beside its own file are collected in `errors` and `requests`.
+Errors of the page's console and requests beside its own file, or outside of its own address, are collected in `errors` and `requests`.
 """
 import base64
 import json
@@ -99,7 +99,7 @@ class Browser:
             self.errors.append(what["entry"]["text"])
         if method == "Network.requestWillBeSent":
             url = what["request"]["url"]
-            if url != self.page and not url.startswith(("data:", "blob:")):
+            if not url.startswith((self.page, "data:", "blob:")):
                 self.requests.append(url)
 
     def call(self, method, seconds=200, **parameters):
@@ -122,7 +122,8 @@ class Browser:
         self.call("Emulation.setDeviceMetricsOverride", width=width, height=height, deviceScaleFactor=scale, mobile=False)
 
     def open(self, path):
-        self.page = pathlib.Path(path).resolve().as_uri()
+        is_address = str(path).startswith("http://")
+        self.page = str(path) if is_address else pathlib.Path(path).resolve().as_uri()
         self.is_loaded = False
         self.call("Page.navigate", url=self.page)
         end = time.monotonic() + 120

@@ -38,6 +38,14 @@ ChoiceGround ground_for(const Subject& subject, const std::optional<Case>& the_c
             the_case->symmetry};
 }
 
+/// A case of which the objective is still to be chosen.
+std::string first_case(const std::string& surface) {
+    return "surface: {file: \"" + surface +
+           "\"}\n\n# REPLACE THIS by your objective: a built-in quantity (docs/objectives.md) or your own program "
+           "(docs/external.md).\nobjective: {maximize: volume}\nconstraints:\n  area: {max: 1.01, relative: true}\n"
+           "optimize:\n  budget: {evaluations: 60}\n";
+}
+
 std::string numbers_text(const std::vector<int>& numbers) {
     std::string bytes;
     for (const int number : numbers) bytes += std::to_string(number) + "\n";
@@ -112,6 +120,7 @@ Studio::Impl::Json Studio::Impl::choose(const Asked& asked) {
 Studio::Impl::Json Studio::Impl::put_region(const Asked& asked) {
     const auto shown = need_subject();
     std::string yaml = text_in(asked, "text");
+    if (yaml.find_first_not_of(" \t\r\n") == std::string::npos) yaml = first_case(shown->surface.filename().string());
     const std::string name = text_in(asked, "name"), list_file = name + "-triangles.txt";
     auto the_case = readable_case(yaml, folder / "case.yaml");
     // A region is not described by its own former self.

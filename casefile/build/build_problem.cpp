@@ -38,6 +38,7 @@ BuiltProblem ProblemBuilder::build() {
 }
 
 RegionGround ProblemBuilder::ground() {
+    wants_patches_ = true;
     read_start();
     at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
     errors_.throw_if_any();

@@ -24,6 +24,7 @@ private:
     const Case& case_;
     Purpose purpose_;
     Diagnostics errors_;
+    bool wants_patches_ = false;  ///< though no region names one yet
     StartSurface start_;
     BuiltProblem out_;
     std::map<std::string, int> region_index_;

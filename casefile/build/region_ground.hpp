@@ -10,8 +10,8 @@ struct RegionGround {
     std::vector<std::string> notes, warnings;
 };
 
-/// The very surface and patches that `build_problem` evaluates the regions of this case on. Neither regions nor
-/// quantities are looked at: nothing that the case names is executed.
+/// The very surface and patches that `build_problem` evaluates the regions of this case on, patches also where no
+/// region names one yet. Neither regions nor quantities are looked at: nothing that the case names is executed.
 /// @throws as build_problem: InputError (surface file), SurfaceRefused, CaseError.
 RegionGround region_ground(const Case& the_case);
 

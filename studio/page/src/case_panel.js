@@ -30,7 +30,10 @@ export class Editor {
     this.name = name;
     this.mark = mark;
     this.saved = text;
-    if (this.area.value !== text) { this.area.value = text; this.before = []; }
+    if (this.area.value !== text) {
+      if (this.area.value.trim()) this.before.push(this.area.value);
+      this.area.value = text;
+    }
     this.changed();
   }
 

@@ -17,6 +17,7 @@ export class Scene3D {
     this.labels = labels;
     this.viewer = new Viewer(canvas, body);
     this.viewer.both = false;
+    this.viewer.margin = 1.22;  // for the arrows
     this.model = this.viewer.design;
     this.extras = new Group();
     this.hints = new Group();
@@ -50,7 +51,7 @@ export class Scene3D {
       this.extras.add(new ArrowHelper(d, o, long, color, 0.22 * long, 0.12 * long));
       this.label(words, o.clone().addScaledVector(d, 1.12 * long).toArray(), kind);
     };
-    const corner = half.map((s) => -s - 0.04 * body.diagonal);
+    const corner = half.map((s) => -s);
     for (let c = 0; c < 3; ++c) arrow([0, 1, 2].map((k) => (k === c ? 1 : 0)), corner, [0xc0392b, 0x2e7d32, 0x1f5fbf][c], names[c], 'axis');
     const { axes, symmetry } = body.facts;
     if (axes) {

@@ -87,6 +87,7 @@ export class Viewer {
     this.radius = shape.diagonal / 2;
     this.both = true;
     this.overlay = false;
+    this.margin = 1;  // more leaves room around the body
     this.setUp(likelyUp(shape.size));
     canvas.addEventListener('keydown', (e) => this.key(e));
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -176,7 +177,7 @@ export class Viewer {
   }
 
   /** Length per pixel at which the start fits into a pane. */
-  lengthPerPixel(w, h) { return Math.max((2.3 * this.span[1]) / h, (2.15 * this.span[0]) / w); }
+  lengthPerPixel(w, h) { return this.margin * Math.max((2.3 * this.span[1]) / h, (2.15 * this.span[0]) / w); }
 
   /** Arrow keys rotate, plus and minus zoom. */
   key(event) {

@@ -1,0 +1,319 @@
+#!/usr/bin/env python3
+"""The server of strake studio over sockets: server_test.py STRAKE MAKE_SURFACE."""
+import array
+import http.client
+import json
+import os
+import pathlib
+import re
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+STRAKE, MAKE_SURFACE = sys.argv[1:3]
+
+
+class Studio:
+    """A studio at work in a folder."""
+
+    def __init__(self, folder, *arguments, environment=None):
+        self.process = subprocess.Popen([STRAKE, "studio", *arguments, "--no-browser"], cwd=folder, text=True,
+                                        stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
+        self.url = self.process.stdout.readline()
+        found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/\n", self.url)
+        if not found:
+            self.process.kill()
+            raise RuntimeError(f"no address: {self.url!r} {self.process.stderr.read()}")
+        self.port, self.token = int(found[1]), found[2]
+
+    def __enter__(self):
+        return self
+
+    def __exit__(self, *_):
+        self.end(signal.SIGTERM)
+
+    def end(self, with_signal):
+        """(status, stdout, stderr)"""
+        self.process.send_signal(with_signal)
+        out, err = self.process.communicate(timeout=20)
+        return self.process.returncode, out, err
+
+    def request(self, path, method="GET", body=None, headers=None, token=None):
+        """(status, body)"""
+        asked = http.client.HTTPConnection("127.0.0.1", self.port, timeout=30)
+        asked.request(method, f"/{self.token if token is None else token}/{path}", body, headers or {})
+        answer = asked.getresponse()
+        self.headers = answer.headers
+        found = answer.status, answer.read()
+        asked.close()
+        return found
+
+    def post(self, what, **more):
+        status, body = self.request("api", "POST", json.dumps({"do": what, **more}), {"Content-Type": "application/json"})
+        return status, json.loads(body)
+
+    def state(self):
+        return json.loads(self.request("api/state?from=0")[1])
+
+    def until(self, holds, seconds=60):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            state = self.state()
+            if holds(state):
+                return state
+            time.sleep(0.05)
+        raise RuntimeError(f"never came true; last: {state}")
+
+    def raw(self, words):
+        with socket.create_connection(("127.0.0.1", self.port), timeout=10) as link:
+            link.sendall(words)
+            answer = b""
+            while True:
+                try:
+                    piece = link.recv(65536)
+                except (ConnectionResetError, TimeoutError):
+                    break
+                if not piece:
+                    break
+                answer += piece
+            return answer
+
+
+class Server(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.around = tempfile.TemporaryDirectory()
+        cls.outside = pathlib.Path(cls.around.name)
+        cls.folder = cls.outside / "mine"
+        cls.folder.mkdir()
+        subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1500", "-o", cls.folder / "body.stl"], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        (cls.outside / "secret.yaml").write_text("surface: secret\n")
+        (cls.outside / "secret.stl").write_bytes((cls.folder / "body.stl").read_bytes())
+        os.symlink(cls.outside / "secret.yaml", cls.folder / "link.yaml")
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.around.cleanup()
+
+    def setUp(self):
+        self.studio = Studio(self.folder, "body.stl")
+        self.addCleanup(self.studio.process.stdout.close)
+        self.addCleanup(self.studio.process.stderr.close)
+        self.addCleanup(lambda: self.studio.process.poll() is not None or self.studio.end(signal.SIGKILL))
+
+    def opened(self):
+        return self.studio.until(lambda s: not s["is_opening"])
+
+    def test_answers_its_own_page_and_says_what_a_page_may_do(self):
+        status, page = self.studio.request("")
+        self.assertEqual(status, 200)
+        policy = self.studio.headers["Content-Security-Policy"]
+        self.assertIn("default-src 'none'", policy)
+        self.assertNotIn("unsafe", policy)
+        self.assertNotIn("http", policy)
+        self.assertEqual(self.studio.headers["Referrer-Policy"], "no-referrer")
+        self.assertEqual(self.studio.headers["Cache-Control"], "no-store")
+        self.assertIn(b'src="studio.js"', page)
+        self.assertIsNone(re.search(rb"https?://", page))
+        self.assertIsNone(re.search(rb"<script>|<style>| on[a-z]+=| style=", page), "nothing inline")
+        for name in ("studio.js", "studio.css"):
+            self.assertEqual(self.studio.request(name)[0], 200)
+
+    def test_listens_on_the_loopback_address_only(self):
+        listening = pathlib.Path(f"/proc/{self.studio.process.pid}/net/tcp").read_text()
+        ports = [line.split()[1] for line in listening.splitlines()[1:] if line.split()[3] == "0A"]
+        self.assertIn(f"0100007F:{self.studio.port:04X}", ports)
+        self.assertNotIn(f"00000000:{self.studio.port:04X}", ports)
+
+    def test_refuses_other_hosts(self):
+        for host in ("evil.example", f"evil.example:{self.studio.port}", "127.0.0.1", "localhost:1"):
+            self.assertEqual(self.studio.request("", headers={"Host": host})[0], 403, host)
+        self.assertEqual(self.studio.request("", headers={"Host": f"localhost:{self.studio.port}"})[0], 200)
+        line = f"GET /{self.studio.token}/ HTTP/1.1\r\n".encode()
+        self.assertIn(b" 403 ", self.studio.raw(line + b"\r\n").split(b"\r\n")[0] + b" ")
+
+    def test_refuses_other_pages(self):
+        for origin in ("http://evil.example", "null", f"https://127.0.0.1:{self.studio.port}"):
+            self.assertEqual(self.studio.request("api/state", headers={"Origin": origin})[0], 403, origin)
+        self.assertEqual(self.studio.request("api/state", headers={"Sec-Fetch-Site": "cross-site"})[0], 403)
+        self.assertEqual(self.studio.request("api/state", headers={"Origin": f"http://127.0.0.1:{self.studio.port}"})[0], 200)
+
+    def test_refuses_requests_without_the_token(self):
+        for token in ("", "x", "0" * 32, self.studio.token[:-1], self.studio.token + "0", "..", "%2e%2e"):
+            for path in ("", "api/state", "api/surface", "studio.js"):
+                self.assertEqual(self.studio.request(path, token=token)[0], 404, token)
+        other = self.studio.request("api", "POST", b'{"do":"open","name":"body.stl"}', {"Content-Type": "application/json"}, "0" * 32)
+        self.assertEqual(other[0], 404)
+        self.assertNotIn(self.studio.token.encode(), other[1])
+
+    def test_refuses_bodies_above_the_limit_and_of_unknown_length(self):
+        json_type = {"Content-Type": "application/json"}
+        head = f"POST /{self.studio.token}/api HTTP/1.1\r\nHost: 127.0.0.1:{self.studio.port}\r\nContent-Type: application/json\r\n"
+        answer = self.studio.raw((head + f"Content-Length: {(4 << 20) + 1}\r\n\r\n").encode() + b"x")
+        self.assertTrue(answer.startswith(b"HTTP/1.1 413"), answer[:60])
+        answer = self.studio.raw((head + "Transfer-Encoding: chunked\r\n\r\n").encode() + b"5\r\n{\"a\":\r\n" * 10)
+        self.assertTrue(answer.startswith(b"HTTP/1.1 411"), answer[:60])
+        answer = self.studio.raw((head + "Content-Length: 30\r\nContent-Encoding: gzip\r\n\r\n").encode() + b"x" * 30)
+        self.assertTrue(answer.startswith(b"HTTP/1.1 411"), answer[:60])
+        self.assertEqual(self.studio.request("api", "POST", "{}", {"Content-Type": "text/plain"})[0], 415)
+        self.assertEqual(self.studio.request("api", "PUT", "{}", json_type)[0], 405)
+        self.assertEqual(self.studio.request("api", "POST", " " * (3 << 20) + '{"do": "choose"}', json_type)[0], 409, "below the limit")
+
+    def test_a_refused_body_is_no_second_request(self):
+        inner = f"GET /{self.studio.token}/api/state HTTP/1.1\r\nHost: 127.0.0.1:{self.studio.port}\r\n\r\n"
+        answer = self.studio.raw((f"POST /x/api HTTP/1.1\r\nHost: 127.0.0.1:{self.studio.port}\r\nContent-Length: {len(inner)}\r\n\r\n"
+                                  + inner).encode())
+        self.assertEqual(answer.count(b"HTTP/1.1 "), 1)
+
+    def test_refuses_paths_outside_of_the_folder(self):
+        self.opened()
+        for name in ("../secret.yaml", "../secret.stl", str(self.outside / "secret.yaml"), "link.yaml", "x/../../secret.yaml",
+                     "/etc/passwd", "", ".\0"):
+            for what in ("open", "attach"):
+                status, answer = self.studio.post(what, name=name)
+                self.assertEqual(status, 409, name)
+                self.assertNotIn("secret\n", json.dumps(answer))
+            status, answer = self.studio.post("save", name=name, text="surface: body.stl\n", mark="")
+            self.assertEqual(status, 409, name)
+        self.assertEqual((self.outside / "secret.yaml").read_text(), "surface: secret\n")
+        self.assertEqual(self.studio.post("propose", name="../made.yaml")[0], 409)
+        self.assertEqual(self.studio.post("region", text="", name="../x", steps=[{"triangles": [1, 5, 9]}])[0], 409)
+        for path in ("../secret.yaml", "api/../../secret.yaml", "%2e%2e/secret.yaml", "body.stl"):
+            self.assertEqual(self.studio.raw(f"GET /{self.studio.token}/{path} HTTP/1.1\r\nHost: 127.0.0.1:{self.studio.port}\r\n\r\n"
+                                             .encode())[:12], b"HTTP/1.1 404", path)
+
+    def test_refuses_what_it_does_not_understand(self):
+        self.opened()
+        for body in (b"", b"{", b"[]", b"1", b'{"do": 3}', b'{"do": "fly"}', b'{"do":"choose"}', b'{"do":"choose","text":""}',
+                     b'{"do":"choose","text":"","steps":[{"patch":7}]}', b'{"do":"choose","text":"","steps":[{"box":[[1,1,1],[0,0,0]]}]}',
+                     b'{"do":"choose","text":"","steps":[{"plane":{"normal":[0,0,0],"at":1,"above":true}}]}',
+                     b'{"do":"choose","text":"","steps":[{"triangles":[-1]}]}', b'{"do":"choose","text":"","steps":[{"triangles":[99999999999]}]}',
+                     b'{"do":"choose","text":"","steps":[{"flood":{"point":[0,0],"angle":3}}]}',
+                     b'{"do":"choose","text":"","steps":[{"grow":1e999}]}', b"[" * 100000, b"\xff\xfe"):
+            status, words = self.studio.request("api", "POST", body, {"Content-Type": "application/json"})
+            self.assertIn(status, (400, 404, 409), body[:60])
+            self.assertTrue(words)
+        self.assertEqual(self.studio.request("")[0], 200, "still at work")
+
+    def test_chooses_what_the_surface_says(self):
+        self.opened()
+        data = self.studio.request("api/surface")[1]
+        length = int.from_bytes(data[:4], "little")
+        facts = json.loads(data[4:4 + length])
+        def values(name, code):
+            place = facts["arrays"][name]
+            found = array.array(code)
+            found.frombytes(data[4 + length + place["offset"]:][:4 * place["count"]])
+            return found
+        x, t = values("positions", "f"), values("triangles", "I")
+        at = facts["center"][0] + 0.11 * facts["diagonal"]
+        expected = sum(all(x[3 * v] + facts["center"][0] <= at for v in t[3 * k:3 * k + 3]) for k in range(len(t) // 3))
+        self.assertTrue(0 < expected < len(t) // 3)
+        status, found = self.studio.post("choose", text="", name="front", steps=[{"plane": {"normal": [2, 0, 0], "at": at, "above": False}}])
+        self.assertEqual((status, found["triangles"], found["kind"]), (200, expected, "plane"))
+
+    def test_saves_only_what_it_has_seen(self):
+        self.opened()
+        case = self.folder / "saved.yaml"
+        status, made = self.studio.post("save", name="saved.yaml", text="surface: {file: body.stl}\nobjective: {maximize: volume}\n", mark="")
+        self.assertEqual(status, 200)
+        self.addCleanup(case.unlink)
+        self.studio.until(lambda s: s["case"] == "saved.yaml" and not s["is_opening"])
+        case.write_text("surface: body.stl  # by another program\n")
+        self.assertNotEqual(self.studio.state()["disk_mark"], made["mark"])
+        status, answer = self.studio.post("save", text="surface: mine\n", mark=made["mark"])
+        self.assertTrue(answer["changed"])
+        self.assertIn("another program", answer["text"])
+        self.assertIn("another program", case.read_text())
+        status, answer = self.studio.post("save", text="surface: body.stl\n", mark=answer["mark"])
+        self.assertEqual(case.read_text(), "surface: body.stl\n")
+        self.assertTrue(self.studio.post("save", name="saved.yaml", text="surface: x\n", mark="")[1]["changed"], "no new file over an old one")
+        self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith("saved")], ["saved.yaml"], "no other file stays")
+
+    def test_checks_a_text_without_running_or_writing_anything(self):
+        self.opened()
+        trap = self.folder / "trap"
+        yaml = (f"surface: {{file: body.stl}}\nregions:\n  a: {{box: [[0, 0, 0], [1, 1, 1]], sied: below}}\n  b: {{patch: p77}}\n"
+                f"quantities: {{q: {{command: [touch, '{trap}']}}}}\nobjective: {{maximize: q}}\n")
+        status, found = self.studio.post("check", text=yaml)
+        self.assertEqual(status, 200)
+        self.assertEqual([e["line"] for e in found["errors"]], [3])
+        status, found = self.studio.post("check", text=yaml.replace(", sied: below", ""))
+        self.assertEqual([e["line"] for e in found["errors"]], [4], found)
+        self.assertIn("p77", found["errors"][0]["message"])
+        self.assertFalse(trap.exists())
+
+    def test_read_only(self):
+        with Studio(self.folder, "body.stl", "--read-only") as studio:
+            studio.until(lambda s: not s["is_opening"])
+            before = sorted(self.folder.iterdir())
+            for what in ("save", "propose", "full_check", "run", "stop", "resume"):
+                status, answer = studio.post(what, name="x.yaml", text="surface: body.stl\n", mark="")
+                self.assertEqual(status, 409)
+                self.assertIn("read-only", answer["error"])
+            status, answer = studio.post("region", text="surface: body.stl\n", name="x", steps=[{"triangles": [1, 500, 900]}])
+            self.assertEqual(status, 409)
+            self.assertEqual(sorted(self.folder.iterdir()), before)
+
+    def test_runs_stops_and_resumes(self):
+        self.opened()
+        case = self.folder / "long.yaml"
+        case.write_text("surface: {file: body.stl}\nregions: {root: {plane: {normal: [1, 0, 0], at: 0.8}, side: below}}\nfixed: [root]\n"
+                        "objective: {maximize: volume}\nconstraints: {area: {max: 1.03, relative: true}}\n"
+                        "parameters: {levels: auto, variables: [normal], max_displacement: 4%}\noptimize: {budget: {evaluations: 4000}}\n")
+        self.addCleanup(case.unlink)
+        self.studio.post("open", name="long.yaml")
+        self.studio.until(lambda s: s["case"] == "long.yaml" and not s["is_opening"])
+        status, made = self.studio.post("run")
+        self.assertEqual(status, 200, made)
+        running = self.studio.until(lambda s: s["run"] and len(s["run"]["rows"]) >= 2)
+        self.assertEqual(running["run"]["status"], "running")
+        self.assertEqual([row[0] for row in running["run"]["rows"]], list(range(1, len(running["run"]["rows"]) + 1)))
+        self.assertEqual(self.studio.post("run")[0], 409, "one at a time")
+        self.studio.process.kill()  # the studio's end is not the run's
+        self.studio.process.wait()
+        with Studio(self.folder, made["folder"]) as again:
+            seen = again.until(lambda s: s["run"] and len(s["run"]["rows"]) > len(running["run"]["rows"]))
+            self.assertEqual(seen["run"]["status"], "running")
+            self.assertEqual(again.post("stop")[0], 200)
+            again.until(lambda s: s["run"]["status"] == "interrupted")
+        with Studio(self.folder, "long.yaml") as third:
+            self.assertEqual(third.post("attach", name=made["folder"])[0], 200)
+            stopped = third.until(lambda s: s["run"] and s["run"]["rows"])
+            self.assertEqual(third.post("resume")[0], 200)
+            third.until(lambda s: s["run"]["status"] == "running" and len(s["run"]["rows"]) > len(stopped["run"]["rows"]))
+            third.post("stop")
+            third.until(lambda s: s["run"]["status"] == "interrupted")
+
+    def test_ends_in_order_and_is_quiet(self):
+        self.opened()
+        time.sleep(1)
+        before = pathlib.Path(f"/proc/{self.studio.process.pid}/stat").read_text().split()
+        time.sleep(1)
+        after = pathlib.Path(f"/proc/{self.studio.process.pid}/stat").read_text().split()
+        self.assertLessEqual(int(after[13]) + int(after[14]) - int(before[13]) - int(before[14]), 3, "ticks of 10 ms without a page")
+        self.assertEqual(self.studio.end(signal.SIGINT), (0, "", ""))
+        with self.assertRaises(ConnectionRefusedError):
+            self.studio.request("")
+
+    def test_says_what_cannot_be(self):
+        for arguments, words in ((["nowhere.stl"], "nowhere.stl"), (["body.stl", "--port", str(self.studio.port)], "port")):
+            ended = subprocess.run([STRAKE, "studio", *arguments, "--no-browser"], cwd=self.folder, capture_output=True, text=True,
+                                   timeout=20, check=False)
+            self.assertNotEqual(ended.returncode, 0)
+            self.assertEqual(ended.stdout, "")
+            self.assertIn(words, ended.stderr)
+        self.opened()
+        with Studio(self.folder, environment={**os.environ, "SSH_CONNECTION": "1 2 3 4"}) as second:
+            err = second.end(signal.SIGTERM)[2]
+            self.assertIn("another studio is open", err)
+            self.assertIn(f"ssh -L {second.port}:127.0.0.1:{second.port}", err)
+
+
+if __name__ == "__main__":
+    unittest.main(argv=sys.argv[:1])

@@ -29,7 +29,10 @@ constexpr std::array parts{
     Part{"oneTBB, by Embree", "Apache-2.0"},
     Part{"SQLite", "blessing (public domain)"},
     Part{"zlib", "Zlib"},
-    Part{"three.js, uPlot (page of the report)", "MIT"},
+    Part{"three.js, uPlot (report and studio)", "MIT"},
+    Part{"cpp-httplib", "MIT"},
+    Part{"OpenSSL, by cpp-httplib", "Apache-2.0"},
+    Part{"Brotli, by cpp-httplib", "MIT"},
     Part{"runtime libraries of GCC", "GPL-3.0-or-later WITH GCC-exception-3.1"},
 };
 #if STRAKE_GPL

@@ -236,28 +236,30 @@ struct Describer {
         return {std::min({a, b, c}), std::max({a, b, c})};
     }
 
-    std::optional<Description> half_space() const {
+    /// Where a plane normal to a coordinate may lie so that exactly the marked triangles are on its side: between the
+    /// chosen triangle that ends last and the first other one. Nothing: nowhere.
+    std::optional<std::pair<double, double>> room_for_plane(int axis, bool above) const {
         constexpr double far = std::numeric_limits<double>::infinity();
+        double inner = far, outer = -far;  // along the direction of the side
+        for (int t = 0; t < mesh.num_triangles(); ++t) {
+            const auto [low, high] = extent(t, axis);
+            const double end = above ? low : -high;
+            if (marks[static_cast<std::size_t>(t)])
+                inner = std::min(inner, end);
+            else
+                outer = std::max(outer, end);
+        }
+        if (!(outer < inner)) return {};
+        return above ? std::pair{outer, inner} : std::pair{-inner, -outer};
+    }
+    std::optional<Description> half_space() const {
         for (int axis = 0; axis < 3; ++axis)
             for (const bool above : {true, false}) {
-                // Chosen: all of the triangle on the side. `inner`: the chosen one that ends last; `outer`: the first
-                // other.
-                double inner = above ? far : -far, outer = above ? -far : far;
-                for (int t = 0; t < mesh.num_triangles(); ++t) {
-                    const auto [low, high] = extent(t, axis);
-                    double& limit = marks[static_cast<std::size_t>(t)] ? inner : outer;
-                    const bool is_in = marks[static_cast<std::size_t>(t)] != 0;
-                    if (above)
-                        limit = is_in ? std::min(limit, low) : std::max(limit, low);
-                    else
-                        limit = is_in ? std::max(limit, high) : std::min(limit, high);
-                }
-                if (above ? !(outer < inner) : !(inner < outer)) continue;
-                const double low = above ? std::max(outer, inner - 0.5 * on.ground.start.diagonal) : inner;
-                const double high = above ? inner : std::min(outer, inner + 0.5 * on.ground.start.diagonal);
+                const auto room = room_for_plane(axis, above);
+                if (!room) continue;
                 Eigen::Vector3d normal = Eigen::Vector3d::Zero();
                 normal[axis] = 1;
-                for (const std::string& at : places(low, high, above)) {
+                for (const std::string& at : places(room->first, room->second, above)) {
                     const HalfSpace plane{normal, std::stod(at), above};
                     if (auto found = one(with_shape(plane), plane_words(vector_words(normal), at, above), "plane"))
                         return found;
@@ -266,7 +268,11 @@ struct Describer {
         return {};
     }
     /// A short number away from both ends, then the exact end.
-    static std::vector<std::string> places(double low, double high, bool is_inner_high) {
+    std::vector<std::string> places(double low, double high, bool is_inner_high) const {
+        if (is_inner_high)
+            low = std::max(low, high - on.ground.start.diagonal);  // no other triangle: anywhere
+        else
+            high = std::min(high, low + on.ground.start.diagonal);
         const double room = 0.1 * (high - low);
         return {shortest_between(low + room, high - room), exact_words(is_inner_high ? high : low)};
     }
@@ -327,46 +333,54 @@ struct Describer {
         return best;
     }
 
-    std::optional<Description> by_steps() const {
-        constexpr std::size_t most = 6;
-        if (steps.empty() || steps.size() > most) return {};
-        Description made{{}, "steps", {}};
-        std::string so_far;
-        for (std::size_t k = 0; k < steps.size(); ++k) {
-            const ChoiceStep& step = steps[k];
-            const std::string helper = name + "_" + std::to_string(k + 1), words = std::visit(StepWords{}, step.what);
+    /// The steps as regions that are made of each other, as long as each has words of its own.
+    struct StepByStep {
+        const std::string& name;
+        std::vector<RegionText> regions = {};
+        std::string so_far = {};  ///< a formula; empty: nothing yet
+
+        /// What a step is called in a formula; empty: it has no words.
+        std::string operand(const ChoiceStep& step, const std::string& helper) {
+            if (const auto* region = std::get_if<DeclaredRegion>(&step.what)) return in_formula(region->name);
+            if (const auto* patch = std::get_if<PatchShape>(&step.what)) return in_formula(patch->name);
+            if (std::holds_alternative<PickedAll>(step.what)) return "all";
+            const std::string words = std::visit(StepWords{}, step.what);
+            if (words.empty()) return "";
+            regions.push_back({helper, words, false});
+            return helper;
+        }
+        bool add(const ChoiceStep& step, const std::string& helper) {
             if (const auto* grow = std::get_if<GrowChoice>(&step.what)) {
-                if (so_far.empty()) return {};
-                made.regions.push_back(
+                if (so_far.empty()) return false;
+                regions.push_back(
                     {helper, "grow: {of: " + as_yaml(so_far) + ", by: " + exact_words(grow->by) + "}", false});
                 so_far = helper;
-                continue;
+                return true;
             }
             if (std::holds_alternative<InvertChoice>(step.what)) {
                 so_far = so_far.empty() ? "all" : "all - (" + so_far + ")";
-                continue;
+                return true;
             }
-            std::string operand;
-            if (const auto* region = std::get_if<DeclaredRegion>(&step.what))
-                operand = in_formula(region->name);
-            else if (const auto* patch = std::get_if<PatchShape>(&step.what))
-                operand = in_formula(patch->name);
-            else if (std::holds_alternative<PickedAll>(step.what))
-                operand = "all";
-            else if (!words.empty()) {
-                made.regions.push_back({helper, words, false});
-                operand = helper;
-            } else
-                return {};
-            if (so_far.empty() && step.combine != Combine::add) continue;
-            const char* sign = step.combine == Combine::add ? " + " : step.combine == Combine::subtract ? " - " : " & ";
-            so_far = so_far.empty()                       ? operand
-                     : step.combine == Combine::intersect ? "(" + so_far + ")" + sign + operand
-                                                          : so_far + sign + operand;
+            if (so_far.empty() && step.combine != Combine::add) return true;  // of nothing nothing is left
+            const std::string other = operand(step, helper);
+            if (so_far.empty())
+                so_far = other;
+            else if (step.combine == Combine::intersect)
+                so_far = "(" + so_far + ") & " + other;
+            else
+                so_far += (step.combine == Combine::add ? " + " : " - ") + other;
+            return !other.empty();
         }
-        if (so_far.empty()) return {};
-        made.regions.push_back(formula(name, as_yaml(so_far)));
-        return made;
+    };
+    std::optional<Description> by_steps() const {
+        constexpr std::size_t most = 6;
+        if (steps.size() > most) return {};
+        StepByStep made{name};
+        for (std::size_t k = 0; k < steps.size(); ++k)
+            if (!made.add(steps[k], name + "_" + std::to_string(k + 1))) return {};
+        if (made.so_far.empty()) return {};
+        made.regions.push_back(formula(name, as_yaml(made.so_far)));
+        return Description{std::move(made.regions), "steps", {}};
     }
 
     Description list(const std::string& file) const {

@@ -11,6 +11,8 @@ export function colourChoices(facts) {
   return list;
 }
 
+const degrees = (value) => `${number(Math.abs(value) < 1e-6 ? 0 : value, 3)}°`;  // no −1e−16°
+
 /** Three likely units, with what the body would be in metres. */
 function unitWords(facts) {
   if (facts.units) return `The case says that coordinates are in ${facts.units}.`;
@@ -25,10 +27,10 @@ function wings(facts) {
   return facts.wings.map((wing) => [
     table(wing.is_half ? 'Wing (values of both sides; the file holds one)' : 'Wing', [['', false], ['value', true]], [
       ['span', number(wing.span)], [wing.has_body ? 'area, exposed' : 'area', number(wing.area)], ['aspect ratio', number(wing.aspect_ratio, 4)],
-      ['taper', number(wing.taper, 3)], ['sweep of the quarter chord', `${number(wing.sweep_deg, 3)}°`],
-      ['dihedral', `${number(wing.dihedral_deg, 3)}°`], ['mean aerodynamic chord', number(wing.mean_chord)]]),
+      ['taper', number(wing.taper, 3)], ['sweep of the quarter chord', degrees(wing.sweep_deg)],
+      ['dihedral', degrees(wing.dihedral_deg)], ['mean aerodynamic chord', number(wing.mean_chord)]]),
     table('Stations', [['semispan', true], ['chord', true], ['twist', true], ['t/c', true]], wing.stations.map((s) => [
-      number(s.station, 3), number(s.chord, 4), `${number(s.twist_deg, 3)}°`, `${number(100 * s.thickness_to_chord, 3)} %`])),
+      number(s.station, 3), number(s.chord, 4), degrees(s.twist_deg), `${number(100 * s.thickness_to_chord, 3)} %`])),
     h('p', { class: 'hint' }, `Found by ${wing.why}.`)]);
 }
 

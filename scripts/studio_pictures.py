@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Takes the pictures of docs/studio.md with a headless Chromium: studio_pictures.py STRAKE SURFACE OUT_FOLDER
 
+SURFACE is made by make_surface wing --triangles 4000.
+
 Pictures: studio-look, -choose, -case, -run. The case is the one that Strake proposes; eight evaluations are made.
 """
 import pathlib

@@ -156,6 +156,20 @@ std::vector<std::uint32_t> creases_of(const StartSurface& start) {
     return pairs;
 }
 
+/// A guess: along the longer of the two other coordinates. Nothing where the plane is oblique.
+std::optional<BodyAxes> axes_across(const SymmetryPlane& plane, const Eigen::Vector3d& size) {
+    int across = -1, along = -1;
+    for (int c = 0; c < 3; ++c)
+        if (std::abs(plane.normal[c]) > 1 - 1e-6) across = c;
+    if (across < 0) return {};
+    for (int c = 0; c < 3; ++c)
+        if (c != across && (along < 0 || size[c] > size[along])) along = c;
+    BodyAxes axes;
+    axes.downstream = Eigen::Vector3d::Unit(along);
+    axes.up = Eigen::Vector3d::Unit(3 - across - along);
+    return axes;
+}
+
 /// Axes, symmetry and wings: from the case, else what is found.
 void add_directions(const StartSurface& start, const Case* the_case, const Checkup& found, Json& facts, Arrays& arrays,
                     const Eigen::Vector3d& center) {
@@ -165,10 +179,15 @@ void add_directions(const StartSurface& start, const Case* the_case, const Check
     if (axes && axes->is_stated) search.downstream = axes->downstream, search.up = axes->up;
     if (!symmetry) symmetry = cut_of_half(start.mesh, start.adjacent, found.loops);
     if (symmetry) search.symmetry = symmetry;
+    const bool is_half = symmetry.has_value();
+    if (!symmetry) symmetry = plane_of_symmetry(start.mesh);
     facts["wings"] = Json::array();
     std::vector<float> trailing;
     try {
-        if (const auto wing = find_wing(start.mesh, search)) {
+        const auto wing = find_wing(start.mesh, search);
+        // A fin of a symmetric body is no wing of it.
+        const bool is_across = wing && (!symmetry || std::abs(wing->declaration.span.dot(symmetry->normal)) > 0.9);
+        if (is_across) {
             facts["wings"].push_back(wing_json(*wing, start.mesh, trailing, center));
             if (!axes) axes = BodyAxes{wing->declaration.downstream, wing->declaration.up, false, {}};
         }
@@ -177,13 +196,12 @@ void add_directions(const StartSurface& start, const Case* the_case, const Check
     }
     arrays.add("trailing", trailing, "f32");
     facts["axes"] = nullptr;
+    if (!axes && symmetry) axes = axes_across(*symmetry, found.box.max - found.box.min);
     if (axes)
         facts["axes"] = {{"downstream", vector_json(axes->downstream)},
                          {"up", vector_json(axes->up)},
                          {"is_stated", axes->is_stated}};
     facts["symmetry"] = nullptr;
-    const bool is_half = symmetry.has_value();
-    if (!symmetry) symmetry = plane_of_symmetry(start.mesh);
     if (symmetry)
         facts["symmetry"] = {
             {"normal", vector_json(symmetry->normal)}, {"offset", symmetry->offset}, {"is_half", is_half}};

@@ -128,14 +128,15 @@ class Studio {
   }
 
   build(body) {
-    const before = this.scene && this.scene.body.count === body.count ? this.scene.viewer.camera.position.clone() : null;
+    const was = this.scene && this.scene.viewer, before = was && this.scene.body.count === body.count ? was.camera.position.clone() : null;
+    const up = was && [was.up, was.isDown].join();
     if (this.scene) this.scene.dispose();
     this.canvas = h('canvas', { class: 'view', tabindex: 0, role: 'img', 'aria-label': 'The surface in three dimensions', 'aria-describedby': 'view-keys' });
     const labels = h('div', { class: 'labels', 'aria-hidden': 'true' });
     this.band = h('div', { class: 'band', hidden: true });
     this.stage.replaceChildren(this.canvas, labels, this.band);
     this.scene = new Scene3D(this.canvas, labels, body);
-    if (before) { this.scene.viewer.camera.position.copy(before); this.scene.viewer.controls.update(); this.scene.viewer.fit(); this.scene.viewer.draw(); }
+    if (before && up === [this.scene.viewer.up, this.scene.viewer.isDown].join()) { this.scene.viewer.camera.position.copy(before); this.scene.viewer.controls.update(); this.scene.viewer.fit(); this.scene.viewer.draw(); }
     this.choosing = new Choosing(this.scene, this.editor, (words) => this.tell(words));
     this.panels.look.replaceChildren(...lookPanel(this.scene).flat(4));
     this.view.replaceChildren(...viewControls(this.scene));

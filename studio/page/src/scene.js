@@ -17,7 +17,9 @@ export class Scene3D {
     this.labels = labels;
     this.viewer = new Viewer(canvas, body);
     this.viewer.both = false;
-    this.viewer.margin = 1.22;  // for the arrows
+    this.viewer.margin = 1.12;
+    const half = body.size.map((s) => s / 2), long = 0.1 * body.diagonal;  // the box, with room for the arrows
+    this.viewer.around = Float32Array.from([0, 1, 2, 3, 4, 5, 6, 7].flatMap((k) => half.map((s, c) => ((k >> c) & 1 ? 1 : -1) * (s + (c === 2 ? long : 0)))));
     this.model = this.viewer.design;
     this.extras = new Group();
     this.hints = new Group();
@@ -45,7 +47,7 @@ export class Scene3D {
 
   /** Coordinate axes at the corner of the box, stream and up before and above the body, the plane of symmetry. */
   arrows() {
-    const { body } = this, half = body.size.map((s) => s / 2), long = 0.16 * body.diagonal;
+    const { body } = this, half = body.size.map((s) => s / 2), long = 0.14 * body.diagonal;
     const arrow = (direction, from, color, words, kind) => {
       const d = new Vector3(...direction).normalize(), o = new Vector3(...from);
       this.extras.add(new ArrowHelper(d, o, long, color, 0.22 * long, 0.12 * long));

@@ -88,6 +88,7 @@ export class Viewer {
     this.both = true;
     this.overlay = false;
     this.margin = 1;  // more leaves room around the body
+    this.around = null;  // points to fit in place of the body's
     this.setUp(likelyUp(shape.size));
     canvas.addEventListener('keydown', (e) => this.key(e));
     new ResizeObserver(() => this.resize()).observe(canvas);
@@ -161,7 +162,7 @@ export class Viewer {
     const right = new Vector3().setFromMatrixColumn(this.camera.matrix, 0), up = new Vector3().setFromMatrixColumn(this.camera.matrix, 1);
     const range = (axis) => {
       let low = Infinity, high = -Infinity;
-      const p = this.shape.start, step = 3 * Math.ceil(p.length / 60000);
+      const p = this.around || this.shape.start, step = 3 * Math.ceil(p.length / 60000);
       for (let v = 0; v < p.length; v += step) {
         const x = p[v] * axis.x + p[v + 1] * axis.y + p[v + 2] * axis.z;
         low = Math.min(low, x); high = Math.max(high, x);

@@ -89,6 +89,7 @@ WebAnswer Studio::Impl::get(const WebRequest& request) {
         return json({{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
     }
     if (request.path == "/api/best") return best_shape();
+    if (request.path == "/api/felt") return felt_shape();
     if (request.path == "/report") return report();
     return {404, "text/plain", "not found\n"};
 }
@@ -103,6 +104,8 @@ Studio::Impl::Json Studio::Impl::post(const Asked& asked) {
     if (what == "choose") return choose(asked);
     if (what == "region") return put_region(asked);
     if (what == "attach") return attach(asked);
+    if (what == "variables") return variables(asked);
+    if (what == "feel") return feel(asked);
     need_write();
     if (what == "save") return save(asked);
     if (what == "propose") return propose(asked);

@@ -1,6 +1,7 @@
 #pragma once
 #include "studio/child.hpp"
 #include "studio/run_watch.hpp"
+#include "studio/shape_bench.hpp"
 #include "studio/studio.hpp"
 #include "studio/subject.hpp"
 #include "studio/web_server.hpp"
@@ -44,6 +45,11 @@ struct Studio::Impl {
     bool is_opening = false, ends = false;
     std::thread reader;
 
+    std::mutex feeling;  ///< of the bench; one shape at a time, and never waited for with `busy` held
+    std::unique_ptr<ShapeBench> bench;
+    std::string bench_text;
+    Points felt;  ///< the last shape
+
     std::unique_ptr<WebServer> server;  ///< the last member: its threads use all others
 
     explicit Impl(const StudioOptions& wishes);
@@ -68,6 +74,12 @@ struct Studio::Impl {
     Json put_region(const Asked& asked);
     std::shared_ptr<const Subject> need_subject();
 
+    // studio_feel.cpp
+    ShapeBench& bench_for(const std::string& yaml);
+    Json variables(const Asked& asked);
+    Json feel(const Asked& asked);
+    WebAnswer felt_shape();
+
     // studio_runs.cpp
     Json state(const WebRequest& request);
     Json propose(const Asked& asked);
@@ -86,6 +98,8 @@ struct Studio::Impl {
 
 /// A text member of what the page sent. @throws InvalidInput: it is missing or no text.
 std::string text_in(const nlohmann::json& asked, const char* key);
+/// As `positions` of /api/surface: n x 3 numbers relative to the middle of the start's box.
+std::string centred_positions(const Points& vertices, const TriMesh& start);
 std::string content_mark(const std::string& bytes);  ///< tells contents apart
 
 }  // namespace strake

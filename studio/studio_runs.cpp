@@ -208,14 +208,7 @@ WebAnswer Studio::Impl::best_shape() {
         const TriMesh& start = shown->ground.start.mesh;
         if (best.num_vertices() != start.num_vertices() || best.triangles != start.triangles)
             return {404, "text/plain", "the best shape has other triangles than the surface shown\n"};
-        const Box box = bounding_box(start);
-        std::vector<float> positions;
-        for (int v = 0; v < best.num_vertices(); ++v)
-            for (int c = 0; c < 3; ++c)
-                positions.push_back(static_cast<float>(best.vertices(v, c) - (box.min[c] + box.max[c]) / 2));
-        std::string bytes(positions.size() * sizeof(float), '\0');
-        std::memcpy(bytes.data(), positions.data(), bytes.size());
-        return {200, "application/octet-stream", std::move(bytes)};
+        return {200, "application/octet-stream", centred_positions(best.vertices, start)};
     }
     return {404, "text/plain", "there is no best shape yet\n"};
 }

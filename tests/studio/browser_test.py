@@ -148,6 +148,21 @@ class Page(unittest.TestCase):
         self.assertEqual(found.returncode, 0, found.stderr)
         self.assertRegex(found.stdout, rf"held\s+{held} triangles")
 
+    def test_3b_feels_what_variables_do(self):
+        b = self.browser
+        b.click("#tab-feel")
+        b.until(f"{ROOT}.felt === 'ok 0'", 100)
+        b.run("(() => { const i = document.querySelector('.slider input'); i.value = 0.5 * i.max; i.dispatchEvent(new Event('input')); })()")
+        b.until(f"{ROOT}.felt === 'ok 1'", 100)
+        self.assertIn("A valid shape", self.text("#panel-feel"))
+        self.assertRegex(self.text("#panel-feel"), r"volume\s+[\d.]+\s+[\d.]+\s+[+\u2212]")
+        self.assertTrue(b.run("strakeStudio.scene.model.p !== strakeStudio.scene.body.start"))
+        b.click("#feel-start")
+        b.until(f"{ROOT}.felt === 'ok 0'", 100)
+        self.assertLess(b.run("strakeStudio.scene.model.p.reduce((m, v, k) => Math.max(m, Math.abs(v - strakeStudio.scene.body.start[k])), 0)"), 1e-6)
+        b.click("#tab-look")
+        self.assertTrue(b.run("strakeStudio.scene.model.p === strakeStudio.scene.body.start"))
+
     def test_4_runs_and_watches(self):
         b = self.browser
         b.click("#tab-run")
@@ -182,7 +197,7 @@ class Page(unittest.TestCase):
         b.resize(390, 800)
         b.settle()
         self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390)
-        for tab in ("look", "choose", "case", "run"):
+        for tab in ("look", "choose", "case", "feel", "run"):
             b.click(f"#tab-{tab}")
             self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390, tab)
             nameless = b.run(f"""[...document.querySelectorAll('#panel-{tab} :is(input, select, textarea, button), .left :is(select, button, canvas)')]

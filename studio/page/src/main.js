@@ -9,14 +9,16 @@ import { Scene3D } from './scene.js';
 import { lookPanel, viewControls } from './look.js';
 import { Choosing } from './choose.js';
 import { Editor } from './case_panel.js';
+import { Feel } from './feel.js';
 import { RunPanel } from './run_panel.js';
 
-const tabs = [['look', 'Surface'], ['choose', 'Choose'], ['case', 'Case'], ['run', 'Run']];
+const tabs = [['look', 'Surface'], ['choose', 'Choose'], ['case', 'Case'], ['feel', 'Feel'], ['run', 'Run']];
 
 class Studio {
   constructor(place) {
     this.version = -1;
     this.editor = new Editor(this);
+    this.feel = new Feel(this);
     this.runs = new RunPanel(this);
     this.message = h('p', { class: 'told', role: 'status', 'aria-live': 'polite' }, '');
     this.folder = h('p', { class: 'kind' });
@@ -34,6 +36,7 @@ class Studio {
         h('p', { class: 'hint key' }, h('span', { class: 'swatch chosen' }), 'chosen ', h('span', { class: 'swatch held' }), 'fixed ', h('span', { class: 'swatch region' }), 'other regions shown')),
       h('div', { class: 'right' }, this.bar, Object.values(this.panels))));
     this.panels.case.append(...this.editor.panel());
+    this.panels.feel.append(...this.feel.panel());
     this.panels.run.append(...this.runs.panel());
     this.open('look');
   }
@@ -50,6 +53,7 @@ class Studio {
     if (this.scene) {
       if (id !== 'choose') { this.scene.hint(null, null); this.scene.chosen = null; this.scene.paint(); } else this.choosing.update();
       this.scene.viewer.controls.enabled = true;
+      if (id === 'feel') this.feel.show(); else this.feel.hide();
     }
   }
 

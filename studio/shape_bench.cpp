@@ -1,0 +1,114 @@
+#include "studio/shape_bench.hpp"
+
+#include "casefile/build/build_problem.hpp"
+#include "core/error.hpp"
+#include "optimize/evaluate/evaluation.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+namespace strake {
+namespace {
+
+bool has_programs(const Case& the_case) {
+    return std::any_of(the_case.quantities.begin(), the_case.quantities.end(), [](const QuantityEntry& quantity) {
+        return std::holds_alternative<ExternalEntry>(quantity.what);
+    });
+}
+
+Case without_programs(Case the_case) {
+    the_case.start_from.reset();
+    the_case.sample.reset();
+    if (!has_programs(the_case)) return the_case;
+    std::erase_if(the_case.quantities, [](const QuantityEntry& quantity) {
+        return std::holds_alternative<ExternalEntry>(quantity.what) ||
+               std::holds_alternative<FormulaEntry>(quantity.what);
+    });
+    the_case.objective = {};
+    the_case.fit.clear();
+    the_case.constraints.clear();
+    the_case.variables.clear();
+    return the_case;
+}
+
+}  // namespace
+
+struct ShapeBench::Impl {
+    bool has_programs;
+    BuiltProblem built;
+    std::shared_ptr<const RestFacts> rest;
+    struct Level {
+        DesignSpace space;
+        std::vector<BenchVariable> variables;
+        std::unique_ptr<ShapeEvaluator> evaluator = {};  ///< keeps the shell's analysis from shape to shape
+    };
+    std::map<int, Level> levels;
+
+    explicit Impl(Case the_case)
+        : has_programs(strake::has_programs(the_case)),
+          built(build_problem(without_programs(std::move(the_case)), Purpose::any)),
+          rest(rest_facts(built.problem)) {}
+
+    Level& level(int number) {
+        if (const auto known = levels.find(number); known != levels.end()) return known->second;
+        Level made{design_space(rest, number), {}, nullptr};
+        for (int i = 0; i < made.space.size(); ++i) {
+            const Variable& variable = made.space.variables[static_cast<std::size_t>(i)];
+            made.variables.push_back({variable.name, made.space.lower[i], made.space.upper[i], variable.unit,
+                                      variable.kind == VariableKind::parameter});
+        }
+        return levels.emplace(number, std::move(made)).first->second;
+    }
+
+    ShapeEvaluator& evaluator_of(int number) {
+        Level& at = level(number);
+        if (!at.evaluator) {
+            at.evaluator = std::make_unique<ShapeEvaluator>(built.problem, rest, std::vector<std::string>{});
+            at.evaluator->solve_each_from_datum();  // shapes do not depend on the way to them
+            if (built.problem.parameters.is_limit_stated) at.evaluator->limit_motion();
+            at.evaluator->enter(at.space);
+        }
+        return *at.evaluator;
+    }
+};
+
+ShapeBench::ShapeBench(Case the_case) : impl_(std::make_unique<Impl>(std::move(the_case))) {}
+ShapeBench::~ShapeBench() = default;
+
+int ShapeBench::coarsest() const { return impl_->built.problem.parameters.fields ? 0 : 1; }
+int ShapeBench::finest() const { return static_cast<int>(impl_->built.problem.tree.levels.size()) - 1; }
+bool ShapeBench::leaves_out_programs() const { return impl_->has_programs; }
+
+const std::vector<BenchVariable>& ShapeBench::variables(int level) {
+    if (level < coarsest() || level > finest())
+        throw InvalidInput(text("level ", level, " must be in [", coarsest(), ", ", finest(), "]"));
+    return impl_->level(level).variables;
+}
+
+BenchShape ShapeBench::at(int level, const std::vector<double>& x) {
+    const std::vector<BenchVariable>& known = variables(level);
+    if (x.size() != known.size())
+        throw InvalidInput(text(x.size(), " values for the ", known.size(), " variables of level ", level));
+    for (std::size_t i = 0; i < x.size(); ++i)
+        if (!std::isfinite(x[i]) || x[i] < known[i].lower || x[i] > known[i].upper)
+            throw InvalidInput(
+                text(known[i].name, " = ", x[i], " must be in [", known[i].lower, ", ", known[i].upper, "]"));
+    ShapeEvaluator& evaluator = impl_->evaluator_of(level);
+    BenchShape shape;
+    shape.names = evaluator.names();
+    try {
+        ShapeEvaluation found =
+            evaluator.evaluate(Eigen::VectorXd::Map(x.data(), static_cast<Eigen::Index>(x.size())), 1);
+        shape.status = to_string(found.status);
+        shape.reason = found.reason;
+        shape.values = found.values;
+        shape.vertices = std::move(found.vertices);
+    } catch (const SolverError& error) {
+        shape.status = "not_converged";
+        shape.reason = error.what();
+    }
+    return shape;
+}
+
+}  // namespace strake

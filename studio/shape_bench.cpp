@@ -65,7 +65,7 @@ struct ShapeBench::Impl {
         Level& at = level(number);
         if (!at.evaluator) {
             at.evaluator = std::make_unique<ShapeEvaluator>(built.problem, rest, std::vector<std::string>{});
-            at.evaluator->solve_each_from_datum();  // shapes do not depend on the way to them
+            at.evaluator->solve_each_from_datum();  // shapes do not depend on the way to them, beyond rounding
             if (built.problem.parameters.is_limit_stated) at.evaluator->limit_motion();
             at.evaluator->enter(at.space);
         }

@@ -50,7 +50,11 @@ TEST_F(Bench, ShapesAreThoseOfASweepAndDoNotDependOnTheWay) {
     EXPECT_NE(other.vertices, one.vertices);
     x[0] = 0.2;
     x[1] = 0;
-    EXPECT_EQ(bench.at(1, x).vertices, one.vertices) << "bit by bit";
+    const BenchShape again = bench.at(1, x);
+    ASSERT_EQ(again.status, "ok") << again.reason;
+    EXPECT_LT((again.vertices - one.vertices).cwiseAbs().maxCoeff(), 1e-9);
+    ShapeBench fresh(the_case);
+    EXPECT_LT((fresh.at(1, x).vertices - one.vertices).cwiseAbs().maxCoeff(), 1e-9);
     const BuiltProblem built = build_problem(the_case);
     const Sweep by_command = sweep(built.problem, {{{variables[0].name, x[0], x[0], 1}}, 1});
     ASSERT_EQ(by_command.names, one.names);

@@ -1,3 +1,4 @@
+#include "casefile/load_case.hpp"
 #include "casefile/yaml/value.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
@@ -124,9 +125,18 @@ void Studio::Impl::open_case(const fs::path& file) {
         case_text = yaml;
     }
     if (before && before->case_file == file && before->blocks == ground_blocks(yaml)) return;
-    auto made = case_subject(file, yaml);
-    const std::lock_guard lock(busy);
-    subject = std::move(made);
+    const auto show = [&](std::shared_ptr<const Subject> made) {
+        const std::lock_guard lock(busy);
+        subject = std::move(made);
+    };
+    try {
+        show(case_subject(file, yaml));
+    } catch (const std::exception&) {
+        // What keeps the case from using its surface is easier to see on it.
+        const Case the_case = load_case_text(yaml, file);
+        show(surface_subject(the_case.surface));
+        throw;
+    }
 }
 
 /// {mark}: saved; {changed: true, text, mark}: another program has changed the file since the page read it.

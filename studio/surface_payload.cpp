@@ -100,7 +100,6 @@ private:
 Json defects_of(const TriMesh& mesh, const Checkup& found) {
     Defects list(mesh);
     const TopologyFacts& facts = found.facts;
-    for (std::size_t k = 0; k < std::min<std::size_t>(found.loops.size(), 40); ++k) list.at_loop(found.loops[k]);
     list.at_edges("edges of more than two triangles", facts.nonmanifold_edges, found.adjacent);
     list.at_edges("edges whose two triangles disagree about the outside", facts.misoriented_edges, found.adjacent);
     list.at_vertices("vertices where parts touch in a point", facts.nonmanifold_vertices);
@@ -112,6 +111,13 @@ Json defects_of(const TriMesh& mesh, const Checkup& found) {
         list.at_pairs("pairs of triangles that pierce each other", found.pairs->apart);
         list.at_pairs("neighbouring triangles that pierce each other", found.pairs->adjacent);
     }
+    constexpr std::size_t one_by_one = 6;
+    std::vector<int> first;
+    for (const BoundaryLoop& loop : found.loops) first.push_back(loop.vertices.front());
+    if (first.size() > one_by_one)
+        list.at_vertices("open borders", first);
+    else
+        for (const BoundaryLoop& loop : found.loops) list.at_loop(loop);
     return list.take();
 }
 

@@ -47,7 +47,7 @@ JSON = [["info", "body.obj"], ["repair", "body.obj", "-o", "mended.obj", "--orie
         ["mix", "run", "body.obj", "--weight", "0.5", "-o", "mixed.obj"]]
 
 # The others that print, and what is asked of the program as a whole.
-WORDS = [["history", "run"], ["history", "run", "--csv"], ["fit", "fit.yaml", "--out", "fitted"], ["step", "stepped.yaml", "--json"],
+WORDS = [["studio", "body.obj", "--no-browser"], ["history", "run"], ["history", "run", "--csv"], ["fit", "fit.yaml", "--out", "fitted"], ["step", "stepped.yaml", "--json"],
          ["report", "run", "-o", "page.html"], ["completion", "bash"], ["man"], ["--help"], ["--version"], ["run", "--help"]]
 
 

@@ -85,7 +85,7 @@ class Studio {
       return;
     }
     if (this.isLost) { this.isLost = false; this.tell(''); }
-    this.folder.textContent = `${state.folder}${state.read_only ? ' (read-only)' : ''}${state.surface ? ` · ${state.surface}` : ''}`;
+    this.folder.textContent = `${state.folder}${state.read_only ? ' (read-only)' : ''}${state.is_second ? ' (another studio is open on this folder)' : ''}${state.surface ? ` · ${state.surface}` : ''}`;
     document.documentElement.dataset.opening = String(state.is_opening);
     if (state.version !== this.version && !state.is_opening) {
       this.version = state.version;
@@ -210,4 +210,5 @@ class Studio {
 
 const studio = new Studio(document.getElementById('studio'));
 window.strakeStudio = studio;
+window.addEventListener('beforeunload', (event) => { if (studio.editor.isChanged && studio.editor.text.trim()) event.preventDefault(); });
 studio.live();

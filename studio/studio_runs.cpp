@@ -43,7 +43,7 @@ Studio::Impl::Json Studio::Impl::task_state() {
     return facts;
 }
 
-/// All that the page shows beside the surface; asked for twice a second while it is visible.
+/// All that the page shows beside the surface; asked for several times a second while it is visible.
 Studio::Impl::Json Studio::Impl::state(const WebRequest& request) {
     int from = 0;
     if (const auto found = request.query.find("from"); found != request.query.end())

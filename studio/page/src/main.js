@@ -201,10 +201,11 @@ class Studio {
     this.pointer.textContent = `(${place.point.map((v) => number(v, 5)).join(', ')})  ${part}connected part ${body.array('component')[t]}, ${patches.length ? `patch ${patches.join(' / ')}, ` : ''}triangle ${number_ === null ? `${t} (made by repair)` : number_}${of.length ? `, in ${of.join(', ')}` : ''}`;
   }
 
-  /** Asks twice a second while the page is visible. */
+  /** Asks while the page is visible, more often while something goes on. */
   async live() {
     if (!document.hidden) await this.refresh();
-    setTimeout(() => this.live(), 400);
+    const isBusy = this.wasOpening || (this.runs.facts && ['running', 'starting'].includes(this.runs.facts.status));
+    setTimeout(() => this.live(), isBusy ? 200 : 500);
   }
 }
 

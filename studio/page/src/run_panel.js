@@ -46,7 +46,7 @@ export class RunPanel {
     try { await post(what, more); this.studio.refresh(); } catch (error) { this.studio.tell(error.message); }
   }
 
-  /** What the server says about the run, twice a second. */
+  /** What the server says about the run, each time. */
   show(run) {
     if (run.folder !== this.folder) { this.folder = run.folder; this.rows = []; this.best = 0; }
     if (run.from === this.rows.length) this.rows.push(...run.rows);

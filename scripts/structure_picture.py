@@ -14,8 +14,8 @@ from xml.sax.saxutils import escape
 
 ROOT = pathlib.Path(__file__).resolve().parent.parent
 PICTURE = ROOT / "docs/pictures/structure.svg"
-FLOORS = ["core", "objectives", "optimize", "casefile", "cases", "viewer", "report", "bench", "python", "studio", "cli"]
-ROOF = {"cli": "the program", "python": "the module", "studio": "the page to work in", "bench": "benchmarks",
+FLOORS = ["core", "objectives", "optimize", "casefile", "cases", "viewer", "report", "studio", "bench", "python", "cli"]
+ROOF = {"cli": "the program", "python": "the module", "bench": "benchmarks",
         "cases": "examples and their surfaces"}  # nobody below includes from these; drawn in one row
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
 INK, FAINT, WRONG, ROOM, FLOOR = "#22303c", "#5d7183", "#c62828", "#ffffff", "#e8eef3"

@@ -131,6 +131,7 @@ class Page(unittest.TestCase):
         held = self.chosen()
         b.click("#put-region")
         self.settled()
+        self.assertEqual(b.run("strakeStudio.choosing.nameInput.value"), "held2", "the next one does not replace it")
         b.click("#tab-case")
         b.until(f"{ROOT}.errors === '0'", 20)
         self.assertIn("held (fixed)", self.text(".regions"))

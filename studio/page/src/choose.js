@@ -57,6 +57,7 @@ export class Choosing {
 
   async ask() {
     const { scene } = this, steps = this.all(), last = this.dragged();
+    this.freshName();
     scene.hint(last && last.plane, last && last.box);
     try {
       const found = await post('choose', { steps, name: this.name, text: this.editor.text });
@@ -71,6 +72,15 @@ export class Choosing {
   }
 
   push(step) { this.steps.push(step); return this.update(); }
+
+  /** A name that no region of the case has, unless the user has typed one: that replaces the region of that name. */
+  freshName() {
+    if (this.isTyped) return;
+    const taken = new Set(this.editor.regions.map((r) => r.name));
+    this.name = 'held';
+    for (let k = 2; taken.has(this.name); ++k) this.name = `held${k}`;
+    if (this.nameInput) this.nameInput.value = this.name;
+  }
 
   /** A point of the surface was clicked. */
   pick(place) {
@@ -138,7 +148,8 @@ export class Choosing {
     this.list = h('ol', { class: 'steps' });
     this.toolChoice = choice('Choose by', tools, this.tool, (v) => this.setTool(v));
     const by = h('input', { type: 'number', step: 'any', value: String(Number((0.01 * this.scene.body.diagonal).toPrecision(2))), 'aria-label': 'Length to grow by' });
-    const name = h('input', { type: 'text', id: newId('name'), value: this.name, size: 14, maxlength: 60, oninput: () => { this.name = name.value || 'chosen'; } });
+    const name = h('input', { type: 'text', id: newId('name'), value: this.name, size: 14, maxlength: 60, oninput: () => { this.name = name.value || 'chosen'; this.isTyped = true; } });
+    this.nameInput = name;
     const button = (label, work) => h('button', { type: 'button', onclick: work }, label);
     this.options();
     this.update();
@@ -158,10 +169,14 @@ export class Choosing {
     try {
       const made = await post('region', { steps: this.all(), name: this.name, text: this.editor.text, fix: this.fix });
       this.editor.replace(made.text, `region ${this.name}, as ${made.kind}`);
+      const replaced = this.editor.regions.some((r) => r.name === this.name) ? ', in place of the one of that name' : '';
+      const put = this.name;
+      await this.editor.ask();
+      this.isTyped = false;
       this.steps = [];
       this.setTool('patch');
       this.toolChoice.querySelector('select').value = 'patch';
-      this.told(`The case has the region ${this.name} now, as ${made.kind}. Save it under Case.`);
+      this.told(`The case has the region ${put} now, as ${made.kind}${replaced}. Save it under Case.`);
     } catch (error) { this.told(error.message); }
   }
 }

@@ -3,7 +3,7 @@
 
 SURFACE is made by make_surface wing --triangles 4000.
 
-Pictures: studio-look, -choose, -case, -run. The case is the one that Strake proposes; eight evaluations are made.
+Pictures: studio-look, -choose, -case, -feel, -run. The case is the one that Strake proposes; eight evaluations are made.
 """
 import pathlib
 import shutil
@@ -56,6 +56,12 @@ with tempfile.TemporaryDirectory() as folder:
         b.click("#save")
         time.sleep(1.5)
         shot(b, "case")
+        b.click("#tab-feel")
+        b.until(f"{state}.felt", 200)
+        b.run("(() => { const i = document.querySelector('.slider input'); i.value = 0.6 * i.max; i.dispatchEvent(new Event('input')); })()")
+        b.until(f"{state}.felt === 'ok 1'", 100)
+        b.run("strakeStudio.tell('')")
+        shot(b, "feel")
         b.click("#tab-run")
         b.run("strakeStudio.runs.evaluations.value = 16")
         b.click("#start")

@@ -113,7 +113,8 @@ export class Scene3D {
       const points = [];
       for (let k = 0; k + 2 < trailing.length; k += 3) points.push(new Vector3(trailing[k], trailing[k + 1], trailing[k + 2]));
       const pairs = points.slice(1).flatMap((p, k) => [points[k], p]);
-      this.extras.add(new LineSegments(new BufferGeometry().setFromPoints(pairs), new LineBasicMaterial({ color: 0xd55e00, depthTest: false })));
+      this.trailingLine = new LineSegments(new BufferGeometry().setFromPoints(pairs), new LineBasicMaterial({ color: 0xd55e00, depthTest: false }));
+      this.extras.add(this.trailingLine);
     }
   }
 
@@ -169,7 +170,13 @@ export class Scene3D {
     this.viewer.draw();
   }
 
-  setPositions(p) { this.model.setPositions(p); this.creaseLines.visible = p === this.body.start; this.viewer.draw(); }
+  /** Lines of the start are not those of another shape. */
+  setPositions(p) {
+    this.model.setPositions(p);
+    this.creaseLines.visible = p === this.body.start;
+    if (this.trailingLine) this.trailingLine.visible = p === this.body.start;
+    this.viewer.draw();
+  }
 
   /** What is at a point of the canvas, in the file's coordinates. */
   at(x, y) {

@@ -40,6 +40,8 @@ const char* kind_word(VariableKind kind) {
             return "stiffness";
         case VariableKind::field:
             return "field";
+        case VariableKind::planform:
+            return "planform";
         case VariableKind::parameter:
             return "own";
     }

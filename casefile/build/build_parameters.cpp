@@ -1,4 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
+#include "optimize/problem/place_user_variables.hpp"
 #include "optimize/space/mirror.hpp"
 #include "optimize/space/motion_limit.hpp"
 
@@ -94,7 +95,10 @@ void ProblemBuilder::set_planform() {
         at(entry.place, "parameters.planform: ", [&] { PlanformMotion(start_.mesh, wings, ranges); });
         if (!errors_.empty()) return;
     }
-    add_planform(out_.problem.parameters, std::make_shared<const PlanformMotion>(start_.mesh, wings, ranges));
+    const auto planform = std::make_shared<const PlanformMotion>(start_.mesh, wings, ranges);
+    at(case_.parameters.planform.front().place,
+       "parameters.planform: ", [&] { refuse_held(*planform, start_.mesh, out_.problem.fixed, "fixed"); });
+    add_planform(out_.problem.parameters, planform);
 }
 
 void ProblemBuilder::check_dof() {

@@ -39,6 +39,8 @@ Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x,
     m.hessian = space.metric;
     m.lower = space.lower - x;
     m.upper = space.upper - x;
+    for (int j = 0; j < space.num_shape(); ++j)  // these move the datum, too
+        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) m.lower[j] = m.upper[j] = 0;
     m.constraints = at.values;
     for (std::size_t i = 0; i < at.rows.size(); ++i)
         m.constraints[static_cast<Eigen::Index>(i)] += slack * at.rows[i].limit / solver.limit().reference();

@@ -66,22 +66,9 @@ void check_planform(const Problem& problem) {
     if (!problem.attached.empty()) refuse("attach");
     if (problem.parameters.invariance) refuse("invariance");
     if (!problem.fit.empty()) refuse("fit");
-    const Eigen::VectorXd none = Eigen::VectorXd::Zero(planform->size());
-    for (int j = 0; j < planform->size(); ++j) {
-        const Points moved = planform->derivative(none, j);
-        const auto check = [&](const std::vector<int>& triangles, const char* what) {
-            for (const int t : triangles)
-                for (const int v : problem.surface.triangles.row(t))
-                    if (!moved.row(v).isZero(0))
-                        throw InvalidInput(text(
-                            "parameters.planform: ", planform->variables()[static_cast<std::size_t>(j)].name,
-                            " moves vertex ", v, ", which is under ", what,
-                            "; declare the wing without those triangles (planform: {wing: {on: all - root}}), or use "
-                            "hold: point"));
-        };
-        check(problem.fixed, "fixed");
-        for (const PrescribedStrain& strain : problem.strains) check(strain.triangles, "strains");
-    }
+    refuse_held(*planform, problem.surface, problem.fixed, "fixed");
+    for (const PrescribedStrain& strain : problem.strains)
+        refuse_held(*planform, problem.surface, strain.triangles, "strains");
 }
 
 /// Joins the motion of an earlier variable of the same triangles. False: there is none.
@@ -127,6 +114,21 @@ void pin_motion(const std::vector<UserVariable>& user, int g, int first, std::ve
 }
 
 }  // namespace
+
+void refuse_held(const PlanformMotion& planform, const TriMesh& surface, const std::vector<int>& triangles,
+                 const std::string& what) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(planform.size());
+    for (int j = 0; j < planform.size(); ++j) {
+        const Points moved = planform.derivative(none, j);
+        for (const int t : triangles)
+            for (const int v : surface.triangles.row(t))
+                if (!moved.row(v).isZero(0))
+                    throw InvalidInput(text(planform.variables()[static_cast<std::size_t>(j)].name, " moves vertex ", v,
+                                            ", which is under ", what,
+                                            "; leave those triangles out of the wing (planform: {wing: {on: all - "
+                                            "root}}), or use hold: point"));
+    }
+}
 
 void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields> fields) {
     for (int b = 0; b < fields->size(); ++b) {

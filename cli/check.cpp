@@ -178,6 +178,23 @@ void print_written(const CheckArguments& args) {
         if (!file.empty()) fmt::print("wrote       {}\n", printable(file, 400));
 }
 
+void print_planform(const Problem& problem) {
+    if (const auto& planform = problem.parameters.planform)
+        for (const PlanformMotion::Variable& v : planform->variables()) {
+            const double unit = is_angle(v.change) ? 180 / std::numbers::pi : 100;
+            fmt::print("planform    {} in [{:.6g}, {:.6g}] {}\n", v.name, unit * v.lower, unit * v.upper,
+                       is_angle(v.change) ? "deg" : "%");
+        }
+}
+
+void print_given(const Problem& problem, bool is_search) {
+    std::vector<std::string> user_variables, fields;
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        if (variable.planform < 0) (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
+    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
+    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
+}
+
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
                  const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
@@ -199,17 +216,8 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
                    max_variables(problem, problem.tree.levels[k], pin));
-    std::vector<std::string> user_variables, fields;
-    for (const UserVariable& variable : problem.parameters.user_variables)
-        if (variable.planform < 0) (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
-    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
-    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
-    if (const auto& planform = problem.parameters.planform)
-        for (const PlanformMotion::Variable& v : planform->variables()) {
-            const double unit = is_angle(v.change) ? 180 / std::numbers::pi : 100;
-            fmt::print("planform    {} in [{:.6g}, {:.6g}] {}\n", v.name, unit * v.lower, unit * v.upper,
-                       is_angle(v.change) ? "deg" : "%");
-        }
+    print_given(problem, is_search);
+    print_planform(problem);
     for (const ProgramParameter& parameter : problem.program_parameters)
         fmt::print("variable    {}: {} in [{}, {}]\n", parameter.name, shown_value(parameter.start, parameter.is_angle),
                    shown_value(parameter.min, parameter.is_angle), shown_value(parameter.max, parameter.is_angle));

@@ -14,15 +14,19 @@ using Complex = std::complex<double>;
 using Eigen::Vector3d;
 using Eigen::VectorXd;
 
-constexpr double same_station = 0.01;  ///< of the semispan: a kink beside a station is that station
-constexpr double blunt_from = 5e-4;    ///< of the chord: thickness of a blunt trailing edge
-constexpr int mean_line_terms = 6;     ///< a cubic mean line with room for two more humps
-constexpr double lowest_share = -0.9;  ///< of span, chord, t/c: nothing is left below
+constexpr double same_station = 0.01;   ///< of the semispan: a kink beside a station is that station
+constexpr double blunt_from = 5e-4;     ///< of the chord: thickness of a blunt trailing edge
+constexpr double cambered_from = 5e-3;  ///< of the chord: height of a mean line that is more than rounding
+constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two more humps
+constexpr double lowest_share = -0.9;   ///< of span, chord, t/c: nothing is left below
 constexpr double steepest = 80 * std::numbers::pi / 180;
+constexpr double probe = 1e-2;     ///< change for which sections are measured
+constexpr double most_cut = 0.25;  ///< of a change: a section that shows less of it is not understood
 constexpr double map_step = 1e-6;  ///< of the semispan
 
-/// Mean line of the four-digit series, 1 at its top p.
-double bump(double xi, double p) {
+/// Mean line of the four-digit series, 1 at its top.
+double four_digit_line(double xi) {
+    constexpr double p = 0.4;
     if (xi < p) return (2 * p * xi - xi * xi) / (p * p);
     return (1 - 2 * p + 2 * p * xi - xi * xi) / ((1 - p) * (1 - p));
 }
@@ -59,6 +63,20 @@ VectorXd fitted_mean_line(const Airfoil& airfoil) {
 
 std::string station_word(double station) { return text("@", station); }
 
+void check_station(const std::vector<double>& stations, double wanted, const std::string& shown) {
+    if (std::find(stations.begin(), stations.end(), wanted) != stations.end()) return;
+    std::string all;
+    for (const double s : stations) all += text(all.empty() ? "" : ", ", s);
+    throw InvalidInput(text(shown, "@", wanted, ": there is no such station; stations: ", all));
+}
+
+/// 1 at place k, 0 at those beside it, straight between, constant beyond the first and the last.
+double hat(const std::vector<double>& places, std::size_t k, double s) {
+    if (k > 0 && s < places[k]) return std::max(0.0, (s - places[k - 1]) / (places[k] - places[k - 1]));
+    if (k + 1 < places.size() && s > places[k]) return std::max(0.0, (places[k + 1] - s) / (places[k + 1] - places[k]));
+    return 1;
+}
+
 double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
 
 }  // namespace
@@ -72,15 +90,15 @@ PlanformMotion::PlanformMotion(const TriMesh& start, const std::vector<std::shar
                                const std::vector<PlanformRange>& ranges)
     : start_(start.vertices), triangles_(start.triangles) {
     for (const auto& wing : wings) add_wing(start, wing);
-    for (const PlanformRange& range : ranges) add_range(range);
     place_vertices(start);
+    for (const PlanformRange& range : ranges) add_range(start, range);
 }
 
 PlanformMotion::Node PlanformMotion::node_at(const TriMesh& start, const Wing& wing, double station) const {
     const WingDeclaration& declared = wing.declaration();
     const std::vector<Wing::PlacedSection> sections = wing.placed_sections(start, station);
     const double share = 1.0 / static_cast<double>(sections.size());
-    Node node{wing.place(0, station), 0, Vector3d::Zero(), 0, VectorXd::Zero(mean_line_terms), false};
+    Node node{wing.place(0, station), 0, Vector3d::Zero(), VectorXd::Zero(mean_line_terms), {}, false};
     double blunt = 0;
     for (std::size_t s = 0; s < sections.size(); ++s) {
         const int side = static_cast<int>(s);
@@ -91,11 +109,14 @@ PlanformMotion::Node PlanformMotion::node_at(const TriMesh& start, const Wing& w
         node.chord += share * Complex(chord.dot(declared.downstream), chord.dot(up));
         node.axis += share * Vector3d(wing.span(side).dot(axis) - wing.root(side), declared.downstream.dot(axis),
                                       declared.up.dot(axis));
-        node.top += share * (std::abs(airfoil.max_camber().value) > 1e-3 ? airfoil.max_camber_at() : 0.4);
         node.mean_line += share * fitted_mean_line(airfoil);
         blunt += share * airfoil.trailing_edge_thickness().value / airfoil.chord().value;
     }
-    node.top = std::clamp(node.top, 0.15, 0.85);
+    double highest = 0;
+    for (int i = 1; i < 100; ++i)
+        if (const double height = mean_line(node.mean_line, i / 100.0); std::abs(height) > std::abs(highest))
+            highest = height;
+    if (std::abs(highest) > cambered_from) node.bump = node.mean_line / highest;
     node.is_blunt = blunt > blunt_from;
     return node;
 }
@@ -138,12 +159,19 @@ void PlanformMotion::add_variable(const PlanformRange& range, double station, Ve
     shares_.push_back(std::move(shares));
 }
 
-void PlanformMotion::add_range(const PlanformRange& range) {
-    if (range.wing < 0 || range.wing >= static_cast<int>(wings_.size()))
-        throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", wings_.size(), ")"));
-    MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
-    const std::string shown =
-        text(moved.wing->declaration().name, ".", planform_changes()[static_cast<std::size_t>(range.change)]);
+void PlanformMotion::check_angle(const PlanformRange& range, const MovedWing& moved,
+                                 const std::function<void(const std::string&)>& refuse) {
+    if (!is_angle(range.change)) return;
+    const double now = range.change == PlanformChange::sweep      ? moved.sweep
+                       : range.change == PlanformChange::dihedral ? moved.dihedral
+                                                                  : 0;
+    if (std::max(std::abs(now + range.lower), std::abs(now + range.upper)) > steepest)
+        refuse(text(" would reach ", (now + (now > 0 ? range.upper : range.lower)) * 180 / std::numbers::pi,
+                    " degrees; it must stay within 80"));
+}
+
+void PlanformMotion::check_range(const PlanformRange& range, const std::string& shown) const {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
     const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
     if (!(range.lower <= 0 && range.upper >= 0 && range.lower < range.upper) ||
         !std::isfinite(range.upper - range.lower))
@@ -157,14 +185,17 @@ void PlanformMotion::add_range(const PlanformRange& range) {
             (other.station < 0 || range.only.empty() ||
              std::find(range.only.begin(), range.only.end(), other.station) != range.only.end()))
             refuse(" has a range already");
-    if (is_angle(range.change)) {
-        const double now = range.change == PlanformChange::sweep      ? moved.sweep
-                           : range.change == PlanformChange::dihedral ? moved.dihedral
-                                                                      : 0;
-        if (std::max(std::abs(now + range.lower), std::abs(now + range.upper)) > steepest)
-            refuse(text(" would reach ", (now + (now > 0 ? range.upper : range.lower)) * 180 / std::numbers::pi,
-                        " degrees; it must stay within 80"));
-    }
+    check_angle(range, moved, refuse);
+}
+
+void PlanformMotion::add_range(const TriMesh& start, const PlanformRange& range) {
+    if (range.wing < 0 || range.wing >= static_cast<int>(wings_.size()))
+        throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", wings_.size(), ")"));
+    MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
+    const std::string shown =
+        text(moved.wing->declaration().name, ".", planform_changes()[static_cast<std::size_t>(range.change)]);
+    check_range(range, shown);
+    const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
     if (!has_stations(range.change)) return add_variable(range, -1, {});
     const bool is_joined = moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1);
     const bool is_root_held = range.root_held || (!range.only.empty() && std::find(range.only.begin(), range.only.end(),
@@ -177,38 +208,66 @@ void PlanformMotion::add_range(const PlanformRange& range) {
     moved.keeps_thickness = moved.keeps_thickness || range.keeps_thickness;
     if (!range.by_station)
         return add_variable(range, -1, VectorXd::Ones(static_cast<Eigen::Index>(moved.nodes.size())));
-    add_stations(range, is_root_held, shown);
+    add_stations(start, range, is_root_held, shown);
+}
+
+Eigen::MatrixXd PlanformMotion::measured(const TriMesh& start, const PlanformRange& range,
+                                         const std::vector<double>& stations, const Eigen::MatrixXd& shares) {
+    const Wing& wing = *wings_[static_cast<std::size_t>(range.wing)].wing;
+    const auto value = [&](const TriMesh& surface, double station) {
+        const StationFacts at = wing.station(surface, station);
+        return range.change == PlanformChange::chord       ? at.chord.value
+               : range.change == PlanformChange::twist     ? at.twist.value
+               : range.change == PlanformChange::thickness ? at.thickness_to_chord.value
+                                                           : at.camber.value;
+    };
+    const bool is_share = range.change == PlanformChange::chord || range.change == PlanformChange::thickness;
+    const auto count = static_cast<Eigen::Index>(stations.size());
+    Eigen::MatrixXd result(count, count);
+    for (Eigen::Index j = 0; j < count; ++j) {
+        PlanformRange alone = range;
+        add_variable(alone, -1, shares.row(j));  // for this measurement
+        VectorXd z = VectorXd::Zero(size());
+        z[size() - 1] = (range.upper > 0 ? 1 : -1) * probe;
+        const TriMesh moved = with_vertices(start, start.vertices + displacement(z));
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const double before = value(start, stations[static_cast<std::size_t>(i)]);
+            const double after = value(moved, stations[static_cast<std::size_t>(i)]);
+            result(i, j) = (after - before) / (z[size() - 1] * (is_share ? before : 1));
+        }
+        variables_.pop_back();
+        shares_.pop_back();
+    }
+    return result;
 }
 
 /// One variable each, with hats between the stations: kinks between two have what a straight line through both has.
-void PlanformMotion::add_stations(const PlanformRange& range, bool is_root_held, const std::string& shown) {
+void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held,
+                                  const std::string& shown) {
     const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
     std::vector<double> stations = moved.wing->stations();
-    for (const double wanted : range.only)
-        if (std::find(stations.begin(), stations.end(), wanted) == stations.end()) {
-            std::string all;
-            for (const double s : stations) all += text(all.empty() ? "" : ", ", s);
-            throw InvalidInput(text(shown, "@", wanted, ": there is no such station; stations: ", all));
-        }
+    for (const double wanted : range.only) check_station(stations, wanted, shown);
     if (is_root_held && stations.front() > 0) stations.insert(stations.begin(), 0.0);
-    const auto at = [&](std::size_t i) { return moved.wing->place(0, stations[i]); };
-    const std::size_t before = variables_.size();
-    for (std::size_t k = is_root_held ? 1 : 0; k < stations.size(); ++k) {
-        if (!range.only.empty() && std::find(range.only.begin(), range.only.end(), stations[k]) == range.only.end())
-            continue;
-        VectorXd shares(static_cast<Eigen::Index>(moved.nodes.size()));
-        for (std::size_t n = 0; n < moved.nodes.size(); ++n) {
-            const double s = moved.nodes[n].place;
-            double share = 1;
-            if (k > 0 && s < at(k))
-                share = (s - at(k - 1)) / (at(k) - at(k - 1));
-            else if (k + 1 < stations.size() && s > at(k))
-                share = (at(k + 1) - s) / (at(k + 1) - at(k));
-            shares[static_cast<Eigen::Index>(n)] = std::max(0.0, share);
-        }
-        add_variable(range, stations[k], std::move(shares));
+    const std::size_t first = is_root_held ? 1 : 0;
+    if (stations.size() == first) throw InvalidInput(shown + ": no station is left where it could change");
+    std::vector<double> places;
+    for (const double station : stations) places.push_back(moved.wing->place(0, station));
+    const std::vector<double> free(stations.begin() + static_cast<std::ptrdiff_t>(first), stations.end());
+    const auto count = static_cast<Eigen::Index>(free.size());
+    Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(moved.nodes.size()));
+    for (std::size_t k = first; k < stations.size(); ++k)
+        for (std::size_t n = 0; n < moved.nodes.size(); ++n)
+            shares(static_cast<Eigen::Index>(k - first), static_cast<Eigen::Index>(n)) =
+                hat(places, k, moved.nodes[n].place);
+    // Triangles cut the corner at a station between two rows of vertices.
+    const Eigen::MatrixXd shown_by = measured(start, range, free, shares);
+    if ((shown_by - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff() < most_cut)
+        shares = shown_by.transpose().partialPivLu().solve(shares).eval();
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double station = free[static_cast<std::size_t>(k)];
+        if (range.only.empty() || std::find(range.only.begin(), range.only.end(), station) != range.only.end())
+            add_variable(range, station, shares.row(k));
     }
-    if (variables_.size() == before) throw InvalidInput(shown + ": no station is left where it could change");
 }
 
 PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3d& x) const {
@@ -236,7 +295,10 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     at.zeta = w / at.e;
     const double xi = at.zeta.real() + of.declaration().axis;
     at.height = at.zeta.imag() - blend(mean_line(a.mean_line, xi), mean_line(b.mean_line, xi), at.ratio);
-    at.bump = bump(xi, blend(a.top, b.top, at.ratio));
+    const auto bump = [&](const Node& node) {
+        return node.bump.size() > 0 ? mean_line(node.bump, xi) : four_digit_line(xi);
+    };
+    at.bump = blend(bump(a), bump(b), at.ratio);
     at.kept = a.is_blunt || b.is_blunt ? 1 - std::pow(std::max(xi, 0.0), 8) : 1;
     return at;
 }
@@ -275,39 +337,54 @@ PlanformMotion::Changes PlanformMotion::zero(int wing) const {
             std::vector<double>(count)};
 }
 
+PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) const {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(wing)];
+    Changes now = zero(wing);
+    const auto count = static_cast<Eigen::Index>(moved.nodes.size());
+    VectorXd chord = VectorXd::Zero(count), twist = chord;
+    for (int j = 0; j < size(); ++j) {
+        const Variable& v = variables_[static_cast<std::size_t>(j)];
+        if (v.wing != wing || z[j] == 0) continue;
+        const VectorXd change = z[j] * shares_[static_cast<std::size_t>(j)];
+        const auto add_to = [&](std::vector<double>& all) { Eigen::Map<VectorXd>(all.data(), count) += change; };
+        switch (v.change) {
+            case PlanformChange::span:
+                now.stretch = 0.5 * z[j] * moved.span / moved.reach.front();
+                break;
+            case PlanformChange::sweep:
+                now.sweep = std::tan(moved.sweep + z[j]) - std::tan(moved.sweep);
+                break;
+            case PlanformChange::dihedral:
+                now.dihedral = std::tan(moved.dihedral + z[j]) - std::tan(moved.dihedral);
+                break;
+            case PlanformChange::chord:
+                chord += change;
+                break;
+            case PlanformChange::twist:
+                twist += change;
+                break;
+            case PlanformChange::thickness:
+                add_to(now.thickness);
+                break;
+            case PlanformChange::camber:
+                add_to(now.camber);
+                break;
+        }
+    }
+    for (Eigen::Index n = 0; n < count; ++n) {
+        const auto k = static_cast<std::size_t>(n);
+        const double half = std::sin(0.5 * twist[n]);
+        const Complex turn_less_1(-2 * half * half, -std::sin(twist[n]));  // exp(-i twist) - 1 without cancellation
+        now.factor[k] = chord[n] + (1 + chord[n]) * turn_less_1;
+        if (moved.keeps_thickness) now.kept[k] = -chord[n] / (1 + chord[n]);
+    }
+    return now;
+}
+
 std::vector<PlanformMotion::Changes> PlanformMotion::changes(const VectorXd& z) const {
     check_size(z);
     std::vector<Changes> all;
-    for (int w = 0; w < static_cast<int>(wings_.size()); ++w) {
-        const MovedWing& moved = wings_[static_cast<std::size_t>(w)];
-        Changes now = zero(w);
-        const auto count = static_cast<Eigen::Index>(moved.nodes.size());
-        VectorXd chord = VectorXd::Zero(count), twist = chord;
-        for (int j = 0; j < size(); ++j) {
-            const Variable& v = variables_[static_cast<std::size_t>(j)];
-            if (v.wing != w || z[j] == 0) continue;
-            const VectorXd& shares = shares_[static_cast<std::size_t>(j)];
-            if (v.change == PlanformChange::span) now.stretch = 0.5 * z[j] * moved.span / moved.reach.front();
-            if (v.change == PlanformChange::sweep) now.sweep = std::tan(moved.sweep + z[j]) - std::tan(moved.sweep);
-            if (v.change == PlanformChange::dihedral)
-                now.dihedral = std::tan(moved.dihedral + z[j]) - std::tan(moved.dihedral);
-            if (v.change == PlanformChange::chord) chord += z[j] * shares;
-            if (v.change == PlanformChange::twist) twist += z[j] * shares;
-            for (Eigen::Index n = 0; n < shares.size(); ++n) {
-                const auto k = static_cast<std::size_t>(n);
-                if (v.change == PlanformChange::thickness) now.thickness[k] += z[j] * shares[n];
-                if (v.change == PlanformChange::camber) now.camber[k] += z[j] * shares[n];
-            }
-        }
-        for (Eigen::Index n = 0; n < count; ++n) {
-            const auto k = static_cast<std::size_t>(n);
-            const double half = std::sin(0.5 * twist[n]);
-            const Complex turn_less_1(-2 * half * half, -std::sin(twist[n]));  // exp(-i twist) - 1 without cancellation
-            now.factor[k] = chord[n] + (1 + chord[n]) * turn_less_1;
-            if (moved.keeps_thickness) now.kept[k] = -chord[n] / (1 + chord[n]);
-        }
-        all.push_back(std::move(now));
-    }
+    for (int w = 0; w < static_cast<int>(wings_.size()); ++w) all.push_back(changes_of(w, z));
     return all;
 }
 
@@ -421,26 +498,32 @@ VectorXd PlanformMotion::gradient(const VectorXd& z, const Points& dJ_dv) const 
     return result;
 }
 
+Eigen::Matrix3d PlanformMotion::slope_at(int wing, int side, const Vector3d& x, const Changes& now) const {
+    const double h = map_step * wings_[static_cast<std::size_t>(wing)].reach.front();
+    Eigen::Matrix3d slope;
+    for (int c = 0; c < 3; ++c) {
+        std::array<Vector3d, 2> ends{Vector3d::Zero(), Vector3d::Zero()};
+        for (const int sign : {-1, 1}) {
+            const Place at = place_at(wing, side, x + sign * h * Vector3d::Unit(c));
+            if (at.wing >= 0) ends[sign > 0] = moved(at, now);
+        }
+        slope.col(c) = (ends[1] - ends[0]) / (2 * h);
+    }
+    return slope;
+}
+
 std::vector<Eigen::Matrix3d> PlanformMotion::local_maps(const VectorXd& z) const {
     const std::vector<Changes> now = changes(z);
     std::vector<Eigen::Matrix3d> maps(static_cast<std::size_t>(triangles_.rows()), Eigen::Matrix3d::Identity());
     for (std::size_t w = 0; w < wings_.size(); ++w) {
         const Wing& wing = *wings_[w].wing;
-        const double h = map_step * wings_[w].reach.front();
         for (int s = 0; s < wing.num_sides(); ++s)
             for (const int t : wing.triangles(s)) {
                 Vector3d x = Vector3d::Zero();
                 for (const int v : triangles_.row(t)) x += start_.row(v).transpose() / 3;
                 const auto outboard = [&](int side) { return wing.span(side).dot(x) - wing.root(side); };
                 if (wing.num_sides() > 1 && outboard(1 - s) > outboard(s)) continue;
-                for (int c = 0; c < 3; ++c) {
-                    Vector3d ends[2] = {Vector3d::Zero(), Vector3d::Zero()};
-                    for (const int sign : {-1, 1}) {
-                        const Place at = place_at(static_cast<int>(w), s, x + sign * h * Vector3d::Unit(c));
-                        if (at.wing >= 0) ends[sign > 0] = moved(at, now[w]);
-                    }
-                    maps[static_cast<std::size_t>(t)].col(c) += (ends[1] - ends[0]) / (2 * h);
-                }
+                maps[static_cast<std::size_t>(t)] += slope_at(static_cast<int>(w), s, x, now[w]);
             }
     }
     return maps;

@@ -2,6 +2,7 @@
 #include "core/planform/wing.hpp"
 
 #include <complex>
+#include <functional>
 #include <memory>
 
 /// Design variables of a wing designer: the exact motion of a surface by changes of the planforms of its wings.
@@ -50,6 +51,8 @@ struct PlanformRange {
 ///
 ///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
 ///
+/// (each station's variable is what its section shows: triangles cut the corners of M, t and k at a station between two
+/// rows of vertices, so that these are not quite the values there)
 /// an edge that was straight there stays straight, and equal changes at both are that change everywhere between. t, q
 /// and k are linear between stations, and all is constant beyond the first and the last.
 /// Sections are normal to the span, on a winglet to its axis. Both sides of a whole wing do the same. Vertices that are
@@ -93,8 +96,8 @@ private:
         double place;               ///< fraction of the semispan
         Complex chord;              ///< e
         Eigen::Vector3d axis;       ///< outboard from the root, downstream, up
-        double top;                 ///< chord fraction of the largest camber
         Eigen::VectorXd mean_line;  ///< over the chord: factors of xi (1 - xi) (2 xi - 1)^k
+        Eigen::VectorXd bump;       ///< likewise of B; empty: the four-digit mean line
         bool is_blunt;
     };
     /// A point of a wing.
@@ -123,13 +126,21 @@ private:
     };
 
     void add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing);
-    void add_range(const PlanformRange& range);
-    void add_stations(const PlanformRange& range, bool is_root_held, const std::string& shown);
+    void add_range(const TriMesh& start, const PlanformRange& range);
+    void add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held, const std::string& shown);
+    /// What a unit of each row's shares changes at each of the stations, as a section of the moved surface has it.
+    Eigen::MatrixXd measured(const TriMesh& start, const PlanformRange& range, const std::vector<double>& stations,
+                             const Eigen::MatrixXd& shares);
+    void check_range(const PlanformRange& range, const std::string& shown) const;
+    static void check_angle(const PlanformRange& range, const MovedWing& moved,
+                            const std::function<void(const std::string&)>& refuse);
     void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares);
     void place_vertices(const TriMesh& start);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
     Place place_at(int wing, int side, const Eigen::Vector3d& x) const;
     std::vector<Changes> changes(const Eigen::VectorXd& z) const;
+    Changes changes_of(int wing, const Eigen::VectorXd& z) const;
+    Eigen::Matrix3d slope_at(int wing, int side, const Eigen::Vector3d& x, const Changes& now) const;
     /// Rates of the wing's changes by variable j.
     Changes rates(const Changes& now, int j, const Eigen::VectorXd& z) const;
     Changes zero(int wing) const;

@@ -125,7 +125,16 @@ void add_field_gradient(const DesignSpace& space, const Points& dJ_dv, Eigen::Ve
             gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
 }
 
-/// The same of changes of wings, which are not linear: at these values of the degrees of freedom.
+/// dv by a unit of the variable, a change of a wing, at x.
+Points planform_response(const DesignSpace& space, int j, const Eigen::VectorXd* x) {
+    const Variable& variable = space.variables[j];
+    const Parameters& p = space.rest->parameters;
+    const Eigen::VectorXd at =
+        x ? demand(space, *x).planform : Eigen::VectorXd(Eigen::VectorXd::Zero(p.planform->size()));
+    return variable.unit * p.planform->derivative(at, p.user_variables[variable.component].planform);
+}
+
+/// dJ/d(change of a wing), likewise, at these values of the degrees of freedom: they are not linear.
 void add_planform_gradient(const DesignSpace& space, const Eigen::VectorXd& value, const Points& dJ_dv,
                            Eigen::VectorXd& gradient) {
     const Parameters& p = space.rest->parameters;
@@ -269,11 +278,8 @@ void design_response(const DesignSpace& space, PrimoShell* shell,
             continue;
         }
         if (space.variables[j].kind == VariableKind::planform) {
-            const Variable& variable = space.variables[j];
-            const Parameters& p = space.rest->parameters;
-            const Eigen::VectorXd at =
-                x ? demand(space, *x).planform : Eigen::VectorXd(Eigen::VectorXd::Zero(p.planform->size()));
-            consume(j++, variable.unit * p.planform->derivative(at, p.user_variables[variable.component].planform));
+            consume(j, planform_response(space, j, x));
+            ++j;
             continue;
         }
         if (space.variables[j].kind == VariableKind::strain) {

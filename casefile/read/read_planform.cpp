@@ -129,6 +129,7 @@ bool CaseReader::read_change_range(const Value* list, const std::string& shown, 
     std::array<double, 2> ends{};
     for (std::size_t k = 0; k < 2; ++k) {
         Value end = list->entries[k].value;
+        end.quoted = false;  // a resolved case writes text with quotes
         const bool angle = is_angle(range.change);
         std::string error = convert_scalar(end, angle ? Type::angle : Type::fraction, Key{}, {});
         if (error.empty() && !angle && end.number != 0 && !end.text.ends_with('%'))

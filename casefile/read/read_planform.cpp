@@ -116,7 +116,7 @@ void CaseReader::read_planform_range(const Entry& entry) {
     }
     if (const Value* root = map.find("root")) found.range.root_held = root->text == "held";
     if (const Value* thickness = map.find("thickness")) {
-        if (found.range.change != PlanformChange::chord && !thickness->from_default)
+        if (found.range.change != PlanformChange::chord && thickness->text == "kept")
             return errors_.add(thickness->place, shown + ".thickness belongs to chord");
         found.range.keeps_thickness = thickness->text == "kept";
     }

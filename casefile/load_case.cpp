@@ -78,7 +78,8 @@ void set_defaults_without_shell(Value& root) {
     Value& parameters = *child(root, "parameters");
     if (parameters.form != Value::Form::map) return;
     if (!child(parameters, "variables")) add(parameters, "variables", "[]");
-    if (!child(parameters, "fields")) add(parameters, "fields", "auto");
+    const bool has_planform = child(parameters, "planform") != nullptr;  // what is not listed stays
+    if (!child(parameters, "fields")) add(parameters, "fields", has_planform ? "none" : "auto");
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.

@@ -11,6 +11,7 @@
 #include "cli/outputs.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "core/text/file.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/problem/shell_setup.hpp"
@@ -18,6 +19,7 @@
 #include <fmt/core.h>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 
 /// `strake check`: everything that can be found out about a case without running it.
 namespace strake::cli {
@@ -119,10 +121,17 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
     }
     j["given"] = Json::array();
     for (const UserVariable& variable : problem.parameters.user_variables)
-        if (variable.field < 0) j["given"].push_back(variable.name);
+        if (variable.field < 0 && variable.planform < 0) j["given"].push_back(variable.name);
     j["fields"] = Json::array();
     for (const UserVariable& variable : problem.parameters.user_variables)
         if (variable.field >= 0) j["fields"].push_back(variable.name);
+    if (const auto& planform = problem.parameters.planform) {
+        j["planform"] = Json::array();
+        for (const PlanformMotion::Variable& v : planform->variables()) {
+            j["planform"].push_back({{"name", v.name}, {"min", v.lower}, {"max", v.upper}});
+            if (is_angle(v.change)) j["planform"].back()["unit"] = "rad";
+        }
+    }
     j["variables"] = Json::array();
     for (const ProgramParameter& parameter : problem.program_parameters) {
         j["variables"].push_back(
@@ -169,6 +178,23 @@ void print_written(const CheckArguments& args) {
         if (!file.empty()) fmt::print("wrote       {}\n", printable(file, 400));
 }
 
+void print_planform(const Problem& problem) {
+    if (const auto& planform = problem.parameters.planform)
+        for (const PlanformMotion::Variable& v : planform->variables()) {
+            const double unit = is_angle(v.change) ? 180 / std::numbers::pi : 100;
+            fmt::print("planform    {} in [{:.6g}, {:.6g}] {}\n", v.name, unit * v.lower, unit * v.upper,
+                       is_angle(v.change) ? "deg" : "%");
+        }
+}
+
+void print_given(const Problem& problem, bool is_search) {
+    std::vector<std::string> user_variables, fields;
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        if (variable.planform < 0) (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
+    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
+    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
+}
+
 void print_words(const CheckArguments& args, const Case& the_case, const BuiltProblem& built,
                  const std::vector<int>& pin, const CheckFacts& facts, const std::optional<AxesFacts>& axes) {
     const Problem& problem = built.problem;
@@ -190,11 +216,8 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
         fmt::print("level {}     {} patches at {:.4g} degrees, at most {} variables\n", k,
                    problem.tree.levels[k].patches.size(), problem.tree.levels[k].angle_deg,
                    max_variables(problem, problem.tree.levels[k], pin));
-    std::vector<std::string> user_variables, fields;
-    for (const UserVariable& variable : problem.parameters.user_variables)
-        (variable.field >= 0 ? fields : user_variables).push_back(variable.name);
-    if (is_search && !fields.empty()) fmt::print("level 0     {} displacement fields\n", fields.size());
-    if (is_search && !user_variables.empty()) fmt::print("given       {}\n", joined(user_variables));
+    print_given(problem, is_search);
+    print_planform(problem);
     for (const ProgramParameter& parameter : problem.program_parameters)
         fmt::print("variable    {}: {} in [{}, {}]\n", parameter.name, shown_value(parameter.start, parameter.is_angle),
                    shown_value(parameter.min, parameter.is_angle), shown_value(parameter.max, parameter.is_angle));

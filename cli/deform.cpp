@@ -1,4 +1,5 @@
 #include "casefile/load_case.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/outputs.hpp"
@@ -7,8 +8,10 @@
 #include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "optimize/evaluate/validity.hpp"
 #include "optimize/problem/shell_setup.hpp"
+#include "optimize/space/design_space.hpp"
 #include "report/json_number.hpp"
 
 #include <fmt/core.h>
@@ -89,16 +92,31 @@ ValidityGuard guard_of(const Problem& problem) {
             {problem.fixed, problem.symmetry, attached_triangles(problem), !problem.has_shell}};
 }
 
-std::string names_of(const DisplacementFields& fields) {
+/// Of displacement fields and changes of wings.
+std::string names_of(const Problem& problem) {
     std::string all;
-    for (int b = 0; b < fields.size() && b < 12; ++b) all += (b > 0 ? ", " : "") + fields.name(b);
-    return fields.size() > 12 ? all + ", ... (strake check --json lists all)" : all;
+    const std::vector<UserVariable>& user = problem.parameters.user_variables;
+    for (std::size_t g = 0; g < user.size() && g < 12; ++g) all += (g > 0 ? ", " : "") + user[g].name;
+    return user.size() > 12 ? all + ", ... (strake check --json lists all)" : all;
 }
 
-/// "NAME=LENGTH": the number of the field, and how far it moves the surface at most.
-std::pair<int, double> field_value(const DisplacementFields& fields, const std::string& words, double diagonal) {
-    const std::size_t at = words.find('=');
-    const std::string name = words.substr(0, at), value = at == std::string::npos ? "" : words.substr(at + 1);
+/// A change of a wing, "3deg", "0.05rad", "-2%", within its range.
+double change_value(const PlanformMotion::Variable& change, const std::string& written, const std::string& words) {
+    Value value;
+    value.text = written;
+    const bool angle = is_angle(change.change);
+    const std::string error = convert_scalar(value, angle ? Type::angle : Type::fraction, Key{}, {});
+    if (!error.empty() || (!angle && value.number != 0 && !written.ends_with('%')))
+        throw InvalidInput(text("--field ", printable(words, 400), ": must be ", change.name,
+                                angle ? "=ANGLE with deg or rad" : "=CHANGE in percent, for example 2%"));
+    if (value.number < change.lower || value.number > change.upper)
+        throw InvalidInput(text("--field ", printable(words, 400), ": outside of its range [", change.lower, ", ",
+                                change.upper, angle ? "] rad" : "]", " in parameters.planform"));
+    return value.number;
+}
+
+/// How far a field moves the surface at most. @param words all that was written
+double field_value(const std::string& value, const std::string& words, double diagonal) {
     const bool is_share = !value.empty() && value.back() == '%';
     const char* end = value.data() + value.size() - (is_share ? 1 : 0);
     double length = 0;
@@ -106,32 +124,47 @@ std::pair<int, double> field_value(const DisplacementFields& fields, const std::
     if (error != std::errc{} || stop != end || !std::isfinite(length))
         throw InvalidInput(text("--field ", printable(words, 400),
                                 ": must be NAME=LENGTH, in the unit of the surface or like 2% of its diagonal"));
-    for (int b = 0; b < fields.size(); ++b)
-        if (fields.name(b) == name) return {b, is_share ? length / 100 * diagonal : length};
-    throw InvalidInput(
-        text("--field ", printable(words, 400), ": there is no field of that name; fields: ", names_of(fields)));
+    return is_share ? length / 100 * diagonal : length;
 }
 
-/// The surface moved by displacement fields alone.
+/// "NAME=VALUE" into the demand: a length, which a field moves the surface by at most, or a change of a wing.
+void take_field(const Problem& problem, const std::string& words, ShellDemand& demand) {
+    const double diagonal = box_diagonal(problem.surface);
+    const std::size_t at = words.find('=');
+    const std::string name = words.substr(0, at), value = at == std::string::npos ? "" : words.substr(at + 1);
+    for (const UserVariable& v : problem.parameters.user_variables) {
+        if (v.name != name) continue;
+        if (v.planform >= 0) {
+            const auto& change = problem.parameters.planform->variables()[static_cast<std::size_t>(v.planform)];
+            demand.planform[v.planform] = change_value(change, value, words);
+            return;
+        }
+        demand.fields[v.field] += field_value(value, words, diagonal);
+        return;
+    }
+    throw InvalidInput(
+        text("--field ", printable(words, 400), ": there is no field of that name; fields: ", names_of(problem)));
+}
+
+/// The surface moved by displacement fields and changes of wings alone.
 Points moved_by_fields(const DeformArguments& args, const Problem& problem, Equilibrium& end) {
     const double diagonal = box_diagonal(problem.surface);
-    const DisplacementFields& fields = *problem.parameters.fields;
     if (args.fields.empty())
         throw InvalidInput(
-            text("deform: the case has shell: none, where displacement fields alone move the surface; "
-                 "name at least one with --field NAME=LENGTH. Fields: ",
-                 names_of(fields)));
+            text("deform: the case has shell: none, where displacement fields and changes of wings alone move the "
+                 "surface; name at least one with --field NAME=VALUE. Fields: ",
+                 names_of(problem)));
     if (args.linear || !args.prisms.empty())
         throw InvalidInput("deform: --linear and --prisms need an elastic shell, and the case has shell: none");
-    Eigen::VectorXd z = Eigen::VectorXd::Zero(fields.size());
-    for (const std::string& words : args.fields) {
-        const auto [field, value] = field_value(fields, words, diagonal);
-        z[field] += value;
-    }
-    const Points vertices = problem.surface.vertices + fields.displacement(z);
+    const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
+    ShellDemand demand;
+    if (problem.parameters.fields) demand.fields = Eigen::VectorXd::Zero(problem.parameters.fields->size());
+    if (problem.parameters.planform) demand.planform = Eigen::VectorXd::Zero(problem.parameters.planform->size());
+    for (const std::string& words : args.fields) take_field(problem, words, demand);
+    const Points vertices = with_fields(*rest, demand, problem.surface.vertices);
     end.status = SolveStatus::converged;
-    end.reason = "moved by displacement fields";
-    const std::string defect = guard_of(problem).defect(vertices, fields.local_maps(z));
+    end.reason = "moved by displacement fields and changes of wings";
+    const std::string defect = guard_of(problem).defect(vertices, local_maps(*rest, demand));
     if (defect.empty()) return vertices;
     end.reason = defect + "; reduce the values of the fields";
     refuse(args, end, "invalid", diagonal);
@@ -228,8 +261,8 @@ void add_deform(CLI::App& app) {
         ->required();
     command
         ->add_option("--field", args->fields,
-                     "with shell: none: NAME=LENGTH moves the surface by this displacement field, at most by this "
-                     "length or percentage of the diagonal; repeatable")
+                     "with shell: none: NAME=VALUE moves the surface by this displacement field, at most by this "
+                     "length or percentage of the diagonal, or changes a wing by this angle or percentage; repeatable")
         ->expected(1)
         ->take_all();
     command->add_flag("--linear", args->linear, "a single linear solve at rest instead of the equilibrium");

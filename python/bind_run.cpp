@@ -78,7 +78,7 @@ public:
             [&](int j, const Points& dv) {
                 if (dx[j] != 0) out += dx[j] * dv;
             },
-            response_tolerance, &vertices_);
+            response_tolerance, &vertices_, &x_);
         return out;
     }
 

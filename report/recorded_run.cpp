@@ -6,6 +6,7 @@
 #include "optimize/run/design_table.hpp"
 #include "optimize/run/fit.hpp"
 #include "optimize/run/samples.hpp"
+#include "optimize/space/parameters.hpp"
 #include "report/report_subject.hpp"
 #include "report/run_report.hpp"
 
@@ -59,7 +60,7 @@ std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_cas
     facts.host = host_name();
     facts.is_fit = is_fit;
     facts.values = value_names(problem);
-    for (const ProgramParameter& variable : problem.program_parameters) facts.parameters.push_back(variable.name);
+    facts.parameters = recorded_names(problem);
     facts.files = file_hashes(the_case);
     for (const char* companion : {"journal.sqlite-wal", "journal.sqlite-shm"}) folder.aside(companion);
     return Journal::create(folder.aside("journal.sqlite"), facts,

@@ -45,6 +45,8 @@ const char* word_of(VariableKind kind) {
             return "stiffness";
         case VariableKind::field:
             return "displacement fields";
+        case VariableKind::planform:
+            return "changes of wings";
         case VariableKind::parameter:
             break;
     }
@@ -72,6 +74,7 @@ std::string user_variable_words(const UserVariableEntry& variable, const std::st
 std::string variable_words(const Case& c) {
     std::vector<std::string> kinds;
     for (const VariableKind kind : c.parameters.variables) kinds.push_back(word_of(kind));
+    if (!c.parameters.planform.empty()) kinds.push_back("changes of wings");
     if (c.parameters.fields.is_wanted) kinds.push_back("displacement fields");
     for (const UserVariableEntry& variable : c.parameters.user_variables)
         kinds.push_back(user_variable_words(variable, c.units));

@@ -40,6 +40,8 @@ const char* kind_word(VariableKind kind) {
             return "stiffness";
         case VariableKind::field:
             return "field";
+        case VariableKind::planform:
+            return "planform";
         case VariableKind::parameter:
             return "own";
     }
@@ -242,9 +244,8 @@ void RunFolder::begin(const Problem& problem, const std::vector<std::string>& va
     evaluations_ = std::make_unique<EvaluationFolders>(folder_, keep, may_ask_again);
     format_ = format;
     policy_ = policy;
-    std::vector<std::string> parameters;
-    for (const ProgramParameter& variable : problem.program_parameters) parameters.push_back(variable.name);
-    history_ = std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, parameters, is_continued_);
+    history_ =
+        std::make_unique<HistoryWriter>(folder_ / "history.csv", value_names, recorded_names(problem), is_continued_);
     remember("history.csv");
 }
 
@@ -356,6 +357,11 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
             const ProgramParameter& parameter = result.space.rest->program_parameters[j["variables"].size()];
             j["variables"][name] = {{"start", json_number(parameter.start)}, {"best", json_number(value)}};
             if (parameter.is_angle) j["variables"][name]["unit"] = "rad";
+        }
+    if (result.best_evaluation > 0)
+        for (const auto& [name, value] : planform_values(result.space, result.x)) {
+            j["variables"][name] = {{"start", 0.0}, {"best", json_number(value)}};
+            if (is_planform_angle(*result.space.rest, name)) j["variables"][name]["unit"] = "rad";
         }
     if (result.motion.is_limited)
         j["motion_limit"] = {{"active", result.motion.is_active},

@@ -76,7 +76,7 @@ void ProblemBuilder::check_hold() {
     if (!case_.fixed.empty()) rival(case_.fixed_place, "fixed");
     if (!case_.strains.empty()) rival(case_.strains.front().place, "strains");
     if (purpose_ == Purpose::deform || !errors_.empty()) return;
-    if (!case_.parameters.fields.is_wanted && case_.hold.by == HoldEntry::By::none)
+    if (!case_.parameters.fields.is_wanted && case_.parameters.planform.empty() && case_.hold.by == HoldEntry::By::none)
         errors_.add(
             case_.hold.place,
             "hold: none leaves the shell without a support; use displacement fields (parameters: {fields: auto, "

@@ -1,4 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
+#include "optimize/problem/place_user_variables.hpp"
 #include "optimize/space/mirror.hpp"
 #include "optimize/space/motion_limit.hpp"
 
@@ -35,6 +36,7 @@ void ProblemBuilder::set_parameters() {
     p.frozen = marked("parameters.frozen", entry.frozen);
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
     set_user_values();
+    if (!case_.parameters.planform.empty() && errors_.empty()) set_planform();
     if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
     if (purpose_ == Purpose::deform) return;
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
@@ -74,6 +76,29 @@ void ProblemBuilder::set_motion_limits() {
         out_.warnings.push_back(text("parameters.max_displacement = ", largest * start_.diagonal, " is ",
                                      std::round(100 * largest), " % of the diagonal of the surface (", start_.diagonal,
                                      "): that limits next to nothing; 5% is the default"));
+}
+
+void ProblemBuilder::set_planform() {
+    std::vector<std::shared_ptr<const Wing>> wings;
+    std::vector<std::string> names;
+    std::vector<PlanformRange> ranges;
+    for (const PlanformRangeEntry& entry : case_.parameters.planform) {
+        auto known = std::find(names.begin(), names.end(), entry.wing);
+        if (known == names.end()) {
+            names.push_back(entry.wing);
+            wings.push_back(wings_.at(entry.wing));
+            known = names.end() - 1;
+        }
+        ranges.push_back(entry.range);
+        ranges.back().wing = static_cast<int>(known - names.begin());
+        // One after the other, so that what is refused is said where it stands.
+        at(entry.place, "parameters.planform: ", [&] { PlanformMotion(start_.mesh, wings, ranges); });
+        if (!errors_.empty()) return;
+    }
+    const auto planform = std::make_shared<const PlanformMotion>(start_.mesh, wings, ranges);
+    at(case_.parameters.planform.front().place,
+       "parameters.planform: ", [&] { refuse_held(*planform, start_.mesh, out_.problem.fixed, "fixed"); });
+    add_planform(out_.problem.parameters, planform);
 }
 
 void ProblemBuilder::check_dof() {

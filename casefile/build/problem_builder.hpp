@@ -78,6 +78,7 @@ private:
     // build_parameters.cpp
     void set_parameters();
     void set_motion_limits();
+    void set_planform();
     void check_dof();
     void set_fields();  // build_fields.cpp
     void set_invariance();

@@ -71,12 +71,12 @@ void check_anything_changes(const Value& root, const Case& c, Diagnostics& error
     const Value* parameters = root.find("parameters");
     const Value* shape = parameters ? parameters->find("variables") : nullptr;
     const bool any = !c.parameters.user_variables.empty() || c.parameters.fields.is_wanted ||
-                     (!c.variables.empty() && c.fit.empty());
+                     !c.parameters.planform.empty() || (!c.variables.empty() && c.fit.empty());
     if (shape && shape->entries.empty() && !any)
         errors.add(
             shape->place,
             "parameters.variables is empty: nothing can change (it may be empty if the case has parameters.fields, "
-            "parameters.given or variables)");
+            "parameters.planform, parameters.given or variables)");
 }
 
 }  // namespace

@@ -27,9 +27,45 @@ std::string rival_of(const Case& c, const UserVariableEntry& given) {
     return "";
 }
 
+/// Nothing else has the name of the variable that a range makes.
+void check_planform_name(const Case& c, const PlanformRangeEntry& entry, Diagnostics& errors) {
+    const std::string variable =
+        text(entry.wing, ".delta_", planform_changes()[static_cast<std::size_t>(entry.range.change)]);
+    const auto clashes = [&](const std::string& other) {
+        return other == variable || other.starts_with(variable + "@");
+    };
+    const auto refuse = [&](const char* what) {
+        errors.add(entry.place, text("parameters.planform: ", what, " is called '", variable,
+                                     "', as the variable of this change would be; rename it"));
+    };
+    const std::vector<std::string> values = known_values(c);
+    if (std::any_of(values.begin(), values.end(), clashes)) refuse("a quantity");
+    for (const ProgramParameterEntry& own : c.variables)
+        if (clashes(own.variable.name)) refuse("one of variables");
+    for (const UserVariableEntry& given : c.parameters.user_variables)
+        if (clashes(given.name)) refuse("one of parameters.given");
+}
+
+void check_planform_ranges(const Case& c, Diagnostics& errors) {
+    std::vector<std::string> wings;
+    for (const WingEntry& wing : c.planform) wings.push_back(wing.name);
+    for (const PlanformRangeEntry& entry : c.parameters.planform) {
+        if (std::find(wings.begin(), wings.end(), entry.wing) == wings.end()) {
+            const std::string near = nearest(entry.wing, wings);
+            errors.add(entry.place,
+                       text("parameters.planform: no wing '", printable(entry.wing), "' is declared under planform",
+                            near.empty() ? "" : text("; did you mean '", near, "'?"),
+                            wings.empty() ? "" : text("; wings: ", joined(wings))));
+        }
+        check_planform_name(c, entry, errors);
+        if (!c.fit.empty()) errors.add(entry.place, "parameters.planform is not supported together with fit");
+    }
+}
+
 }  // namespace
 
 void check_user_variables(const Case& c, Diagnostics& errors) {
+    check_planform_ranges(c, errors);
     std::set<std::string> seen;
     for (const UserVariableEntry& given : c.parameters.user_variables) {
         if (!seen.insert(given.name).second)

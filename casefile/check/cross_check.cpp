@@ -83,9 +83,11 @@ void check_without_shell(const Value& root, const Case& c, Diagnostics& errors) 
     if (variables && !variables->entries.empty()) refuse(variables->place, "parameters.variables need");
     for (const UserVariableEntry& given : c.parameters.user_variables)
         refuse(given.place, text("parameters.given '", given.name, "' needs"));
-    if (!c.parameters.fields.is_wanted)
-        errors.add(c.shell_place,
-                   "with shell: none the displacement fields alone move the surface; write parameters: {fields: auto}");
+    if (!c.parameters.fields.is_wanted && c.parameters.planform.empty())
+        errors.add(
+            c.shell_place,
+            "with shell: none displacement fields and changes of wings alone move the surface; write parameters: "
+            "{fields: auto} or parameters.planform");
 }
 
 void check_levels(const Value& parameters, const ParameterEntry& p, Diagnostics& errors) {

@@ -3,6 +3,7 @@
 #include "casefile/yaml/diagnostics.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/patches/hierarchy.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "core/primo/shell.hpp"
 #include "core/remesh/remesh.hpp"
 #include "core/repair/repair.hpp"
@@ -189,6 +190,13 @@ struct FieldsEntry {
     Place place;
 };
 
+/// What a wing may change by.
+struct PlanformRangeEntry {
+    std::string wing;
+    PlanformRange range;  ///< but for the number of the wing
+    Place place;
+};
+
 /// A motion limit of a region.
 struct MotionLimitEntry {
     Reference region;
@@ -201,6 +209,7 @@ struct ParameterEntry {
     std::vector<int> patches_per_level;  ///< with automatic levels; empty: the default
     double sharp_angle_deg = 40;
     std::vector<VariableKind> variables;
+    std::vector<PlanformRangeEntry> planform;
     Length max_displacement;  ///< outside of `max_displacement_by_region`
     Place max_displacement_place;
     std::vector<MotionLimitEntry> max_displacement_by_region;

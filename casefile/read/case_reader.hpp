@@ -26,6 +26,8 @@ private:
     // read_made_regions.cpp
     bool read_made_region(const Value& map, const std::string& kind, const Value& value, Region& region);
     // read_planform.cpp
+    void read_planform_range(const Entry& entry);
+    bool read_change_range(const Value* list, const std::string& shown, PlanformRange& range);
     void read_wing(const Entry& entry);
     bool read_wing_region(const Value& map, const Value& of, Region& region);
     bool read_range(const Value* list, const std::string& shown, std::array<double, 2>& range);

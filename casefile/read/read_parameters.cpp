@@ -46,6 +46,8 @@ void CaseReader::read_parameters(const Value& map) {
     if (const Value* v = map.find("variable_scale")) p.variable_scale = length_of(*v);
     read_variable_places(map);
     if (const Value* v = map.find("fields")) read_fields(*v);
+    if (const Value* v = map.find("planform"))
+        for (const Entry& entry : v->entries) read_planform_range(entry);
     if (const Value* v = map.find("keep")) p.keeps_smooth_border = v->accepted && v->text == "smooth_border";
     if (const Value* v = map.find("given"))
         for (std::size_t i = 0; i < v->entries.size(); ++i)

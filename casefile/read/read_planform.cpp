@@ -1,6 +1,9 @@
 #include "casefile/read/case_reader.hpp"
 #include "casefile/schema/scalars.hpp"
 
+#include <algorithm>
+#include <numbers>
+
 namespace strake {
 namespace {
 
@@ -77,6 +80,73 @@ void CaseReader::read_wing(const Entry& entry) {
     }
     wing.values = references(map.find("values"));
     case_.planform.push_back(std::move(wing));
+}
+
+/// "wing.twist: {by: station, range: [-4deg, 4deg]}", "wing.twist@0.37: ...".
+void CaseReader::read_planform_range(const Entry& entry) {
+    const std::string shown = "parameters.planform." + printable(entry.key);
+    PlanformRangeEntry found;
+    found.place = entry.key_place;
+    std::string word = entry.key;
+    if (const std::size_t at = word.find('@'); at != std::string::npos) {
+        Value station;
+        station.text = word.substr(at + 1);
+        const std::string error = convert_scalar(station, Type::fraction, Key{}, {});
+        if (!error.empty()) return errors_.add(entry.key_place, text(shown, ": the station ", error));
+        found.range.only = {station.number};
+        found.range.by_station = true;
+        word.resize(at);
+    }
+    const std::size_t dot = word.rfind('.');
+    const auto& words = planform_changes();
+    const std::string change = dot == std::string::npos ? "" : word.substr(dot + 1);
+    const auto known = std::find(words.begin(), words.end(), change);
+    if (known == words.end())
+        return errors_.add(entry.key_place, text(shown,
+                                                 " must be a wing and what of it changes, for example wing.twist; "
+                                                 "changes: ",
+                                                 joined(words)));
+    found.wing = word.substr(0, dot);
+    found.range.change = static_cast<PlanformChange>(known - words.begin());
+    const Value& map = entry.value;
+    if (const Value* by = map.find("by")) {
+        if (by->text == "station" && !found.range.only.empty())
+            return errors_.add(by->place, text(shown, " is of one station already; remove by"));
+        found.range.by_station = found.range.by_station || by->text == "station";
+    }
+    if (const Value* root = map.find("root")) found.range.root_held = root->text == "held";
+    if (const Value* thickness = map.find("thickness")) {
+        if (found.range.change != PlanformChange::chord && thickness->text == "kept")
+            return errors_.add(thickness->place, shown + ".thickness belongs to chord");
+        found.range.keeps_thickness = thickness->text == "kept";
+    }
+    if (read_change_range(map.find("range"), shown, found.range)) case_.parameters.planform.push_back(std::move(found));
+}
+
+/// Two changes with their units: deg or rad, or %. False, with an error, where they are not.
+bool CaseReader::read_change_range(const Value* list, const std::string& shown, PlanformRange& range) {
+    if (!list || list->entries.size() != 2) return false;  // said by the schema
+    std::array<double, 2> ends{};
+    for (std::size_t k = 0; k < 2; ++k) {
+        Value end = list->entries[k].value;
+        end.quoted = false;  // a resolved case writes text with quotes
+        const bool angle = is_angle(range.change);
+        std::string error = convert_scalar(end, angle ? Type::angle : Type::fraction, Key{}, {});
+        if (error.empty() && !angle && end.number != 0 && !end.text.ends_with('%'))
+            error = text("= ", printable(end.text), " needs a unit: a percentage, for example 5%");
+        if (!error.empty()) {
+            errors_.add(end.place, text(shown, ".range[", k, "] ", error));
+            return false;
+        }
+        ends[k] = end.number;
+    }
+    const double unit = is_angle(range.change) ? 180 / std::numbers::pi : 100;
+    const char* sign = is_angle(range.change) ? " deg" : " %";
+    range.lower = ends[0], range.upper = ends[1];
+    if (ends[0] < ends[1] && ends[0] <= 0 && ends[1] >= 0) return true;
+    errors_.add(list->place, text(shown, ".range = [", unit * ends[0], sign, ", ", unit * ends[1], sign,
+                                  "] must ascend and contain 0, which is the start"));
+    return false;
 }
 
 /// Regions of a wing. False: the value was refused.

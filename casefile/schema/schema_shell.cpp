@@ -8,7 +8,8 @@ std::vector<Key> stiffness_keys() {
         {.path = "shell", .doc = "The elastic shell on the surface.", .fallback = "{}"},
         {.path = "shell",
          .type = Type::word,
-         .doc = "none: no shell is built, and parameters.fields alone move the surface (by default all of them). It "
+         .doc = "none: no shell is built, and parameters.fields (by default all of them, none beside "
+                "parameters.planform) and changes of wings move the surface. It "
                 "may then be any that can be read: piercing itself, of slivers, of many parts, not manifold.",
          .words = {"none"}},
         {.path = "shell.thickness",

@@ -57,6 +57,44 @@ std::vector<Key> field_keys() {
     };
 }
 
+std::vector<Key> planform_range_keys() {
+    return {
+        {.path = "parameters.planform",
+         .doc =
+             "What of the wings under planform may change: wing.span, wing.sweep, wing.dihedral (of the whole wing), "
+             "wing.chord, wing.twist, wing.thickness, wing.camber (of all sections or by station), or one station, "
+             "wing.twist@0.37. What is not listed stays. The variables are the changes, wing.delta_twist@0.37, 0 at "
+             "the start: docs/planform.md.",
+         .may_be_empty = true},
+        {.path = "parameters.planform.*", .doc = "A change of a wing."},
+        {.path = "parameters.planform.*.range",
+         .type = Type::list,
+         .doc =
+             "Smallest and largest change, around 0: with deg or rad for sweep (tip aft), dihedral (tip up) and twist "
+             "(nose up), in % for span, chord and thickness (t/c), of their own values, and camber, of the chord. "
+             "max_displacement does not limit it.",
+         .required = true,
+         .element = Type::text,
+         .count = 2},
+        {.path = "parameters.planform.*.by",
+         .type = Type::word,
+         .doc = "station: one variable for each station of the wing, with straight edges between; wing: one for all "
+                "sections.",
+         .fallback = "wing",
+         .words = {"wing", "station"}},
+        {.path = "parameters.planform.*.root",
+         .type = Type::word,
+         .doc = "held: by station, the section at the root keeps its value; needed where the wing is joined to a body.",
+         .fallback = "free",
+         .words = {"free", "held"}},
+        {.path = "parameters.planform.*.thickness",
+         .type = Type::word,
+         .doc = "Of chord: scaled, t/c stays; kept, the thickness itself stays.",
+         .fallback = "scaled",
+         .words = {"scaled", "kept"}},
+    };
+}
+
 std::vector<Key> given_keys() {
     return {
         {.path = "parameters.given",
@@ -126,6 +164,6 @@ std::vector<Key> given_keys() {
 
 }  // namespace
 
-std::vector<Key> user_variable_keys() { return in_order({field_keys(), given_keys()}); }
+std::vector<Key> user_variable_keys() { return in_order({planform_range_keys(), field_keys(), given_keys()}); }
 
 }  // namespace strake

@@ -257,18 +257,6 @@ Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, 
     return x;
 }
 
-/// Rotation of the polar decomposition, by Newton's iteration X <- (X + X^-T) / 2 (Higham 1986); det F > 0.
-Matrix3d polar_rotation(const Matrix3d& F) {
-    Matrix3d X = F;
-    for (int i = 0; i < 30; ++i) {
-        const Matrix3d next = 0.5 * (X + X.inverse().transpose());
-        const double change = (next - X).norm();
-        X = next;
-        if (change < 1e-12) break;
-    }
-    return X;
-}
-
 /// Takes motions one after the other, without what those before them do. Columns are 3 functions long: the mean product
 /// over the surface of two motions is that of R times their coefficients.
 class Orthogonalization {
@@ -452,6 +440,18 @@ DisplacementFields::Coefficients DisplacementFields::combined(const VectorXd& z)
     for (int b = 0; b < size(); ++b)
         if (z[b] != 0) sum += z[b] * coefficients_[static_cast<std::size_t>(b)];
     return sum;
+}
+
+/// By Newton's iteration X <- (X + X^-T) / 2.
+Matrix3d polar_rotation(const Matrix3d& F) {
+    Matrix3d X = F;
+    for (int i = 0; i < 30; ++i) {
+        const Matrix3d next = 0.5 * (X + X.inverse().transpose());
+        const double change = (next - X).norm();
+        X = next;
+        if (change < 1e-12) break;
+    }
+    return X;
 }
 
 Points DisplacementFields::field(int b) const { return values_ * coefficients_[static_cast<std::size_t>(b)]; }

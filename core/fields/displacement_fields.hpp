@@ -48,6 +48,9 @@ struct FieldOptions {
 /// move, scale, twist, tilt, shear, out, around: what a field does, as its name says it.
 const std::vector<std::string>& field_motions();
 
+/// The rotation next to a linear map with a positive determinant (Higham, 1986).
+Eigen::Matrix3d polar_rotation(const Eigen::Matrix3d& F);
+
 /// The fields of a surface at rest. Orthogonal in the mean over the surface, each scaled to a largest displacement of
 /// 1: its value is a length. A field is named after what it does before what those before it do is taken out:
 ///   section.move_z.2     the sections move along z, by the second polynomial along the axis

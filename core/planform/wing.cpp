@@ -140,6 +140,29 @@ Eigen::Vector3d Wing::in_space(const Plane& plane, const PlanePoint& point) {
            point.z.value * plane.frame.up;
 }
 
+std::vector<Wing::PlacedSection> Wing::placed_sections(const TriMesh& surface, double station) const {
+    std::vector<PlacedSection> found;
+    for (const Side& side : sides_) {
+        const double place = place_of(side, station);
+        const Plane at = plane(surface, side, place, false);
+        Airfoil airfoil = needed(surface, side, place, false);
+        const Vector3d leading = in_space(at, airfoil.leading_edge()), trailing = in_space(at, airfoil.trailing_edge());
+        found.push_back({std::move(airfoil), leading, trailing});
+    }
+    return found;
+}
+
+Vector3d Wing::up_at(int number, double place) const {
+    const Side& side = at(number);
+    if (side.nodes.empty()) return declared_.up;
+    std::size_t k = 1;
+    while (k + 1 < side.nodes.size() && side.nodes[k].station < place) ++k;
+    const Node &a = side.nodes[k - 1], &b = side.nodes[k];
+    const double t = std::clamp((place - a.station) / (b.station - a.station), 0.0, 1.0);
+    const double angle = a.angle + t * (b.angle - a.angle);
+    return -std::sin(angle) * side.span + std::cos(angle) * declared_.up;
+}
+
 StationFacts Wing::station(const TriMesh& surface, double station, bool sensitivities) const {
     StationFacts facts;
     facts.station = station;

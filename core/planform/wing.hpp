@@ -74,6 +74,12 @@ public:
     StationFacts station(const TriMesh& surface, double station, bool sensitivities = false) const;
     /// The sections at a station, one a side.
     std::vector<Airfoil> sections(const TriMesh& surface, double station, bool sensitivities = false) const;
+    /// The same with where they are, in space.
+    struct PlacedSection {
+        Airfoil airfoil;
+        Eigen::Vector3d leading_edge, trailing_edge;
+    };
+    std::vector<PlacedSection> placed_sections(const TriMesh& surface, double station) const;
     /// Volume of both sides between two chord fractions, from the first to the second station, length cubed.
     Varying volume(const TriMesh& surface, std::pair<double, double> chord, std::pair<double, double> span,
                    bool sensitivities = false) const;
@@ -88,6 +94,19 @@ public:
     /// point up (`side` 1), down (-1) or anywhere (0).
     std::vector<char> region(const TriMesh& surface, std::pair<double, double> chord, std::pair<double, double> span,
                              int side = 0) const;
+
+    // One of `num_sides()`, for what moves it.
+    const Eigen::Vector3d& span(int side) const { return at(side).span; }  ///< unit, outboard
+    double root(int side) const { return at(side).root; }                  ///< coordinate along its span
+    bool is_joined(int side) const { return at(side).is_joined; }          ///< the root borders on other triangles
+    const std::vector<int>& triangles(int side) const { return at(side).triangles; }  ///< ascending
+    const std::vector<int>& vertices(int side) const { return at(side).vertices; }    ///< ascending
+    /// Where a station lies: the same fraction, but for the tip's.
+    double place(int side, double station) const { return place_of(at(side), station); }
+    /// Exposed semispan of one side. `fraction_at` wants that of the start.
+    double reach(const TriMesh& surface, int side) const { return plane(surface, at(side), 0, false).reach.value; }
+    double fraction_at(int side, double reach, const Eigen::Vector3d& x) const { return along(at(side), reach, x); }
+    Eigen::Vector3d up_at(int side, double place) const;  ///< unit, in the section's plane across the stream
 
 private:
     /// Of a wing with winglet: the line through the middles of the chords, from root to tip.
@@ -108,6 +127,7 @@ private:
         double length = 0;                ///< of the line, with nodes
         double last = 1;                  ///< where the station 1 lies
         double scale = 0;                 ///< extent along the span at the start
+        bool is_joined = false;           ///< to other triangles at the root
     };
     struct Plane {
         SectionFrame frame;
@@ -122,6 +142,7 @@ private:
     double centre_ = 0;          ///< coordinate along `span` of the plane between both sides
     bool keeps_centre_ = false;  ///< the span is measured from there
 
+    const Side& at(int side) const { return sides_[static_cast<std::size_t>(side)]; }
     // wing_layout.cpp
     void find_sides(const TriMesh& start);
     bool is_mirrored(const TriMesh& start, std::array<double, 2>& outer) const;

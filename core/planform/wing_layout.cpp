@@ -116,7 +116,7 @@ Wing::Side Wing::begun(const TriMesh& start, int sign, double from) const {
     for (const auto& [a, b] : border_of(start, declared_.triangles).inner)
         for (const int v : {a, b})
             if (used[static_cast<std::size_t>(v)] && along(v) < low + root_share * (high - low))
-                side.root = std::max(side.root, along(v));
+                side.root = std::max(side.root, along(v)), side.is_joined = true;
     side.scale = high - side.root;
     Points positions(static_cast<Eigen::Index>(side.vertices.size()), 3);
     for (std::size_t i = 0; i < side.vertices.size(); ++i)

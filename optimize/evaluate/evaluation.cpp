@@ -85,7 +85,8 @@ Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack) {
 
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
-    return !solver_.limit().is_none() && solver_.settle(x, shape) && !solver_.limit().is_within(shape.vertices, slack);
+    return !solver_.limit().is_none() && solver_.settle(x, shape) &&
+           !solver_.limit().is_within(solver_.beside_planform(shape.vertices), slack);
 }
 
 MotionConditions ShapeEvaluator::motion_conditions(const Eigen::VectorXd& x, double min_used) {

@@ -39,6 +39,8 @@ Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x,
     m.hessian = space.metric;
     m.lower = space.lower - x;
     m.upper = space.upper - x;
+    for (int j = 0; j < space.num_shape(); ++j)  // these move the datum, too
+        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) m.lower[j] = m.upper[j] = 0;
     m.constraints = at.values;
     for (std::size_t i = 0; i < at.rows.size(); ++i)
         m.constraints[static_cast<Eigen::Index>(i)] += slack * at.rows[i].limit / solver.limit().reference();
@@ -54,8 +56,8 @@ Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, c
     for (int k = 0; k < max_bisections; ++k) {
         const double middle = 0.5 * (low + high);
         Points vertices;
-        const bool is_within =
-            settle(solver, inside + middle * (x - inside), vertices) && solver.limit().is_within(vertices, slack);
+        const bool is_within = settle(solver, inside + middle * (x - inside), vertices) &&
+                               solver.limit().is_within(solver.beside_planform(vertices), slack);
         (is_within ? low : high) = middle;
     }
     return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
@@ -88,7 +90,7 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     MotionConditions at;
     Points vertices;
     if (solver.limit().is_none() || !settle(solver, x, vertices)) return at;
-    at.rows = solver.limit().rows(vertices, min_used, max_conditions);
+    at.rows = solver.limit().rows(solver.beside_planform(vertices), min_used, max_conditions);
     if (at.rows.empty()) return at;
     std::vector<Points> functionals;
     at.values.resize(static_cast<Eigen::Index>(at.rows.size()));
@@ -111,6 +113,8 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     at.slopes.resize(at.values.size(), x.size());
     for (Eigen::Index i = 0; i < at.values.size(); ++i)
         at.slopes.row(i) = design_gradient(solver.space(), x, at.sensitivities[static_cast<std::size_t>(i)]);
+    for (int j = 0; j < space.num_shape(); ++j)  // the datum goes with the planform
+        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) at.slopes.col(j).setZero();
     if (!at.slopes.allFinite()) return {};
     return at;
 }
@@ -120,7 +124,7 @@ Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& asked, 
     if (solver.limit().is_none()) return asked;
     Eigen::VectorXd x = asked;
     Points vertices;
-    if (!settle(solver, x, vertices) || solver.limit().is_within(vertices, slack)) return asked;
+    if (!settle(solver, x, vertices) || solver.limit().is_within(solver.beside_planform(vertices), slack)) return asked;
     const DesignSpace& space = solver.space();
     for (int k = 0; k < max_steps; ++k) {
         const MotionConditions at = motion_conditions(solver, x, nearly_beyond);
@@ -129,7 +133,7 @@ Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& asked, 
         if (step.size() == 0 || !step.allFinite()) break;
         x = (x + step).cwiseMax(space.lower).cwiseMin(space.upper);
         if (!settle(solver, x, vertices)) break;
-        if (solver.limit().is_within(vertices, slack)) return x;
+        if (solver.limit().is_within(solver.beside_planform(vertices), slack)) return x;
     }
     return on_the_way_back(solver, x, inside, slack);
 }

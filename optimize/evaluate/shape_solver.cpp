@@ -1,7 +1,6 @@
 #include "optimize/evaluate/shape_solver.hpp"
 
 #include "core/error.hpp"
-#include "core/fields/displacement_fields.hpp"
 #include "optimize/space/shape_map.hpp"
 
 namespace strake {
@@ -38,7 +37,7 @@ ValidityGuard guard_of(const Problem& problem, const RestFacts& rest) {
 std::string defect_of(const ValidityGuard& guard, const RestFacts& rest, const ShellDemand& demand,
                       const Points& vertices, const Poses& of_shell) {
     if (rest.has_shell) return guard.defect(vertices, with_fields(rest, demand, of_shell, vertices));
-    return guard.defect(vertices, rest.parameters.fields->local_maps(demand.fields));
+    return guard.defect(vertices, local_maps(rest, demand));
 }
 
 ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
@@ -114,7 +113,8 @@ bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
         return at_equilibrium(x, result);
     }
     build_shell(wanted);
-    if (rest_->parameters.fields && shell_x_.size() > 0 && wanted.same_shell(shell_demand_)) {
+    if ((rest_->parameters.fields || rest_->parameters.planform) && shell_x_.size() > 0 &&
+        wanted.same_shell(shell_demand_)) {
         shell_demand_ = wanted;
         return at_equilibrium(x, result);
     }
@@ -158,6 +158,10 @@ std::vector<ShellSensitivities> ShapeSolver::adjoint(const std::vector<Points>& 
     return surface_adjoint(*rest_, shell_.get(), dJ_dv, options, &surface);
 }
 
+Points ShapeSolver::beside_planform(const Points& vertices) const {
+    return strake::beside_planform(*rest_, shell_demand_, vertices);
+}
+
 bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     last_.reset();
     if (!settle(x, result)) return false;
@@ -178,7 +182,7 @@ bool ShapeSolver::deform(const Eigen::VectorXd& x, ShapeEvaluation& result) {
         return false;
     }
     if (!is_valid(x, result)) return false;
-    if (!limit_.is_none()) result.reason = limit_.excess(result.vertices);
+    if (!limit_.is_none()) result.reason = limit_.excess(beside_planform(result.vertices));
     if (!result.reason.empty()) {
         result.status = EvaluationStatus::invalid;
         result.vertices.resize(0, 3);

@@ -58,6 +58,8 @@ public:
     /// `vertex`.
     std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                             const Points& surface);
+    /// The surface of the last shape as the motion limit sees it, whose datum the planform moves.
+    Points beside_planform(const Points& vertices) const;
     /// The shell is at the equilibrium of x.
     bool is_at(const Eigen::VectorXd& x) const { return shell_x_.size() == x.size() && shell_x_ == x; }
 

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/planform/planform_motion.hpp"
 
 #include <algorithm>
 #include <set>
@@ -11,7 +12,7 @@ namespace {
 
 void check_one(const UserVariable& v, int num_triangles) {
     if (v.name.empty()) throw InvalidInput("a user variable has no name");
-    if (v.field >= 0) return;  // checked as a whole
+    if (v.field >= 0 || v.planform >= 0) return;  // checked as a whole
     if (v.triangles.empty()) throw InvalidInput(text("variable ", v.name, ": it has no triangles"));
     for (const int t : v.triangles)
         if (t < 0 || t >= num_triangles)
@@ -47,6 +48,27 @@ void check_fields(const Problem& problem) {
     if (fields->num_vertices() != problem.surface.num_vertices())
         throw InvalidInput(text("displacement fields of ", fields->num_vertices(), " vertices for a surface of ",
                                 problem.surface.num_vertices()));
+}
+
+/// A vertex of what is fixed may not move: changes of wings do not know of it.
+void check_planform(const Problem& problem) {
+    const std::shared_ptr<const PlanformMotion>& planform = problem.parameters.planform;
+    for (const UserVariable& v : problem.parameters.user_variables)
+        if (v.planform >= (planform ? planform->size() : 0))
+            throw InvalidInput(text("variable ", v.name, ": there is no change of a wing ", v.planform));
+    if (!planform) return;
+    if (planform->num_vertices() != problem.surface.num_vertices())
+        throw InvalidInput(text("changes of wings with ", planform->num_vertices(), " vertices for a surface of ",
+                                problem.surface.num_vertices()));
+    const auto refuse = [](const char* what) {
+        throw InvalidInput(text("parameters.planform is not possible together with ", what));
+    };
+    if (!problem.attached.empty()) refuse("attach");
+    if (problem.parameters.invariance) refuse("invariance");
+    if (!problem.fit.empty()) refuse("fit");
+    refuse_held(*planform, problem.surface, problem.fixed, "fixed");
+    for (const PrescribedStrain& strain : problem.strains)
+        refuse_held(*planform, problem.surface, strain.triangles, "strains");
 }
 
 /// Joins the motion of an earlier variable of the same triangles. False: there is none.
@@ -93,6 +115,21 @@ void pin_motion(const std::vector<UserVariable>& user, int g, int first, std::ve
 
 }  // namespace
 
+void refuse_held(const PlanformMotion& planform, const TriMesh& surface, const std::vector<int>& triangles,
+                 const std::string& what) {
+    const Eigen::VectorXd none = Eigen::VectorXd::Zero(planform.size());
+    for (int j = 0; j < planform.size(); ++j) {
+        const Points moved = planform.derivative(none, j);
+        for (const int t : triangles)
+            for (const int v : surface.triangles.row(t))
+                if (!moved.row(v).isZero(0))
+                    throw InvalidInput(text(planform.variables()[static_cast<std::size_t>(j)].name, " moves vertex ", v,
+                                            ", which is under ", what,
+                                            "; leave those triangles out of the wing (planform: {wing: {on: all - "
+                                            "root}}), or use hold: point"));
+    }
+}
+
 void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields> fields) {
     for (int b = 0; b < fields->size(); ++b) {
         UserVariable variable;
@@ -103,18 +140,31 @@ void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields
     parameters.fields = std::move(fields);
 }
 
+void add_planform(Parameters& parameters, std::shared_ptr<const PlanformMotion> planform) {
+    for (int j = 0; j < planform->size(); ++j) {
+        const PlanformMotion::Variable& change = planform->variables()[static_cast<std::size_t>(j)];
+        UserVariable variable;
+        variable.name = change.name;
+        variable.planform = j;
+        variable.unit = std::max(-change.lower, change.upper);
+        parameters.user_variables.push_back(std::move(variable));
+    }
+    parameters.planform = std::move(planform);
+}
+
 PlacedVariables place_user_variables(const Problem& problem, int first, std::vector<int>& pin) {
     const auto& user = problem.parameters.user_variables;
     PlacedVariables placed;
     placed.motion.assign(user.size(), -1);
     placed.pinned.assign(user.size(), {});
     check_fields(problem);
+    check_planform(problem);
     std::set<std::string> names;
     for (std::size_t g = 0; g < user.size(); ++g) {
         check_one(user[g], problem.surface.num_triangles());
         if (!names.insert(user[g].name).second)
             throw InvalidInput(text("two user variables are called '", user[g].name, "'"));
-        if (user[g].traction.rows() == 0 && user[g].field < 0)
+        if (user[g].traction.rows() == 0 && user[g].field < 0 && user[g].planform < 0)
             pin_motion(user, static_cast<int>(g), first, pin, placed);
     }
     return placed;

@@ -11,6 +11,10 @@ struct PlacedVariables {
     std::vector<std::string> warnings;
 };
 
+/// @throws InvalidInput: a change of a wing moves a vertex of these triangles, which are held.
+void refuse_held(const PlanformMotion& planform, const TriMesh& surface, const std::vector<int>& triangles,
+                 const std::string& what);
+
 /// Pins the triangles of the motions among `Parameters::user_variables`, motion number k as k + 1 in `pin`.
 /// @param first number of motions that are there already (the given strains).
 /// @throws InvalidInput: names twice or empty; triangles that do not exist, are held or follow two motions; a load

@@ -13,6 +13,7 @@ namespace strake {
 
 class DisplacementFields;
 class Invariance;
+class PlanformMotion;
 
 enum class VariableKind {
     load,         ///< traction of a patch as a vector: three variables, or one for each of `load_directions`
@@ -20,6 +21,7 @@ enum class VariableKind {
     strain,       ///< rigid motion of a pinned patch core: rotation and translation, six variables
     stiffness,    ///< logarithm of the prism height: one variable
     field,        ///< one of `Parameters::fields`: a displacement of the surface; not for `Parameters::kinds`
+    planform,     ///< one of `Parameters::planform`: a change of a wing; not for `Parameters::kinds`
     parameter     ///< one of `Problem::program_parameters`: not shape; not for `Parameters::kinds`
 };
 
@@ -44,11 +46,12 @@ enum class SplitRule {
 };
 
 /// A design variable that the user states, beside those of the patches: there on every level, never split. A load where
-/// `traction` is given, a displacement field where `field` names one, else the rigid motion of its triangles, which it
-/// pins for the whole run.
+/// `traction` is given, a displacement field where `field` names one, a change of a wing where `planform` does, else
+/// the rigid motion of its triangles, which it pins for the whole run.
 struct UserVariable {
     std::string name;
     int field = -1;              ///< number in `Parameters::fields`, with no triangles; -1: not a field
+    int planform = -1;           ///< number in `Parameters::planform`, likewise, with a range of its own
     std::vector<int> triangles;  ///< where it acts, ascending
     Points traction;             ///< per listed triangle, 1/length, at the value 1; empty: a motion
     RigidMotion motion;          ///< at the value 1; its rotation vector and translation are multiplied by the value
@@ -90,6 +93,10 @@ struct Parameters {
     /// x0 + sum_b z_b field_b + E, E the equilibrium displacement of the shell at rest under the loads and motions of
     /// the others; attached parts follow their hosts there. Null: none.
     std::shared_ptr<const DisplacementFields> fields;
+    /// Changes of wings, one user variable each (`add_planform`). They move the start surface, exactly; fields and
+    /// shell add what they do to the start surface at rest, and the datum of the motion limit goes with them. Null:
+    /// none. Not with attached parts, `invariance`, nor a fit.
+    std::shared_ptr<const PlanformMotion> planform;
     /// How many of the fields, the first ones, a run has as it refines: ascending, the last all of them. Empty: all of
     /// them from the start.
     std::vector<int> field_steps;
@@ -101,6 +108,9 @@ struct Parameters {
 
 /// Makes the fields design variables: each a user variable that is called as it is.
 void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields> fields);
+
+/// The same with changes of wings.
+void add_planform(Parameters& parameters, std::shared_ptr<const PlanformMotion> planform);
 
 struct Constraint {
     std::string quantity;  ///< a value's name

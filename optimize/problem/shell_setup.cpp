@@ -46,15 +46,17 @@ void refuse_elastic(const Problem& problem) {
     const auto refuse = [](const std::string& what) {
         throw InvalidInput(what + ": needs an elastic shell, and the problem has none");
     };
-    if (!problem.parameters.fields)
-        throw InvalidInput("the problem has no elastic shell, and no displacement fields that would move the surface");
+    if (!problem.parameters.fields && !problem.parameters.planform)
+        throw InvalidInput(
+            "the problem has no elastic shell, and no displacement fields or changes of wings that would move the "
+            "surface");
     if (!problem.strains.empty()) refuse("strains");
     if (!problem.attached.empty()) refuse("attach");
     if (problem.given_traction.rows() > 0) refuse("given_traction");
     if (problem.spring_per_area.size() > 0) refuse("spring_per_area");
     if (!problem.parameters.kinds.empty()) refuse("parameters.kinds");
     for (const UserVariable& v : problem.parameters.user_variables)
-        if (v.field < 0) refuse("variable " + v.name);
+        if (v.field < 0 && v.planform < 0) refuse("variable " + v.name);
 }
 
 void pin_strain(const Problem& problem, int k, ShellSetup& setup) {

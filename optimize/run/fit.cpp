@@ -150,7 +150,7 @@ private:
             design_response(
                 state_.space, state_.evaluator.shell(),
                 [&](int j, const Points& dv) { FitResiduals::set_column(rows_, j, dv, *dr_dx); }, jacobian_tolerance,
-                &vertices_);
+                &vertices_, &x);
         } catch (const SolverError& error) {
             fail(error.what());
             return false;

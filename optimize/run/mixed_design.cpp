@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
@@ -45,6 +46,19 @@ bool same_fields(const RestFacts& a, const RestFacts& b) {
            rounding * static_cast<double>(z.size());
 }
 
+bool same_planform(const RestFacts& a, const RestFacts& b) {
+    const PlanformMotion *one = a.parameters.planform.get(), *other = b.parameters.planform.get();
+    if (!one || !other || one == other) return one == other;
+    if (one->size() != other->size()) return false;
+    Eigen::VectorXd z(one->size());
+    for (int j = 0; j < one->size(); ++j) {
+        const PlanformMotion::Variable& v = one->variables()[static_cast<std::size_t>(j)];
+        if (v.name != other->variables()[static_cast<std::size_t>(j)].name) return false;
+        z[j] = v.upper > 0 ? v.upper : v.lower;
+    }
+    return one->displacement(z) == other->displacement(z);
+}
+
 /// What two designs must share to be mixed.
 void check_alike(const Demand& a, const Demand& b) {
     const auto refuse = [](const std::string& what) {
@@ -67,6 +81,7 @@ void check_alike(const Demand& a, const Demand& b) {
             if (v.field >= 0) all.push_back(v.name);
         return all;
     };
+    if (!same_planform(*a.rest, *b.rest)) refuse("different changes of wings (parameters.planform)");
     if (names(a) != names(b)) refuse("different displacement fields");
     if (!same_fields(*a.rest, *b.rest))
         refuse(
@@ -89,6 +104,7 @@ ShellDemand between(const ShellDemand& a, const ShellDemand& b, double w) {
         out.motions[k].rotation = (1 - w) * a.motions[k].rotation + w * b.motions[k].rotation;
         out.motions[k].translation = (1 - w) * a.motions[k].translation + w * b.motions[k].translation;
     }
+    if (out.planform.size() > 0) out.planform = (1 - w) * a.planform + w * b.planform;
     if (out.fields.size() > 0) out.fields = (1 - w) * a.fields + w * b.fields;
     if (out.prism_height.size() > 0)
         out.prism_height = ((1 - w) * a.prism_height.array().log() + w * b.prism_height.array().log()).exp();

@@ -123,7 +123,7 @@ bool RunState::record(const Eigen::VectorXd& x, const ShapeEvaluation& evaluatio
     record.max_displacement = evaluation.max_displacement;
     record.seconds = last_seconds_;
     record.is_taken_over = evaluation.is_taken_over;
-    for (const auto& [name, value] : parameter_values(space, x)) record.parameters.push_back(value);
+    record.parameters = recorded_values(space, x);
     if (ok) {
         record.objective = objective;
         record.values = evaluation.values;

@@ -176,7 +176,7 @@ MotionAtEnd motion_of(const RunResult& r, const MotionLimit& limit, double slack
     end.is_limited = !limit.is_none();
     if (!end.is_limited || r.best_evaluation == 0) return end;
     const double share = 1 - std::max(nearly, slack);
-    const MotionLimit::Use use = limit.max_use(r.vertices, share);
+    const MotionLimit::Use use = limit.max_use(beside_planform(*r.space.rest, demand(r.space, r.x), r.vertices), share);
     if (use.vertex < 0) return end;
     end.is_active = use.share >= share;
     end.used = use.share;

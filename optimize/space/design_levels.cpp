@@ -171,6 +171,7 @@ private:
                     if (any_free) add_scalar(tied, kind, patch_dof::stiffness, "stiffness");
                     break;
                 case VariableKind::field:
+                case VariableKind::planform:
                 case VariableKind::parameter:
                     break;
             }
@@ -228,6 +229,7 @@ void list_user_variables(DesignSpace& space) {
         Variable variable;
         variable.name = user[g].name;
         variable.kind = user[g].field >= 0            ? VariableKind::field
+                        : user[g].planform >= 0       ? VariableKind::planform
                         : user[g].traction.rows() > 0 ? VariableKind::load
                                                       : VariableKind::strain;
         variable.patch = -1;

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "optimize/space/shape_map.hpp"
 #include "optimize/space/user_variables.hpp"
 
@@ -74,6 +75,14 @@ Eigen::VectorXd field_values(const RestFacts& rest, const Eigen::VectorXd& of_us
     return values;
 }
 
+Eigen::VectorXd planform_values(const RestFacts& rest, const Eigen::VectorXd& of_user) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(rest.parameters.planform->size());
+    const auto& user = rest.parameters.user_variables;
+    for (std::size_t g = 0; g < user.size(); ++g)
+        if (user[g].planform >= 0) values[user[g].planform] += of_user[static_cast<Eigen::Index>(g)];
+    return values;
+}
+
 void check_size(const DesignSpace& space, const Eigen::VectorXd& x) {
     if (x.size() != space.size())
         throw InvalidInput(text("x has ", x.size(), " entries, the space of level ", space.level, " has ", space.size(),
@@ -116,12 +125,34 @@ void add_field_gradient(const DesignSpace& space, const Points& dJ_dv, Eigen::Ve
             gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
 }
 
+/// dv by a unit of the variable, a change of a wing, at x.
+Points planform_response(const DesignSpace& space, int j, const Eigen::VectorXd* x) {
+    const Variable& variable = space.variables[j];
+    const Parameters& p = space.rest->parameters;
+    const Eigen::VectorXd at =
+        x ? demand(space, *x).planform : Eigen::VectorXd(Eigen::VectorXd::Zero(p.planform->size()));
+    return variable.unit * p.planform->derivative(at, p.user_variables[variable.component].planform);
+}
+
+/// dJ/d(change of a wing), likewise, at these values of the degrees of freedom: they are not linear.
+void add_planform_gradient(const DesignSpace& space, const Eigen::VectorXd& value, const Points& dJ_dv,
+                           Eigen::VectorXd& gradient) {
+    const Parameters& p = space.rest->parameters;
+    if (!p.planform) return;
+    const Eigen::VectorXd at = planform_values(*space.rest, space.user_values(value) + space.carried_user_values);
+    const Eigen::VectorXd by_change = p.planform->gradient(at, dJ_dv);
+    for (std::size_t g = 0; g < p.user_variables.size(); ++g)
+        if (const int change = p.user_variables[g].planform; change >= 0)
+            gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_change[change];
+}
+
 /// dJ/d(degree of freedom), all of them.
 Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& value,
                              const ShellSensitivities& sensitivities) {
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
     add_field_gradient(space, sensitivities.vertex, gradient);
+    add_planform_gradient(space, value, sensitivities.vertex, gradient);
     if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;
@@ -185,6 +216,8 @@ ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     }
     if (space.rest->parameters.fields)
         result.fields = field_values(*space.rest, space.user_values(value) + space.carried_user_values);
+    if (space.rest->parameters.planform)
+        result.planform = planform_values(*space.rest, space.user_values(value) + space.carried_user_values);
     return result;
 }
 
@@ -223,7 +256,7 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 
 void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance,
-                     const Points* surface) {
+                     const Points* surface, const Eigen::VectorXd* x) {
     std::vector<std::array<Points, 6>> by_motion;
     for (const Variable& variable : space.variables) {
         if (variable.kind == VariableKind::stiffness)
@@ -242,6 +275,11 @@ void design_response(const DesignSpace& space, PrimoShell* shell,
             const Parameters& p = space.rest->parameters;
             const Points moved = variable.unit * p.fields->field(p.user_variables[variable.component].field);
             consume(j++, surface_rates(*space.rest, moved, surface));
+            continue;
+        }
+        if (space.variables[j].kind == VariableKind::planform) {
+            consume(j, planform_response(space, j, x));
+            ++j;
             continue;
         }
         if (space.variables[j].kind == VariableKind::strain) {

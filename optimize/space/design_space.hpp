@@ -38,15 +38,21 @@ struct ShellDemand {
     std::vector<RigidMotion> motions;  ///< given strains first
     Eigen::VectorXd prism_height;      ///< per vertex
     Eigen::VectorXd fields;            ///< values of `Parameters::fields`: beside the shell; empty: there are none
+    Eigen::VectorXd planform;          ///< likewise of `Parameters::planform`
     /// The shell is asked for the same.
     bool same_shell(const ShellDemand& other) const;
 };
 
-/// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by the fields, attached parts with their
-/// hosts; of the kind of shape that is to be kept.
+/// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by planform and fields, attached parts with
+/// their hosts; of the kind of shape that is to be kept.
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell);
-/// Poses for the guard: the prisms' rotations, with the polar part of what the fields do. @param surface n x 3
+/// Poses for the guard: the prisms' rotations, with the polar part of what these do. @param surface n x 3
 Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell, const Points& surface);
+
+/// The same surface without the motion by the planform: what the motion limit looks at.
+Points beside_planform(const RestFacts& rest, const ShellDemand& demand, const Points& surface);
+/// Per triangle: the linear part of the map by planform and fields at its centroid.
+std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand);
 
 /// A dependent variable: others do the same, the direction from it to them moves nothing.
 struct DependentVariable {
@@ -144,9 +150,10 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 /// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
 /// that of `PrimoShell::response`, `surface` as for `field_motion`. `shell` is null where the problem has none.
 /// `consume(j, dv)` is called in the order of the variables. @throws InvalidInput for stiffness variables.
+/// @param x where changes of wings are; null: at rest
 void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11,
-                     const Points* surface = nullptr);
+                     const Points* surface = nullptr, const Eigen::VectorXd* x = nullptr);
 
 /// Physical values with names of the shape variables, for programs (`parameter_values` has the others).
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);

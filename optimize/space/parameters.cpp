@@ -1,5 +1,6 @@
 #include "optimize/space/parameters.hpp"
 
+#include "core/planform/planform_motion.hpp"
 namespace strake {
 
 void append_parameters(DesignSpace& space) {
@@ -42,6 +43,39 @@ Eigen::VectorXd parameter_units(const DesignSpace& space) {
     Eigen::VectorXd units(space.num_parameters());
     for (int i = 0; i < space.num_parameters(); ++i) units[i] = space.variables[space.num_shape() + i].unit;
     return units;
+}
+
+std::vector<std::pair<std::string, double>> planform_values(const DesignSpace& space, const Eigen::VectorXd& x) {
+    std::vector<std::pair<std::string, double>> all;
+    const auto& planform = space.rest->parameters.planform;
+    if (!planform) return all;
+    const auto& user = space.rest->parameters.user_variables;
+    const Eigen::VectorXd values = space.user_values(dofs(space, x)) + space.carried_user_values;
+    for (std::size_t g = 0; g < user.size(); ++g)
+        if (user[g].planform >= 0) all.emplace_back(user[g].name, values[static_cast<Eigen::Index>(g)]);
+    return all;
+}
+
+bool is_planform_angle(const RestFacts& rest, const std::string& name) {
+    if (!rest.parameters.planform) return false;
+    for (const PlanformMotion::Variable& v : rest.parameters.planform->variables())
+        if (v.name == name) return is_angle(v.change);
+    return false;
+}
+
+std::vector<std::string> recorded_names(const Problem& problem) {
+    std::vector<std::string> names;
+    for (const ProgramParameter& variable : problem.program_parameters) names.push_back(variable.name);
+    for (const UserVariable& variable : problem.parameters.user_variables)
+        if (variable.planform >= 0) names.push_back(variable.name);
+    return names;
+}
+
+std::vector<double> recorded_values(const DesignSpace& space, const Eigen::VectorXd& x) {
+    std::vector<double> values;
+    for (const auto& [name, value] : parameter_values(space, x)) values.push_back(value);
+    for (const auto& [name, value] : planform_values(space, x)) values.push_back(value);
+    return values;
 }
 
 }  // namespace strake

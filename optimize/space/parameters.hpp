@@ -12,6 +12,16 @@ void append_parameters(DesignSpace& space);
 /// Names and physical values, never outside of the bounds.
 std::vector<std::pair<std::string, double>> parameter_values(const DesignSpace& space, const Eigen::VectorXd& x);
 
+/// Values of changes of wings (`Parameters::planform`), all of them.
+std::vector<std::pair<std::string, double>> planform_values(const DesignSpace& space, const Eigen::VectorXd& x);
+
+/// Of one of them: in radians.
+bool is_planform_angle(const RestFacts& rest, const std::string& name);
+
+/// What a record of a design lists beside the values of quantities: parameters, then changes of wings.
+std::vector<std::string> recorded_names(const Problem& problem);
+std::vector<double> recorded_values(const DesignSpace& space, const Eigen::VectorXd& x);
+
 /// Change of the physical value per change of x (num_parameters()).
 Eigen::VectorXd parameter_units(const DesignSpace& space);
 

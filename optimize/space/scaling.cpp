@@ -1,6 +1,7 @@
 #include "optimize/space/scaling.hpp"
 
 #include "core/error.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/null_directions.hpp"
 
@@ -41,6 +42,7 @@ void note_out_of_reach(DesignSpace& space, const Responses& responses) {
     if (!limits_motion(space.rest->parameters)) return;
     for (int j = 0; j < space.size(); ++j) {
         const Variable& variable = space.variables[j];
+        if (variable.kind == VariableKind::planform) continue;
         if (variable.patch >= 0 || !has_own_limit(space.rest->parameters.user_variables[variable.component])) continue;
         const double moves = responses.largest[j] / space.rest->diagonal;
         if (moves > 1.001 * limit)
@@ -48,6 +50,19 @@ void note_out_of_reach(DesignSpace& space, const Responses& responses) {
                                        std::round(1e4 * moves) / 100, " % of the diagonal, but the motion limit is ",
                                        std::round(1e4 * limit) / 100,
                                        " %: raise parameters.max_displacement, or lower the variable's own limit"));
+    }
+}
+
+/// Changes of wings have their own, whatever the motion limit.
+void set_own_ranges(DesignSpace& space) {
+    const Parameters& p = space.rest->parameters;
+    for (int j = 0; j < space.size(); ++j) {
+        const Variable& variable = space.variables[j];
+        if (variable.kind != VariableKind::planform) continue;
+        const int number = p.user_variables[variable.component].planform;
+        const PlanformMotion::Variable& range = p.planform->variables()[static_cast<std::size_t>(number)];
+        space.lower[j] = range.lower / variable.unit;
+        space.upper[j] = range.upper / variable.unit;
     }
 }
 
@@ -100,6 +115,7 @@ void scale_variables(DesignSpace& space) {
     space.upper.resize(space.size());
     for (int j = 0; j < space.size(); ++j) space.upper[j] = room_of(rest.parameters, space.variables[j]);
     space.lower = -space.upper;
+    set_own_ranges(space);
     note_out_of_reach(space, responses);
 }
 

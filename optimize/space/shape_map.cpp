@@ -2,11 +2,14 @@
 
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
+#include "core/planform/planform_motion.hpp"
 
 namespace strake {
 namespace {
 
 bool has_fields(const ShellDemand& demand) { return demand.fields.size() > 0 && !demand.fields.isZero(0); }
+
+bool has_planform(const ShellDemand& demand) { return demand.planform.size() > 0 && !demand.planform.isZero(0); }
 
 /// Parts that go with hosts which fields move as well; without fields the shell places them.
 const Attachments* attached_beside_fields(const RestFacts& rest) {
@@ -42,8 +45,9 @@ Points surface_pull(const RestFacts& rest, const Points& force, const Points* su
 }
 
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
-    if (!rest.parameters.invariance && !has_fields(demand)) return of_shell;
+    if (!rest.parameters.invariance && !has_fields(demand) && !has_planform(demand)) return of_shell;
     Points moved = of_shell;
+    if (has_planform(demand)) moved += rest.parameters.planform->displacement(demand.planform);
     if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
     if (rest.parameters.invariance) return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
     if (const Attachments* attached = attached_beside_fields(rest)) attached->place(moved);
@@ -51,9 +55,13 @@ Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Point
 }
 
 Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell, const Points& surface) {
-    if (!has_fields(demand)) return of_shell;
+    if (!has_fields(demand) && !has_planform(demand)) return of_shell;
     Poses turned = of_shell;
-    const std::vector<Eigen::Matrix3d> turn = rest.parameters.fields->rotations(demand.fields);
+    std::vector<Eigen::Matrix3d> turn =
+        has_planform(demand) ? local_maps(rest, demand) : rest.parameters.fields->rotations(demand.fields);
+    if (has_planform(demand))
+        for (Eigen::Matrix3d& map : turn)
+            map = map.determinant() > 0 ? polar_rotation(map) : Eigen::Matrix3d(Eigen::Matrix3d::Identity());
     for (std::size_t t = 0; t < turn.size(); ++t) turned.rotation[t] = turned.rotation[t] * Eigen::Quaterniond(turn[t]);
     if (const Attachments* attached = attached_beside_fields(rest)) {
         const std::vector<Eigen::Quaterniond> of_part = attached->rotations(surface);
@@ -62,6 +70,21 @@ Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses&
                 turned.rotation[t] = of_part[static_cast<std::size_t>(part)];
     }
     return turned;
+}
+
+Points beside_planform(const RestFacts& rest, const ShellDemand& demand, const Points& surface) {
+    if (!has_planform(demand)) return surface;
+    return surface - rest.parameters.planform->displacement(demand.planform);
+}
+
+std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand) {
+    const auto count = static_cast<std::size_t>(rest.surface.num_triangles());
+    std::vector<Eigen::Matrix3d> maps(count, Eigen::Matrix3d::Identity());
+    if (demand.fields.size() > 0) maps = rest.parameters.fields->local_maps(demand.fields);
+    if (!has_planform(demand)) return maps;
+    const std::vector<Eigen::Matrix3d> of_wings = rest.parameters.planform->local_maps(demand.planform);
+    for (std::size_t t = 0; t < count; ++t) maps[t] += of_wings[t] - Eigen::Matrix3d::Identity();
+    return maps;
 }
 
 std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, const std::vector<Points>& forces,

@@ -110,7 +110,7 @@ const Broken broken[] = {
     {"evaluations: 200", "evaluations: -1", "case.yaml:20:47: optimize.budget.evaluations = -1 must be >= 1"},
     {"variables: [load]", "variables: []",
      "case.yaml:14:49: parameters.variables is empty: nothing can change (it may be empty if the case has "
-     "parameters.fields, parameters.given or variables)"},
+     "parameters.fields, parameters.planform, parameters.given or variables)"},
     {"variables: [load]", "variables: [laod]",
      "case.yaml:14:50: parameters.variables[0] = laod must be one of load, normal, strain, strain_rotation, "
      "strain_translation, stiffness; did you mean 'load'?"},

@@ -46,7 +46,7 @@ loads:
 strains:
   - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
 attach: [{part: nacelle, to: 0, how: follow}, {part: flap, to: nacelle, how: rigid}]
-parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
+parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, planform: {left.chord: {by: station, root: held, thickness: kept, range: [-4%, 4%]}, left.span: {range: [-5%, 5%]}, left.twist@0.37: {range: [-1deg, 1deg]}}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], outputs: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,

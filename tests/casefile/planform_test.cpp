@@ -1,8 +1,10 @@
+#include "core/planform/planform_motion.hpp"
 #include "optimize/check/start_check.hpp"
 #include "tests/casefile/build_fixture.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
 
 #include <map>
+#include <numbers>
 
 /// The block `planform`: values of wings in objective and constraints, and regions of wings.
 namespace strake {
@@ -108,6 +110,64 @@ TEST_F(Planform, ErrorsSayWhatToDo) {
     EXPECT_TRUE(contains(error(wing + "regions: {a: {of: wing, side: above}}\n"), "upper, lower or both"));
     EXPECT_TRUE(contains(error("regions: {a: {plane: {normal: [1, 0, 0], at: 0}}}\n"), "regions.a.side is missing"));
     EXPECT_TRUE(contains(error("regions: {a: {plane: {normal: [1, 0, 0], at: 0}, side: upper}}\n"), "above or below"));
+}
+
+TEST_F(Planform, RangesAreVariables) {
+    const std::string wing =
+        "shell: none\nsymmetry: {plane: y, at: 0}\nplanform: {wing: {span: y, stations: [0, 0.5, 1]}}\n";
+    const BuiltProblem built =
+        build(wing +
+              "parameters:\n  planform:\n    wing.twist: {by: station, range: [-4deg, 4deg], root: held}\n"
+              "    wing.span: {range: [-5%, 0.1%]}\n    wing.camber@0.5: {range: [0, 1%]}\n"
+              "objective: {maximize: volume}\n");
+    const Parameters& p = built.problem.parameters;
+    EXPECT_EQ(p.fields, nullptr) << "what is not listed stays";
+    ASSERT_NE(p.planform, nullptr);
+    std::vector<std::string> names;
+    for (const auto& v : p.planform->variables()) names.push_back(v.name);
+    EXPECT_EQ(names, (std::vector<std::string>{"wing.delta_twist@0.5", "wing.delta_twist@1", "wing.delta_span",
+                                               "wing.delta_camber@0.5"}));
+    EXPECT_DOUBLE_EQ(p.planform->variables()[0].upper, 4 * std::numbers::pi / 180);
+    EXPECT_DOUBLE_EQ(p.planform->variables()[2].lower, -0.05);
+    EXPECT_DOUBLE_EQ(p.planform->variables()[3].upper, 0.01);
+    const BuiltProblem both = build(wing +
+                                    "parameters: {fields: 6, planform: {wing.sweep: {range: [-1deg, 1deg]}}}\n"
+                                    "objective: {maximize: volume}\n");
+    ASSERT_EQ(both.problem.parameters.user_variables.size(), 7U);
+    EXPECT_EQ(both.problem.parameters.user_variables[0].planform, 0);
+}
+
+TEST_F(Planform, BadRangesAreRefused) {
+    const auto said = [&](const std::string& range, const std::string& rest = "") {
+        return error(
+            "shell: none\nsymmetry: {plane: y, at: 0}\nplanform: {wing: {span: y, stations: [0, 0.5, 1]}}\n"
+            "parameters: {planform: {" +
+                range + "}}\nobjective: {maximize: volume}\n" + rest,
+            Purpose::run);
+    };
+    for (const auto& [range, words] : std::vector<std::pair<std::string, std::string>>{
+             {"wng.span: {range: [-1%, 1%]}", "no wing 'wng' is declared under planform; did you mean 'wing'?"},
+             {"wing.spam: {range: [-1%, 1%]}", "changes: span, sweep, dihedral"},
+             {"wing.span: {range: [-1, 1]}", "range[0] = -1 needs a unit"},
+             {"wing.twist: {range: [-1, 1]}", "must be an angle with a unit"},
+             {"wing.span: {range: [1%, -1%]}", "must ascend and contain 0"},
+             {"wing.span: {range: [1%, 2%]}", "must ascend and contain 0"},
+             {"wing.span: {}", "range is missing"},
+             {"wing.span: {by: station, range: [-1%, 1%]}", "has no stations"},
+             {"wing.twist@0.4: {range: [-1deg, 1deg]}", "there is no such station; stations: 0, 0.5, 1"},
+             {"wing.twist@2: {range: [-1deg, 1deg]}", "there is no such station"},
+             {"wing.twist@0.5: {range: [-1deg, 1deg]}, wing.twist: {range: [-1deg, 1deg]}", "has a range already"},
+             {"wing.twist: {root: held, range: [-1deg, 1deg]}", "belongs to by: station"},
+             {"wing.twist: {thickness: kept, range: [-1deg, 1deg]}", "belongs to chord"}}) {
+        const std::string found = said(range);
+        EXPECT_TRUE(contains(found, words)) << range << "\n" << found;
+    }
+    EXPECT_TRUE(
+        contains(said("wing.span: {range: [-1%, 1%]}", "variables: {wing.delta_span: {start: 0, min: 0, max: 1}}\n"),
+                 "is called 'wing.delta_span'"));
+    EXPECT_TRUE(
+        contains(said("wing.span: {range: [-1%, 1%]}", "regions: {root: {of: wing, span: [0%, 30%]}}\nfixed: [root]\n"),
+                 "moves vertex"));
 }
 
 }  // namespace

@@ -1,0 +1,532 @@
+#include "core/planform/planform_motion.hpp"
+
+#include "core/error.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace strake {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Vector3d;
+using Eigen::VectorXd;
+
+constexpr double same_station = 0.01;   ///< of the semispan: a kink beside a station is that station
+constexpr double blunt_from = 5e-4;     ///< of the chord: thickness of a blunt trailing edge
+constexpr double cambered_from = 5e-3;  ///< of the chord: height of a mean line that is more than rounding
+constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two more humps
+constexpr double lowest_share = -0.9;   ///< of span, chord, t/c: nothing is left below
+constexpr double steepest = 80 * std::numbers::pi / 180;
+constexpr double probe = 1e-2;     ///< change for which sections are measured
+constexpr double most_cut = 0.25;  ///< of a change: a section that shows less of it is not understood
+constexpr double map_step = 1e-6;  ///< of the semispan
+
+/// Mean line of the four-digit series, 1 at its top.
+double four_digit_line(double xi) {
+    constexpr double p = 0.4;
+    if (xi < p) return (2 * p * xi - xi * xi) / (p * p);
+    return (1 - 2 * p + 2 * p * xi - xi * xi) / ((1 - p) * (1 - p));
+}
+
+double mean_line(const VectorXd& factors, double xi) {
+    double sum = 0, power = 1;
+    for (const double factor : factors) sum += factor * power, power *= 2 * xi - 1;
+    return xi * (1 - xi) * sum;
+}
+
+/// Where the plane meets elements of a wing; not in the gaps between them.
+VectorXd fitted_mean_line(const Airfoil& airfoil) {
+    constexpr int count = 24;
+    std::vector<std::array<double, 2>> found;
+    for (int i = 0; i < count; ++i) {
+        const double xi = 0.5 * (1 - std::cos(std::numbers::pi * (i + 0.5) / count));
+        try {
+            const Airfoil::Heights at = airfoil.heights(xi);
+            found.push_back({xi, 0.5 * (at.upper.value + at.lower.value) / airfoil.chord().value});
+        } catch (const InvalidInput&) {
+            continue;
+        }
+    }
+    Eigen::MatrixXd terms(static_cast<Eigen::Index>(found.size()), mean_line_terms);
+    VectorXd heights(terms.rows());
+    for (Eigen::Index i = 0; i < terms.rows(); ++i) {
+        const auto [xi, height] = found[static_cast<std::size_t>(i)];
+        heights[i] = height;
+        for (int k = 0; k < mean_line_terms; ++k) terms(i, k) = mean_line(VectorXd::Unit(k + 1, k), xi);
+    }
+    if (found.empty()) return VectorXd::Zero(mean_line_terms);
+    return terms.colPivHouseholderQr().solve(heights);
+}
+
+std::string station_word(double station) { return text("@", station); }
+
+void check_station(const std::vector<double>& stations, double wanted, const std::string& shown) {
+    if (std::find(stations.begin(), stations.end(), wanted) != stations.end()) return;
+    std::string all;
+    for (const double s : stations) all += text(all.empty() ? "" : ", ", s);
+    throw InvalidInput(text(shown, "@", wanted, ": there is no such station; stations: ", all));
+}
+
+/// 1 at place k, 0 at those beside it, straight between, constant beyond the first and the last.
+double hat(const std::vector<double>& places, std::size_t k, double s) {
+    if (k > 0 && s < places[k]) return std::max(0.0, (s - places[k - 1]) / (places[k] - places[k - 1]));
+    if (k + 1 < places.size() && s > places[k]) return std::max(0.0, (places[k + 1] - s) / (places[k + 1] - places[k]));
+    return 1;
+}
+
+double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
+
+}  // namespace
+
+const std::vector<std::string>& planform_changes() {
+    static const std::vector<std::string> words{"span", "sweep", "dihedral", "chord", "twist", "thickness", "camber"};
+    return words;
+}
+
+PlanformMotion::PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
+                               const std::vector<PlanformRange>& ranges)
+    : start_(start.vertices), triangles_(start.triangles) {
+    for (const auto& wing : wings) add_wing(start, wing);
+    place_vertices(start);
+    for (const PlanformRange& range : ranges) add_range(start, range);
+}
+
+PlanformMotion::Node PlanformMotion::node_at(const TriMesh& start, const Wing& wing, double station) const {
+    const WingDeclaration& declared = wing.declaration();
+    const std::vector<Wing::PlacedSection> sections = wing.placed_sections(start, station);
+    const double share = 1.0 / static_cast<double>(sections.size());
+    Node node{wing.place(0, station), 0, Vector3d::Zero(), VectorXd::Zero(mean_line_terms), {}, false};
+    double blunt = 0;
+    for (std::size_t s = 0; s < sections.size(); ++s) {
+        const int side = static_cast<int>(s);
+        const Airfoil& airfoil = sections[s].airfoil;
+        const Vector3d up = wing.up_at(side, wing.place(side, station));
+        const Vector3d& nose = sections[s].leading_edge;
+        const Vector3d chord = sections[s].trailing_edge - nose, axis = nose + declared.axis * chord;
+        node.chord += share * Complex(chord.dot(declared.downstream), chord.dot(up));
+        node.axis += share * Vector3d(wing.span(side).dot(axis) - wing.root(side), declared.downstream.dot(axis),
+                                      declared.up.dot(axis));
+        node.mean_line += share * fitted_mean_line(airfoil);
+        blunt += share * airfoil.trailing_edge_thickness().value / airfoil.chord().value;
+    }
+    double highest = 0;
+    for (int i = 1; i < 100; ++i)
+        if (const double height = mean_line(node.mean_line, i / 100.0); std::abs(height) > std::abs(highest))
+            highest = height;
+    if (std::abs(highest) > cambered_from) node.bump = node.mean_line / highest;
+    node.is_blunt = blunt > blunt_from;
+    return node;
+}
+
+/// The nodes are the wing's stations, the kinks of its edges, root and tip.
+void PlanformMotion::add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing) {
+    WingDeclaration plain = wing->declaration();
+    plain.stations.clear();
+    std::vector<double> stations = wing->stations();
+    std::vector<double> more = Wing(start, plain).stations();
+    more.insert(more.begin(), {0.0, 1.0});
+    for (const double kink : more)
+        if (std::none_of(
+                stations.begin(), stations.end(),
+                [&](double s) { return std::abs(s - kink) < same_station && (kink == s || kink > 0) && kink < 1; }) &&
+            std::find(stations.begin(), stations.end(), kink) == stations.end())
+            stations.push_back(kink);
+    std::sort(stations.begin(), stations.end());
+    MovedWing moved;
+    moved.wing = wing;
+    for (const double s : stations) {
+        Node node = node_at(start, *wing, s);
+        if (moved.nodes.empty() || node.place > moved.nodes.back().place + 1e-9) moved.nodes.push_back(std::move(node));
+    }
+    if (moved.nodes.size() < 2)
+        throw InvalidInput(text("wing '", wing->declaration().name, "' has no sections between which it could change"));
+    for (int s = 0; s < wing->num_sides(); ++s) moved.reach.push_back(wing->reach(start, s));
+    const WingFacts facts = wing->facts(start);
+    moved.span = facts.span.value;
+    moved.sweep = facts.sweep.value;
+    moved.dihedral = facts.dihedral.value;
+    wings_.push_back(std::move(moved));
+}
+
+void PlanformMotion::add_variable(const PlanformRange& range, double station, VectorXd shares) {
+    const std::string& wing = wings_[static_cast<std::size_t>(range.wing)].wing->declaration().name;
+    const std::string& word = planform_changes()[static_cast<std::size_t>(range.change)];
+    variables_.push_back({text(wing, ".delta_", word, station < 0 ? "" : station_word(station)), range.change,
+                          range.wing, station, range.lower, range.upper});
+    shares_.push_back(std::move(shares));
+}
+
+void PlanformMotion::check_angle(const PlanformRange& range, const MovedWing& moved,
+                                 const std::function<void(const std::string&)>& refuse) {
+    if (!is_angle(range.change)) return;
+    const double now = range.change == PlanformChange::sweep      ? moved.sweep
+                       : range.change == PlanformChange::dihedral ? moved.dihedral
+                                                                  : 0;
+    if (std::max(std::abs(now + range.lower), std::abs(now + range.upper)) > steepest)
+        refuse(text(" would reach ", (now + (now > 0 ? range.upper : range.lower)) * 180 / std::numbers::pi,
+                    " degrees; it must stay within 80"));
+}
+
+void PlanformMotion::check_range(const PlanformRange& range, const std::string& shown) const {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
+    const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
+    if (!(range.lower <= 0 && range.upper >= 0 && range.lower < range.upper) ||
+        !std::isfinite(range.upper - range.lower))
+        refuse(text(": its range [", range.lower, ", ", range.upper, "] must ascend and contain 0, no change"));
+    if (!is_angle(range.change) && range.change != PlanformChange::camber && range.lower < lowest_share)
+        refuse(text(": its range begins at ", 100 * range.lower, " %, and must not fall below ", 100 * lowest_share,
+                    " %"));
+    if (range.by_station && !has_stations(range.change)) refuse(" is one of the whole wing and has no stations");
+    for (const Variable& other : variables_)
+        if (other.wing == range.wing && other.change == range.change &&
+            (other.station < 0 || range.only.empty() ||
+             std::find(range.only.begin(), range.only.end(), other.station) != range.only.end()))
+            refuse(" has a range already");
+    check_angle(range, moved, refuse);
+}
+
+void PlanformMotion::add_range(const TriMesh& start, const PlanformRange& range) {
+    if (range.wing < 0 || range.wing >= static_cast<int>(wings_.size()))
+        throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", wings_.size(), ")"));
+    MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
+    const std::string shown =
+        text(moved.wing->declaration().name, ".", planform_changes()[static_cast<std::size_t>(range.change)]);
+    check_range(range, shown);
+    const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
+    if (!has_stations(range.change)) return add_variable(range, -1, {});
+    const bool is_joined = moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1);
+    const bool is_root_held = range.root_held || (!range.only.empty() && std::find(range.only.begin(), range.only.end(),
+                                                                                   0.0) == range.only.end());
+    if (is_joined && !(range.by_station && is_root_held))
+        refuse(
+            ": the wing is joined to other triangles at its root, which cannot change with it; write by: station, "
+            "root: held");
+    if (!range.by_station && range.root_held) refuse(": root: held belongs to by: station");
+    moved.keeps_thickness = moved.keeps_thickness || range.keeps_thickness;
+    if (!range.by_station)
+        return add_variable(range, -1, VectorXd::Ones(static_cast<Eigen::Index>(moved.nodes.size())));
+    add_stations(start, range, is_root_held, shown);
+}
+
+Eigen::MatrixXd PlanformMotion::measured(const TriMesh& start, const PlanformRange& range,
+                                         const std::vector<double>& stations, const Eigen::MatrixXd& shares) {
+    const Wing& wing = *wings_[static_cast<std::size_t>(range.wing)].wing;
+    const auto value = [&](const TriMesh& surface, double station) {
+        const StationFacts at = wing.station(surface, station);
+        return range.change == PlanformChange::chord       ? at.chord.value
+               : range.change == PlanformChange::twist     ? at.twist.value
+               : range.change == PlanformChange::thickness ? at.thickness_to_chord.value
+                                                           : at.camber.value;
+    };
+    const bool is_share = range.change == PlanformChange::chord || range.change == PlanformChange::thickness;
+    const auto count = static_cast<Eigen::Index>(stations.size());
+    Eigen::MatrixXd result(count, count);
+    for (Eigen::Index j = 0; j < count; ++j) {
+        PlanformRange alone = range;
+        add_variable(alone, -1, shares.row(j));  // for this measurement
+        VectorXd z = VectorXd::Zero(size());
+        z[size() - 1] = (range.upper > 0 ? 1 : -1) * probe;
+        const TriMesh moved = with_vertices(start, start.vertices + displacement(z));
+        for (Eigen::Index i = 0; i < count; ++i) {
+            const double before = value(start, stations[static_cast<std::size_t>(i)]);
+            const double after = value(moved, stations[static_cast<std::size_t>(i)]);
+            result(i, j) = (after - before) / (z[size() - 1] * (is_share ? before : 1));
+        }
+        variables_.pop_back();
+        shares_.pop_back();
+    }
+    return result;
+}
+
+/// One variable each, with hats between the stations: kinks between two have what a straight line through both has.
+void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held,
+                                  const std::string& shown) {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
+    std::vector<double> stations = moved.wing->stations();
+    for (const double wanted : range.only) check_station(stations, wanted, shown);
+    if (is_root_held && stations.front() > 0) stations.insert(stations.begin(), 0.0);
+    const std::size_t first = is_root_held ? 1 : 0;
+    if (stations.size() == first) throw InvalidInput(shown + ": no station is left where it could change");
+    std::vector<double> places;
+    for (const double station : stations) places.push_back(moved.wing->place(0, station));
+    const std::vector<double> free(stations.begin() + static_cast<std::ptrdiff_t>(first), stations.end());
+    const auto count = static_cast<Eigen::Index>(free.size());
+    Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(moved.nodes.size()));
+    for (std::size_t k = first; k < stations.size(); ++k)
+        for (std::size_t n = 0; n < moved.nodes.size(); ++n)
+            shares(static_cast<Eigen::Index>(k - first), static_cast<Eigen::Index>(n)) =
+                hat(places, k, moved.nodes[n].place);
+    // Triangles cut the corner at a station between two rows of vertices.
+    const Eigen::MatrixXd shown_by = measured(start, range, free, shares);
+    if ((shown_by - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff() < most_cut)
+        shares = shown_by.transpose().partialPivLu().solve(shares).eval();
+    for (Eigen::Index k = 0; k < count; ++k) {
+        const double station = free[static_cast<std::size_t>(k)];
+        if (range.only.empty() || std::find(range.only.begin(), range.only.end(), station) != range.only.end())
+            add_variable(range, station, shares.row(k));
+    }
+}
+
+PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3d& x) const {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(wing)];
+    const Wing& of = *moved.wing;
+    const Vector3d& downstream = of.declaration().downstream;
+    const double s = of.fraction_at(side, moved.reach[static_cast<std::size_t>(side)], x);
+    Place at;
+    if (of.is_joined(side) && s <= 0) return at;
+    at.wing = wing;
+    at.side = side;
+    while (at.node + 2 < moved.nodes.size() && moved.nodes[at.node + 1].place < s) ++at.node;
+    const Node &a = moved.nodes[at.node], &b = moved.nodes[at.node + 1];
+    const double straight = (s - a.place) / (b.place - a.place);
+    at.ratio = std::clamp(straight, 0.0, 1.0);
+    at.e = a.chord + at.ratio * (b.chord - a.chord);
+    const Vector3d axis = a.axis + straight * (b.axis - a.axis);
+    at.up = of.up_at(side, s);
+    Vector3d from(of.span(side).dot(x) - of.root(side), downstream.dot(x), of.declaration().up.dot(x));
+    at.arm = axis - moved.nodes.front().axis;
+    at.arm[0] = axis[0];
+    from -= axis;
+    if (!of.has_winglet()) at.arm[0] += from[0];
+    const Complex w(from[1], from[0] * at.up.dot(of.span(side)) + from[2] * at.up.dot(of.declaration().up));
+    at.zeta = w / at.e;
+    const double xi = at.zeta.real() + of.declaration().axis;
+    at.height = at.zeta.imag() - blend(mean_line(a.mean_line, xi), mean_line(b.mean_line, xi), at.ratio);
+    const auto bump = [&](const Node& node) {
+        return node.bump.size() > 0 ? mean_line(node.bump, xi) : four_digit_line(xi);
+    };
+    at.bump = blend(bump(a), bump(b), at.ratio);
+    at.kept = a.is_blunt || b.is_blunt ? 1 - std::pow(std::max(xi, 0.0), 8) : 1;
+    return at;
+}
+
+void PlanformMotion::place_vertices(const TriMesh& start) {
+    std::vector<int> owner(static_cast<std::size_t>(start.num_vertices()), -1);
+    for (int w = 0; w < static_cast<int>(wings_.size()); ++w) {
+        const Wing& wing = *wings_[static_cast<std::size_t>(w)].wing;
+        for (int s = 0; s < wing.num_sides(); ++s)
+            for (const int v : wing.vertices(s)) {
+                int& of = owner[static_cast<std::size_t>(v)];
+                if (of == w) continue;
+                if (of >= 0)
+                    throw InvalidInput(text("wings '", wings_[static_cast<std::size_t>(of)].wing->declaration().name,
+                                            "' and '", wing.declaration().name, "' share vertices; only one may move"));
+                of = w;
+                const Vector3d x = start.vertices.row(v);
+                const auto outboard = [&](int side) { return wing.span(side).dot(x) - wing.root(side); };
+                const int side = wing.num_sides() > 1 && outboard(1) > outboard(0) ? 1 : 0;
+                const Place at = place_at(w, side, x);
+                if (at.wing < 0) continue;
+                vertices_.push_back(v);
+                places_.push_back(at);
+            }
+    }
+}
+
+void PlanformMotion::check_size(const VectorXd& z) const {
+    if (z.size() != size() || !z.allFinite())
+        throw InvalidInput(text("planform: ", z.size(), " values for ", size(), " variables, all of them finite"));
+}
+
+PlanformMotion::Changes PlanformMotion::zero(int wing) const {
+    const std::size_t count = wings_[static_cast<std::size_t>(wing)].nodes.size();
+    return {std::vector<Complex>(count), std::vector<double>(count), std::vector<double>(count),
+            std::vector<double>(count)};
+}
+
+PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) const {
+    const MovedWing& moved = wings_[static_cast<std::size_t>(wing)];
+    Changes now = zero(wing);
+    const auto count = static_cast<Eigen::Index>(moved.nodes.size());
+    VectorXd chord = VectorXd::Zero(count), twist = chord;
+    for (int j = 0; j < size(); ++j) {
+        const Variable& v = variables_[static_cast<std::size_t>(j)];
+        if (v.wing != wing || z[j] == 0) continue;
+        const VectorXd change = z[j] * shares_[static_cast<std::size_t>(j)];
+        const auto add_to = [&](std::vector<double>& all) { Eigen::Map<VectorXd>(all.data(), count) += change; };
+        switch (v.change) {
+            case PlanformChange::span:
+                now.stretch = 0.5 * z[j] * moved.span / moved.reach.front();
+                break;
+            case PlanformChange::sweep:
+                now.sweep = std::tan(moved.sweep + z[j]) - std::tan(moved.sweep);
+                break;
+            case PlanformChange::dihedral:
+                now.dihedral = std::tan(moved.dihedral + z[j]) - std::tan(moved.dihedral);
+                break;
+            case PlanformChange::chord:
+                chord += change;
+                break;
+            case PlanformChange::twist:
+                twist += change;
+                break;
+            case PlanformChange::thickness:
+                add_to(now.thickness);
+                break;
+            case PlanformChange::camber:
+                add_to(now.camber);
+                break;
+        }
+    }
+    for (Eigen::Index n = 0; n < count; ++n) {
+        const auto k = static_cast<std::size_t>(n);
+        const double half = std::sin(0.5 * twist[n]);
+        const Complex turn_less_1(-2 * half * half, -std::sin(twist[n]));  // exp(-i twist) - 1 without cancellation
+        now.factor[k] = chord[n] + (1 + chord[n]) * turn_less_1;
+        if (moved.keeps_thickness) now.kept[k] = -chord[n] / (1 + chord[n]);
+    }
+    return now;
+}
+
+std::vector<PlanformMotion::Changes> PlanformMotion::changes(const VectorXd& z) const {
+    check_size(z);
+    std::vector<Changes> all;
+    for (int w = 0; w < static_cast<int>(wings_.size()); ++w) all.push_back(changes_of(w, z));
+    return all;
+}
+
+PlanformMotion::Changes PlanformMotion::rates(const Changes& now, int j, const VectorXd& z) const {
+    const Variable& v = variables_[static_cast<std::size_t>(j)];
+    const MovedWing& moved = wings_[static_cast<std::size_t>(v.wing)];
+    const VectorXd& shares = shares_[static_cast<std::size_t>(j)];
+    Changes rate = zero(v.wing);
+    const auto slope = [](double angle) { return 1 / (std::cos(angle) * std::cos(angle)); };
+    if (v.change == PlanformChange::span) rate.stretch = 0.5 * moved.span / moved.reach.front();
+    if (v.change == PlanformChange::sweep) rate.sweep = slope(moved.sweep + z[j]);
+    if (v.change == PlanformChange::dihedral) rate.dihedral = slope(moved.dihedral + z[j]);
+    for (Eigen::Index n = 0; n < shares.size(); ++n) {
+        const auto k = static_cast<std::size_t>(n);
+        const Complex factor = 1.0 + now.factor[k];
+        if (v.change == PlanformChange::chord) {
+            rate.factor[k] = shares[n] * factor / std::abs(factor);
+            if (moved.keeps_thickness) rate.kept[k] = -shares[n] / std::norm(factor);
+        }
+        if (v.change == PlanformChange::twist) rate.factor[k] = shares[n] * Complex(0, -1) * factor;
+        if (v.change == PlanformChange::thickness) rate.thickness[k] = shares[n];
+        if (v.change == PlanformChange::camber) rate.camber[k] = shares[n];
+    }
+    return rate;
+}
+
+Vector3d PlanformMotion::in_space(const Place& at, const Vector3d& axis, Complex section) const {
+    const Wing& wing = *wings_[static_cast<std::size_t>(at.wing)].wing;
+    return axis[0] * wing.span(at.side) + (axis[1] + section.real()) * wing.declaration().downstream +
+           axis[2] * wing.declaration().up + section.imag() * at.up;
+}
+
+namespace {
+
+/// Changes of a section between two nodes.
+struct Between {
+    Complex factor;
+    double thickness, kept, camber;
+};
+
+}  // namespace
+
+Vector3d PlanformMotion::moved(const Place& at, const Changes& by) const { return moved_rate(at, {}, by); }
+
+Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Changes& rate) const {
+    const auto& nodes = wings_[static_cast<std::size_t>(at.wing)].nodes;
+    const Complex first = (1 - at.ratio) * nodes[at.node].chord / at.e, second = 1.0 - first;
+    const auto between = [&](const Changes& of) -> Between {
+        if (of.factor.empty()) return {};
+        const auto linear = [&](const std::vector<double>& all) {
+            return blend(all[at.node], all[at.node + 1], at.ratio);
+        };
+        return {first * of.factor[at.node] + second * of.factor[at.node + 1], linear(of.thickness), linear(of.kept),
+                linear(of.camber)};
+    };
+    const bool is_whole = by.factor.empty();  // the motion itself, not a rate of it
+    const Between now = between(is_whole ? rate : by), change = between(rate);
+    // q (1 + t (1 - b)) - 1 without the difference of nearly equal numbers
+    const double thick = now.kept + (1 + now.kept) * now.thickness * at.kept;
+    const double thick_rate = change.kept * (1 + now.thickness * at.kept) + (1 + now.kept) * change.thickness * at.kept;
+    const double h = thick * at.height + now.camber * at.bump,
+                 h_rate = thick_rate * at.height + change.camber * at.bump;
+    const Complex i(0, 1);
+    const Complex section = is_whole ? now.factor * at.zeta + i * (1.0 + now.factor) * h
+                                     : change.factor * (at.zeta + i * h) + i * (1.0 + now.factor) * h_rate;
+    const double stretch = is_whole ? rate.stretch : by.stretch;
+    Vector3d axis = rate.stretch * at.arm;
+    for (const int c : {1, 2}) {
+        const double slope = c == 1 ? rate.sweep : rate.dihedral, slope_now = c == 1 ? by.sweep : by.dihedral;
+        axis[c] += slope * at.arm[0] * (1 + stretch);
+        if (!is_whole) axis[c] += slope_now * at.arm[0] * rate.stretch;
+    }
+    return in_space(at, axis, section * at.e);
+}
+
+Points PlanformMotion::displacement(const VectorXd& z) const {
+    const std::vector<Changes> now = changes(z);
+    Points result = Points::Zero(start_.rows(), 3);
+    for (std::size_t i = 0; i < places_.size(); ++i)
+        result.row(vertices_[i]) = moved(places_[i], now[static_cast<std::size_t>(places_[i].wing)]);
+    return result;
+}
+
+Points PlanformMotion::derivative(const VectorXd& z, int j) const { return rate(z, VectorXd::Unit(size(), j)); }
+
+Points PlanformMotion::rate(const VectorXd& z, const VectorXd& dz) const {
+    const std::vector<Changes> now = changes(z);
+    check_size(dz);
+    Points result = Points::Zero(start_.rows(), 3);
+    for (int j = 0; j < size(); ++j) {
+        if (dz[j] == 0) continue;
+        const int wing = variables_[static_cast<std::size_t>(j)].wing;
+        const Changes& of = now[static_cast<std::size_t>(wing)];
+        const Changes by = rates(of, j, z);
+        for (std::size_t i = 0; i < places_.size(); ++i)
+            if (places_[i].wing == wing) result.row(vertices_[i]) += dz[j] * moved_rate(places_[i], of, by);
+    }
+    return result;
+}
+
+VectorXd PlanformMotion::gradient(const VectorXd& z, const Points& dJ_dv) const {
+    const std::vector<Changes> now = changes(z);
+    VectorXd result = VectorXd::Zero(size());
+    for (int j = 0; j < size(); ++j) {
+        const int wing = variables_[static_cast<std::size_t>(j)].wing;
+        const Changes& of = now[static_cast<std::size_t>(wing)];
+        const Changes by = rates(of, j, z);
+        for (std::size_t i = 0; i < places_.size(); ++i)
+            if (places_[i].wing == wing) result[j] += dJ_dv.row(vertices_[i]).dot(moved_rate(places_[i], of, by));
+    }
+    return result;
+}
+
+Eigen::Matrix3d PlanformMotion::slope_at(int wing, int side, const Vector3d& x, const Changes& now) const {
+    const double h = map_step * wings_[static_cast<std::size_t>(wing)].reach.front();
+    Eigen::Matrix3d slope;
+    for (int c = 0; c < 3; ++c) {
+        std::array<Vector3d, 2> ends{Vector3d::Zero(), Vector3d::Zero()};
+        for (const int sign : {-1, 1}) {
+            const Place at = place_at(wing, side, x + sign * h * Vector3d::Unit(c));
+            if (at.wing >= 0) ends[sign > 0] = moved(at, now);
+        }
+        slope.col(c) = (ends[1] - ends[0]) / (2 * h);
+    }
+    return slope;
+}
+
+std::vector<Eigen::Matrix3d> PlanformMotion::local_maps(const VectorXd& z) const {
+    const std::vector<Changes> now = changes(z);
+    std::vector<Eigen::Matrix3d> maps(static_cast<std::size_t>(triangles_.rows()), Eigen::Matrix3d::Identity());
+    for (std::size_t w = 0; w < wings_.size(); ++w) {
+        const Wing& wing = *wings_[w].wing;
+        for (int s = 0; s < wing.num_sides(); ++s)
+            for (const int t : wing.triangles(s)) {
+                Vector3d x = Vector3d::Zero();
+                for (const int v : triangles_.row(t)) x += start_.row(v).transpose() / 3;
+                const auto outboard = [&](int side) { return wing.span(side).dot(x) - wing.root(side); };
+                if (wing.num_sides() > 1 && outboard(1 - s) > outboard(s)) continue;
+                maps[static_cast<std::size_t>(t)] += slope_at(static_cast<int>(w), s, x, now[w]);
+            }
+    }
+    return maps;
+}
+
+}  // namespace strake

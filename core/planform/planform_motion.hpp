@@ -1,0 +1,161 @@
+#pragma once
+#include "core/planform/wing.hpp"
+
+#include <complex>
+#include <functional>
+#include <memory>
+
+/// Design variables of a wing designer: the exact motion of a surface by changes of the planforms of its wings.
+namespace strake {
+
+/// What of a wing varies. Values are changes; the first three are of the whole wing.
+enum class PlanformChange {
+    span,       ///< from tip to tip, as a share of it; sweep and dihedral angles stay
+    sweep,      ///< of the wing's axis, radians, tip aft
+    dihedral,   ///< likewise, tip up
+    chord,      ///< as a share of it; t/c stays, or the thickness where `keeps_thickness`
+    twist,      ///< radians, nose up, about the wing's axis
+    thickness,  ///< t/c, as a share of it; the mean line and the thickness of the trailing edge stay
+    camber      ///< of the mean line where it is highest, as a share of the chord, up
+};
+
+/// "span" and so on, in the order of `PlanformChange`.
+const std::vector<std::string>& planform_changes();
+inline bool is_angle(PlanformChange change) {
+    return change == PlanformChange::sweep || change == PlanformChange::dihedral || change == PlanformChange::twist;
+}
+inline bool has_stations(PlanformChange change) { return change >= PlanformChange::chord; }
+
+/// What the user gives a range to.
+struct PlanformRange {
+    int wing = 0;  ///< number of the wing
+    PlanformChange change = PlanformChange::span;
+    bool by_station = false;  ///< one variable for each station of the wing, instead of one for all sections
+    bool root_held = false;   ///< by station: the section at the root keeps its value, also where it is no station
+    std::vector<double> only = {};  ///< by station: of these alone; the others keep their values. Empty: all
+    bool keeps_thickness = false;   ///< `chord`
+    double lower = 0, upper = 0;    ///< of the change, lower <= 0 <= upper, lower < upper
+};
+
+/// v = v0 + u(v0; z), exact and smooth in z, and zero at z = 0 to the last bit. Each vertex of a wing has its section
+/// (at a fraction s of the semispan) and in it the complex place w = downstream + i up from the axis. With e the chord
+/// vector of the section, zeta = xi - axis + i eta = w / e, and the changes at s,
+///
+///   u(s, w) = a(s) + [(M(s) - 1) zeta + i M(s) h(s, zeta)] e(s),   M = m exp(-i theta)
+///   h = (q (1 + t (1 - b(xi))) - 1) (eta - mean line) + k B(xi)
+///
+/// a is the motion of the axis (stretched by the span, sheared by sweep and dihedral), m the factor on the chord, theta
+/// the change of twist, t that of t/c, k that of camber; q = 1/m where the chord keeps the thickness, else 1; B the
+/// mean line of NACA's four digits with its top at that of the section; b = xi^8 where the trailing edge is blunt,
+/// which keeps its thickness, else 0. Between two stations, r from the first to the second,
+///
+///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
+///
+/// (each station's variable is what its section shows: triangles cut the corners of M, t and k at a station between two
+/// rows of vertices, so that these are not quite the values there)
+/// an edge that was straight there stays straight, and equal changes at both are that change everywhere between. t, q
+/// and k are linear between stations, and all is constant beyond the first and the last.
+/// Sections are normal to the span, on a winglet to its axis. Both sides of a whole wing do the same. Vertices that are
+/// not of the wing do not move; where the wing is joined to other triangles, it moves from its root on, whose section
+/// must then be held.
+class PlanformMotion {
+public:
+    /// @throws InvalidInput: numbers and ranges out of their limits, the same change of a wing twice, a change by
+    /// station of what has none, a wing joined to other triangles whose root section would change, wings that share
+    /// vertices; as Wing.
+    PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
+                   const std::vector<PlanformRange>& ranges);
+
+    /// "wing.delta_span", "wing.delta_twist@0.5".
+    struct Variable {
+        std::string name;
+        PlanformChange change;
+        int wing;
+        double station;  ///< -1: of all sections
+        double lower, upper;
+    };
+    const std::vector<Variable>& variables() const { return variables_; }
+    int size() const { return static_cast<int>(variables_.size()); }
+    int num_vertices() const { return static_cast<int>(start_.rows()); }
+
+    Points displacement(const Eigen::VectorXd& z) const;  ///< n x 3; z: size()
+    /// d(displacement)/dz_j at z, n x 3.
+    Points derivative(const Eigen::VectorXd& z, int j) const;
+    /// The motion by a small change dz at z, n x 3: all derivatives times it.
+    Points rate(const Eigen::VectorXd& z, const Eigen::VectorXd& dz) const;
+    /// dJ/dz at z: the transpose of all derivatives.
+    Eigen::VectorXd gradient(const Eigen::VectorXd& z, const Points& dJ_dv) const;
+    /// Per triangle: the linear part of the map x -> x + u(x) at its centroid, by differences in space. The identity
+    /// off the wings.
+    std::vector<Eigen::Matrix3d> local_maps(const Eigen::VectorXd& z) const;
+
+private:
+    using Complex = std::complex<double>;
+    /// A section of the start between which changes are interpolated; of both sides in the mean.
+    struct Node {
+        double place;               ///< fraction of the semispan
+        Complex chord;              ///< e
+        Eigen::Vector3d axis;       ///< outboard from the root, downstream, up
+        Eigen::VectorXd mean_line;  ///< over the chord: factors of xi (1 - xi) (2 xi - 1)^k
+        Eigen::VectorXd bump;       ///< likewise of B; empty: the four-digit mean line
+        bool is_blunt;
+    };
+    /// A point of a wing.
+    struct Place {
+        int wing = -1;  ///< -1: it does not move
+        int side = 0;
+        std::size_t node = 0;  ///< before it
+        double ratio = 0;      ///< between that and the next, in [0, 1]
+        Complex zeta, e;
+        Eigen::Vector3d arm;        ///< of the axis from that at the root: outboard, downstream, up
+        Eigen::Vector3d up;         ///< of its section
+        double height, bump, kept;  ///< eta - mean line, B, 1 - b
+    };
+    /// What a wing moves by, or rates of it. At the nodes: M, t, q, k; of the axis: share of the semispan, slopes.
+    struct Changes {
+        std::vector<Complex> factor;                  ///< less 1
+        std::vector<double> thickness, kept, camber;  ///< kept: q - 1
+        double stretch = 0, sweep = 0, dihedral = 0;
+    };
+    struct MovedWing {
+        std::shared_ptr<const Wing> wing;
+        std::vector<Node> nodes;
+        std::vector<double> reach;                 ///< per side
+        double span = 0, sweep = 0, dihedral = 0;  ///< at the start
+        bool keeps_thickness = false;
+    };
+
+    void add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing);
+    void add_range(const TriMesh& start, const PlanformRange& range);
+    void add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held, const std::string& shown);
+    /// What a unit of each row's shares changes at each of the stations, as a section of the moved surface has it.
+    Eigen::MatrixXd measured(const TriMesh& start, const PlanformRange& range, const std::vector<double>& stations,
+                             const Eigen::MatrixXd& shares);
+    void check_range(const PlanformRange& range, const std::string& shown) const;
+    static void check_angle(const PlanformRange& range, const MovedWing& moved,
+                            const std::function<void(const std::string&)>& refuse);
+    void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares);
+    void place_vertices(const TriMesh& start);
+    Node node_at(const TriMesh& start, const Wing& wing, double station) const;
+    Place place_at(int wing, int side, const Eigen::Vector3d& x) const;
+    std::vector<Changes> changes(const Eigen::VectorXd& z) const;
+    Changes changes_of(int wing, const Eigen::VectorXd& z) const;
+    Eigen::Matrix3d slope_at(int wing, int side, const Eigen::Vector3d& x, const Changes& now) const;
+    /// Rates of the wing's changes by variable j.
+    Changes rates(const Changes& now, int j, const Eigen::VectorXd& z) const;
+    Changes zero(int wing) const;
+    Eigen::Vector3d moved(const Place& at, const Changes& by) const;
+    Eigen::Vector3d moved_rate(const Place& at, const Changes& by, const Changes& rate) const;
+    Eigen::Vector3d in_space(const Place& at, const Eigen::Vector3d& axis, Complex section) const;
+    void check_size(const Eigen::VectorXd& z) const;
+
+    Points start_;
+    Triangles triangles_;
+    std::vector<MovedWing> wings_;
+    std::vector<Variable> variables_;
+    std::vector<Eigen::VectorXd> shares_;  ///< per variable: what the nodes have of it; empty for the whole wing's
+    std::vector<int> vertices_;            ///< that move
+    std::vector<Place> places_;            ///< of them
+};
+
+}  // namespace strake

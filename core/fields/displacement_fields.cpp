@@ -485,4 +485,23 @@ std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
     return maps;
 }
 
+VectorXd DisplacementFields::map_gradient(int triangle, const Matrix3d& dJ_dF) const {
+    if (triangle < 0 || triangle >= centroid_.rows())
+        throw InvalidInput(text("fields: triangle ", triangle, " is not in [0, ", centroid_.rows(), ")"));
+    LocalFunctions functions(frame_, powers_);
+    functions.set(centroid_.row(triangle));
+    const Vector3d by_value = dJ_dF * cut_off_gradient_.row(triangle).transpose();
+    const Matrix3d by_slope = cut_off_[triangle] * dJ_dF * frame_.axes;
+    Coefficients by_function(values_.cols(), 3);
+    for (std::size_t f = 0; f < powers_.size(); ++f) {
+        Vector3d own = functions.value(powers_[f]) * by_value;
+        for (int k = 0; k < 3; ++k) own += functions.slope(powers_[f], k) * by_slope.col(k);
+        by_function.row(static_cast<Eigen::Index>(f)) = own.transpose();
+    }
+    VectorXd gradient(size());
+    for (int b = 0; b < size(); ++b)
+        gradient[b] = coefficients_[static_cast<std::size_t>(b)].cwiseProduct(by_function).sum();
+    return gradient;
+}
+
 }  // namespace strake

@@ -75,6 +75,8 @@ public:
     Eigen::VectorXd gradient(const Points& dJ_dv) const;  ///< dJ/dz, exactly: the transpose of `displacement`
     /// Per triangle: I + grad u at its centroid, the linear part of the map x -> x + u(x) there.
     std::vector<Eigen::Matrix3d> local_maps(const Eigen::VectorXd& z) const;
+    /// dJ/dz by that of the linear part F at the centroid of one triangle: the transpose of `local_maps`.
+    Eigen::VectorXd map_gradient(int triangle, const Eigen::Matrix3d& dJ_dF) const;
     /// Per triangle: the rotation of the map x -> x + u(x) at its centroid, the polar part of I + grad u; the identity
     /// where the map is not locally invertible (determinant <= 0).
     std::vector<Eigen::Matrix3d> rotations(const Eigen::VectorXd& z) const;

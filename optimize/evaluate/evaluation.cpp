@@ -86,7 +86,15 @@ Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack) {
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
     return !solver_.limit().is_none() && solver_.settle(x, shape) &&
-           !solver_.limit().is_within(solver_.beside_planform(shape.vertices), slack);
+           (!solver_.limit().is_within(solver_.beside_planform(shape.vertices), slack) || is_folded(space(), x));
+}
+
+FoldConditions ShapeEvaluator::fold_conditions(const Eigen::VectorXd& x, double below) const {
+    return solver_.limit().is_none() ? FoldConditions() : strake::fold_conditions(space(), x, below);
+}
+
+FoldConditions ShapeEvaluator::fold_conditions_between(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const {
+    return solver_.limit().is_none() ? FoldConditions() : strake::fold_conditions_between(space(), from, to);
 }
 
 MotionConditions ShapeEvaluator::motion_conditions(const Eigen::VectorXd& x, double min_used) {

@@ -1,5 +1,6 @@
 #pragma once
 #include "optimize/evaluate/evaluation_queue.hpp"
+#include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/evaluate/limited_motion.hpp"
 #include "optimize/evaluate/quantity_calls.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
@@ -23,13 +24,17 @@ public:
     void solve_each_from_datum() { solver_.solve_each_from_datum(); }
     /// Ends the run between two evaluations: stops all programs. @throws Interrupted, with the jobs that are pending.
     [[noreturn]] void interrupt() { queue_.interrupt(); }
-    /// x, or where its shape does not keep `slack` of the motion limit a design near it whose shape does, if there is
-    /// one (`moved_inside`).
+    /// x, or where its shape does not keep `slack` of the motion limit, or its fields fold space, a design near it
+    /// whose shape does, if there is one (`moved_inside`).
     Eigen::VectorXd within(const Eigen::VectorXd& x, double slack);
-    /// The shape at x has an equilibrium that does not keep `slack` of the motion limit.
+    /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or its fields fold space.
     bool is_beyond(const Eigen::VectorXd& x, double slack);
     /// Of vertices that use at least `min_used` of their limit at x; none without an equilibrium there.
     MotionConditions motion_conditions(const Eigen::VectorXd& x, double min_used);
+    /// Of triangles with a determinant below `below` at x; none without a motion limit.
+    FoldConditions fold_conditions(const Eigen::VectorXd& x, double below) const;
+    /// On steps from `from`, of triangles that would fold at `to`; none without a motion limit.
+    FoldConditions fold_conditions_between(const Eigen::VectorXd& from, const Eigen::VectorXd& to) const;
 
     /// Evaluates in this space from now on; the poses are kept.
     void enter(const DesignSpace& space);

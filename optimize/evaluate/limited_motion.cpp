@@ -1,6 +1,7 @@
 #include "optimize/evaluate/limited_motion.hpp"
 
 #include "core/error.hpp"
+#include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/nlp/model/quadratic_model.hpp"
 #include "optimize/space/shape_map.hpp"
 
@@ -11,6 +12,7 @@ constexpr int max_conditions = 24;
 constexpr int max_steps = 6;                 ///< onto the conditions: each is exact to second order
 constexpr int max_bisections = 8;            ///< of the way back: leaves 1/256 of it
 constexpr double nearly_beyond = 0.97;       ///< of its limit: a step may take a vertex beyond that was not
+constexpr double nearly_folded = 0.2;        ///< determinant: the same of triangles
 constexpr double adjoint_tolerance = 1e-11;  ///< that units and rounding choose no other designs
 
 bool is_moved(const RigidMotion& motion) { return !motion.rotation.isZero(0) || !motion.translation.isZero(0); }
@@ -30,9 +32,16 @@ bool settle(ShapeSolver& solver, const Eigen::VectorXd& x, Points& vertices) {
     return true;
 }
 
+/// The shape of x, which has these vertices, keeps `slack` of the limits and folds nowhere.
+bool is_inside(const ShapeSolver& solver, const Eigen::VectorXd& x, const Points& vertices, double slack,
+               double determinant) {
+    return solver.limit().is_within(solver.beside_planform(vertices), slack) &&
+           !is_folded(solver.space(), x, determinant);
+}
+
 /// The shortest step in the metric that keeps `slack` of the limits; empty: none was found.
 Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x, const MotionConditions& at,
-                            double slack) {
+                            const FoldConditions& folds, double slack) {
     const DesignSpace& space = solver.space();
     QuadraticModel m;
     m.gradient = Eigen::VectorXd::Zero(x.size());
@@ -41,11 +50,12 @@ Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x,
     m.upper = space.upper - x;
     for (int j = 0; j < space.num_shape(); ++j)  // these move the datum, too
         if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) m.lower[j] = m.upper[j] = 0;
-    m.constraints = at.values;
+    m.jacobian.resize(0, x.size());
+    StepLimits limits{at.values, at.slopes};
     for (std::size_t i = 0; i < at.rows.size(); ++i)
-        m.constraints[static_cast<Eigen::Index>(i)] += slack * at.rows[i].limit / solver.limit().reference();
-    m.jacobian = at.slopes;
-    m.num_inequalities = static_cast<int>(at.rows.size());
+        limits.values[static_cast<Eigen::Index>(i)] += slack * at.rows[i].limit / solver.limit().reference();
+    m.add_inequalities(limits);
+    m.add_inequalities({folds.values, folds.slopes});
     return solve_model(m);
 }
 
@@ -56,8 +66,9 @@ Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, c
     for (int k = 0; k < max_bisections; ++k) {
         const double middle = 0.5 * (low + high);
         Points vertices;
-        const bool is_within = settle(solver, inside + middle * (x - inside), vertices) &&
-                               solver.limit().is_within(solver.beside_planform(vertices), slack);
+        const Eigen::VectorXd there = inside + middle * (x - inside);
+        const bool is_within =
+            settle(solver, there, vertices) && is_inside(solver, there, vertices, slack, moved_determinant);
         (is_within ? low : high) = middle;
     }
     return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
@@ -124,16 +135,17 @@ Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& asked, 
     if (solver.limit().is_none()) return asked;
     Eigen::VectorXd x = asked;
     Points vertices;
-    if (!settle(solver, x, vertices) || solver.limit().is_within(solver.beside_planform(vertices), slack)) return asked;
+    if (!settle(solver, x, vertices) || is_inside(solver, x, vertices, slack, kept_determinant)) return asked;
     const DesignSpace& space = solver.space();
     for (int k = 0; k < max_steps; ++k) {
         const MotionConditions at = motion_conditions(solver, x, nearly_beyond);
-        if (at.rows.empty()) break;
-        const Eigen::VectorXd step = step_inside(solver, x, at, 2 * slack);
+        const FoldConditions folds = fold_conditions(space, x, nearly_folded);
+        if (at.rows.empty() && folds.values.size() == 0) break;
+        const Eigen::VectorXd step = step_inside(solver, x, at, folds, 2 * slack);
         if (step.size() == 0 || !step.allFinite()) break;
         x = (x + step).cwiseMax(space.lower).cwiseMin(space.upper);
         if (!settle(solver, x, vertices)) break;
-        if (solver.limit().is_within(solver.beside_planform(vertices), slack)) return x;
+        if (is_inside(solver, x, vertices, slack, moved_determinant)) return x;
     }
     return on_the_way_back(solver, x, inside, slack);
 }

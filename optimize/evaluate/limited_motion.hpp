@@ -24,9 +24,10 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
 /// back-substitution for each, at most 24.
 MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used);
 
-/// x, or where its shape does not keep `slack` of the limit a design near it whose shape does: by shortest steps in the
-/// response metric onto the conditions of the worst vertices, or where these do not lead inside the last such design on
-/// the way from `inside` to x. x itself, too, where it has no equilibrium.
+/// x, or where its shape does not keep `slack` of the limit, or its fields fold space (fold_conditions.hpp), a design
+/// near it whose shape does: by shortest steps in the response metric onto the conditions of the worst vertices and
+/// triangles, or where these do not lead inside the last such design on the way from `inside` to x. x itself, too,
+/// where it has no equilibrium.
 /// @param inside a design within the limit; empty: none is known.
 Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& x, const Eigen::VectorXd& inside,
                              double slack);

@@ -10,9 +10,8 @@ namespace strake {
 namespace {
 
 constexpr double smallest_share = 1e-3;
-constexpr double least_determinant = 0.05;  ///< of a map that does not fold
-constexpr double chord_slack = 2;           ///< the estimate of a chord error, and how much a map shrinks
-constexpr double sliver = 1e-3;             ///< height over longest edge of triangles that say nothing
+constexpr double chord_slack = 2;  ///< the estimate of a chord error, and how much a map shrinks
+constexpr double sliver = 1e-3;    ///< height over longest edge of triangles that say nothing
 constexpr double foldable_below = 120 * std::numbers::pi / 180, folded_above = 170 * std::numbers::pi / 180;
 
 double longest_edge(const Points& v, const Eigen::RowVector3i& t) {

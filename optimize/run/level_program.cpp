@@ -32,6 +32,8 @@ constexpr double most_difference_step = 0.1;  ///< of a step of 1 in the metric:
 constexpr double slack_over_step = 1.2;       ///< displacements are not quite linear in the step
 /// Vertices that a step of the trust region may bring to their limit.
 constexpr double near_limit = 0.6;
+/// Determinants of triangles that a step may fold.
+constexpr double nearly_folded = 0.6;
 
 constexpr double motion_step = 1e-3;  ///< diagonals, whose price is told
 
@@ -177,23 +179,36 @@ void LevelProgram::limit_motion() {
         moved_y_ = inside.cwiseProduct(weight_);
         return moved_y_;
     };
-    program_.beyond = [this](const Eigen::VectorXd& y) {
-        const Eigen::VectorXd x = unscaled(y);
+    program_.beyond = [this](const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
+        const Eigen::VectorXd x0 = unscaled(from), x = unscaled(to);
         if (!state_.evaluator.is_beyond(x, slack_)) return StepLimits();
-        return step_limits(state_.evaluator.motion_conditions(x, 1 - 2 * slack_));
+        MotionConditions motion = state_.evaluator.motion_conditions(x, 1 - 2 * slack_);
+        if (!motion.rows.empty())  // distances are convex: what is within is not cut off
+            motion.values -= motion.slopes * (x - x0);
+        return step_limits(motion, state_.evaluator.fold_conditions_between(x0, x));
     };
 }
 
 /// With the slack, twice: the shape is then within in spite of what is not linear.
-StepLimits LevelProgram::step_limits(const MotionConditions& at) const {
+StepLimits LevelProgram::step_limits(const MotionConditions& at, const FoldConditions& folds) const {
+    const Eigen::Index first = at.values.size(), more = folds.values.size();
     StepLimits limits;
-    if (at.rows.empty()) return limits;
-    limits.values = at.values;
+    if (first + more == 0) return limits;
+    limits.values.resize(first + more);
+    limits.values << at.values, folds.values;
     const double unit = state_.evaluator.motion_limit().reference();
     for (std::size_t i = 0; i < at.rows.size(); ++i)
         limits.values[static_cast<Eigen::Index>(i)] += 2 * slack_ * at.rows[i].limit / unit;
-    limits.slopes = at.slopes * weight_.cwiseInverse().asDiagonal();
+    limits.slopes.resize(first + more, weight_.size());
+    if (first > 0) limits.slopes.topRows(first) = at.slopes * weight_.cwiseInverse().asDiagonal();
+    if (more > 0) limits.slopes.bottomRows(more) = folds.slopes * weight_.cwiseInverse().asDiagonal();
     return limits;
+}
+
+/// Of the motion limit alone.
+Eigen::VectorXd LevelProgram::limit_multipliers(const Evaluation& at) const {
+    const Eigen::VectorXd all = all_multipliers(program_, known_.x.cwiseProduct(weight_), at).limits;
+    return all.head(std::min(all.size(), static_cast<Eigen::Index>(known_.motion.rows.size())));
 }
 
 MotionAtEnd LevelProgram::motion_at_end(const Evaluation& best) const {
@@ -202,7 +217,7 @@ MotionAtEnd LevelProgram::motion_at_end(const Evaluation& best) const {
     if (!end.is_limited || best.gradient.size() == 0 || here.size() == 0 || here.size() != known.size() ||
         here != known)
         return end;
-    const Eigen::VectorXd found = all_multipliers(program_, known_.x.cwiseProduct(weight_), best).limits;
+    const Eigen::VectorXd found = limit_multipliers(best);
     Eigen::Index first = 0;
     if (found.size() == 0 || !(found.maxCoeff(&first) > 0)) return end;
     const MotionLimit& limit = state_.evaluator.motion_limit();
@@ -280,7 +295,7 @@ void LevelProgram::differentiate(Evaluation& sample) {
                 rows_.rows[i].sign / rows_.rows[i].scale *
                 current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
     MotionConditions motion = state_.evaluator.motion_conditions(current_x_, near_limit);
-    sample.limits = step_limits(motion);
+    sample.limits = step_limits(motion, state_.evaluator.fold_conditions(current_x_, nearly_folded));
     if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank)) {
         known_ = {current_x_,
                   current_rank_,
@@ -311,7 +326,7 @@ Eigen::VectorXd LevelProgram::lagrangian_weights() const {
 ShellSensitivities LevelProgram::lagrangian() const {
     std::vector<ShellSensitivities> all = known_.sensitivities;
     Eigen::VectorXd weight = lagrangian_weights();
-    const Eigen::VectorXd limits = all_multipliers(program_, known_.x.cwiseProduct(weight_), known_.sample).limits;
+    const Eigen::VectorXd limits = limit_multipliers(known_.sample);
     for (Eigen::Index i = 0; i < limits.size(); ++i) {
         if (!(limits[i] > 0)) continue;
         all.push_back(known_.motion.sensitivities[static_cast<std::size_t>(i)]);

@@ -53,7 +53,8 @@ private:
     void limit_motion();
     void keep_slack();
     void narrow_bounds();
-    StepLimits step_limits(const MotionConditions& at) const;
+    StepLimits step_limits(const MotionConditions& at, const FoldConditions& folds) const;
+    Eigen::VectorXd limit_multipliers(const Evaluation& at) const;
     double sign() const { return state_.problem.maximize ? -1 : 1; }
 
     RunState& state_;

@@ -116,10 +116,8 @@ Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::Vecto
 }
 
 /// dJ/d(field) into the entries of the user variables that are fields.
-void add_field_gradient(const DesignSpace& space, const Points& dJ_dv, Eigen::VectorXd& gradient) {
+void add_field_gradient(const DesignSpace& space, const Eigen::VectorXd& by_field, Eigen::VectorXd& gradient) {
     const Parameters& p = space.rest->parameters;
-    if (!p.fields) return;
-    const Eigen::VectorXd by_field = p.fields->gradient(dJ_dv);
     for (std::size_t g = 0; g < p.user_variables.size(); ++g)
         if (const int field = p.user_variables[g].field; field >= 0)
             gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
@@ -151,7 +149,8 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
                              const ShellSensitivities& sensitivities) {
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
-    add_field_gradient(space, sensitivities.vertex, gradient);
+    if (const auto& fields = rest.parameters.fields)
+        add_field_gradient(space, fields->gradient(sensitivities.vertex), gradient);
     add_planform_gradient(space, value, sensitivities.vertex, gradient);
     if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
@@ -177,6 +176,15 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
         }
         gradient.segment<6>(patch_dof::count * static_cast<Eigen::Index>(p) + patch_dof::rotation) = sum;
     }
+    return gradient;
+}
+
+/// dJ/dx by that of the degrees of freedom.
+Eigen::VectorXd by_variable(const DesignSpace& space, const Eigen::VectorXd& by_dof) {
+    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.size());
+    for (int j = 0; j < space.size(); ++j)
+        for (const DegreeOfFreedom& move : space.variables[j].moves)
+            gradient[j] += by_dof[move.index] * move.factor * space.variables[j].unit;
     return gradient;
 }
 
@@ -246,12 +254,13 @@ Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change, con
 
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities) {
-    const Eigen::VectorXd by_dof = dof_gradient(space, dofs(space, x), sensitivities);
-    Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.size());
-    for (int j = 0; j < space.size(); ++j)
-        for (const DegreeOfFreedom& move : space.variables[j].moves)
-            gradient[j] += by_dof[move.index] * move.factor * space.variables[j].unit;
-    return gradient;
+    return by_variable(space, dof_gradient(space, dofs(space, x), sensitivities));
+}
+
+Eigen::VectorXd design_gradient_of_fields(const DesignSpace& space, const Eigen::VectorXd& by_field) {
+    Eigen::VectorXd by_dof = Eigen::VectorXd::Zero(space.num_dofs());
+    add_field_gradient(space, by_field, by_dof);
+    return by_variable(space, by_dof);
 }
 
 void design_response(const DesignSpace& space, PrimoShell* shell,

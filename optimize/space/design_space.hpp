@@ -146,6 +146,8 @@ Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change, con
 /// dJ/dx (size()) from dJ/d(force, motion, height) at x. One pass over the surface, however many variables.
 Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd& x,
                                 const ShellSensitivities& sensitivities);
+/// dJ/dx by that of the values of `Parameters::fields`.
+Eigen::VectorXd design_gradient_of_fields(const DesignSpace& space, const Eigen::VectorXd& by_field);
 
 /// dv/dx at the shell's equilibrium, column j as n x 3 points: one back-substitution each, in blocks; `tolerance` is
 /// that of `PrimoShell::response`, `surface` as for `field_motion`. `shell` is null where the problem has none.

@@ -97,10 +97,10 @@ Eigen::VectorXd Guard::inside(const Eigen::VectorXd& x) {
     return moved_;
 }
 
-StepLimits Guard::beyond(const Eigen::VectorXd& x) {
+StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
     if (!program.beyond || cause != StopCause::none) return {};
     try {
-        return program.beyond(x);
+        return program.beyond(from, to);
     } catch (...) {
         exception = std::current_exception();
         cause = StopCause::exception;

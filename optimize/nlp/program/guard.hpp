@@ -41,7 +41,7 @@ public:
     /// Where `at_all` evaluates for x, which is within the bounds: x, or the point that the program moves it to.
     Eigen::VectorXd inside(const Eigen::VectorXd& x);
     /// `NonlinearProgram::beyond` without an exception: `cause` is set, and there are no rows.
-    StepLimits beyond(const Eigen::VectorXd& x);
+    StepLimits beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
     /// Like `at_all` with the gradient, which is the guess corrected by the differences that it names; by all
     /// differences where these fail.

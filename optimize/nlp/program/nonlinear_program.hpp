@@ -66,8 +66,9 @@ struct NonlinearProgram {
     /// The point that is evaluated in place of x: x, or where that is beyond a limit that is no constraint a point near
     /// it that is within. Not asked for points of differences. May be empty.
     std::function<Eigen::VectorXd(const Eigen::VectorXd& x)> within;
-    /// Of a point beyond such a limit: conditions on steps from it. No rows: it is within. May be empty. Used by sqp.
-    std::function<StepLimits(const Eigen::VectorXd& x)> beyond;
+    /// Of a step to a point beyond such a limit: conditions on steps from where it begins, which is within. No rows:
+    /// the step ends within. May be empty. Used by sqp.
+    std::function<StepLimits(const Eigen::VectorXd& from, const Eigen::VectorXd& to)> beyond;
     /// Gradients that differences give, in place of those of `differentiate` (if there is one).
     std::optional<Differences> differences;
     /// n x n, positive definite: the size of a step d is sqrt(d.metric.d), about 1 for the largest reasonable one.

@@ -65,9 +65,9 @@ bool SqpSearch::try_step(Trial& trial) {
 VectorXd SqpSearch::within_limits(VectorXd d) {
     for (int round = 0; round < trust_region.max_limit_rounds && d.size() > 0; ++round) {
         if (!now_.program.beyond || d.lpNorm<Eigen::Infinity>() <= guard_.options.step_tolerance) break;
-        const StepLimits limits = guard_.beyond(now_.clamped(now_.x + d));
+        const StepLimits limits = guard_.beyond(now_.x, now_.clamped(now_.x + d));
         if (limits.values.size() == 0) break;
-        steps_.add_limits(limits, d);
+        steps_.add_limits(limits);
         d = steps_.step(now_.at.constraints);
     }
     return d;

@@ -27,11 +27,11 @@ QuadraticModel StepModel::model_without_cut(const VectorXd& constraints, double 
     return m;
 }
 
-void StepModel::add_limits(const StepLimits& limits, const VectorXd& d) {
+void StepModel::add_limits(const StepLimits& limits) {
     const Eigen::Index before = limits_.values.size(), more = limits.values.size();
     limits_.values.conservativeResize(before + more);
-    limits_.values.tail(more) = limits.values - limits.slopes * d;
-    limits_.slopes.conservativeResize(before + more, d.size());
+    limits_.values.tail(more) = limits.values;
+    limits_.slopes.conservativeResize(before + more, limits.slopes.cols());
     limits_.slopes.bottomRows(more) = limits.slopes;
 }
 

@@ -20,9 +20,8 @@ public:
     /// The model of the last step.
     QuadraticModel last_model() const { return model(now_.at.constraints, damping_); }
 
-    /// From now on the model keeps to these conditions, too, on steps from the point that d leads to: until the search
-    /// moves on.
-    void add_limits(const StepLimits& limits, const Eigen::VectorXd& d);
+    /// From now on the model keeps to these conditions, too, on steps from the present point: until the search moves on.
+    void add_limits(const StepLimits& limits);
     void forget_limits() { limits_ = {}; }
 
     /// The model's step, no longer than the radius: the damping that it takes is found by bisection of its logarithm.

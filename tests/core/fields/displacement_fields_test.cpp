@@ -68,6 +68,20 @@ TEST(DisplacementFields, AreExactlyZeroOnWhatIsHeldAndOfSizeOne) {
     }
 }
 
+TEST(DisplacementFields, TheGradientOfAMapIsTheTransposeOfTheMaps) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {20, {}});
+    const VectorXd z = random_values(fields.size(), 2), step = random_values(fields.size(), 7);
+    const auto at = fields.local_maps(z), beside = fields.local_maps(z + step);
+    const Matrix3d weight = (Matrix3d() << 1, -2, 0.5, 3, 0.1, -1, 0.7, 2, 1).finished();
+    for (const int t : {0, 100, static_cast<int>(at.size()) - 1}) {
+        const double change = (beside[t] - at[t]).cwiseProduct(weight).sum();  // maps are linear in z
+        EXPECT_NEAR(fields.map_gradient(t, weight).dot(step), change, 1e-11 * (1 + std::abs(change))) << t;
+    }
+    EXPECT_GT((fields.map_gradient(300, weight) - fields.map_gradient(301, weight)).norm(), 1e-6) << "of its triangle";
+    EXPECT_THROW(fields.map_gradient(-1, weight), InvalidInput);
+}
+
 /// A file may keep points that are none of the surface, wherever they are.
 TEST(DisplacementFields, AreThoseOfTheSurfaceWithoutItsLooseVertices) {
     HeldWing wing;

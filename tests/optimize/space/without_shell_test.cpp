@@ -2,6 +2,7 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "optimize/evaluate/evaluation.hpp"
+#include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
 #include "optimize/run/mixed_design.hpp"
@@ -125,6 +126,72 @@ TEST(WithoutShell, ARunGainsAndItsDesignIsStored) {
     const MixedDesign same = mixed_design({problem, design}, {problem, design}, 0.3);
     EXPECT_EQ(same.defect, "");
     EXPECT_LT((same.vertices - design->vertices).cwiseAbs().maxCoeff(), 1e-12);
+}
+
+/// Of a thin body whose motion limit is far beyond its thickness: what fields fold is known before it is evaluated.
+TEST(WithoutShell, FoldsAreALimitThatNoEvaluationIsPaidFor) {
+    Problem problem = without_shell(ellipsoid({1, 0.6, 0.06}, 3), 18);
+    maximize_volume(problem);
+    problem.maximize = false;
+    problem.constraints.clear();
+    problem.optimize.max_evaluations = 16;
+    int folded = 0;
+    RunEvents events;
+    events.evaluation = [&](const EvaluationRecord& record) {
+        folded += record.reason.find("fold space") != std::string::npos;
+    };
+    const RunResult r = optimize(problem, events);
+    EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
+    EXPECT_LT(r.objective, 0.35 * r.objective_start);  // a map may take all but a twentieth
+    EXPECT_EQ(folded, 0);
+}
+
+TEST(WithoutShell, ConditionsOfFoldsAreThoseOfTheDeterminants) {
+    const Evaluated e(without_shell(ellipsoid({1, 0.6, 0.06}, 2), 18));
+    const Eigen::VectorXd x = 0.4 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+    constexpr double below = 0.95, h = 1e-6;
+    const FoldConditions at = fold_conditions(e.space, x, below);
+    ASSERT_GT(at.values.size(), 3);
+    ASSERT_LE(at.values.size(), 24);
+    EXPECT_EQ(at.values.maxCoeff(), at.values[0]) << "the least determinant first";
+    const Eigen::VectorXd change =
+        (fold_conditions(e.space, x + h * p, below).values - fold_conditions(e.space, x - h * p, below).values) /
+        (2 * h);
+    ASSERT_EQ(change.size(), at.values.size());
+    EXPECT_LT((change - at.slopes * p).norm(), 1e-7 * change.norm());
+    EXPECT_GT((change - 1.001 * at.slopes * p).norm(), 1e-4 * change.norm()) << "the test can fail";
+    const double least = wanted_determinant - at.values[0];
+    EXPECT_TRUE(is_folded(e.space, x, least + 1e-9));
+    EXPECT_FALSE(is_folded(e.space, x, least - 1e-9));
+    EXPECT_FALSE(is_folded(e.space, Eigen::VectorXd::Zero(x.size())));
+    EXPECT_EQ(fold_conditions(e.space, Eigen::VectorXd::Zero(x.size()), below).values.size(), 0);
+}
+
+/// From a design that does not fold: it stays possible, which a determinant linearised at the end of a step denies.
+TEST(WithoutShell, ConditionsBetweenTwoDesignsHoldAtBoth) {
+    const Evaluated e(without_shell(ellipsoid({1, 0.6, 0.06}, 2), 18));
+    int cut_off = 0;
+    for (const unsigned seed : {3u, 5u, 7u, 9u}) {
+        Eigen::VectorXd to = random_vector(e.space.size(), seed);
+        while (!is_folded(e.space, to)) to *= 1.5;
+        for (const double reach : {1.0, 4.0, 16.0}) {
+            const Eigen::VectorXd end = reach * to;
+            Eigen::VectorXd from = 0.3 * to;
+            while (is_folded(e.space, from)) from *= 0.9;
+            const FoldConditions between = fold_conditions_between(e.space, from, end);
+            const FoldConditions at = fold_conditions(e.space, end, wanted_determinant);
+            ASSERT_GT(between.values.size(), 0);
+            ASSERT_EQ(between.values.size(), at.values.size());
+            EXPECT_LE(between.values.maxCoeff(), 0);
+            const Eigen::VectorXd there = between.values + between.slopes * (end - from);
+            for (Eigen::Index k = 0; k < there.size(); ++k)
+                if (at.values[k] > 0) {
+                    EXPECT_NEAR(there[k], at.values[k], 1e-9 * (1 + at.values[k]));
+                }
+            cut_off += static_cast<int>(((at.values - at.slopes * (end - from)).array() > 0).count());
+        }
+    }
+    EXPECT_GT(cut_off, 0) << "the test can fail";
 }
 
 TEST(WithoutShell, AFitFindsAStretchedBody) {

@@ -1,0 +1,100 @@
+#include "optimize/evaluate/fold_conditions.hpp"
+
+#include "core/fields/displacement_fields.hpp"
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+constexpr std::size_t most_conditions = 24;
+constexpr double spread = 0.03;  ///< diagonals: triangles closer than this say the same
+
+std::vector<Eigen::Matrix3d> maps_at(const DesignSpace& space, const Eigen::VectorXd& x) {
+    return space.rest->parameters.fields->local_maps(demand(space, x).fields);
+}
+
+/// d(det F)/dF, also where F is singular.
+Eigen::Matrix3d cofactors(const Eigen::Matrix3d& F) {
+    Eigen::Matrix3d result;
+    for (int k = 0; k < 3; ++k) result.row(k) = F.row((k + 1) % 3).cross(F.row((k + 2) % 3));
+    return result;
+}
+
+Eigen::RowVector3d middle_of(const TriMesh& mesh, int t) {
+    return mesh.vertices(mesh.triangles.row(t), Eigen::all).colwise().mean();
+}
+
+using Maps = std::vector<Eigen::Matrix3d>;
+
+/// Triangles of least determinant below `below`, spread over the surface.
+std::vector<std::size_t> chosen_triangles(const RestFacts& rest, const Maps& maps, double below) {
+    std::vector<std::pair<double, std::size_t>> low;
+    for (std::size_t t = 0; t < maps.size(); ++t)
+        if (const double determinant = maps[t].determinant(); determinant < below) low.emplace_back(determinant, t);
+    // Triangles that are alike but for rounding are taken in their order.
+    const auto steps = [](double determinant) { return std::round(determinant * 1e9); };
+    std::ranges::stable_sort(low, {}, [&](const auto& entry) { return steps(entry.first); });
+    std::vector<std::size_t> chosen;
+    for (const auto& [determinant, t] : low) {
+        if (chosen.size() == most_conditions) break;
+        const Eigen::RowVector3d middle = middle_of(rest.surface, static_cast<int>(t));
+        if (std::ranges::none_of(chosen, [&](std::size_t other) {
+                return (middle_of(rest.surface, static_cast<int>(other)) - middle).norm() < spread * rest.diagonal;
+            }))
+            chosen.push_back(t);
+    }
+    return chosen;
+}
+
+/// At the design of these maps, to first order there.
+FoldConditions linearised(const DesignSpace& space, const Maps& maps, const std::vector<std::size_t>& triangles) {
+    FoldConditions at;
+    at.values.resize(static_cast<Eigen::Index>(triangles.size()));
+    at.slopes.resize(at.values.size(), space.size());
+    for (Eigen::Index i = 0; i < at.values.size(); ++i) {
+        const std::size_t t = triangles[static_cast<std::size_t>(i)];
+        at.values[i] = wanted_determinant - maps[t].determinant();
+        const Eigen::VectorXd by_field =
+            space.rest->parameters.fields->map_gradient(static_cast<int>(t), -cofactors(maps[t]));
+        at.slopes.row(i) = design_gradient_of_fields(space, by_field);
+    }
+    return at;
+}
+
+}  // namespace
+
+bool may_fold(const DesignSpace& space) { return !space.rest->has_shell && space.rest->parameters.fields; }
+
+bool is_folded(const DesignSpace& space, const Eigen::VectorXd& x, double determinant) {
+    return may_fold(space) && std::ranges::any_of(maps_at(space, x), [&](const Eigen::Matrix3d& F) {
+               return !(F.determinant() >= determinant);
+           });
+}
+
+FoldConditions fold_conditions(const DesignSpace& space, const Eigen::VectorXd& x, double below) {
+    if (!may_fold(space)) return {};
+    const Maps maps = maps_at(space, x);
+    FoldConditions at = linearised(space, maps, chosen_triangles(*space.rest, maps, below));
+    // Between what designs keep and what steps aim at is not beyond the limit.
+    for (double& value : at.values)
+        if (value <= wanted_determinant - kept_determinant) value = std::min(value, 0.0);
+    return at;
+}
+
+FoldConditions fold_conditions_between(const DesignSpace& space, const Eigen::VectorXd& from,
+                                       const Eigen::VectorXd& to) {
+    const Eigen::VectorXd step = to - from;
+    if (!may_fold(space) || step.isZero(0)) return {};
+    const Maps before = maps_at(space, from), after = maps_at(space, to);
+    const std::vector<std::size_t> triangles = chosen_triangles(*space.rest, after, wanted_determinant);
+    FoldConditions at = linearised(space, after, triangles);
+    for (Eigen::Index i = 0; i < at.values.size(); ++i) {
+        const double end = at.values[i];
+        at.values[i] = std::min(0.0, wanted_determinant - before[triangles[static_cast<std::size_t>(i)]].determinant());
+        at.slopes.row(i) += (end - at.values[i] - at.slopes.row(i).dot(step)) / step.squaredNorm() * step.transpose();
+    }
+    return at;
+}
+
+}  // namespace strake

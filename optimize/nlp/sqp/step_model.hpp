@@ -20,7 +20,8 @@ public:
     /// The model of the last step.
     QuadraticModel last_model() const { return model(now_.at.constraints, damping_); }
 
-    /// From now on the model keeps to these conditions, too, on steps from the present point: until the search moves on.
+    /// From now on the model keeps to these conditions, too, on steps from the present point: until the search moves
+    /// on.
     void add_limits(const StepLimits& limits);
     void forget_limits() { limits_ = {}; }
 

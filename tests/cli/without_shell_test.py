@@ -89,7 +89,7 @@ class WithoutShell(unittest.TestCase):
 
     def test_deform_by_fields(self):
         none = strake("deform", "run.yaml", "-o", "out.obj", status=2).stderr
-        self.assertIn("name at least one with --field NAME=LENGTH", none)
+        self.assertIn("name at least one with --field NAME=VALUE", none)
         wrong = strake("deform", "run.yaml", "--field", "section.fly.2=4%", "-o", "out.obj", status=2).stderr
         self.assertIn("there is no field of that name; fields: section.", wrong)
         far = strake("deform", "run.yaml", "--field", "section.scale_z.1=90%", "-o", "out.obj", status=1).stderr

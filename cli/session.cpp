@@ -29,9 +29,9 @@
 namespace strake::cli {
 namespace {
 
-/// A start value at round-off level counts as zero.
+/// A start value at the level of round-off, or of what a search leaves undecided, counts as zero.
 std::string percent(double from, double to) {
-    return std::abs(from) > 1e-9 * std::abs(to) ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from))
+    return std::abs(from) > 1e-6 * std::abs(to) ? fmt::format("{:+.4g} %", 100 * (to - from) / std::abs(from))
                                                 : "from zero";
 }
 

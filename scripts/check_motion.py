@@ -62,15 +62,19 @@ def shapes_of(run):
 
 
 def measure(run, strake, limit):
+    case = os.path.join(run, "case.yaml")
+    checked = json.loads(subprocess.run([strake, "check", case, "--json", "--quick"], check=True, stdout=subprocess.PIPE,
+                                        stderr=subprocess.DEVNULL).stdout)
+    with open(case, encoding="utf-8") as file:
+        has_shell = not re.search(r"^shell: none", file.read(), re.M)
+    resting = [] if has_shell else ["--field", checked["fields"][0] + "=0"]  # deform wants something that moves
     with tempfile.TemporaryDirectory() as folder:
         datum_file = os.path.join(folder, "datum.obj")
-        subprocess.run([strake, "deform", os.path.join(run, "case.yaml"), "-o", datum_file, "-q"], check=True,
-                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        subprocess.run([strake, "deform", case, "-o", datum_file, "-q", *resting], check=True, stdout=subprocess.DEVNULL,
+                       stderr=subprocess.DEVNULL)
         datum = read_obj(datum_file)
     with open(os.path.join(run, "run.json"), encoding="utf-8") as file:
         result = json.load(file)
-    checked = json.loads(subprocess.run([strake, "check", os.path.join(run, "case.yaml"), "--json", "--quick"], check=True,
-                                        stdout=subprocess.PIPE, stderr=subprocess.DEVNULL).stdout)
     diagonal = checked["surface"]["diagonal"]
     if limit is None:
         limit = result["motion_limit"]["limit"]

@@ -52,7 +52,7 @@ finish() {
     exit
 }
 
-sources() { find bench casefile cases cli core objectives optimize python report studio tests \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
+sources() { find bench casefile cases cli core objectives optimize python report studio tests viewer \( -name '*.cpp' -o -name '*.hpp' \) -print0; }
 format() { sources | xargs -0 clang-format --dry-run -Werror; }
 # What ccache keeps serves every checkout.
 export CCACHE_BASEDIR=$PWD CCACHE_NOHASHDIR=true

@@ -19,6 +19,7 @@
 #include <cmath>
 #include <memory>
 #include <nlohmann/json.hpp>
+#include <numbers>
 #include <utility>
 
 namespace strake::cli {
@@ -100,7 +101,7 @@ std::string names_of(const Problem& problem) {
     return user.size() > 12 ? all + ", ... (strake check --json lists all)" : all;
 }
 
-/// A change of a wing, "3deg", "0.05rad", "-2%", within its range.
+/// A change of a wing, "3deg", "0.05rad", "-2%".
 double change_value(const PlanformMotion::Variable& change, const std::string& written, const std::string& words) {
     Value value;
     value.text = written;
@@ -109,10 +110,16 @@ double change_value(const PlanformMotion::Variable& change, const std::string& w
     if (!error.empty() || (!angle && value.number != 0 && !written.ends_with('%')))
         throw InvalidInput(text("--field ", printable(words, 400), ": must be ", change.name,
                                 angle ? "=ANGLE with deg or rad" : "=CHANGE in percent, for example 2%"));
-    if (value.number < change.lower || value.number > change.upper)
-        throw InvalidInput(text("--field ", printable(words, 400), ": outside of its range [", change.lower, ", ",
-                                change.upper, angle ? "] rad" : "]", " in parameters.planform"));
     return value.number;
+}
+
+void check_in_range(const PlanformMotion::Variable& change, double value, const std::string& words) {
+    const bool angle = is_angle(change.change);
+    const double unit = angle ? 180 / std::numbers::pi : 100;
+    if (value < change.lower || value > change.upper)
+        throw InvalidInput(text("--field ", printable(words, 400), ": ", change.name, " = ", unit * value,
+                                angle ? " deg" : " %", " is outside of its range [", unit * change.lower, ", ",
+                                unit * change.upper, "] in parameters.planform"));
 }
 
 /// How far a field moves the surface at most. @param words all that was written
@@ -136,8 +143,8 @@ void take_field(const Problem& problem, const std::string& words, ShellDemand& d
         if (v.name != name) continue;
         if (v.planform >= 0) {
             const auto& change = problem.parameters.planform->variables()[static_cast<std::size_t>(v.planform)];
-            demand.planform[v.planform] = change_value(change, value, words);
-            return;
+            demand.planform[v.planform] += change_value(change, value, words);
+            return check_in_range(change, demand.planform[v.planform], words);
         }
         demand.fields[v.field] += field_value(value, words, diagonal);
         return;

@@ -58,11 +58,9 @@ void report_design(const Problem& problem, const RunResult& r, bool is_fit) {
         fmt::print("{:<11}  {} -> {}\n", own[i].first,
                    shown_value(r.space.rest->program_parameters[i].start, problem.program_parameters[i].is_angle),
                    shown_value(own[i].second, problem.program_parameters[i].is_angle));
-    for (const auto& [name, value] : planform_values(r.space, r.x))
-        if (is_planform_angle(*r.space.rest, name))
-            fmt::print("{:<11}  {:+.4g} deg\n", name, value * 180 / std::numbers::pi);
-        else
-            fmt::print("{:<11}  {:+.4g} %\n", name, 100 * value);
+    for (const auto& [name, value, is_angle] : planform_values(r.space, r.x))
+        fmt::print("{:<11}  {:+.4g} {}\n", name, (is_angle ? 180 / std::numbers::pi : 100) * value,
+                   is_angle ? "deg" : "%");
     if (is_fit) fmt::print("rms distance {:.3e} of the diagonal remains\n", std::sqrt(r.objective) / diagonal);
     if (!is_fit && !problem.constraints.empty()) fmt::print("violation    {:.2e} (largest, scaled)\n", r.max_violation);
     fmt::print("moved        at most {:.4g} % of the diagonal\n",

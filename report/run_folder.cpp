@@ -359,9 +359,9 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
             if (parameter.is_angle) j["variables"][name]["unit"] = "rad";
         }
     if (result.best_evaluation > 0)
-        for (const auto& [name, value] : planform_values(result.space, result.x)) {
+        for (const auto& [name, value, is_angle] : planform_values(result.space, result.x)) {
             j["variables"][name] = {{"start", 0.0}, {"best", json_number(value)}};
-            if (is_planform_angle(*result.space.rest, name)) j["variables"][name]["unit"] = "rad";
+            if (is_angle) j["variables"][name]["unit"] = "rad";
         }
     if (result.motion.is_limited)
         j["motion_limit"] = {{"active", result.motion.is_active},

@@ -373,8 +373,8 @@ struct Describer {
         }
     };
     std::optional<Description> by_steps() const {
-        constexpr std::size_t most = 6;
-        if (steps.size() > most) return {};
+        constexpr std::size_t max_steps = 6;
+        if (steps.size() > max_steps) return {};
         StepByStep made{name};
         for (std::size_t k = 0; k < steps.size(); ++k)
             if (!made.add(steps[k], name + "_" + std::to_string(k + 1))) return {};

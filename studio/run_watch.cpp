@@ -50,8 +50,8 @@ nlohmann::ordered_json RunWatch::look(int from) {
         next_ = Clock::now() + std::max<Clock::duration>(std::chrono::milliseconds(100), 50 * cost);
     }
     nlohmann::ordered_json answer = facts_, rows = nlohmann::ordered_json::array();
-    constexpr std::size_t most = 2000;
-    for (std::size_t k = static_cast<std::size_t>(std::max(0, from)); k < rows_.size() && rows.size() < most; ++k)
+    constexpr std::size_t max_rows = 2000;
+    for (std::size_t k = static_cast<std::size_t>(std::max(0, from)); k < rows_.size() && rows.size() < max_rows; ++k)
         rows.push_back(rows_[k]);
     answer["from"] = from;
     answer["rows"] = std::move(rows);

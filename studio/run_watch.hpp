@@ -13,8 +13,9 @@ public:
     explicit RunWatch(std::filesystem::path folder) : folder_(std::move(folder)) {}
     const std::filesystem::path& folder() const { return folder_; }
 
-    /// {folder, status, reason, level, evaluations, max_evaluations, seconds, best: {…}, names, rows: [[evaluation,
-    /// level, status, objective, max_violation, seconds, is_best, reason], …] from number `from` on (at most 2000)}.
+    /// {folder, status, reason, level, evaluations, max_evaluations, seconds, objective, max_violation,
+    /// best_evaluation, has_report, holder, from, rows: [[evaluation, level, status, objective, max_violation, seconds,
+    /// is_best, reason], …] from number `from` on (at most 2000)}.
     /// @throws InputError: no run there.
     nlohmann::ordered_json look(int from);
 

@@ -76,7 +76,7 @@ struct ShapeBench::Impl {
 ShapeBench::ShapeBench(Case the_case) : impl_(std::make_unique<Impl>(std::move(the_case))) {}
 ShapeBench::~ShapeBench() = default;
 
-int ShapeBench::coarsest() const { return impl_->built.problem.parameters.fields ? 0 : 1; }
+int ShapeBench::coarsest() const { return coarsest_level(impl_->built.problem.parameters); }
 int ShapeBench::finest() const { return static_cast<int>(impl_->built.problem.tree.levels.size()) - 1; }
 bool ShapeBench::leaves_out_programs() const { return impl_->has_programs; }
 

@@ -4,6 +4,7 @@
 #include "core/text/hash.hpp"
 #include "studio/studio_impl.hpp"
 #include "studio/studio_page.hpp"
+#include "viewer/embedded_page.hpp"
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -21,10 +22,7 @@ std::string text_in(const nlohmann::json& asked, const char* key) {
 std::string content_mark(const std::string& bytes) { return hash_digits(fnv1a(bytes)); }
 
 Studio::Impl::Impl(const StudioOptions& wishes) : options(wishes) {
-    if (!has_studio_page())
-        throw OutputError(
-            "this program was built without the studio's page, because node and npm, or npm's packages, were missing. "
-            "Install them (scripts/setup.sh run), configure again (cmake -U 'STRAKE_PAGE*' …) and rebuild");
+    if (!has_studio_page()) throw OutputError(page_missing("the studio's page"));
     const fs::path target = options.target.empty() ? fs::path(".") : options.target;
     std::error_code error;
     const fs::path real = fs::canonical(target, error);
@@ -54,39 +52,43 @@ Studio::Impl::~Impl() {
     if (folder_lock >= 0) ::close(folder_lock);
 }
 
+namespace {
+
+/// File names are bytes: what is no UTF-8 in them is replaced.
+WebAnswer json_answer(const nlohmann::ordered_json& value, int status = 200) {
+    using Json = nlohmann::ordered_json;
+    return {status, "application/json", value.dump(-1, ' ', false, Json::error_handler_t::replace)};
+}
+
+}  // namespace
+
 WebAnswer Studio::Impl::answer(const WebRequest& request) {
     if (request.body.empty()) return get(request);
-    WebAnswer answer;
     try {
         const Asked asked = Asked::parse(request.body);
         if (!asked.is_object()) throw InvalidInput("the body must be an object");
-        answer.body = post(asked).dump(-1, ' ', false, Json::error_handler_t::replace);
+        return json_answer(post(asked));
     } catch (const Asked::exception& error) {
-        answer = {400, "application/json",
-                  Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace)};
+        return json_answer({{"error", error.what()}}, 400);
     } catch (const std::exception& error) {
-        answer = {409, "application/json",
-                  Json{{"error", error.what()}}.dump(-1, ' ', false, Json::error_handler_t::replace)};
+        return json_answer({{"error", error.what()}}, 409);
     }
-    return answer;
 }
 
 WebAnswer Studio::Impl::get(const WebRequest& request) {
-    const auto json = [](const Json& value) {
-        return WebAnswer{200, "application/json", value.dump(-1, ' ', false, Json::error_handler_t::replace)};
-    };
     if (request.path == "/") return {200, "text/html; charset=utf-8", std::string(studio_html())};
     if (request.path == "/studio.js") return {200, "text/javascript; charset=utf-8", std::string(studio_script())};
     if (request.path == "/studio.css") return {200, "text/css; charset=utf-8", std::string(studio_style())};
-    if (request.path == "/api/state") return json(state(request));
-    if (request.path == "/api/files") return json(files());
+    if (request.path == "/api/state") return json_answer(state(request));
+    if (request.path == "/api/files") return json_answer(files());
     if (request.path == "/api/surface") {
         const auto shown = need_subject();
         return {200, "application/octet-stream", shown->payload};
     }
     if (request.path == "/api/case") {
         const std::lock_guard lock(busy);
-        return json({{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
+        return json_answer(
+            {{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
     }
     if (request.path == "/api/best") return best_shape();
     if (request.path == "/api/felt") return felt_shape();

@@ -60,14 +60,18 @@ std::shared_ptr<const Subject> Studio::Impl::need_subject() {
     return subject;
 }
 
+fs::path Studio::Impl::case_path() {
+    const std::lock_guard lock(busy);
+    return case_file.empty() ? folder / "case.yaml" : case_file;
+}
+
 /// {errors: [{line, column, message}], regions, ground_changed}. Nothing that the case names is executed.
 Studio::Impl::Json Studio::Impl::check(const Asked& asked) {
     const std::string yaml = text_in(asked, "text");
-    fs::path file;
+    const fs::path file = case_path();
     std::shared_ptr<const Subject> shown;
     {
         const std::lock_guard lock(busy);
-        file = case_file.empty() ? folder / "case.yaml" : case_file;
         shown = subject;
     }
     Json answer{{"errors", Json::array()}, {"regions", Json::array()}, {"ground_changed", false}};
@@ -89,7 +93,7 @@ Studio::Impl::Json Studio::Impl::check(const Asked& asked) {
 /// {marks, triangles, area, kind, lines: how the case would say it}.
 Studio::Impl::Json Studio::Impl::choose(const Asked& asked) {
     const auto shown = need_subject();
-    const auto the_case = readable_case(text_in(asked, "text"), folder / "case.yaml");
+    const auto the_case = readable_case(text_in(asked, "text"), case_path());
     const ChoiceGround ground = ground_for(*shown, the_case);
     if (!asked.contains("steps")) throw InvalidInput("'steps' is missing");
     const auto steps = choice_steps(asked["steps"], shown->ground.start.mesh);
@@ -119,10 +123,11 @@ Studio::Impl::Json Studio::Impl::choose(const Asked& asked) {
 /// beside the case.
 Studio::Impl::Json Studio::Impl::put_region(const Asked& asked) {
     const auto shown = need_subject();
-    std::string yaml = text_in(asked, "text");
+    const std::string asked_text = text_in(asked, "text");
+    std::string yaml = asked_text;
     if (yaml.find_first_not_of(" \t\r\n") == std::string::npos) yaml = first_case(shown->surface.filename().string());
     const std::string name = text_in(asked, "name"), list_file = name + "-triangles.txt";
-    auto the_case = readable_case(yaml, folder / "case.yaml");
+    auto the_case = readable_case(yaml, case_path());
     // A region is not described by its own former self.
     if (the_case) std::erase_if(the_case->regions, [&](const Region& region) { return region.name == name; });
     const ChoiceGround ground = ground_for(*shown, the_case);
@@ -133,7 +138,13 @@ Studio::Impl::Json Studio::Impl::put_region(const Asked& asked) {
     if (asked.value("fix", false)) yaml = with_fixed(yaml, name);
     if (!words.numbers.empty()) {
         need_write();
-        write_atomically(folder / list_file, numbers_text(words.numbers));
+        const fs::path file = case_path().parent_path() / list_file;
+        std::error_code ignored;
+        if (fs::exists(fs::symlink_status(file, ignored)) && asked_text.find(list_file) == std::string::npos)
+            throw InvalidInput(text(list_file,
+                                    " exists already, and this case does not name it: choose another name "
+                                    "for the region"));
+        write_atomically(file, numbers_text(words.numbers));
     }
     return {{"text", yaml}, {"kind", words.kind}};
 }

@@ -3,6 +3,7 @@
 #include "core/mesh/geometry.hpp"
 #include "report/json_number.hpp"
 #include "studio/studio_impl.hpp"
+#include "studio/surface_payload.hpp"
 
 #include <cstring>
 
@@ -14,11 +15,7 @@ ShapeBench& Studio::Impl::bench_for(const std::string& yaml) {
     if (bench && bench_text == yaml) return *bench;
     bench.reset();
     felt.resize(0, 3);
-    const std::filesystem::path file = [&] {
-        const std::lock_guard lock(busy);
-        return case_file.empty() ? folder / "case.yaml" : case_file;
-    }();
-    bench = std::make_unique<ShapeBench>(load_case_text(yaml, file));
+    bench = std::make_unique<ShapeBench>(load_case_text(yaml, case_path()));
     bench_text = yaml;
     return *bench;
 }
@@ -74,10 +71,7 @@ WebAnswer Studio::Impl::felt_shape() {
 
 std::string centred_positions(const Points& vertices, const TriMesh& start) {
     const Box box = bounding_box(start);
-    const Eigen::Vector3d center = (box.min + box.max) / 2;
-    std::vector<float> positions;
-    for (Eigen::Index v = 0; v < vertices.rows(); ++v)
-        for (int c = 0; c < 3; ++c) positions.push_back(static_cast<float>(vertices(v, c) - center[c]));
+    const std::vector<float> positions = relative_to((box.min + box.max) / 2, vertices);
     std::string bytes(positions.size() * sizeof(float), '\0');
     if (!positions.empty()) std::memcpy(bytes.data(), positions.data(), bytes.size());
     return bytes;

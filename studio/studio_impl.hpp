@@ -69,6 +69,7 @@ struct Studio::Impl {
     Json save(const Asked& asked);
 
     // studio_case.cpp
+    std::filesystem::path case_path();  ///< of the text in the editor; a new one will be the folder's case.yaml
     Json check(const Asked& asked);
     Json choose(const Asked& asked);
     Json put_region(const Asked& asked);

@@ -1,7 +1,6 @@
 #include "casefile/yaml/value.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
-#include "core/text/base64.hpp"
 #include "core/text/file.hpp"
 #include "report/run_lock.hpp"
 #include "studio/studio_impl.hpp"

@@ -9,6 +9,7 @@
 #include "studio/surface_payload.hpp"
 
 namespace strake {
+
 std::shared_ptr<const Subject> surface_subject(const std::filesystem::path& file) {
     auto subject = std::make_shared<Subject>();
     subject->surface = file;
@@ -32,7 +33,6 @@ std::shared_ptr<const Subject> surface_subject(const std::filesystem::path& file
 std::shared_ptr<const Subject> case_subject(const std::filesystem::path& case_file, const std::string& yaml) {
     auto subject = std::make_shared<Subject>();
     subject->case_file = case_file;
-    subject->case_text = yaml;
     subject->blocks = ground_blocks(yaml);
     const Case the_case = load_case_text(yaml, case_file);
     subject->surface = the_case.surface;

@@ -9,7 +9,6 @@ namespace strake {
 
 struct Subject {
     std::filesystem::path surface, case_file;  ///< the latter empty: a bare surface
-    std::string case_text;                     ///< as it was read
     RegionGround ground;
     std::string blocks;   ///< of the case's text that decide about `ground` (`ground_blocks`)
     std::string payload;  ///< what the page gets (`payload_of`)
@@ -24,8 +23,8 @@ std::shared_ptr<const Subject> case_subject(const std::filesystem::path& case_fi
 /// The blocks of a case's text on which the prepared surface and its patches depend.
 std::string ground_blocks(const std::string& yaml);
 
-/// Regions of a case on a surface: {regions: [{name, triangles, area, box, fixed, line, error}], masks: base64 of one
-/// bit a triangle each, least significant first}. Errors by region do not throw.
+/// Regions of a case on a surface: [{name, line, fixed, triangles, area, marks (`packed_marks`)} or {name, line, fixed,
+/// error, error_line}, …]. Errors by region do not throw.
 nlohmann::ordered_json regions_json(const Subject& subject, const Case& the_case);
 
 /// One bit a triangle, least significant first, in base64.

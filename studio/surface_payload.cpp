@@ -234,19 +234,23 @@ void add_labels(const RegionGround& ground, Json& facts, Arrays& arrays) {
 
 }  // namespace
 
+std::vector<float> relative_to(const Eigen::Vector3d& center, const Points& vertices) {
+    std::vector<float> positions;
+    for (Eigen::Index v = 0; v < vertices.rows(); ++v)
+        for (int c = 0; c < 3; ++c) positions.push_back(static_cast<float>(vertices(v, c) - center[c]));
+    return positions;
+}
+
 std::string payload_of(const Subject& subject, const Case* the_case) {
     const StartSurface& start = subject.ground.start;
     const TriMesh& mesh = start.mesh;
     const Checkup found = checkup(mesh);
     const Eigen::Vector3d center = (found.box.min + found.box.max) / 2;
     Arrays arrays;
-    std::vector<float> positions;
-    for (int v = 0; v < mesh.num_vertices(); ++v)
-        for (int c = 0; c < 3; ++c) positions.push_back(static_cast<float>(mesh.vertices(v, c) - center[c]));
     std::vector<std::uint32_t> triangles;
     for (int t = 0; t < mesh.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) triangles.push_back(static_cast<std::uint32_t>(mesh.triangles(t, k)));
-    arrays.add("positions", positions, "f32");
+    arrays.add("positions", relative_to(center, mesh.vertices), "f32");
     arrays.add("triangles", triangles, "u32");
     arrays.add("creases", creases_of(start), "u32");
     Json facts{{"vertices", mesh.num_vertices()},

@@ -9,4 +9,7 @@ namespace strake {
 /// @param the_case null: a bare surface.
 std::string payload_of(const Subject& subject, const Case* the_case);
 
+/// Three numbers a vertex, relative to a point: single precision is spent on the shape, not on where it lies.
+std::vector<float> relative_to(const Eigen::Vector3d& center, const Points& vertices);
+
 }  // namespace strake

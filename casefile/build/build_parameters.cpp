@@ -79,25 +79,26 @@ void ProblemBuilder::set_motion_limits() {
 }
 
 void ProblemBuilder::set_planform() {
+    const std::vector<PlanformRangeEntry>& entries = case_.parameters.planform;
     std::vector<std::shared_ptr<const Wing>> wings;
     std::vector<std::string> names;
-    std::vector<PlanformRange> ranges;
-    for (const PlanformRangeEntry& entry : case_.parameters.planform) {
-        auto known = std::find(names.begin(), names.end(), entry.wing);
-        if (known == names.end()) {
+    for (const PlanformRangeEntry& entry : entries)
+        if (std::find(names.begin(), names.end(), entry.wing) == names.end()) {
             names.push_back(entry.wing);
             wings.push_back(wings_.at(entry.wing));
-            known = names.end() - 1;
         }
-        ranges.push_back(entry.range);
-        ranges.back().wing = static_cast<int>(known - names.begin());
-        // One after the other, so that what is refused is said where it stands.
-        at(entry.place, "parameters.planform: ", [&] { PlanformMotion(start_.mesh, wings, ranges); });
+    std::shared_ptr<PlanformMotion> planform;
+    const std::string path = "parameters.planform: ";
+    at(entries.front().place, path, [&] { planform = std::make_shared<PlanformMotion>(start_.mesh, wings); });
+    // One after the other, so that what is refused is said where it stands.
+    for (const PlanformRangeEntry& entry : entries) {
         if (!errors_.empty()) return;
+        PlanformRange range = entry.range;
+        range.wing = static_cast<int>(std::find(names.begin(), names.end(), entry.wing) - names.begin());
+        at(entry.place, path, [&] { planform->add(start_.mesh, range); });
     }
-    const auto planform = std::make_shared<const PlanformMotion>(start_.mesh, wings, ranges);
-    at(case_.parameters.planform.front().place,
-       "parameters.planform: ", [&] { refuse_held(*planform, start_.mesh, out_.problem.fixed, "fixed"); });
+    if (!errors_.empty()) return;
+    at(entries.front().place, path, [&] { refuse_held(*planform, start_.mesh, out_.problem.fixed, "fixed"); });
     add_planform(out_.problem.parameters, planform);
 }
 

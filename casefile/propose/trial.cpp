@@ -13,7 +13,7 @@ constexpr int num_probes = 3;
 
 /// The first level that has variables of shape.
 DesignSpace first_space(const std::shared_ptr<const RestFacts>& rest) {
-    for (int level = rest->parameters.fields ? 0 : 1; level < static_cast<int>(rest->tree->levels.size()); ++level) {
+    for (int level = coarsest_level(rest->parameters); level < static_cast<int>(rest->tree->levels.size()); ++level) {
         DesignSpace space = design_space(rest, level);
         if (space.num_shape() > 0) return space;
     }

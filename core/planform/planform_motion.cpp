@@ -18,10 +18,10 @@ constexpr double same_station = 0.01;   ///< of the semispan: a kink beside a st
 constexpr double blunt_from = 5e-4;     ///< of the chord: thickness of a blunt trailing edge
 constexpr double cambered_from = 5e-3;  ///< of the chord: height of a mean line that is more than rounding
 constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two more humps
-constexpr double lowest_share = -0.9;   ///< of span, chord, t/c: nothing is left below
+constexpr double min_share = -0.9;      ///< of span, chord, t/c: nothing is left below
 constexpr double steepest = 80 * std::numbers::pi / 180;
 constexpr double probe = 1e-2;     ///< change for which sections are measured
-constexpr double most_cut = 0.25;  ///< of a change: a section that shows less of it is not understood
+constexpr double max_cut = 0.25;   ///< of a change: a section that shows less of it is not understood
 constexpr double map_step = 1e-6;  ///< of the semispan
 
 /// Mean line of the four-digit series, 1 at its top.
@@ -79,6 +79,12 @@ double hat(const std::vector<double>& places, std::size_t k, double s) {
 
 double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
 
+/// Changes of a section between two nodes.
+struct Between {
+    Complex factor;
+    double thickness, kept, camber;
+};
+
 }  // namespace
 
 const std::vector<std::string>& planform_changes() {
@@ -91,7 +97,7 @@ PlanformMotion::PlanformMotion(const TriMesh& start, const std::vector<std::shar
     : start_(start.vertices), triangles_(start.triangles) {
     for (const auto& wing : wings) add_wing(start, wing);
     place_vertices(start);
-    for (const PlanformRange& range : ranges) add_range(start, range);
+    for (const PlanformRange& range : ranges) add(start, range);
 }
 
 PlanformMotion::Node PlanformMotion::node_at(const TriMesh& start, const Wing& wing, double station) const {
@@ -165,9 +171,9 @@ void PlanformMotion::check_angle(const PlanformRange& range, const MovedWing& mo
     const double now = range.change == PlanformChange::sweep      ? moved.sweep
                        : range.change == PlanformChange::dihedral ? moved.dihedral
                                                                   : 0;
-    if (std::max(std::abs(now + range.lower), std::abs(now + range.upper)) > steepest)
-        refuse(text(" would reach ", (now + (now > 0 ? range.upper : range.lower)) * 180 / std::numbers::pi,
-                    " degrees; it must stay within 80"));
+    for (const double end : {now + range.lower, now + range.upper})
+        if (std::abs(end) > steepest)
+            refuse(text(" would reach ", end * 180 / std::numbers::pi, " degrees; it must stay within 80"));
 }
 
 void PlanformMotion::check_range(const PlanformRange& range, const std::string& shown) const {
@@ -176,9 +182,9 @@ void PlanformMotion::check_range(const PlanformRange& range, const std::string& 
     if (!(range.lower <= 0 && range.upper >= 0 && range.lower < range.upper) ||
         !std::isfinite(range.upper - range.lower))
         refuse(text(": its range [", range.lower, ", ", range.upper, "] must ascend and contain 0, no change"));
-    if (!is_angle(range.change) && range.change != PlanformChange::camber && range.lower < lowest_share)
-        refuse(text(": its range begins at ", 100 * range.lower, " %, and must not fall below ", 100 * lowest_share,
-                    " %"));
+    if (!is_angle(range.change) && range.change != PlanformChange::camber && range.lower < min_share)
+        refuse(
+            text(": its range begins at ", 100 * range.lower, " %, and must not fall below ", 100 * min_share, " %"));
     if (range.by_station && !has_stations(range.change)) refuse(" is one of the whole wing and has no stations");
     for (const Variable& other : variables_)
         if (other.wing == range.wing && other.change == range.change &&
@@ -188,7 +194,7 @@ void PlanformMotion::check_range(const PlanformRange& range, const std::string& 
     check_angle(range, moved, refuse);
 }
 
-void PlanformMotion::add_range(const TriMesh& start, const PlanformRange& range) {
+void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
     if (range.wing < 0 || range.wing >= static_cast<int>(wings_.size()))
         throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", wings_.size(), ")"));
     MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
@@ -261,7 +267,7 @@ void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& ran
                 hat(places, k, moved.nodes[n].place);
     // Triangles cut the corner at a station between two rows of vertices.
     const Eigen::MatrixXd shown_by = measured(start, range, free, shares);
-    if ((shown_by - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff() < most_cut)
+    if ((shown_by - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff() < max_cut)
         shares = shown_by.transpose().partialPivLu().solve(shares).eval();
     for (Eigen::Index k = 0; k < count; ++k) {
         const double station = free[static_cast<std::size_t>(k)];
@@ -416,16 +422,6 @@ Vector3d PlanformMotion::in_space(const Place& at, const Vector3d& axis, Complex
     return axis[0] * wing.span(at.side) + (axis[1] + section.real()) * wing.declaration().downstream +
            axis[2] * wing.declaration().up + section.imag() * at.up;
 }
-
-namespace {
-
-/// Changes of a section between two nodes.
-struct Between {
-    Complex factor;
-    double thickness, kept, camber;
-};
-
-}  // namespace
 
 Vector3d PlanformMotion::moved(const Place& at, const Changes& by) const { return moved_rate(at, {}, by); }
 

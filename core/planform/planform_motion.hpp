@@ -51,10 +51,11 @@ struct PlanformRange {
 ///
 ///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
 ///
-/// (each station's variable is what its section shows: triangles cut the corners of M, t and k at a station between two
-/// rows of vertices, so that these are not quite the values there)
-/// an edge that was straight there stays straight, and equal changes at both are that change everywhere between. t, q
-/// and k are linear between stations, and all is constant beyond the first and the last.
+/// so that an edge that was straight there stays straight, and equal changes at both are that change everywhere
+/// between. t, q and k are linear between stations, and all is constant beyond the first and the last. The variable of
+/// a station is what its section shows; where triangles cut the corners of M, t and k, at a station between two rows of
+/// vertices, these differ from it a little.
+///
 /// Sections are normal to the span, on a winglet to its axis. Both sides of a whole wing do the same. Vertices that are
 /// not of the wing do not move; where the wing is joined to other triangles, it moves from its root on, whose section
 /// must then be held.
@@ -64,7 +65,9 @@ public:
     /// station of what has none, a wing joined to other triangles whose root section would change, wings that share
     /// vertices; as Wing.
     PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
-                   const std::vector<PlanformRange>& ranges);
+                   const std::vector<PlanformRange>& ranges = {});
+    /// One more range. @param start the same. @throws as above.
+    void add(const TriMesh& start, const PlanformRange& range);
 
     /// "wing.delta_span", "wing.delta_twist@0.5".
     struct Variable {
@@ -126,7 +129,6 @@ private:
     };
 
     void add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing);
-    void add_range(const TriMesh& start, const PlanformRange& range);
     void add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held, const std::string& shown);
     /// What a unit of each row's shares changes at each of the stations, as a section of the moved surface has it.
     Eigen::MatrixXd measured(const TriMesh& start, const PlanformRange& range, const std::vector<double>& stations,

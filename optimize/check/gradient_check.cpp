@@ -64,7 +64,7 @@ struct Beginning {
 Beginning begin(ShapeEvaluator& evaluator, const Problem& problem, const std::shared_ptr<const RestFacts>& rest,
                 int level) {
     const int finest = static_cast<int>(rest->tree->levels.size()) - 1;
-    const int coarsest = rest->parameters.fields ? 0 : 1;
+    const int coarsest = coarsest_level(rest->parameters);
     if (level > finest || level < -1 || (level >= 0 && level < coarsest))
         throw InvalidInput(text("gradient check: level ", level, " must be in [", coarsest, ", ", finest, "]"));
     if (problem.start && level >= 0)

@@ -24,7 +24,7 @@ int variable_named(const DesignSpace& space, const std::string& name) {
 void validate(const SweepOptions& options, const Problem& problem) {
     if (options.axes.empty()) throw InvalidInput("sweep: no variable is named");
     const int finest = static_cast<int>(problem.tree.levels.size()) - 1;
-    const int coarsest = problem.parameters.fields ? 0 : 1;
+    const int coarsest = coarsest_level(problem.parameters);
     if (options.level < coarsest || options.level > finest)
         throw InvalidInput(text("sweep: level ", options.level, " must be in [", coarsest, ", ", finest, "]"));
     double points = 1;

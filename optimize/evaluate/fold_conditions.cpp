@@ -7,12 +7,14 @@
 namespace strake {
 namespace {
 
-constexpr std::size_t most_conditions = 24;
-constexpr double spread = 0.03;  ///< diagonals: triangles closer than this say the same
+constexpr std::size_t max_conditions = 24;
+constexpr double spread = 0.03;         ///< diagonals: triangles closer than this say the same
+constexpr double planform_step = 1e-3;  ///< of a range: maps of wings are known to 1e-9, and curved over their range
 
-std::vector<Eigen::Matrix3d> maps_at(const DesignSpace& space, const Eigen::VectorXd& x) {
-    return space.rest->parameters.fields->local_maps(demand(space, x).fields);
-}
+using Maps = std::vector<Eigen::Matrix3d>;
+
+/// What the guard judges: by fields and planform together.
+Maps maps_at(const DesignSpace& space, const Eigen::VectorXd& x) { return local_maps(*space.rest, demand(space, x)); }
 
 /// d(det F)/dF, also where F is singular.
 Eigen::Matrix3d cofactors(const Eigen::Matrix3d& F) {
@@ -25,8 +27,6 @@ Eigen::RowVector3d middle_of(const TriMesh& mesh, int t) {
     return mesh.vertices(mesh.triangles.row(t), Eigen::all).colwise().mean();
 }
 
-using Maps = std::vector<Eigen::Matrix3d>;
-
 /// Triangles of least determinant below `below`, spread over the surface.
 std::vector<std::size_t> chosen_triangles(const RestFacts& rest, const Maps& maps, double below) {
     std::vector<std::pair<double, std::size_t>> low;
@@ -37,7 +37,7 @@ std::vector<std::size_t> chosen_triangles(const RestFacts& rest, const Maps& map
     std::ranges::stable_sort(low, {}, [&](const auto& entry) { return steps(entry.first); });
     std::vector<std::size_t> chosen;
     for (const auto& [determinant, t] : low) {
-        if (chosen.size() == most_conditions) break;
+        if (chosen.size() == max_conditions) break;
         const Eigen::RowVector3d middle = middle_of(rest.surface, static_cast<int>(t));
         if (std::ranges::none_of(chosen, [&](std::size_t other) {
                 return (middle_of(rest.surface, static_cast<int>(other)) - middle).norm() < spread * rest.diagonal;
@@ -47,8 +47,24 @@ std::vector<std::size_t> chosen_triangles(const RestFacts& rest, const Maps& map
     return chosen;
 }
 
-/// At the design of these maps, to first order there.
-FoldConditions linearised(const DesignSpace& space, const Maps& maps, const std::vector<std::size_t>& triangles) {
+/// Derivatives by changes of wings, whose maps have none in closed form.
+void add_planform_slopes(const DesignSpace& space, const Eigen::VectorXd& x, const std::vector<std::size_t>& triangles,
+                         Eigen::MatrixXd& slopes) {
+    for (int j = 0; j < space.num_shape(); ++j) {
+        if (space.variables[static_cast<std::size_t>(j)].kind != VariableKind::planform) continue;
+        Eigen::VectorXd low = x, high = x;
+        const double step = planform_step * (space.upper[j] - space.lower[j]);
+        low[j] -= step, high[j] += step;
+        const Maps below = maps_at(space, low), above = maps_at(space, high);
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            slopes(static_cast<Eigen::Index>(i), j) =
+                -(above[triangles[i]].determinant() - below[triangles[i]].determinant()) / (2 * step);
+    }
+}
+
+/// To first order at x, whose maps these are.
+FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, const Maps& maps,
+                          const std::vector<std::size_t>& triangles) {
     FoldConditions at;
     at.values.resize(static_cast<Eigen::Index>(triangles.size()));
     at.slopes.resize(at.values.size(), space.size());
@@ -59,6 +75,7 @@ FoldConditions linearised(const DesignSpace& space, const Maps& maps, const std:
             space.rest->parameters.fields->map_gradient(static_cast<int>(t), -cofactors(maps[t]));
         at.slopes.row(i) = design_gradient_of_fields(space, by_field);
     }
+    if (!triangles.empty()) add_planform_slopes(space, x, triangles, at.slopes);
     return at;
 }
 
@@ -75,7 +92,7 @@ bool is_folded(const DesignSpace& space, const Eigen::VectorXd& x, double determ
 FoldConditions fold_conditions(const DesignSpace& space, const Eigen::VectorXd& x, double below) {
     if (!may_fold(space)) return {};
     const Maps maps = maps_at(space, x);
-    FoldConditions at = linearised(space, maps, chosen_triangles(*space.rest, maps, below));
+    FoldConditions at = linearised(space, x, maps, chosen_triangles(*space.rest, maps, below));
     // Between what designs keep and what steps aim at is not beyond the limit.
     for (double& value : at.values)
         if (value <= wanted_determinant - kept_determinant) value = std::min(value, 0.0);
@@ -88,7 +105,7 @@ FoldConditions fold_conditions_between(const DesignSpace& space, const Eigen::Ve
     if (!may_fold(space) || step.isZero(0)) return {};
     const Maps before = maps_at(space, from), after = maps_at(space, to);
     const std::vector<std::size_t> triangles = chosen_triangles(*space.rest, after, wanted_determinant);
-    FoldConditions at = linearised(space, after, triangles);
+    FoldConditions at = linearised(space, to, after, triangles);
     for (Eigen::Index i = 0; i < at.values.size(); ++i) {
         const double end = at.values[i];
         at.values[i] = std::min(0.0, wanted_determinant - before[triangles[static_cast<std::size_t>(i)]].determinant());

@@ -1,10 +1,10 @@
 #pragma once
 #include "optimize/space/design_space.hpp"
 
-/// Designs whose displacement fields do not fold space: of a surface that fields move without a shell, the guard
-/// refuses designs whose map has a determinant below `ValidityGuard::least_determinant` at a triangle. This is known
-/// before anything is evaluated, and so are its derivatives: searches keep to it as to a limit instead of paying for
-/// what fails. Internal to the evaluator.
+/// Designs whose displacement fields do not fold space: of a surface that fields (and changes of wings beside them)
+/// move without a shell, the guard refuses designs whose map has a determinant below `ValidityGuard::least_determinant`
+/// at a triangle. This is known before anything is evaluated, and so are its derivatives: searches keep to it as to a
+/// limit instead of paying for what fails. Internal to the evaluator.
 namespace strake {
 
 /// Conditions on the change of a design, to first order: values + slopes.(change of x) <= 0 where nothing folds.
@@ -17,7 +17,7 @@ struct FoldConditions {
 /// steps aim at.
 inline constexpr double kept_determinant = 0.06, moved_determinant = 0.0601, wanted_determinant = 0.07;
 
-/// Fields alone move the surface.
+/// Fields move the surface, and no shell does.
 bool may_fold(const DesignSpace& space);
 
 /// The map of x has less than this determinant at some triangle. False where it cannot fold.

@@ -106,6 +106,9 @@ struct Parameters {
     std::shared_ptr<const Invariance> invariance;
 };
 
+/// The first level that has variables, if it is not for patches: displacement fields are level 0 by themselves.
+inline int coarsest_level(const Parameters& parameters) { return parameters.fields ? 0 : 1; }
+
 /// Makes the fields design variables: each a user variable that is called as it is.
 void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields> fields);
 

@@ -66,21 +66,30 @@ std::vector<RigidMotion> motions(const DesignSpace& space, const Eigen::VectorXd
     return all;
 }
 
-/// Values of the fields from those of all user variables.
-Eigen::VectorXd field_values(const RestFacts& rest, const Eigen::VectorXd& of_user) {
-    Eigen::VectorXd values = Eigen::VectorXd::Zero(rest.parameters.fields->size());
+/// Of fields, or of changes of wings: their values from those of all user variables.
+Eigen::VectorXd values_by(int UserVariable::*number, int size, const RestFacts& rest, const Eigen::VectorXd& of_user) {
+    Eigen::VectorXd values = Eigen::VectorXd::Zero(size);
     const auto& user = rest.parameters.user_variables;
     for (std::size_t g = 0; g < user.size(); ++g)
-        if (user[g].field >= 0) values[user[g].field] += of_user[static_cast<Eigen::Index>(g)];
+        if (const int k = user[g].*number; k >= 0) values[k] += of_user[static_cast<Eigen::Index>(g)];
     return values;
 }
 
-Eigen::VectorXd planform_values(const RestFacts& rest, const Eigen::VectorXd& of_user) {
-    Eigen::VectorXd values = Eigen::VectorXd::Zero(rest.parameters.planform->size());
-    const auto& user = rest.parameters.user_variables;
+Eigen::VectorXd field_values(const RestFacts& rest, const Eigen::VectorXd& of_user) {
+    return values_by(&UserVariable::field, rest.parameters.fields->size(), rest, of_user);
+}
+
+/// The transpose: dJ/d(value) into the entries of their user variables.
+void add_gradient_by(int UserVariable::*number, const DesignSpace& space, const Eigen::VectorXd& by_value,
+                     Eigen::VectorXd& gradient) {
+    const auto& user = space.rest->parameters.user_variables;
     for (std::size_t g = 0; g < user.size(); ++g)
-        if (user[g].planform >= 0) values[user[g].planform] += of_user[static_cast<Eigen::Index>(g)];
-    return values;
+        if (const int k = user[g].*number; k >= 0) gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_value[k];
+}
+
+Eigen::VectorXd planform_of(const DesignSpace& space, const Eigen::VectorXd& value) {
+    return values_by(&UserVariable::planform, space.rest->parameters.planform->size(), *space.rest,
+                     space.user_values(value) + space.carried_user_values);
 }
 
 void check_size(const DesignSpace& space, const Eigen::VectorXd& x) {
@@ -115,33 +124,13 @@ Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::Vecto
     return by_triangle;
 }
 
-/// dJ/d(field) into the entries of the user variables that are fields.
-void add_field_gradient(const DesignSpace& space, const Eigen::VectorXd& by_field, Eigen::VectorXd& gradient) {
-    const Parameters& p = space.rest->parameters;
-    for (std::size_t g = 0; g < p.user_variables.size(); ++g)
-        if (const int field = p.user_variables[g].field; field >= 0)
-            gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_field[field];
-}
-
 /// dv by a unit of the variable, a change of a wing, at x.
 Points planform_response(const DesignSpace& space, int j, const Eigen::VectorXd* x) {
     const Variable& variable = space.variables[j];
     const Parameters& p = space.rest->parameters;
     const Eigen::VectorXd at =
-        x ? demand(space, *x).planform : Eigen::VectorXd(Eigen::VectorXd::Zero(p.planform->size()));
+        x ? planform_change(space, *x) : Eigen::VectorXd(Eigen::VectorXd::Zero(p.planform->size()));
     return variable.unit * p.planform->derivative(at, p.user_variables[variable.component].planform);
-}
-
-/// dJ/d(change of a wing), likewise, at these values of the degrees of freedom: they are not linear.
-void add_planform_gradient(const DesignSpace& space, const Eigen::VectorXd& value, const Points& dJ_dv,
-                           Eigen::VectorXd& gradient) {
-    const Parameters& p = space.rest->parameters;
-    if (!p.planform) return;
-    const Eigen::VectorXd at = planform_values(*space.rest, space.user_values(value) + space.carried_user_values);
-    const Eigen::VectorXd by_change = p.planform->gradient(at, dJ_dv);
-    for (std::size_t g = 0; g < p.user_variables.size(); ++g)
-        if (const int change = p.user_variables[g].planform; change >= 0)
-            gradient[space.num_patch_dofs() + static_cast<int>(g)] = by_change[change];
 }
 
 /// dJ/d(degree of freedom), all of them.
@@ -150,8 +139,10 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
     if (const auto& fields = rest.parameters.fields)
-        add_field_gradient(space, fields->gradient(sensitivities.vertex), gradient);
-    add_planform_gradient(space, value, sensitivities.vertex, gradient);
+        add_gradient_by(&UserVariable::field, space, fields->gradient(sensitivities.vertex), gradient);
+    if (const auto& planform = rest.parameters.planform)  // not linear in its values
+        add_gradient_by(&UserVariable::planform, space,
+                        planform->gradient(planform_of(space, value), sensitivities.vertex), gradient);
     if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;
@@ -224,9 +215,12 @@ ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     }
     if (space.rest->parameters.fields)
         result.fields = field_values(*space.rest, space.user_values(value) + space.carried_user_values);
-    if (space.rest->parameters.planform)
-        result.planform = planform_values(*space.rest, space.user_values(value) + space.carried_user_values);
+    if (space.rest->parameters.planform) result.planform = planform_of(space, value);
     return result;
+}
+
+Eigen::VectorXd planform_change(const DesignSpace& space, const Eigen::VectorXd& x) {
+    return planform_of(space, dofs(space, x));
 }
 
 bool ShellDemand::same_shell(const ShellDemand& other) const {
@@ -259,7 +253,7 @@ Eigen::VectorXd design_gradient(const DesignSpace& space, const Eigen::VectorXd&
 
 Eigen::VectorXd design_gradient_of_fields(const DesignSpace& space, const Eigen::VectorXd& by_field) {
     Eigen::VectorXd by_dof = Eigen::VectorXd::Zero(space.num_dofs());
-    add_field_gradient(space, by_field, by_dof);
+    add_gradient_by(&UserVariable::field, space, by_field, by_dof);
     return by_variable(space, by_dof);
 }
 

@@ -135,6 +135,8 @@ Eigen::VectorXd dofs(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// Tractions, motions and heights of x. Forces are summed over triangles in their order, whatever the patches.
 ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x);
+/// Its `planform` alone. @pre there are changes of wings
+Eigen::VectorXd planform_change(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// Change of the vertex forces, n x 3, by a change of the load variables.
 Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change);

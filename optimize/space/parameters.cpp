@@ -1,6 +1,7 @@
 #include "optimize/space/parameters.hpp"
 
 #include "core/planform/planform_motion.hpp"
+
 namespace strake {
 
 void append_parameters(DesignSpace& space) {
@@ -45,22 +46,16 @@ Eigen::VectorXd parameter_units(const DesignSpace& space) {
     return units;
 }
 
-std::vector<std::pair<std::string, double>> planform_values(const DesignSpace& space, const Eigen::VectorXd& x) {
-    std::vector<std::pair<std::string, double>> all;
+std::vector<PlanformValue> planform_values(const DesignSpace& space, const Eigen::VectorXd& x) {
+    std::vector<PlanformValue> all;
     const auto& planform = space.rest->parameters.planform;
     if (!planform) return all;
-    const auto& user = space.rest->parameters.user_variables;
-    const Eigen::VectorXd values = space.user_values(dofs(space, x)) + space.carried_user_values;
-    for (std::size_t g = 0; g < user.size(); ++g)
-        if (user[g].planform >= 0) all.emplace_back(user[g].name, values[static_cast<Eigen::Index>(g)]);
+    const Eigen::VectorXd values = planform_change(space, x);
+    for (int j = 0; j < planform->size(); ++j) {
+        const PlanformMotion::Variable& variable = planform->variables()[static_cast<std::size_t>(j)];
+        all.push_back({variable.name, values[j], is_angle(variable.change)});
+    }
     return all;
-}
-
-bool is_planform_angle(const RestFacts& rest, const std::string& name) {
-    if (!rest.parameters.planform) return false;
-    for (const PlanformMotion::Variable& v : rest.parameters.planform->variables())
-        if (v.name == name) return is_angle(v.change);
-    return false;
 }
 
 std::vector<std::string> recorded_names(const Problem& problem) {
@@ -74,7 +69,7 @@ std::vector<std::string> recorded_names(const Problem& problem) {
 std::vector<double> recorded_values(const DesignSpace& space, const Eigen::VectorXd& x) {
     std::vector<double> values;
     for (const auto& [name, value] : parameter_values(space, x)) values.push_back(value);
-    for (const auto& [name, value] : planform_values(space, x)) values.push_back(value);
+    for (const PlanformValue& change : planform_values(space, x)) values.push_back(change.value);
     return values;
 }
 

@@ -13,10 +13,12 @@ void append_parameters(DesignSpace& space);
 std::vector<std::pair<std::string, double>> parameter_values(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// Values of changes of wings (`Parameters::planform`), all of them.
-std::vector<std::pair<std::string, double>> planform_values(const DesignSpace& space, const Eigen::VectorXd& x);
-
-/// Of one of them: in radians.
-bool is_planform_angle(const RestFacts& rest, const std::string& name);
+struct PlanformValue {
+    std::string name;
+    double value;  ///< radians, or a share
+    bool is_angle;
+};
+std::vector<PlanformValue> planform_values(const DesignSpace& space, const Eigen::VectorXd& x);
 
 /// What a record of a design lists beside the values of quantities: parameters, then changes of wings.
 std::vector<std::string> recorded_names(const Problem& problem);

@@ -235,6 +235,20 @@ class Server(unittest.TestCase):
         self.assertTrue(self.studio.post("save", name="saved.yaml", text="surface: x\n", mark="")[1]["changed"], "no new file over an old one")
         self.assertEqual([f.name for f in self.folder.iterdir() if f.name.startswith("saved")], ["saved.yaml"], "no other file stays")
 
+    def test_a_list_of_triangles_takes_the_place_of_no_file_of_the_users(self):
+        self.opened()
+        own = self.folder / "scraps-triangles.txt"
+        own.write_text("7\n")
+        self.addCleanup(own.unlink)
+        picked = [{"triangles": [1, 500, 900]}]
+        status, answer = self.studio.post("region", text="surface: body.stl\n", name="scraps", steps=picked)
+        self.assertEqual(status, 409)
+        self.assertIn("exists already", answer["error"])
+        self.assertEqual(own.read_text(), "7\n")
+        status, answer = self.studio.post("region", text="surface: body.stl\nregions:\n  scraps: {triangles: scraps-triangles.txt}\n", name="scraps", steps=picked)
+        self.assertEqual(status, 200, "the region's own list is written again")
+        self.assertEqual(own.read_text(), "1\n500\n900\n")
+
     def test_checks_a_text_without_running_or_writing_anything(self):
         self.opened()
         trap = self.folder / "trap"

@@ -1,7 +1,6 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
-#include "optimize/evaluate/evaluation.hpp"
-#include "optimize/run/coarse_to_fine.hpp"
+#include "evaluated.hpp"
 #include "optimize/run/fit.hpp"
 #include "problems.hpp"
 
@@ -24,25 +23,6 @@ Problem with_fields(int number, std::vector<VariableKind> kinds = {VariableKind:
                std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{number, {}}));
     return problem;
 }
-
-struct Evaluated {
-    Problem problem;
-    std::shared_ptr<const RestFacts> rest;
-    ShapeEvaluator evaluator;
-    DesignSpace space;
-    Evaluated(Problem p, int level)
-        : problem(std::move(p)),
-          rest(rest_facts(problem)),
-          evaluator(problem, rest, {"volume", "area"}),
-          space(design_space(rest, level)) {
-        evaluator.enter(space);
-    }
-    ShapeEvaluation at(const Eigen::VectorXd& x) {
-        ShapeEvaluation e = evaluator.evaluate(x, 1);
-        EXPECT_EQ(e.status, EvaluationStatus::ok) << e.reason;
-        return e;
-    }
-};
 
 int count_of(const DesignSpace& space, VariableKind kind) {
     return static_cast<int>(

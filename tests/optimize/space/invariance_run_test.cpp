@@ -1,8 +1,7 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
-#include "optimize/evaluate/evaluation.hpp"
-#include "optimize/run/coarse_to_fine.hpp"
+#include "evaluated.hpp"
 #include "optimize/space/field_conditions.hpp"
 #include "problems.hpp"
 #include "tests/kinds_of_shape.hpp"
@@ -43,25 +42,6 @@ Problem problem_of(const Kind& one, std::vector<VariableKind> variables, int fie
                                            problem.surface, field_conditions(problem), FieldOptions{fields, {}}));
     return problem;
 }
-
-struct Evaluated {
-    Problem problem;
-    std::shared_ptr<const RestFacts> rest;
-    ShapeEvaluator evaluator;
-    DesignSpace space;
-    Evaluated(Problem p, int level)
-        : problem(std::move(p)),
-          rest(rest_facts(problem)),
-          evaluator(problem, rest, {"volume", "area"}),
-          space(design_space(rest, level)) {
-        evaluator.enter(space);
-    }
-    ShapeEvaluation at(const Eigen::VectorXd& x) {
-        ShapeEvaluation e = evaluator.evaluate(x, 1);
-        EXPECT_EQ(e.status, EvaluationStatus::ok) << e.reason;
-        return e;
-    }
-};
 
 }  // namespace
 

@@ -1,10 +1,8 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/planform/planform_motion.hpp"
-#include "optimize/evaluate/evaluation.hpp"
-#include "optimize/run/coarse_to_fine.hpp"
-#include "optimize/run/mixed_design.hpp"
-#include "optimize/run/stored_design.hpp"
+#include "evaluated.hpp"
+#include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/space/field_conditions.hpp"
 #include "problems.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
@@ -59,21 +57,6 @@ Problem wing_problem(Beside beside) {
     return problem;
 }
 
-struct Evaluated {
-    Problem problem;
-    std::shared_ptr<const RestFacts> rest;
-    ShapeEvaluator evaluator;
-    DesignSpace space;
-    explicit Evaluated(Problem p)
-        : problem(std::move(p)),
-          rest(rest_facts(problem)),
-          evaluator(problem, rest, {"volume", "area"}),
-          space(design_space(rest, problem.has_shell ? 1 : 0)) {
-        evaluator.enter(space);
-    }
-    Eigen::VectorXd planform_at(const Eigen::VectorXd& x) const { return demand(space, x).planform; }
-};
-
 TEST(PlanformVariables, HaveTheirOwnRangesAndMoveTheStartExactly) {
     Evaluated e(wing_problem(Beside::nothing));
     ASSERT_EQ(e.space.size(), 6);
@@ -83,8 +66,8 @@ TEST(PlanformVariables, HaveTheirOwnRangesAndMoveTheStartExactly) {
     e.evaluator.limit_motion();  // of 1 %, which the span alone exceeds by far
     const ShapeEvaluation at = e.evaluator.evaluate(e.space.upper, 1);
     ASSERT_EQ(at.status, EvaluationStatus::ok) << at.reason;
-    const Points wanted =
-        e.problem.surface.vertices + e.problem.parameters.planform->displacement(e.planform_at(e.space.upper));
+    const Points wanted = e.problem.surface.vertices +
+                          e.problem.parameters.planform->displacement(planform_change(e.space, e.space.upper));
     EXPECT_EQ(at.vertices, wanted);
     EXPECT_GT(at.max_displacement, 0.05 * e.rest->diagonal);
     for (const int t : e.problem.fixed)
@@ -139,23 +122,37 @@ TEST(PlanformVariables, RunsGainAndGoOn) {
         Problem problem = wing_problem(beside);
         maximize_volume(problem, 1.0);
         problem.optimize.max_evaluations = 14;
-        std::optional<StoredDesign> best;
-        RunEvents events;
-        events.accepted = [&](const AcceptedDesign& design) { best = stored_design(design); };
-        const RunResult r = optimize(problem, events);
-        EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
-        EXPECT_GT(r.objective, 1.002 * r.objective_start);
-        ASSERT_TRUE(best.has_value());
-        Problem again = problem;
-        again.optimize.max_evaluations = 4;
-        start_from(again, std::make_shared<const StoredDesign>(*best));
-        const RunResult more = optimize(again);
-        EXPECT_GE(more.objective, (1 - 1e-9) * r.objective) << more.reason;
-        const auto design = std::make_shared<const StoredDesign>(*best);
-        const MixedDesign same = mixed_design({problem, design}, {problem, design}, 0.3);
-        EXPECT_EQ(same.defect, "");
-        EXPECT_LT((same.vertices - design->vertices).cwiseAbs().maxCoeff(), 1e-8);
+        expect_run_is_stored(problem, 0.002, 1e-8);
     }
+}
+
+/// What keeps searches by fields from folds knows the wings, too: it says what the guard says.
+TEST(PlanformVariables, FoldsAreThoseOfFieldsAndWingsTogether) {
+    const Evaluated e(wing_problem(Beside::fields));
+    // Half of each range; fields that shrink the sections, far beyond the motion limit.
+    Eigen::VectorXd x = 0.5 * random_vector(e.space.size(), 3).cwiseMax(e.space.lower).cwiseMin(e.space.upper);
+    const Eigen::VectorXd p = random_vector(e.space.size(), 5);
+    constexpr double below = 0.9, h = 1e-4;
+    for (int j = 0; j < e.space.size(); ++j)
+        if (e.space.variables[static_cast<std::size_t>(j)].kind == VariableKind::field) x[j] = -std::abs(x[j]);
+    for (int tries = 0; tries < 20 && fold_conditions(e.space, x, below).values.size() < 4; ++tries)
+        for (int j = 0; j < e.space.size(); ++j)
+            if (e.space.variables[static_cast<std::size_t>(j)].kind == VariableKind::field) x[j] *= 1.5;
+    const FoldConditions at = fold_conditions(e.space, x, below);
+    ASSERT_GE(at.values.size(), 4);
+    const Eigen::VectorXd change =
+        (fold_conditions(e.space, x + h * p, below).values - fold_conditions(e.space, x - h * p, below).values) /
+        (2 * h);
+    ASSERT_EQ(change.size(), at.values.size());
+    EXPECT_LT((change - at.slopes * p).norm(), 1e-4 * change.norm());
+    Eigen::MatrixXd without = at.slopes;
+    for (int j = 0; j < e.space.size(); ++j)
+        if (e.space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) without.col(j).setZero();
+    EXPECT_GT((change - without * p).norm(), 1e-2 * change.norm()) << "the test can fail";
+    double least = 1;
+    for (const Eigen::Matrix3d& map : local_maps(*e.rest, demand(e.space, x)))
+        least = std::min(least, map.determinant());
+    EXPECT_NEAR(wanted_determinant - at.values[0], least, 1e-12);
 }
 
 TEST(PlanformVariables, WhatCannotBeIsRefused) {

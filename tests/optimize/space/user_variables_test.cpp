@@ -1,8 +1,7 @@
 #include "optimize/space/user_variables.hpp"
 
 #include "core/error.hpp"
-#include "optimize/evaluate/evaluation.hpp"
-#include "optimize/run/coarse_to_fine.hpp"
+#include "evaluated.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -55,25 +54,6 @@ Problem with_user_variables(std::vector<VariableKind> kinds = {VariableKind::loa
                                          user_motion(mesh, "slide", false), user_motion(mesh, "hinge", true)};
     return problem;
 }
-
-struct Evaluated {
-    Problem problem;
-    std::shared_ptr<const RestFacts> rest;
-    ShapeEvaluator evaluator;
-    DesignSpace space;
-    explicit Evaluated(Problem p)
-        : problem(std::move(p)),
-          rest(rest_facts(problem)),
-          evaluator(problem, rest, {"volume", "area"}),
-          space(design_space(rest, 1)) {
-        evaluator.enter(space);
-    }
-    ShapeEvaluation at(const Eigen::VectorXd& x) {
-        ShapeEvaluation e = evaluator.evaluate(x, 1);
-        EXPECT_EQ(e.status, EvaluationStatus::ok) << e.reason;
-        return e;
-    }
-};
 
 std::string refusal(const Problem& problem) {
     try {

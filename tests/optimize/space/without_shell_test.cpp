@@ -1,12 +1,9 @@
 #include "cases/geometry/dirty_body.hpp"
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
-#include "optimize/evaluate/evaluation.hpp"
+#include "evaluated.hpp"
 #include "optimize/evaluate/fold_conditions.hpp"
-#include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/fit.hpp"
-#include "optimize/run/mixed_design.hpp"
-#include "optimize/run/stored_design.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -35,22 +32,6 @@ Problem without_shell(const TriMesh& surface, int number, bool has_volume = true
     problem.quantities.push_back(area(true));
     return problem;
 }
-
-struct Evaluated {
-    Problem problem;
-    std::shared_ptr<const RestFacts> rest;
-    ShapeEvaluator evaluator;
-    DesignSpace space;
-    explicit Evaluated(Problem p)
-        : problem(std::move(p)),
-          rest(rest_facts(problem)),
-          evaluator(problem, rest,
-                    problem.quantities.size() > 1 ? std::vector<std::string>{"volume", "area"}
-                                                  : std::vector<std::string>{"area"}),
-          space(design_space(rest, 0)) {
-        evaluator.enter(space);
-    }
-};
 
 }  // namespace
 
@@ -109,23 +90,7 @@ TEST(WithoutShell, ARunGainsAndItsDesignIsStored) {
     Problem problem = without_shell(example::dirty_body("wing_through_body"), 12);
     maximize_volume(problem, 1.01);
     problem.optimize.max_evaluations = 12;
-    std::optional<StoredDesign> best;
-    RunEvents events;
-    events.accepted = [&](const AcceptedDesign& design) { best = stored_design(design); };
-    const RunResult r = optimize(problem, events);
-    EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
-    EXPECT_GT(r.objective, 1.005 * r.objective_start);
-    ASSERT_TRUE(best.has_value());
-    EXPECT_TRUE(best->poses.rotation.empty());
-    Problem again = problem;
-    again.optimize.max_evaluations = 4;
-    start_from(again, std::make_shared<const StoredDesign>(*best));
-    const RunResult more = optimize(again);
-    EXPECT_GE(more.objective, (1 - 1e-9) * r.objective) << more.reason;
-    const auto design = std::make_shared<const StoredDesign>(*best);
-    const MixedDesign same = mixed_design({problem, design}, {problem, design}, 0.3);
-    EXPECT_EQ(same.defect, "");
-    EXPECT_LT((same.vertices - design->vertices).cwiseAbs().maxCoeff(), 1e-12);
+    expect_run_is_stored(problem, 0.005, 1e-12);
 }
 
 /// Of a thin body whose motion limit is far beyond its thickness: what fields fold is known before it is evaluated.

@@ -2,6 +2,7 @@
 """Runs the problems of cases/published and judges what they wrote: see published.sh, which calls this."""
 import argparse
 import csv
+import dataclasses
 import json
 import math
 import os
@@ -25,6 +26,7 @@ CASES = ROOT / "cases/published"
 sys.path.insert(0, str(CASES))
 import areas  # noqa: E402
 import lattice  # noqa: E402
+import newton  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
 
@@ -101,6 +103,17 @@ def stokes_drag(run):
             Row("semi-angle of the ends, degrees", "60", tip_angle(run), None, 3)]
 
 
+def newton_resistance(run):
+    found = newton.judge(run / "best.obj")
+    by_facets, by_rings = (found[name] / found["least"] for name in ("resistance", "revolved"))
+    nose, best = found["nose"], found["best_nose"]
+    return [Row("resistance", f"{found['least']:.6f}, within 0.1 %", found["resistance"], abs(by_facets - 1) < 0.001, 7),
+            Row("that of the body revolved", f"{found['least']:.6f}, within 0.1 %", found["revolved"], abs(by_rings - 1) < 0.001, 7),
+            Row("radius of the flat nose", f"{best:.5f}, within 0.005", nose, abs(nose - best) < 0.005),
+            Row("slope at its edge", "1", found["slope_at_nose"], None, 3),
+            Row("least bend of the profile, radians", "0 or more: concave", found["least_bend"], found["least_bend"] > -1e-9, 2)]
+
+
 def surface_of(run):
     text = (run / "case.yaml").read_text(encoding="utf-8")
     return (run / re.search(r"file: *\"?([^\s\"},]+)", text).group(1)).resolve()
@@ -115,40 +128,54 @@ def best_row(rows):
     return min((r for r in rows if r["status"] == "ok" and float(r["max_violation"]) <= 1e-6), key=lambda r: float(r["objective"]))
 
 
-#         case: start surface, triangles, triangles of the quick run, judge, source
+@dataclasses.dataclass
+class Problem:
+    start: str  # surface
+    triangles: int
+    judge: object
+    source: str
+    case: str = None  # another one's than of this name, on this start surface
+    quick: int = None  # triangles of the quick run, of 16 evaluations
+
+
 PROBLEMS = {
-    "sears_haack": ("bumped_spindle", 10000, 10000, wave_drag("volume"), "Haack 1941, Sears 1947: D/q = 128 V²/(π L⁴)"),
-    "haack": ("bumped_spindle", 10000, 10000, wave_drag("diameter"), "Haack 1941: D/q = 4π S²/L²"),
-    "karman": ("bumped_ogive", 10000, 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
-    "stokes": ("sphere", 2000, 500, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014"),
-    "twist_10": ("wing_10", 2000, 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
-    "twist_6_12": ("wing_6_12", 2000, 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
+    "sears_haack": Problem("bumped_spindle", 10000, wave_drag("volume"), "Haack 1941, Sears 1947: D/q = 128 V²/(π L⁴)"),
+    "haack": Problem("bumped_spindle", 10000, wave_drag("diameter"), "Haack 1941: D/q = 4π S²/L²"),
+    "karman": Problem("bumped_ogive", 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
+    **{f"newton_{height}": Problem(f"frustum_{height}", 10000, newton_resistance, "Newton 1687", case="newton")
+       for height in (0.4, 0.7, 1, 1.5, 2)},
+    "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=500),
+    "twist_10": Problem("wing_10", 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
+    "twist_6_12": Problem("wing_6_12", 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
 }
 
 
 def run_problem(name, options):
-    start, full, quick, judge, source = PROBLEMS[name]
-    triangles = quick if options.quick else full
-    surface = CASES / "generated" / f"{start}.obj"
+    problem = PROBLEMS[name]
+    is_small = options.quick and problem.quick is not None
+    triangles = problem.quick if is_small else problem.triangles
+    surface = CASES / "generated" / f"{problem.start}.obj"
     surface.parent.mkdir(exist_ok=True)
-    if triangles != full:
-        surface = options.out / f"{start}_{triangles}.obj"
-    surfaces.KINDS[start](triangles).write(surface.with_suffix(".part"))
+    if is_small:
+        surface = options.out / f"{problem.start}_{triangles}.obj"
+    surfaces.KINDS[problem.start](triangles).write(surface.with_suffix(".part"))
     surface.with_suffix(".part").replace(surface)
     run = options.out / name
     shutil.rmtree(run, ignore_errors=True)
-    command = [options.bin / "strake", "run", CASES / f"{name}.yaml", "--out", run, "-q"]
-    if triangles != full:
-        command += ["--set", f"surface.file={surface}", "--set", "optimize.budget.evaluations=16"]
+    command = [options.bin / "strake", "run", CASES / f"{problem.case or name}.yaml", "--out", run, "-q"]
+    if is_small or problem.case:
+        command += ["--set", f"surface.file={surface}"]
+    if is_small:
+        command += ["--set", "optimize.budget.evaluations=16"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     done = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     # 3: the budget is spent, or no step is left: what was found counts
     if not (run / "best.obj").exists():
         print(done.stdout)
-        return name, triangles, [Row(f"the run ended with status {done.returncode}", "a design", math.nan, False)], 0, 0, source
+        return name, triangles, [Row(f"the run ended with status {done.returncode}", "a design", math.nan, False)], 0, 0, problem.source
     seconds = after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
-    return name, triangles, judge(run), len(history(run)), seconds, source
+    return name, triangles, problem.judge(run), len(history(run)), seconds, problem.source
 
 
 def tables(results):

@@ -102,6 +102,22 @@ def slender(profile, triangles, base=False):
     return body_of_revolution(points, around)
 
 
+def frustum(height, triangles):
+    """A cone cut at 0.3 of the radius: flat nose at x = -height, base at x = 0, whose polygon has the area of the unit circle. Rings
+    are finer at the nose, where a body of least resistance is round.
+    """
+    around = 4 * round(math.sqrt(triangles / 6) / 2)
+    radius = math.sqrt(2 * math.pi / (around * math.sin(2 * math.pi / around)))
+    flat = max(2, round(triangles / (2 * around) / 12))
+    side = max(8, round(triangles / (2 * around)) - 2 * flat)
+    points = [(-height, 0.3 * radius * j / flat) for j in range(flat)]
+    for k in range(side + 1):
+        s = (k / side) ** 1.5
+        points.append((height * (s - 1), radius * (0.3 + 0.7 * s)))
+    points += [(0.0, radius * (1 - j / flat)) for j in range(1, flat)] + [(0.0, 0.0)]
+    return body_of_revolution(points, around)
+
+
 def rectangular_wing(span, triangles):
     """The right half of a rectangular wing of chord 1, NACA 0012 with a sharp trailing edge, open at y = 0, with a flat tip."""
     chordwise = max(6, round(math.sqrt(triangles / 6)))
@@ -169,6 +185,7 @@ KINDS = {
     "cone_and_cylinder": lambda n: slender(cone_and_cylinder, n, True),
     "bumped_ogive": lambda n: slender(bumped_ogive, n, True),
     "sphere": sphere,
+    **{f"frustum_{height}": lambda n, height=height: frustum(height, n) for height in (0.4, 0.7, 1, 1.5, 2)},
     "wing_6_12": lambda n: rectangular_wing(6.12, n),
     "wing_10": lambda n: rectangular_wing(10, n),
 }

@@ -103,6 +103,17 @@ def stokes_drag(run):
             Row("semi-angle of the ends, degrees", "60", tip_angle(run), None, 3)]
 
 
+def wing_body(mach):
+    def judge(run):
+        wing = CASES / "generated/wing_panels.obj"
+        first, last = (areas.judge_wing_body(body, wing, mach) for body in (surface_of(run), run / "best.obj"))
+        ratio = last["drag"] / last["least"]
+        return [Row("drag over the lower bound, at the start", "", first["drag"] / first["least"], None, 4),
+                Row("of the Sears-Haack body beside the wing", "", last["sears_haack_beside_wing"], None, 5),
+                Row("drag over the lower bound", "1, within 2 %", ratio, 0.995 < ratio < 1.02)]
+    return judge
+
+
 def newton_resistance(run):
     found = newton.judge(run / "best.obj")
     by_facets, by_rings = (found[name] / found["least"] for name in ("resistance", "revolved"))
@@ -136,6 +147,8 @@ class Problem:
     source: str
     case: str = None  # another one's than of this name, on this start surface
     quick: int = None  # triangles of the quick run, of 16 evaluations
+    beside: str = None  # a second surface, of 2000 triangles
+    settings: tuple = ()
 
 
 PROBLEMS = {
@@ -144,10 +157,18 @@ PROBLEMS = {
     "karman": Problem("bumped_ogive", 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
     **{f"newton_{height}": Problem(f"frustum_{height}", 10000, newton_resistance, "Newton 1687", case="newton")
        for height in (0.4, 0.7, 1, 1.5, 2)},
+    "wing_body_1": Problem("bumped_spindle", 10000, wing_body(1.0), "area rule: see below", case="wing_body", beside="wing_panels"),
+    "wing_body_1.4": Problem("bumped_spindle", 10000, wing_body(1.4), "area rule: see below", case="wing_body", beside="wing_panels",
+                             settings=("quantities.drag.mach=1.4",)),
     "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=500),
     "twist_10": Problem("wing_10", 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
     "twist_6_12": Problem("wing_6_12", 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
 }
+
+
+def write(kind, triangles, path):
+    surfaces.KINDS[kind](triangles).write(path.with_suffix(".part"))
+    path.with_suffix(".part").replace(path)
 
 
 def run_problem(name, options):
@@ -158,13 +179,16 @@ def run_problem(name, options):
     surface.parent.mkdir(exist_ok=True)
     if is_small:
         surface = options.out / f"{problem.start}_{triangles}.obj"
-    surfaces.KINDS[problem.start](triangles).write(surface.with_suffix(".part"))
-    surface.with_suffix(".part").replace(surface)
+    write(problem.start, triangles, surface)
+    if problem.beside:
+        write(problem.beside, 2000, CASES / "generated" / f"{problem.beside}.obj")
     run = options.out / name
     shutil.rmtree(run, ignore_errors=True)
     command = [options.bin / "strake", "run", CASES / f"{problem.case or name}.yaml", "--out", run, "-q"]
     if is_small or problem.case:
         command += ["--set", f"surface.file={surface}"]
+    for setting in problem.settings:
+        command += ["--set", setting]
     if is_small:
         command += ["--set", "optimize.budget.evaluations=16"]
     before = resource.getrusage(resource.RUSAGE_CHILDREN)

@@ -118,6 +118,7 @@ void ProblemBuilder::set_fields() {
     options.number = entry.number > 0 ? entry.number : automatic.back();
     options.axis = entry.axis;
     options.motions = entry.motions;
+    options.along = entry.along;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
         if (entry.number == 0)

@@ -187,6 +187,7 @@ struct FieldsEntry {
     std::optional<Reference> on;
     std::optional<Eigen::Vector3d> axis;  ///< unit
     std::vector<std::string> motions;     ///< empty: all
+    AlongAxis along = AlongAxis::polynomials;
     Place place;
 };
 

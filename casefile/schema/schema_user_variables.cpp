@@ -59,7 +59,9 @@ std::vector<Key> field_keys() {
          .doc =
              "What the amounts along the axis of the sections are made of. polynomials: smooth over the whole length. "
              "splines: polynomials of degree 3, then cubic splines whose knots are halved again and again; they are "
-             "local, and many of them take away a kink of the start, which polynomials keep.",
+             "local, and many of them take away a kink of the start, which polynomials keep. number: auto then means "
+             "12, "
+             "and 24, 48, 96, 192 and 384 on the next levels.",
          .fallback = "polynomials",
          .words = {"polynomials", "splines"}},
     };

@@ -19,6 +19,7 @@ import newton  # noqa: E402
 import published  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
+import trefftz  # noqa: E402
 
 
 def arrays(surface):
@@ -98,6 +99,28 @@ class Newton(unittest.TestCase):
             self.assertAlmostEqual(value, math.pi * (0.09 + 0.91 / (1 + facet**2)), delta=1e-12)
             self.assertAlmostEqual(newton.resistance(vertices, triangles[:, ::-1])[0], value, delta=1e-12)
             self.assertGreater(value, newton.least(height)[0] * 1.01)
+
+
+class Trefftz(unittest.TestCase):
+    def test_known_systems(self):
+        e = trefftz.systems(count=60)
+        for name, value, tolerance in (("plane", 1, 1e-9), ("dihedral", 1.0291, 2e-4), ("biplane", 1.3546, 1e-4), ("tip plates", 1.3819, 2e-4),
+                                       ("winglets", 1.4186, 1e-3), ("box", 1.4717, 1e-3)):
+            self.assertAlmostEqual(e[name], value, delta=tolerance, msg=name)
+        half = trefftz.least_of_half([(0, 0), (0.5, 0), (0.5, 0.2)], 200)
+        self.assertAlmostEqual(half, 1.4186, delta=3e-3)
+        self.assertAlmostEqual(trefftz.least_of_half([(0, 0), (2, 0)], 40), 1, delta=1e-9)
+
+
+class WingAndBody(unittest.TestCase):
+    def test_oblique_cuts(self):
+        sphere = arrays(surfaces.sphere(2000))
+        for roll in (0.3, 2):  # an ellipse of the same volume: area along the stream over the length of the cut
+            S = areas.oblique_areas(*sphere, 1.25, roll, -1.25, 1.25, 400)
+            x = -1.25 * np.cos(np.linspace(0, np.pi, 402))
+            length = math.hypot(1, 0.75)
+            self.assertLess(np.max(abs(S - np.pi / length * np.maximum(1 - (x / length) ** 2, 0))), 0.02)
+            self.assertAlmostEqual(float(np.sum((S[1:] + S[:-1]) / 2 * np.diff(x))) / areas.volume(*sphere), 1, delta=1e-3)
 
 
 class Stokes(unittest.TestCase):

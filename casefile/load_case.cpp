@@ -16,6 +16,9 @@ void add_built_in(Case& c) {
     const auto used = [&](const std::string& name) {
         const auto holds = [&](const QuantityEntry& quantity) {
             const auto* formula = std::get_if<FormulaEntry>(&quantity.what);
+            if (const auto* program = std::get_if<ExternalEntry>(&quantity.what))
+                for (const auto& [output, low] : program->low_fidelity)
+                    if (low.name == name) return true;
             return formula && std::find(formula->of.begin(), formula->of.end(), name) != formula->of.end();
         };
         return c.objective.name == name || std::any_of(c.quantities.begin(), c.quantities.end(), holds) ||

@@ -341,6 +341,7 @@ std::string run_json(const RunResult& result, const std::vector<std::string>& fi
     nlohmann::ordered_json j;
     j["status"] = result.status;
     j["reason"] = result.reason;
+    if (!result.cheap_model.empty()) j["cheap_model"] = result.cheap_model;
     j["level"] = result.level;
     j["evaluations"] = result.evaluations;
     j["objective"] = json_number(result.objective);

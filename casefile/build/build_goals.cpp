@@ -1,4 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
+#include "casefile/check/cheap_models.hpp"
 #include "core/error.hpp"
 #include "core/mesh/surface_map.hpp"
 #include "core/text/file.hpp"
@@ -72,10 +73,22 @@ void ProblemBuilder::set_goals() {
     for (const Reference& target : case_.fit) out_.problem.fit.push_back(target.name);
     for (const ConstraintEntry& entry : case_.constraints) out_.problem.constraints.push_back(entry.constraint);
     out_.problem.optimize = case_.optimize;
+    set_cheap_models();
     out_.problem.sample = case_.sample;
     out_.problem.fitting = case_.fitting;
     const Length& scale = case_.loss_scale;
     out_.problem.fitting.loss_scale = scale.is_relative_to_diagonal ? scale.value : scale.value / start_.diagonal;
+}
+
+void ProblemBuilder::set_cheap_models() {
+    out_.problem.cheap_models = cheap_models(case_, errors_);
+    for (const QuantityEntry* entry : cheap_programs(case_, out_.problem.cheap_models))
+        at(entry->place, text("quantities.", entry->name, ": "), [&] {
+            Quantity quantity = make_program(*entry, std::get<ExternalEntry>(entry->what), "low_fidelity");
+            quantity.names = entry->value_names();
+            quantity.failing_shortens_step = true;  // of the cheap model: the run does without this design
+            out_.problem.cheap_programs.push_back(std::move(quantity));
+        });
 }
 
 /// Where there is no shell the surface may be open.
@@ -162,6 +175,11 @@ Quantity ProblemBuilder::make_plugin(const QuantityEntry& entry, const ExternalE
 }
 
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& program) {
+    return make_program(entry, program, "evaluations");
+}
+
+/// @param folders name of the folder that holds those of its calls
+Quantity ProblemBuilder::make_program(const QuantityEntry& entry, const ExternalEntry& program, const char* folders) {
     if (program.plugin) return make_plugin(entry, program);
     ExternalCommand command;
     command.name = entry.name;
@@ -171,7 +189,7 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const ExternalEntry& p
     command.format = program.format.empty() ? name_of(out_.format) : program.format;
     // Now, not when the command runs: a plug-in or a callback may change the working directory.
     command.case_dir = std::filesystem::absolute(case_.command_dir.empty() ? case_.dir() : case_.command_dir);
-    command.evaluations_dir = std::filesystem::absolute(case_.output.dir / "evaluations");
+    command.evaluations_dir = std::filesystem::absolute(case_.output.dir / folders);
     const auto is_program = [](const QuantityEntry& q) { return std::holds_alternative<ExternalEntry>(q.what); };
     command.own_folder = std::count_if(case_.quantities.begin(), case_.quantities.end(), is_program) > 1;
     command.has_gradients = program.has_gradients;

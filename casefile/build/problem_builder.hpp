@@ -96,6 +96,8 @@ private:
     bool may_be_user_defined(const UserVariableEntry& entry, const std::vector<int>& where);
     // build_goals.cpp
     void set_goals();
+    void set_cheap_models();
+    Quantity make_program(const QuantityEntry& entry, const ExternalEntry& program, const char* folders);
     Quantity make(const QuantityEntry& entry, const VolumeEntry& what);
     Quantity make(const QuantityEntry& entry, const AreaEntry& what);
     Quantity make(const QuantityEntry& entry, const TargetShapeEntry& target);

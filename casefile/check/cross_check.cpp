@@ -1,4 +1,6 @@
 #include "casefile/check/cross_check.hpp"
+
+#include "casefile/check/cheap_models.hpp"
 #include "casefile/read/read_case.hpp"
 #include "casefile/schema/quantity_types.hpp"
 #include "objectives/external/external.hpp"
@@ -339,6 +341,7 @@ void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics
     check_program_parameters(root, the_case, errors);
     if (purpose != Purpose::deform) check_quantities(root.find("quantities"), the_case, errors);
     check_targets(the_case, !the_case.fit.empty(), errors);
+    if (purpose != Purpose::deform) cheap_models(the_case, errors);
     check_purpose(root, purpose, the_case, errors);
 }
 

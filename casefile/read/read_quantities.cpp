@@ -95,6 +95,13 @@ ExternalEntry CaseReader::read_external(const Value& map, const std::string& nam
     if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
     if (const Value* v = map.find("on_failure")) read_on_failure(*v, name, external);
     if (const Value* v = map.find("depends_on")) external.depends_on = references(v);
+    if (const Value* v = map.find("low_fidelity")) {
+        external.low_fidelity_place = v->place;
+        if (v->form != Value::Form::map) external.low_fidelity.push_back({{}, {v->text, v->place}});
+        for (const Entry& entry : v->entries)
+            if (v->form == Value::Form::map)
+                external.low_fidelity.push_back({{entry.key, entry.key_place}, {entry.value.text, entry.value.place}});
+    }
     read_gradient_keys(map, name, external);
     read_where_it_runs(map, external);
     if (const Value* plugin = map.find("plugin")) {

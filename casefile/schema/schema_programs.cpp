@@ -60,6 +60,15 @@ std::vector<Key> command_keys() {
                 "optimize needs a derivative-free method, or finite_differences.",
          .fallback = "true",
          .when = "command|plugin"},
+        {.path = "quantities.*.low_fidelity",
+         .type = Type::text,
+         .doc = "A cheap model of the program: a quantity with values of the same names, or one value for one. The "
+                "search looks for the optimum of the cheap model and corrects it by what the program says.",
+         .when = "command|plugin"},
+        {.path = "quantities.*.low_fidelity",
+         .doc = "The same by value: names of outputs, each with the value that stands for it.",
+         .when = "command|plugin"},
+        {.path = "quantities.*.low_fidelity.*", .type = Type::text, .doc = "The cheap value of this output."},
         {.path = "quantities.*.depends_on",
          .type = Type::list,
          .doc = "Those of `variables` that its values depend on; may be empty. Derivatives with respect to the others "

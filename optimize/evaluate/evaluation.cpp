@@ -55,12 +55,12 @@ ShapeEvaluator::ShapeEvaluator(const Problem& problem, std::shared_ptr<const Res
       calls_(problem, rest_, differentiated),
       queue_(problem.quantities, [this](const Eigen::VectorXd& x, int number) { return begin(x, number); }) {}
 
-void ShapeEvaluator::keep_calls(Journal* journal, const std::function<bool()>& stop_wanted) {
+void ShapeEvaluator::keep_calls(Journal* journal, const std::function<bool()>& stop_wanted, bool forgets_dropped) {
     journal_ = journal;
     stop_wanted_ = stop_wanted;
     solver_.set_stop(stop_wanted);
     calls_.keep_calls(journal, stop_wanted);
-    queue_.keep_calls(journal, stop_wanted);
+    queue_.keep_calls(forgets_dropped ? journal : nullptr, stop_wanted);
 }
 
 void ShapeEvaluator::enter(const DesignSpace& space) {

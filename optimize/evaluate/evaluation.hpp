@@ -63,7 +63,8 @@ public:
 
     /// What programs gave is kept there, and taken from there. @param stop_wanted handed on to them, and asked after
     /// every iteration of a deformation; may be empty.
-    void keep_calls(Journal* journal, const std::function<bool()>& stop_wanted);
+    /// @param forgets_dropped calls of designs that are no longer expected are forgotten there, too.
+    void keep_calls(Journal* journal, const std::function<bool()>& stop_wanted, bool forgets_dropped = true);
 
     /// Before the first evaluation: from these poses to the equilibrium of x, where evaluations start then.
     /// @return its vertices; empty where there is none, with the reason.

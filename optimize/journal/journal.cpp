@@ -234,13 +234,19 @@ void Journal::add(const JournalCall& call) {
 void Journal::drop_calls_from(int evaluation) {
     const std::lock_guard lock(busy_);
     const int first = std::max(evaluation, static_cast<int>(evaluations_.size()) + 1);
-    Statement(db_, file_, "DELETE FROM calls WHERE evaluation >= ?").bind(static_cast<long long>(first)).run();
+    Statement(db_, file_,
+              text("DELETE FROM calls WHERE evaluation >= ? AND quantity NOT LIKE '", cheap_call, "%'").c_str())
+        .bind(static_cast<long long>(first))
+        .run();
 }
 
 std::vector<int> Journal::cached() const {
     Statement rows(
         db_, file_,
-        "SELECT DISTINCT evaluation FROM calls WHERE remarks LIKE '%is taken from the cache%' ORDER BY evaluation");
+        text("SELECT DISTINCT evaluation FROM calls WHERE remarks LIKE '%is taken from the cache%' AND quantity NOT "
+             "LIKE '",
+             cheap_call, "%' ORDER BY evaluation")
+            .c_str());
     std::vector<int> numbers;
     while (rows.step()) numbers.push_back(static_cast<int>(rows.integer(0)));
     return numbers;

@@ -8,6 +8,10 @@
 /// What a journal holds, row by row.
 namespace strake {
 
+/// Names of answers that cheap models gave for designs that are not evaluated begin with this; they have numbers of
+/// their own.
+inline constexpr const char* cheap_call = "low_fidelity ";
+
 /// A run asks for something else than what its journal says that it did; the text says where, and why that may be.
 struct ReplayMismatch : InvalidInput {
     using InvalidInput::InvalidInput;

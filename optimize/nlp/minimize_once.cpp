@@ -1,6 +1,7 @@
 #include "optimize/nlp/minimize_once.hpp"
 
 #include "core/error.hpp"
+#include "optimize/nlp/low_fidelity/low_fidelity_search.hpp"
 #include "optimize/nlp/model/conflict.hpp"
 #include "optimize/nlp/model/restoration.hpp"
 #include "optimize/nlp/model/slope_check.hpp"
@@ -9,6 +10,7 @@
 #include "optimize/nlp/program/finite_differences.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/sqp/sqp.hpp"
+#include "optimize/nlp/sqp/trust_region.hpp"
 
 namespace strake {
 namespace {
@@ -51,8 +53,11 @@ public:
 private:
     bool is_constrained() const { return guard_.program.num_inequalities + guard_.program.num_equalities > 0; }
 
+    bool has_low_fidelity() const { return method_->method == Method::sqp && guard_.program.low_fidelity.has_value(); }
+
     bool evaluate_start(Evaluation& evaluation) {
         const NonlinearProgram& p = guard_.program;
+        if (has_low_fidelity() && learns_from_values(p)) return guard_.try_at(p.start, false, evaluation);
         const bool knows_more = method_->method == Method::sqp && p.start_gradient && p.differences;
         if (!knows_more) return guard_.try_at(p.start, guard_.wants_gradient, evaluation);
         if (!guard_.try_at(p.start, false, evaluation)) return false;
@@ -73,6 +78,7 @@ private:
             return false;
         }
         if (guard_.free.empty()) return end(MinimizeStop::converged, "all variables are fixed"), false;
+        if (guard_.best.gradient.size() == 0 && has_low_fidelity()) return true;
         guard_.scale = objective_scale(guard_);
         if (guard_.wants_gradient && !method_->is_global && guard_.best.gradient.isZero(0) && guard_.best_feasible) {
             end(MinimizeStop::converged,
@@ -90,6 +96,7 @@ private:
     }
 
     void search() {
+        if (has_low_fidelity() && !run_low_fidelity()) return;
         if (method_->method == Method::sqp) return run_sqp();
         if (method_->is_global) return run_global();
         // A few evaluations are kept for the way back onto the constraints.
@@ -185,6 +192,34 @@ private:
         if (!is_nearly || (guard_.best_feasible && there.objective >= guard_.best.objective)) return;
         restore_feasibility(guard_, from, 8);
         if (guard_.cause == StopCause::failure) guard_.cause = StopCause::none;
+    }
+
+    /// False: that was all. Otherwise sqp goes on, from the best point by what is known there.
+    bool run_low_fidelity() {
+        const LowFidelityEnd low = minimize_by_low_fidelity(guard_);
+        using Why = LowFidelityEnd::Why;
+        result_.low_fidelity_scale = low.rho;
+        if (low.promised > 0) result_.low_fidelity_kept = low.kept / low.promised;
+        if (low.why == Why::misled) return true;
+        result_.hessian = low.hessian;
+        result_.radius = low.radius;
+        result_.last_x = low.x;
+        result_.last = low.at;
+        if (low.why == Why::outpaced) return end(MinimizeStop::outpaced, "more is expected elsewhere"), false;
+        if (low.why == Why::ended) return take(end_by_cause(guard_)), false;
+        NonlinearProgram& p = guard_.program;
+        // Its Hessian is that of a few steps: too stiff to say that nothing is left to gain.
+        p.hessian.resize(0, 0);
+        p.guessed.resize(0, 0);
+        p.start_gradient.reset();
+        if (low.x != guard_.best_x || !learns_from_values(p) || p.start.size() < trust_region.expensive_gradient)
+            return true;
+        p.start = low.x;
+        const Eigen::Index n = p.start.size();
+        p.start_gradient = StartGradient{low.at.gradient, low.at.jacobian, MatrixXd(n, 0), low.gradient_error};
+        Evaluation evaluation = low.at;
+        guard_.try_refined(low.x, {low.at.gradient, low.at.jacobian, MatrixXd(n, 0), metric_of(p), false}, evaluation);
+        return true;
     }
 
     void run_sqp() {
@@ -369,6 +404,13 @@ void validate(const NonlinearProgram& p, const MinimizeOptions& o) {
                 text("start of variable ", j, " = ", p.start[j], " must be in [", p.lower[j], ", ", p.upper[j], "]"));
     if (o.max_evaluations < 1) throw InvalidInput(text("max_evaluations = ", o.max_evaluations, " must be >= 1"));
     if (o.starts < 1) throw InvalidInput(text("starts = ", o.starts, " must be >= 1"));
+    if (p.low_fidelity) {
+        const auto rows = static_cast<std::size_t>(p.num_inequalities + p.num_equalities);
+        if (!p.low_fidelity->program || p.low_fidelity->values.size() != 1 + rows ||
+            p.low_fidelity->program->start.size() != n)
+            throw InvalidInput(text("low_fidelity: a program of the same ", n, " variables and ", rows,
+                                    " constraints is needed, with a kind for each value"));
+    }
     if (p.differences) with_differences(p, *p.differences);
     const bool is_global = method_facts(o.method).is_global;
     if ((is_global || o.starts > 1) && !(p.lower.allFinite() && p.upper.allFinite()))

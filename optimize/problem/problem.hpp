@@ -115,6 +115,12 @@ void add_fields(Parameters& parameters, std::shared_ptr<const DisplacementFields
 /// The same with changes of wings.
 void add_planform(Parameters& parameters, std::shared_ptr<const PlanformMotion> planform);
 
+/// A cheap model beside an expensive value.
+struct CheapModel {
+    std::string value;  ///< of a program
+    std::string low;    ///< the value that stands for it, maybe on another scale
+};
+
 struct Constraint {
     std::string quantity;  ///< a value's name
     std::optional<double> min, max, equals;
@@ -197,6 +203,10 @@ struct Problem {
     std::vector<std::string> fit;  ///< names of quantities with residuals
     FitOptions fitting;
     std::vector<Constraint> constraints;
+    std::vector<CheapModel> cheap_models;
+    /// The programs that cheap models come from, with folders of their own: beside what `quantities` say of a design
+    /// they are asked for designs that are never evaluated.
+    std::vector<Quantity> cheap_programs;
     OptimizeOptions optimize;
     std::optional<Spread> sample;               ///< designs are spread instead of searched
     std::shared_ptr<const DesignTable> table;   ///< of `sample`: the designs and what they gave; null: they are spread

@@ -37,6 +37,7 @@ public:
 
     RunResult run() {
         state_.run([this] { walk(); });
+        if (!state_.result.cheap_model.empty()) state_.result.reason += text("; ", state_.result.cheap_model);
         return state_.result;
     }
 
@@ -350,6 +351,9 @@ private:
         if (result.stop == MinimizeStop::converged) still_expected_ = 0;
         hessian_ = result.hessian;
         largest_gradient_ = result.largest_gradient;
+        state_.result.cheap_model = program_.cheap_words(result);
+        if (!state_.result.cheap_model.empty())
+            state_.note(text("level ", state_.space.level, ": ", state_.result.cheap_model));
         weight_ = program_.weight();
         parent_ = result.best;
         last_y_ = result.last_x;

@@ -6,6 +6,8 @@
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/space/motion_limit.hpp"
 
+#include <cmath>
+
 namespace strake {
 namespace {
 
@@ -145,7 +147,44 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
         program_.differences = differences;
     }
     limit_motion();
+    add_cheap_program();
     return program_;
+}
+
+void LevelProgram::add_cheap_program() {
+    if (state_.problem.cheap_models.empty() || state_.problem.optimize.method != Method::sqp) return;
+    if (!cheap_)
+        cheap_ =
+            std::make_unique<CheapProgram>(state_.problem, state_.rest, state_.journal(), state_.events.stop_wanted);
+    if (slack_ == 0) slack_ = least_slack;
+    const CheapProgram::Level level{
+        state_.space,
+        rows_,
+        weight_,
+        [this](const Eigen::VectorXd& y) { return unscaled(y); },
+        slack_,
+        std::max(state_.problem.optimize.difference_step, difference_step_),
+        [this](const MotionConditions& motion, const FoldConditions& folds) { return step_limits(motion, folds); },
+        [this](const std::function<void()>& call) { state_.with_unfinished_calls(call); }};
+    cheap_->enter(program_, level, [this](const std::vector<std::string>& names) {
+        std::vector<double> values;
+        for (const std::string& name : names)
+            values.push_back(current_.values.at(static_cast<std::size_t>(state_.evaluator.index_of(name))));
+        return values;
+    });
+}
+
+std::string LevelProgram::cheap_words(const MinimizeResult& result) const {
+    const Eigen::VectorXd& scale = result.low_fidelity_scale;
+    if (!cheap_ || scale.size() == 0) return "";
+    std::string scales;
+    for (std::size_t i = 0; i < program_.low_fidelity->values.size(); ++i)
+        if (program_.low_fidelity->values[i] == LowFidelityValue::approximate)
+            scales += text(scales.empty() ? "" : ", ", std::round(1000 * scale[static_cast<Eigen::Index>(i)]) / 1000);
+    const double kept = std::round(100 * result.low_fidelity_kept) / 100;
+    return text("cheap model (", cheap_->words(), "): rho ", scales,
+                std::isfinite(kept) ? text(", its steps gained ", kept, " times what it promised") : "", ", evaluated ",
+                cheap_->evaluations(), " times");
 }
 
 void LevelProgram::narrow_bounds() {

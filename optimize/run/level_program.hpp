@@ -1,6 +1,7 @@
 #pragma once
 #include "optimize/evaluate/constraints.hpp"
 #include "optimize/nlp/minimizer.hpp"
+#include "optimize/run/cheap_program.hpp"
 #include "optimize/run/run_state.hpp"
 
 /// The shape problem of a level as a nonlinear program in y = weight * x, in which every variable has the same size.
@@ -44,6 +45,8 @@ public:
     /// At the end of the search of this level. @param best its best evaluation, with gradients where these are known
     MotionAtEnd motion_at_end(const Evaluation& best) const;
     bool quantity_failed() const { return quantity_failed_; }
+    /// What the cheap models were worth in this search; empty: there are none.
+    std::string cheap_words(const MinimizeResult& result) const;
     /// The last failure left the surface sound.
     bool last_failed_in_quantity() const { return last_failed_in_quantity_; }
 
@@ -51,6 +54,7 @@ private:
     Evaluation evaluate(const Eigen::VectorXd& x);
     void differentiate(Evaluation& sample);
     void limit_motion();
+    void add_cheap_program();
     void keep_slack();
     void narrow_bounds();
     StepLimits step_limits(const MotionConditions& at, const FoldConditions& folds) const;
@@ -67,6 +71,7 @@ private:
         moved_x_;                 ///< the last point moved inside the motion limit, without the scaling's round-off
     double difference_step_ = 0;  ///< that the noise of the values asks for; 0: that of the case
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
+    std::unique_ptr<CheapProgram> cheap_;  ///< null: the problem has no cheap models, or the method does not use them
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;

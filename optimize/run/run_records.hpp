@@ -109,6 +109,7 @@ struct RunResult {
     std::vector<AwaitedCall> awaited;  ///< of status `waiting`
     std::vector<std::string> pending;  ///< of status `interrupted`: jobs that stay in a queue
     MotionAtEnd motion;
+    std::string cheap_model;  ///< what the cheap models were worth on the last level, in words; empty: there is none
     std::optional<SampleSummary> samples;  ///< of `sample`
     std::vector<std::string> conflict;     ///< names of the constraints that cannot be met together; empty: none found
     int level = 0, evaluations = 0;

@@ -50,6 +50,9 @@ public:
     void leave_level();                      ///< the run continues another time: the summary up to now
     /// Runs the search. Where it is interrupted, or waits for answers from outside, the result says so.
     void run(const std::function<void()>& search);
+    /// What `ask` leaves unfinished goes to the result.
+    void with_unfinished_calls(const std::function<void()>& ask);
+    Journal* journal() const { return journal_; }
     void begin_level_again();  ///< from its best design, under the limits of now
 
     int evaluations_of_level() const;  ///< of the present one, up to now
@@ -85,8 +88,6 @@ public:
     bool is_trying = false;  ///< only the first evaluation of the level counts as its best: the others are differences
 
 private:
-    /// What `ask` leaves unfinished goes to the result.
-    void with_unfinished_calls(const std::function<void()>& ask);
     Eigen::VectorXd first_level();
     void check_inheritance(const ShapeEvaluation& evaluation, double objective);
     void check_design(const Eigen::VectorXd& x) const;

@@ -148,6 +148,8 @@ quantities:
   sharp: {type: creases, angle: 20deg}
   keep: {type: clearance, file: wing.obj, side: keep_in, smoothing: 0.1%}
   edge: {type: edge_radius, region: nose, plane: {normal: [0, 0, 1], at: 0.1}}
+  cfd: {command: [sh, run.sh], outputs: [drag, lift], gradients: false, low_fidelity: aero}
+  heat: {command: [sh, run.sh], outputs: [peak, mean], low_fidelity: {peak: blunt.drag, mean: ld}}
   ld: {expression: 'aero.lift / (aero.drag + skin) ^ 2 - softmin(0.1, wave, alpha)'}
 objective: {maximize: 'ld - 2 * min(wave, keep)'}
 constraints:

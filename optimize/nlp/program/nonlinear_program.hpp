@@ -2,6 +2,7 @@
 #include <Eigen/Core>
 #include <functional>
 #include <limits>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -53,6 +54,26 @@ struct Differences {
     std::function<void(double step)> on_step;
 };
 
+struct NonlinearProgram;
+
+/// What stands for a value of an expensive program in its cheap one.
+enum class LowFidelityValue {
+    same,         ///< the value itself
+    approximate,  ///< another model of it: its scale, too, may be another one
+    none          ///< nothing: zero
+};
+
+/// A cheap program beside an expensive one.
+struct LowFidelity {
+    /// The same variables, bounds, constraints and limits, its values cheap, with `differentiate` or differences of its
+    /// own. Evaluated beside the expensive one, as often as it takes.
+    std::shared_ptr<const NonlinearProgram> program;
+    std::vector<LowFidelityValue> values;  ///< objective first, then constraints
+    /// Per value, once the start of the expensive program is evaluated: by how much a change of the cheap one is
+    /// multiplied at first. May be empty: 1.
+    std::function<Eigen::VectorXd()> first_scale;
+};
+
 struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
     int num_inequalities = 0, num_equalities = 0;
@@ -83,6 +104,8 @@ struct NonlinearProgram {
     Eigen::MatrixXd guessed;
     /// Where differences give the gradient. Used by sqp.
     std::optional<StartGradient> start_gradient;
+    /// Its optimum, corrected by what the values of this program show, is where the search looks next. Used by sqp.
+    std::optional<LowFidelity> low_fidelity;
 };
 
 }  // namespace strake

@@ -31,13 +31,15 @@ std::vector<int> group_of(const DesignSpace& space, bool fields) {
     return members;
 }
 
-MatrixXd orthonormal(const MatrixXd& columns) {
+double longest_of(const MatrixXd& columns) { return columns.cols() > 0 ? columns.colwise().norm().maxCoeff() : 0; }
+
+/// Basis of the columns; what is shorter than `least` does not count.
+MatrixXd orthonormal(const MatrixXd& columns, double least) {
     if (columns.cols() == 0) return columns;
-    const double longest = columns.colwise().norm().maxCoeff();
     Eigen::ColPivHouseholderQR<MatrixXd> qr(columns);
     Eigen::Index rank = 0;
     while (rank < std::min(columns.rows(), columns.cols()) &&
-           std::abs(qr.matrixR()(rank, rank)) > round_off * std::max(longest, 1e-300))
+           std::abs(qr.matrixR()(rank, rank)) > std::max(least, 1e-300))
         ++rank;
     return qr.householderQ() * MatrixXd::Identity(columns.rows(), rank);
 }
@@ -96,12 +98,15 @@ public:
         const Eigen::LLT<MatrixXd> metric(p.metric);
         const MatrixXd inherited =
             program_.weight().asDiagonal() * state_.prolongation * left_.weight.cwiseInverse().asDiagonal();
-        const MatrixXd known = orthonormal(metric.matrixU() * inherited);
+        const MatrixXd present = metric.matrixU() * inherited;
+        const MatrixXd known = orthonormal(present, round_off * longest_of(present));
         const MatrixXd whitener = metric.matrixU();
         for (Group& group : groups) {
             group.variables = group_of(state_.space, group.is_fields);
             const MatrixXd columns = whitener(Eigen::all, group.variables);
-            group.details = orthonormal(columns - known * (known.transpose() * columns));
+            // Of a group that is there to its end nothing is left but rounding, which is no direction.
+            group.details =
+                orthonormal(columns - known * (known.transpose() * columns), round_off * longest_of(columns));
             expect_of_present(group, before_, left_, slope_);
         }
         measure(groups, p, metric);

@@ -35,6 +35,7 @@ struct Seen {
     std::vector<std::vector<int>> fields;  ///< numbers, per level
     std::vector<int> loads, evaluations;
     std::vector<std::string> notes;
+    std::vector<std::pair<int, std::string>> choices;  ///< loads of the level before, and what was said
 };
 
 Seen run(const Problem& problem) {
@@ -46,7 +47,10 @@ Seen run(const Problem& problem) {
             level.space.variables, [](const Variable& v) { return v.kind == VariableKind::normal_load; })));
     };
     events.level_end = [&](const LevelSummary& level) { seen.evaluations.push_back(level.evaluations); };
-    events.note = [&](const std::string& words) { seen.notes.push_back(words); };
+    events.note = [&](const std::string& words) {
+        seen.notes.push_back(words);
+        if (words.starts_with("choice by")) seen.choices.emplace_back(seen.loads[seen.loads.size() - 2], words);
+    };
     seen.result = optimize(problem, events);
     return seen;
 }
@@ -80,8 +84,9 @@ TEST(ValueTrial, TakesTheFieldsThatATargetNeeds) {
     ASSERT_GT(seen.fields.size(), 2u) << seen.result.reason;
     EXPECT_EQ(seen.fields[0].size(), 12u);
     EXPECT_EQ(seen.loads[0], 0);
-    // Its start, six directions for each group, and a value for the curvature along them.
-    EXPECT_EQ(seen.evaluations[1], 1 + 2 * (6 + 1)) << "a level of its own that tries";
+    // Its start, six directions for the fields that are there, finer ones and patches, and a value for the curvature
+    // along each six.
+    EXPECT_EQ(seen.evaluations[1], 1 + 3 * (6 + 1)) << "a level of its own that tries";
     EXPECT_EQ(seen.fields[2].size(), 27u) << choice_of(seen);
     EXPECT_EQ(seen.loads[2], 0) << choice_of(seen);
     EXPECT_NE(choice_of(seen).find("fields become finer, patches wait"), std::string::npos) << choice_of(seen);
@@ -99,6 +104,22 @@ TEST(ValueTrial, EveryLevelGoesOnFromWhereTheOneBeforeEnded) {
     }
     const Seen again = run(by_values(dented));
     EXPECT_EQ(seen.result.objective, again.result.objective) << "the same input, the same bits";
+}
+
+/// Patches without finer parts are offered no more: what rounding leaves of them is no direction.
+TEST(ValueTrial, AGroupThatIsThereToItsEndIsNotOfferedAgain) {
+    Problem problem = by_values(dented);
+    problem.tree = octants(problem.surface, 1);  // one level of patches
+    problem.optimize.max_evaluations = 500;
+    const Seen seen = run(problem);
+    const int all = *std::ranges::max_element(seen.loads);
+    int ended = 0;
+    for (const auto& [loads, words] : seen.choices) {
+        if (loads < all) continue;
+        ++ended;
+        EXPECT_NE(words.find("patches 0 for each of 0 (those there "), std::string::npos) << words;
+    }
+    EXPECT_GT(ended, 0) << "the test can fail";
 }
 
 TEST(ValueTrial, ATightBudgetIsNotTried) {

@@ -7,6 +7,8 @@
 #include "casefile/read/settings.hpp"
 #include "casefile/schema/renamed.hpp"
 #include "casefile/schema/schema.hpp"
+#include "core/formats/io.hpp"
+#include "core/text/shell_word.hpp"
 
 namespace strake {
 namespace {
@@ -135,19 +137,52 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     return the_case;
 }
 
+/// Packed ones (.stl.gz) too.
+bool has_surface_extension(std::filesystem::path file) {
+    if (file.extension() == ".gz") file.replace_extension();
+    try {
+        format_of(file);
+    } catch (const InvalidInput&) {
+        return false;
+    }
+    return true;
+}
+
+bool is_map(const std::filesystem::path& file) {
+    try {
+        return parse_yaml(read_case_file(file.string()), file.string()).form == Value::Form::map;
+    } catch (const CaseError&) {
+        return false;
+    }
+}
+
+/// A surface that was given in place of a case fails as one in many ways, none of which says so.
+Case loaded_file(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
+                 const std::vector<std::string>& settings) {
+    try {
+        return loaded(read_case_file(file.string()), file, purpose, command_dir, settings);
+    } catch (const CaseError&) {
+        std::error_code ignored;
+        if (!std::filesystem::is_regular_file(file, ignored) || !has_surface_extension(file) || is_map(file)) throw;
+        Diagnostics errors(file.string(), {});
+        errors.add({0, 0}, text("is a surface, not a case; `strake init ", shell_word(file.string()),
+                                "` writes a case for it"));
+        errors.throw_if_any();
+        throw;
+    }
+}
+
 }  // namespace
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir) {
-    return loaded(read_case_file(file.string()), file, purpose, command_dir, {});
+    return loaded_file(file, purpose, command_dir, {});
 }
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings) {
-    return loaded(read_case_file(file.string()), file, purpose, "", settings);
+    return loaded_file(file, purpose, "", settings);
 }
 
-Case load_case(const std::filesystem::path& file, Purpose purpose) {
-    return loaded(read_case_file(file.string()), file, purpose, "", {});
-}
+Case load_case(const std::filesystem::path& file, Purpose purpose) { return loaded_file(file, purpose, "", {}); }
 
 Case load_case_text(const std::string& yaml, const std::filesystem::path& file, Purpose purpose) {
     return loaded(yaml, file, purpose, "", {});

@@ -46,6 +46,7 @@ bool is_run_folder(const fs::path& path) {
 Deformation run_deformation(const fs::path& run, const fs::path& design, int evaluation) {
     std::error_code ignored;
     const std::string name = printable(run.native(), 400);
+    if (!fs::exists(run, ignored)) throw InvalidInput(name + ": no such folder");
     if (!is_run_folder(run)) throw InvalidInput(name + ": is not a run folder (it has no case.yaml)");
     const fs::path file = design.empty() ? run / "levels/best.design" : design;
     if (design.empty() && !fs::exists(file, ignored))

@@ -42,6 +42,7 @@ void report(const ReportArguments& args) {
     if (!has_report_page()) throw OutputError(report_page_missing());
     const fs::path folder = args.folder, journal = folder / "journal.sqlite";
     std::error_code ignored;
+    if (!fs::exists(folder, ignored)) throw InvalidInput(printable(args.folder, 400) + ": no such folder");
     if (!fs::exists(journal, ignored))
         throw InvalidInput(text(printable(args.folder, 400), ": is not a run folder (it has no journal.sqlite)"));
     const fs::path out = args.out.empty() ? folder / "report.html" : fs::path(args.out);

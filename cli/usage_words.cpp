@@ -1,3 +1,4 @@
+#include "casefile/schema/explain.hpp"
 #include "casefile/yaml/diagnostics.hpp"
 #include "cli/command_table.hpp"
 
@@ -19,6 +20,18 @@ std::string unknown_command(const std::string& word, const std::vector<CommandRo
                        near.empty() ? "; commands: " + joined(names) : near);
 }
 
+/// "--evaluations" of a command that takes --set: the key of the case that ends like it, the shortest one; empty: none.
+std::string setting_for(const std::string& word, const std::vector<std::string>& options) {
+    if (!word.starts_with("--") || std::find(options.begin(), options.end(), "--set") == options.end()) return "";
+    std::string key = word.substr(2), best;
+    std::replace(key.begin(), key.end(), '-', '_');
+    for (const std::string& path : key_paths()) {
+        const bool is_plain = path.find_first_of("*[") == std::string::npos;
+        if (is_plain && path.ends_with("." + key) && (best.empty() || path.size() < best.size())) best = path;
+    }
+    return best.empty() ? "" : fmt::format("; the key of the case is set by --set {}=VALUE", best);
+}
+
 /// The first argument that looks like an option but is not one of the command.
 std::string unknown_option(const CommandRow& command, const std::vector<std::string>& arguments, std::size_t from) {
     std::vector<std::string> names;
@@ -30,8 +43,9 @@ std::string unknown_option(const CommandRow& command, const std::vector<std::str
         bool known = std::find(names.begin(), names.end(), word) != names.end();
         if (!word.starts_with("--")) known |= std::find(names.begin(), names.end(), word.substr(0, 2)) != names.end();
         if (known) continue;
+        const std::string setting = setting_for(word, names);
         return fmt::format("strake: {}: unknown option '{}'{}", command.name, printable(word, 100),
-                           suggestion(word, names));
+                           setting.empty() ? suggestion(word, names) : setting);
     }
     return "";
 }

@@ -13,6 +13,7 @@
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -107,7 +108,16 @@ std::string symmetry_text(const SymmetryPlane& plane, const std::optional<NearCu
            std::string(1, axis) + ", at: " + text(plane.offset + 0.0) + snap + "}\n";
 }
 
-/// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal.
+/// The longest of the axes that are neither of these two.
+int longest_axis(const Eigen::Vector3d& size, int across, int up) {
+    int longest = -1;
+    for (int k = 0; k < 3; ++k)
+        if (k != across && k != up && (longest < 0 || size[k] > size[longest])) longest = k;
+    return longest;
+}
+
+/// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal. A flat end that the
+/// longest axis leaves through is a base, where the air comes off; any other is what the body stands on.
 std::string axes_text(const Checkup& c, const std::optional<SymmetryPlane>& plane, const Eigen::Vector3d& down) {
     const Eigen::Vector3d size = c.box.max - c.box.min;
     int across = -1, up = -1, along = -1;
@@ -116,14 +126,18 @@ std::string axes_text(const Checkup& c, const std::optional<SymmetryPlane>& plan
         if (std::abs(down[k]) > 1 - 1e-6) up = k;
     }
     if (up == across) up = -1;
-    for (int k = 0; k < 3; ++k)
-        if (k != across && k != up && (along < 0 || size[k] > size[along])) along = k;
+    bool leaves_backwards = false;
+    if (up >= 0 && size[up] > 1.2 * std::max(size[(up + 1) % 3], size[(up + 2) % 3])) {
+        along = std::exchange(up, -1);
+        leaves_backwards = down[along] < 0;
+    }
+    if (along < 0) along = longest_axis(size, across, up);
     const bool stands = up >= 0;
     if (!stands) up = across >= 0 ? 3 - across - along : along == 2 ? 1 : 2;
     const auto way = [](int k, bool is_negative) { return std::string(is_negative ? "-" : "+") + "xyz"[k]; };
     return "\n# Where the air goes and where up is, for quantities with a stream. A guess: strake check says where it "
            "puts\n# nose, right wing and top.\naxes: {downstream: " +
-           way(along, false) + ", up: " + way(up, stands && down[up] > 0) + "}\n";
+           way(along, leaves_backwards) + ", up: " + way(up, stands && down[up] > 0) + "}\n";
 }
 
 std::string angles_text(const CreaseAngles& angles) {

@@ -124,7 +124,8 @@ std::vector<KeyExplanation> under_present_name(const std::vector<std::string>& a
             candidates.push_back(plain);
         }
     }
-    const std::string near = nearest(asked, candidates);
+    const std::string near = nearest(asked, candidates), hint = quantity_hint(asked);
+    if (!hint.empty()) throw InvalidInput(text("explain: '", printable(asked, 100), "' is no key of a case; ", hint));
     throw InvalidInput(text("explain: there is no key '", printable(asked, 100), "'",
                             near.empty() ? "; `strake explain` lists all" : text("; did you mean '", near, "'?")));
 }

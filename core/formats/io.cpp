@@ -239,8 +239,10 @@ SurfaceFile read_by_name(const std::filesystem::path& file, std::string_view byt
         if (extension == f.extension) return f.read(bytes, name);
     for (const Format& f : known_formats)
         if (f.begins && bytes.starts_with(f.begins)) return f.read(bytes, name);
-    throw InputError(text(name, ": not a known surface format: extension '", printable(extension), "'; known are ",
-                          known_extensions(), bytes.starts_with(gzip_magic) ? ", each also packed as .gz" : ""));
+    const char* of_case = extension == ".yaml" || extension == ".yml" ? " (a case? `strake check` reads it)" : "";
+    throw InputError(text(name, ": not a known surface format: extension '", printable(extension), "'", of_case,
+                          "; known are ", known_extensions(),
+                          bytes.starts_with(gzip_magic) ? ", each also packed as .gz" : ""));
 }
 
 /// Never writes a file that a reader would refuse.

@@ -378,7 +378,7 @@ TEST_F(ApplyProgram, SaysWhatCannotBe) {
     };
     folder->write("bad.csv", "x,y,z\n1,2,3\n1,nan,3\n");
     folder->write("p.csv", "1,2,3\n");
-    refused({"apply", path("nowhere"), path("p.csv"), "-o", path("o.csv")}, 2, "is not a run folder");
+    refused({"apply", path("nowhere"), path("p.csv"), "-o", path("o.csv")}, 2, "no such folder");
     refused({"apply", run, path("missing.csv"), "-o", path("o.csv")}, 3, "missing.csv");
     refused({"apply", run, path("bad.csv"), "-o", path("o.csv")}, 3, "bad.csv:3");
     refused({"apply", run, path("p.csv"), "-o", path("o.obj")}, 2, "not a surface");

@@ -141,6 +141,17 @@ def twice(text, away=0.3, size=1):
     return text + "".join(more)
 
 
+def turned(text):
+    """The nose where the base was: x and y change their signs."""
+    lines = []
+    for line in text.splitlines():
+        words = line.split()
+        if words and words[0] == "v":
+            line = "v {} {} {}".format(-float(words[1]), -float(words[2]), words[3])
+        lines.append(line)
+    return "\n".join(lines) + "\n"
+
+
 def what_will_hardly_move_is_said():
     with tempfile.TemporaryDirectory() as where:
         folder = pathlib.Path(where)
@@ -219,7 +230,9 @@ def main():
     one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^axes: \{downstream: \+x, up: \+z\}", r"^  root: ", r"^objective: \{maximize: volume\}",
                                               r"^  change: \{type: displacement\}", r"^  change: \{max: .*5 % of the mean thickness",
                                               "^# REPLACE", r"^  # Number of patches from creases alone"], True)
-    one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true"], True)
+    one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true",
+                                                                r"^axes: \{downstream: \+x, up: \+z\}"], True)
+    one("turned lifting body", made("lifting_body", 1500, "turned.obj", turned), [r"^axes: \{downstream: -x, up: \+z\}"], False)
     one("torn body", made("lifting_body", 1500, "body.obj", torn), ["duplicates: true", "orient: true", r"holes: \d+%"], True)
     one("two bodies", made("lifting_body", 1500, "apart.obj", lambda text: twice(text, 20, 0.3)), ["part_1: "], False)
     what_will_hardly_move_is_said()

@@ -128,6 +128,11 @@ MISTAKES = [
     # The command line.
     ("a misspelled command", {}, ["rum", "case.yaml"], 2),
     ("a misspelled option", {}, ["run", "case.yaml", "--ou", "runs"], 2),
+    ("a key of the case as an option", {}, ["run", "case.yaml", "--evaluations", "20"], 2),
+    ("a surface in place of the case", {}, ["run", "body.obj"], 2),
+    ("a case in place of the surface", {}, ["info", "case.yaml"], 3),
+    ("a word of the trade to explain", {}, ["explain", "drag"], 2),
+    ("a run that is not there, to apply", {}, ["apply", "nowhere", "body.obj", "-o", "new.obj"], 2),
     ("no case", {}, ["run"], 2),
     ("an angle beyond ninety degrees", {}, ["patches", "body.obj", "--angle", "95"], 2),
     ("a repair that asks for nothing", {}, ["repair", "body.obj", "-o", "new.obj"], 2),

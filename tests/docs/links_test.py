@@ -2,7 +2,7 @@
 
 Anchors are those that both GitHub and mkdocs make of a heading. Links to other sites are listed, never fetched.
 Also: every page is in the navigation of mkdocs.yml, pages link to nothing outside of docs/ (the static site has nothing
-else), every picture is shown by some page, and every source file that a page names exists.
+else), every picture is shown by some page, every source file that a page names exists, and docs/benchmarks.md stays short.
 """
 import pathlib
 import re
@@ -88,6 +88,8 @@ def main():
     problems += [f"mkdocs.yml: {p} is not in the navigation" for p in sorted(there - listed)]
     problems += [f"mkdocs.yml: {p} does not exist" for p in sorted(listed - there)]
     problems += [f"{p.relative_to(ROOT)}: no page shows it" for p in sorted((docs / "pictures").iterdir()) if p not in shown]
+    if len((docs / "benchmarks.md").read_text(encoding="utf-8").splitlines()) >= 300:
+        problems.append("docs/benchmarks.md: 300 lines or more; what was tried and older numbers go to docs/notes")
     if len(sys.argv) > 1:
         problems += [] if shown else ["no link found"]
     print("links to other sites (not fetched):", *sorted(elsewhere), sep="\n  ")

@@ -287,6 +287,67 @@ TEST(Faults, NoMethodWithGradientsTakesACutStepForConvergence) {
     }
 }
 
+/// Each search of an augmented Lagrangian may shrink its steps as often as any other: failures far apart do not add up.
+TEST(Faults, FailuresFarApartDoNotAddUpOverTheSearchesOfAnAugmentedLagrangian) {
+    const NonlinearProgram sound = program_of(
+        vec({-0.5, 0.8, -0.9}), VectorXd::Constant(3, -2), VectorXd::Constant(3, 2), 1, 0,
+        [](const VectorXd& x) {
+            return vec({x[0] + 2 * x[1] + std::exp(x[2]), x.squaredNorm() - 1});
+        },
+        [](const VectorXd& x) {
+            Eigen::MatrixXd g(2, 3);
+            g << 1, 2, std::exp(x[2]), 2 * x.transpose();
+            return g;
+        });
+    MinimizeOptions o = tight_options(Method::lbfgs, 600);
+    const MinimizeResult undisturbed = minimize(sound, o);
+    o.max_shrinks = 3;
+    int calls = 0, failures = 0;
+    NonlinearProgram p = sound;
+    p.evaluate = [&](const VectorXd& x) {
+        Evaluation s = sound.evaluate(x);
+        if (++calls % 20 == 0) s.failure = "the licence server was away", s.is_of_step = true, ++failures;
+        return s;
+    };
+    const MinimizeResult r = minimize(p, o);
+    EXPECT_GT(failures, o.max_shrinks) << r.reason;
+    EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+    EXPECT_NEAR(r.best.objective, undisturbed.best.objective, 1e-6) << r.reason;
+}
+
+/// One of ten evaluations fails for no reason of the design's: a long search that goes on gaining is not at its end.
+TEST(Faults, ChanceFailuresDoNotAddUpOverALongSearch) {
+    const int n = 40;
+    VectorXd weight(n);
+    for (int j = 0; j < n; ++j) weight[j] = std::pow(10, 3.0 * j / (n - 1));
+    const NonlinearProgram sound = program_of(
+        VectorXd::Zero(n), VectorXd::Constant(n, -9), VectorXd::Constant(n, 9), 0, 0,
+        [=](const VectorXd& x) {
+            const Eigen::ArrayXd off = x.array() - 1, bend = x.tail(n - 1).array() - x.head(n - 1).array().square();
+            return vec({(weight.array() * (off.square() + 0.1 * off.pow(4))).sum() + 10 * bend.square().sum()});
+        },
+        [=](const VectorXd& x) {
+            const Eigen::ArrayXd off = x.array() - 1, bend = x.tail(n - 1).array() - x.head(n - 1).array().square();
+            Eigen::MatrixXd g(1, n);
+            g.row(0) = (weight.array() * (2 * off + 0.4 * off.cube())).matrix().transpose();
+            g.row(0).tail(n - 1) += 20 * bend.matrix().transpose();
+            g.row(0).head(n - 1) -= (40 * bend * x.head(n - 1).array()).matrix().transpose();
+            return g;
+        });
+    int calls = 0, failures = 0;
+    NonlinearProgram p = sound;
+    p.evaluate = [&](const VectorXd& x) {
+        Evaluation s = sound.evaluate(x);
+        if (++calls % 10 == 0) s.failure = "the licence server was away", s.is_of_step = true, ++failures;
+        return s;
+    };
+    const double start = sound.evaluate(sound.start).objective;
+    const MinimizeOptions o = tight_options(Method::sqp, 600);
+    const MinimizeResult r = minimize(p, o);
+    EXPECT_GT(failures, o.max_failures) << r.reason;
+    EXPECT_LT(r.best.objective, 1e-4 * start) << r.reason;
+}
+
 /// What an algorithm asks for is looked at before anything is deformed.
 TEST(Guard, NotANumberIsNeverEvaluatedAndBoundsHold) {
     const KnownProgram known = bowl();

@@ -155,7 +155,7 @@ TEST_F(Report, TheAdviceNamesTheFolderAsItIsTyped) {
 TEST_F(Report, NeedsARunAndAPlace) {
     const ProgramRun none = run_strake({"report", path("nothing")});
     EXPECT_EQ(none.status, 2);
-    EXPECT_NE(none.err.find("is not a run folder"), std::string::npos) << none.err;
+    EXPECT_NE(none.err.find("no such folder"), std::string::npos) << none.err;
     ASSERT_EQ(run_strake({"run", small_case(""), "--out", path("run"), "-q"}).status, 0);
     EXPECT_EQ(run_strake({"report", path("run"), "-o", path("no/such/folder/r.html")}).status, 4);
     EXPECT_EQ(run_strake({"report", path("run"), "-o", path("run/journal.sqlite")}).status, 2);

@@ -30,7 +30,7 @@ struct MinimizeOptions {
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
-    int max_failures = 12;               ///< sqp: in all; others: four times max_shrinks
+    int max_failures = 12;               ///< sqp: for each ten accepted steps; others: 4 max_shrinks
     double first_step = 0.5;             ///< in the metric
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.

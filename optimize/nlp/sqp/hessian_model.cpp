@@ -2,6 +2,8 @@
 
 #include "optimize/nlp/sqp/trust_region.hpp"
 
+#include <algorithm>
+
 namespace strake {
 
 using Eigen::MatrixXd;
@@ -31,8 +33,15 @@ void HessianModel::update(const VectorXd& s, const VectorXd& y) {
     const double sBs = s.dot(Bs), sy = s.dot(y);
     if (!(sBs > 0)) return;
     constexpr double share = trust_region.min_curvature_share;
-    const double theta = sy >= share * sBs ? 1.0 : (1 - share) * sBs / (sBs - sy);
-    const VectorXd r = theta * y + (1 - theta) * Bs;
+    double theta = sy >= share * sBs ? 1.0 : (1 - share) * sBs / (sBs - sy);
+    VectorXd r = theta * y + (1 - theta) * Bs;
+    // Along negative curvature s.r is small however long y is: what is added would outgrow the rest until B is
+    // singular to rounding. It may be as large as what it replaces, or as the mean curvature.
+    const double largest = std::max(Bs.squaredNorm() / sBs, B_.trace() / static_cast<double>(s.size()));
+    for (int i = 0; i < trust_region.max_damped_cuts && theta < 1 && r.squaredNorm() > largest * s.dot(r); ++i) {
+        theta *= 0.5;
+        r = theta * y + (1 - theta) * Bs;
+    }
     B_ += r * r.transpose() / s.dot(r) - Bs * Bs.transpose() / sBs;
     B_ = 0.5 * (B_ + B_.transpose()).eval();
 }

@@ -22,7 +22,8 @@ public:
     /// What the program knows, with its guessed part.
     void start_from(const Eigen::MatrixXd& known);
 
-    /// Powell's damped BFGS update: the Lagrangian's gradient has changed by y along the step s.
+    /// Powell's damped BFGS update: the Lagrangian's gradient has changed by y along the step s. Where it is damped,
+    /// the largest curvature does not outgrow what was there.
     void update(const Eigen::VectorXd& s, const Eigen::VectorXd& y);
     /// Notes the least curvature that each constraint has shown along the step d to `trial`, in the metric.
     void measure_constraints(const Evaluation& trial, const Eigen::VectorXd& d);

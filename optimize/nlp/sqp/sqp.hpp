@@ -3,11 +3,12 @@
 
 /// Sequential quadratic programming in a trust region. Internal.
 ///
-/// NLopt's own driver of SLSQP cannot reject a point, starts from a unit Hessian and loses what it learned when it is
-/// restarted. Here NLopt's SLSQP solves the quadratic model of each step only (model/quadratic_model.hpp). The parts:
-/// iterate.hpp (where the search is), merit.hpp (objective + penalty * violations, which accepts steps),
-/// hessian_model.hpp, gradient_model.hpp (gradients by differences), step_model.hpp (the step within the radius),
-/// border_cut.hpp (steps along a border of failures), trust_region.hpp (all thresholds), sqp_search.hpp (the loop).
+/// NLopt's driver of SLSQP cannot reject a point, starts from a unit Hessian and loses what it learned when it is
+/// restarted. Here a dual active-set method solves the quadratic model of each step (model/quadratic_model.hpp);
+/// NLopt's SLSQP is asked only where rounding stops it. The parts: iterate.hpp (where the search is), merit.hpp
+/// (objective + penalty * violations, which accepts steps), hessian_model.hpp, gradient_model.hpp (gradients by
+/// differences), step_model.hpp (the step within the radius), border_cut.hpp (steps along a border of failures),
+/// trust_region.hpp (all thresholds), sqp_search.hpp (the loop).
 namespace strake {
 
 struct SqpEnd {

@@ -96,7 +96,9 @@ bool SqpSearch::failed_at(const VectorXd& d) {
     const int more_in_row = std::min(trust_region.border_failures_per_variable * static_cast<int>(now_.x.size()),
                                      trust_region.max_border_failures_in_row);
     const int in_row = guard_.options.max_shrinks + (knows_border ? more_in_row : 0);
-    const int all = guard_.options.max_failures + (knows_border ? accepted_ + trust_region.max_border_failures : 0);
+    // A solver that fails now and then does not end a search that goes on gaining.
+    const int all = guard_.options.max_failures * (1 + accepted_ / trust_region.steps_per_failures) +
+                    (knows_border ? accepted_ + trust_region.max_border_failures : 0);
     if (failures_ > in_row || end_.shrinks >= all) {
         end_.is_at_border = knows_border;
         return end(MinimizeStop::no_valid_step,

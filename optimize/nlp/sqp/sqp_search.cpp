@@ -195,7 +195,7 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
     now_.at = trial;
     guard_.largest_gradient = std::max(guard_.largest_gradient, projected_gradient());
     steps_.forget_limits();
-    failures_ = rejections_ = 0;
+    failures_ = rejections_ = model_failures_ = 0;
     ++accepted_;
     border_.update();
     return is_left ? end(MinimizeStop::outpaced, "more is expected elsewhere") : ends_by_progress();

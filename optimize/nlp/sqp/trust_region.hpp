@@ -52,6 +52,7 @@ struct TrustRegionOptions {
 
     // Curvature.
     double min_curvature_share = 0.2;   ///< Powell's damping of the BFGS update
+    int max_damped_cuts = 30;           ///< halvings of a damped update that adds more than it replaces
     double min_slope_share = 1e-3;      ///< of the objective's gradient: a first slope that cancels sets no scale
     double rounding_share = 1e-3;       ///< of the objective tolerance: less curvature may be rounding
     double constraint_rounding = 0.01;  ///< of the constraint tolerance: the same
@@ -66,12 +67,13 @@ struct TrustRegionOptions {
     int max_rejections = 12;          ///< in a row: the gradient does not predict the values
     int max_guessed_rejections = 2;   ///< in a row: the guessed part of the gradient may be the reason
     double min_step = 1e-12;          ///< rejected steps below it end the search
-    int max_model_failures = 2;       ///< of the quadratic model's solver; the Hessian starts again in between
+    int max_model_failures = 2;       ///< in a row, of the model's solver; the Hessian starts again in between
     int max_restorations = 3;         ///< evaluations kept for the way back onto the constraints
     double max_restoration_step = 0.5;  ///< a longer way back would leave what the search has found
     double handover_violation = 1e-3;   ///< below, a finer level may take over
 
     // Failures next to the best point.
+    int steps_per_failures = 10;  ///< accepted steps that allow `max_failures` more: what fails by chance is no border
     int max_border_failures = 100;  ///< more in all than elsewhere where a border is known: it takes them to find it
     int max_border_failures_in_row = 32;   ///< more in a row
     int border_failures_per_variable = 4;  ///< more in a row, at most the above: a plane has as many unknowns

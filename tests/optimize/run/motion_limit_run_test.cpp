@@ -126,6 +126,21 @@ TEST(MotionLimitRun, ReachesTheKnownOptimumOnTheBall) {
     }
 }
 
+/// What a user variable may do alone is no licence to leave the limit of the surface.
+TEST(MotionLimitRun, AVariableWithAWiderLimitOfItsOwnStaysWithin) {
+    constexpr double limit = 0.01;
+    for (const Method method : {Method::sqp, Method::mma, Method::cobyla}) {
+        Problem problem = sliding_tip(Eigen::Vector3d(0, 0.6, 0.8), limit);
+        problem.optimize.method = method;
+        for (UserVariable& variable : problem.parameters.user_variables) variable.max_displacement = 3 * limit;
+        const auto seen = watch(problem, problem.surface.vertices);
+        const RunResult r = optimize(problem);
+        EXPECT_LE(seen->farthest, limit * (1 + 1e-9)) << method_facts(method).name << ": " << r.reason;
+        EXPECT_GT(seen->farthest, 0.9 * limit) << method_facts(method).name << ": " << r.reason;
+        EXPECT_GE(seen->shapes, 3);
+    }
+}
+
 TEST(MotionLimitRun, TheOptimumIsTheOneOfOtherSearches) {
     Problem problem = more_volume(1, 0.01);
     const RunResult r = optimize(problem);

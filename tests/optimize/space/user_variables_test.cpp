@@ -101,6 +101,21 @@ TEST(Given, UnitsMoveTheSurfaceByTheirOwnMaxDisplacement) {
               (std::pair<std::string, double>("hinge", 0.2)));
 }
 
+TEST(Given, ALimitOfItsOwnThatTheMotionLimitForbidsIsNoted) {
+    const auto notes_with = [](double motion_limit) {
+        Problem problem = with_user_variables();
+        problem.parameters.max_displacement = motion_limit;
+        std::string all;
+        for (const std::string& note : Evaluated(problem).space.notes) all += note + "\n";
+        return all;
+    };
+    EXPECT_TRUE(has(notes_with(0.01),
+                    "slide: at its own limit it moves the surface by 2 % of the diagonal, but the "
+                    "motion limit is 1 %: raise parameters.max_displacement"))
+        << notes_with(0.01);
+    EXPECT_FALSE(has(notes_with(0.03), "slide: at its own limit")) << notes_with(0.03);
+}
+
 TEST(Given, MotionsMoveTheirTrianglesRigidlyAboutTheStatedPoint) {
     Evaluated e(with_user_variables());
     const ShapeEvaluation turned = e.at(Eigen::VectorXd::Unit(e.space.size(), 3));

@@ -223,7 +223,7 @@ double Airfoil::max_camber_at() const { return extreme(mean_of).fraction; }
 
 /// x = sum a_k z^k near the leading edge, x in chords, z in tenths of a chord. Nothing where too few points round no
 /// nose.
-std::optional<std::array<Varying, 5>> Airfoil::nose() const {
+std::optional<std::array<Varying, 5>> Airfoil::nose(int* num_points) const {
     constexpr int terms = 5;
     std::vector<std::vector<Varying>> a(terms, std::vector<Varying>(terms));
     std::vector<Varying> b(terms);
@@ -243,6 +243,7 @@ std::optional<std::array<Varying, 5>> Airfoil::nose() const {
                 b[i] = b[i] + power[i] * x;
             }
         }
+    if (num_points) *num_points = count;
     if (count < terms + 2) return {};
     const std::vector<Varying> fit = solved(std::move(a), std::move(b));
     if (!(fit[2].value > 0)) return {};
@@ -252,7 +253,8 @@ std::optional<std::array<Varying, 5>> Airfoil::nose() const {
 /// To the polynomial's minimum, by Newton's method; its last step carries the derivatives.
 void Airfoil::refine_leading_edge() {
     if (sharp_nose_) return;
-    const auto fit = nose();
+    int count = 0;
+    const auto fit = nose(&count);
     if (!fit) return;
     const std::array<Varying, 5>& a = *fit;
     double at = 0;
@@ -265,6 +267,7 @@ void Airfoil::refine_leading_edge() {
     const Varying slope = a[1] + at * (2 * a[2] + at * (3 * a[3] + (4 * at) * a[4]));
     const Varying z = at - slope / second(at);
     const Varying x = a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * a[4])));
+    num_nose_points_ = count;
     leading_ = leading_ + (x * chord_) * along_ + (0.1 * z * chord_) * up_;
     set_chord();
 }

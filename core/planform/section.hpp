@@ -42,6 +42,8 @@ public:
     /// Radius of curvature over the chord at the leading edge, of the fitted polynomial. 0 at a corner. Nothing with
     /// fewer than seven points.
     std::optional<Varying> leading_edge_radius() const;
+    /// That the polynomial is fitted to; 0 where the leading edge is not by it.
+    int num_nose_points() const { return num_nose_points_; }
     /// Angle between the chords of the last 5 % of the upper and the lower surface, radians.
     Varying trailing_edge_angle() const;
     /// Area between two chord fractions, length squared.
@@ -56,11 +58,12 @@ private:
     PlanePoint upper_end_, lower_end_;            ///< corners of the trailing edge
     Varying chord_, thick_end_;
     bool sharp_nose_ = false;
+    int num_nose_points_ = 0;
 
     void find_trailing_edge();
     void find_leading_edge();
     void set_chord();
-    std::optional<std::array<Varying, 5>> nose() const;
+    std::optional<std::array<Varying, 5>> nose(int* num_points = nullptr) const;
     void refine_leading_edge();
     struct Extreme {
         double fraction;

@@ -111,9 +111,10 @@ void keep_nearest(std::vector<Outline>& outlines, const SectionFrame& frame, con
 
 }  // namespace
 
-std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane,
-                                     bool sensitivities) const {
-    std::vector<Outline> outlines = cut(surface, side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
+std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
+                                     const std::vector<int>* triangles) const {
+    std::vector<Outline> outlines =
+        cut(surface, triangles ? *triangles : side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
     if (plane.near) keep_nearest(outlines, plane.frame, *plane.near);
     return Airfoil::from(std::move(outlines));
 }
@@ -150,6 +151,20 @@ std::vector<Wing::PlacedSection> Wing::placed_sections(const TriMesh& surface, d
         found.push_back({std::move(airfoil), leading, trailing});
     }
     return found;
+}
+
+std::optional<Wing::Edges> Wing::edges(const TriMesh& surface, const TriMesh& planes_of, int number, double place,
+                                       bool sensitivities, const std::vector<int>* triangles) const {
+    const Plane at = plane(planes_of, this->at(number), place, false);
+    const auto airfoil = section(surface, this->at(number), at, sensitivities, triangles);
+    if (!airfoil) return {};
+    return Edges{airfoil->leading_edge(),
+                 airfoil->trailing_edge(),
+                 at.frame.normal,
+                 at.frame.up,
+                 in_space(at, airfoil->leading_edge()),
+                 in_space(at, airfoil->trailing_edge()),
+                 airfoil->num_nose_points()};
 }
 
 Vector3d Wing::up_at(int number, double place) const {

@@ -28,6 +28,39 @@ InvalidInput no_section(const Wing& wing, double place) {
 
 Points points(const VectorXd& flat) { return Eigen::Map<const Points>(flat.data(), flat.size() / 3, 3); }
 
+/// Rows of M: of edges that were measured, or as another matrix has them.
+struct EdgeRows {
+    std::vector<Eigen::Triplet<double>> entries = {};
+
+    void add(int knot, const PlanePoint& edge) {
+        for (int c = 0; knot >= 0 && c < 2; ++c)
+            for (const auto& [coordinate, slope] : (c == 0 ? edge.x : edge.z).slope)
+                entries.emplace_back(2 * knot + c, coordinate, slope);
+    }
+    void copy(int knot, const Eigen::SparseMatrix<double, Eigen::RowMajor>& from) {
+        for (int c = 0; knot >= 0 && c < 2; ++c)
+            for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator it(from, 2 * knot + c); it; ++it)
+                entries.emplace_back(2 * knot + c, static_cast<int>(it.col()), it.value());
+    }
+};
+
+/// Chords of the sections of both numbers of each knot.
+template <class Sections>
+VectorXd chords_of(const Sections& sections, int num_knots) {
+    VectorXd chord(2 * num_knots);
+    for (const auto& section : sections)
+        for (const int knot : {section.leading, section.trailing})
+            if (knot >= 0) chord.segment<2>(2 * knot).setConstant(section.chord);
+    return chord;
+}
+
+void mark_left(const VectorXd& left, const VectorXd& chord, std::vector<char>& marks) {
+    for (std::size_t k = 0; k < marks.size(); ++k) {
+        const auto first = 2 * static_cast<Eigen::Index>(k);
+        if (left.segment<2>(first).norm() > told_apart * chord[first]) marks[k] = 1;
+    }
+}
+
 }  // namespace
 
 Points KeptSections::in_planes(const Points& motion) const {
@@ -57,35 +90,27 @@ std::shared_ptr<const KeptSections::Tangent> KeptSections::tangent_at(const Poin
     if (at_start_ && at_start_->surface == vertices) return at_start_;
     if (latest_ && latest_->surface == vertices) return latest_;
     const TriMesh surface = with_vertices(start_, vertices);
-    std::vector<Eigen::Triplet<double>> entries;
-    const auto add = [&](int row, const Varying& value) {
-        for (const auto& [coordinate, slope] : value.slope) entries.emplace_back(row, coordinate, slope);
-    };
-    const auto copy = [&](int knot) {
-        for (int row = 2 * knot; knot >= 0 && row < 2 * knot + 2; ++row)
-            for (decltype(at_start_->edges)::InnerIterator it(at_start_->edges, row); it; ++it)
-                entries.emplace_back(row, static_cast<int>(it.col()), it.value());
-    };
+    EdgeRows rows;
+    const bool is_first = !at_start_;
     for (const Section& section : sections_) {
-        const bool is_new_leading = section.leading >= 0 && (!at_start_ || section.is_round);
-        if (at_start_) copy(section.trailing);
-        if (!is_new_leading) copy(section.leading);
-        if (!is_new_leading && at_start_) continue;
+        if (!is_first) rows.copy(section.trailing, at_start_->edges);
+        if (!is_first && !section.is_round) {
+            rows.copy(section.leading, at_start_->edges);
+            continue;
+        }
+        if (!is_first && section.leading < 0) continue;
         const auto at = section.wing->edges(surface, start_, section.side, section.place, true, &section.triangles);
         if (!at) throw no_section(*section.wing, section.place);
-        const double jump =
-            std::hypot(at->leading.x.value - section.leading_at[0], at->leading.z.value - section.leading_at[1]);
-        if (at_start_ && is_end && jump > told_apart * section.chord)
-            copy(section.leading);  // as `kept` found it
-        else if (is_new_leading)
-            add(2 * section.leading, at->leading.x), add(2 * section.leading + 1, at->leading.z);
-        if (section.trailing >= 0 && !at_start_)
-            add(2 * section.trailing, at->trailing.x), add(2 * section.trailing + 1, at->trailing.z);
+        const Eigen::Vector2d off = Eigen::Vector2d(at->leading.x.value, at->leading.z.value) - section.leading_at;
+        const bool jumps = !is_first && is_end && off.norm() > told_apart * section.chord;  // as `kept` found it
+        if (jumps) rows.copy(section.leading, at_start_->edges);
+        if (!jumps) rows.add(section.leading, at->leading);
+        if (is_first) rows.add(section.trailing, at->trailing);
     }
     auto tangent = std::make_shared<Tangent>();
     tangent->surface = vertices;
     tangent->edges.resize(2 * num_knots_, 3 * num_vertices());
-    tangent->edges.setFromTriplets(entries.begin(), entries.end());
+    tangent->edges.setFromTriplets(rows.entries.begin(), rows.entries.end());
     tangent->by_knots.compute(Eigen::MatrixXd(tangent->edges * by_knots_));
     if (is_end) latest_ = tangent;
     return tangent;
@@ -94,10 +119,7 @@ std::shared_ptr<const KeptSections::Tangent> KeptSections::tangent_at(const Poin
 Points KeptSections::kept(const Points& motion) const {
     Points moved = in_planes(motion);
     if (moved.isZero(0) || num_knots_ == 0) return moved;
-    VectorXd chord(2 * num_knots_);
-    for (const Section& section : sections_)
-        for (const int knot : {section.leading, section.trailing})
-            if (knot >= 0) chord.segment<2>(2 * knot).setConstant(section.chord);
+    const VectorXd chord = chords_of(sections_, num_knots_);
     std::shared_ptr<const Tangent> tangent = at_start_;
     std::vector<char> is_linear(static_cast<std::size_t>(num_knots_), 0);
     double before = std::numeric_limits<double>::infinity();
@@ -107,10 +129,7 @@ Points KeptSections::kept(const Points& motion) const {
         const VectorXd left = off(surface, is_linear);
         const double size = left.cwiseQuotient(chord).cwiseAbs().maxCoeff();
         if (size < edge_tolerance || (size < near_enough && size > slow * before)) return moved;
-        if (k >= max_iterations / 2)
-            for (int knot = 0; knot < num_knots_; ++knot)
-                if (left.segment<2>(2 * knot).norm() > told_apart * chord[2 * knot])
-                    is_linear[static_cast<std::size_t>(knot)] = 1;
+        if (k >= max_iterations / 2) mark_left(left, chord, is_linear);
         if (k > 1 && size > slow * before) tangent = tangent_at(surface.vertices, false);
         before = size;
         const VectorXd step = by_knots_ * tangent->by_knots.solve(left);

@@ -5,7 +5,9 @@
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <utility>
 
 /// Where the knots of kept sections lie, and what each vertex has of them.
 namespace strake {
@@ -48,6 +50,63 @@ std::vector<int> border_between(const TriMesh& mesh, const std::vector<char>& li
     for (int v = 0; v < mesh.num_vertices(); ++v)
         if (seen[static_cast<std::size_t>(v)] == 3) found.push_back(v);
     return found;
+}
+
+/// Per triangle of a side: the places that planes which may come to meet it have.
+std::vector<std::array<double, 2>> reaches(const TriMesh& mesh, const Wing& wing, int side, double reach, double more) {
+    std::vector<std::array<double, 2>> all;
+    for (const int t : wing.triangles(side)) {
+        double low = std::numeric_limits<double>::infinity(), high = -low;
+        for (const int v : mesh.triangles.row(t)) {
+            const double at = wing.fraction_at(side, reach, mesh.vertices.row(v));
+            low = std::min(low, at), high = std::max(high, at);
+        }
+        all.push_back({low - more, high + more});
+    }
+    return all;
+}
+
+/// 0 on what is fixed, 1 at some distance.
+class Distance {
+public:
+    Distance(const TriMesh& mesh, const std::vector<int>& fixed)
+        : mesh_(mesh), is_fixed_(static_cast<std::size_t>(mesh.num_vertices()), 0) {
+        std::vector<char> marks(static_cast<std::size_t>(mesh.num_triangles()), 0);
+        for (const int t : fixed) {
+            marks[static_cast<std::size_t>(t)] = 1;
+            for (const int v : mesh.triangles.row(t)) is_fixed_[static_cast<std::size_t>(v)] = 1;
+        }
+        border_ = border_between(mesh, marks);
+    }
+    double operator()(int v, double root_chord) const {
+        if (is_fixed_[static_cast<std::size_t>(v)]) return 0;
+        if (border_.empty()) return 1;
+        return smooth_step(distance_to(border_, mesh_.vertices, mesh_.vertices.row(v)) / (fixed_reach * root_chord));
+    }
+
+private:
+    const TriMesh& mesh_;
+    std::vector<char> is_fixed_;  ///< per vertex
+    std::vector<int> border_;
+};
+
+/// Calls found(v, share) for vertices near a root that shares edges with a body, of the same part and not of the wing.
+void each_near_root(const TriMesh& mesh, const std::vector<int>& wing, double reach, const std::vector<char>& placed,
+                    const std::function<void(int, double)>& found) {
+    const std::vector<int> part = edge_components(mesh, adjacency(mesh));
+    std::vector<char> of_wing(static_cast<std::size_t>(mesh.num_triangles()), 0);
+    for (const int t : wing) of_wing[static_cast<std::size_t>(t)] = 1;
+    const std::vector<int> border = border_between(mesh, of_wing);
+    std::vector<char> is_near(placed.size(), 0);  // of the same part
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        for (const int v : mesh.triangles.row(t))
+            is_near[static_cast<std::size_t>(v)] |=
+                part[static_cast<std::size_t>(t)] == part[static_cast<std::size_t>(wing.front())];
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        if (!is_near[static_cast<std::size_t>(v)] || placed[static_cast<std::size_t>(v)]) continue;
+        const double near = 1 - smooth_step(distance_to(border, mesh.vertices, mesh.vertices.row(v)) / reach);
+        if (near > 0) found(v, near);
+    }
 }
 
 }  // namespace
@@ -137,16 +196,17 @@ void KeptSections::share_centre() {
 
 void KeptSections::add_sections(const Side& of) {
     const double last = of.places.back(), reach = (of.wing->has_winglet() ? steep_margin : plane_margin) * last;
-    std::vector<std::array<double, 2>> range;
     const std::vector<int>& triangles = of.wing->triangles(of.side);
-    for (const int t : triangles) {
-        double low = std::numeric_limits<double>::infinity(), high = -low;
-        for (const int v : start_.triangles.row(t)) {
-            const double at = of.wing->fraction_at(of.side, of.reach, start_.vertices.row(v));
-            low = std::min(low, at), high = std::max(high, at);
-        }
-        range.push_back({low - reach, high + reach});
-    }
+    const auto range = reaches(start_, *of.wing, of.side, of.reach, reach);
+    const auto section_at = [&](double place) {
+        Section section;
+        section.wing = of.wing;
+        section.side = of.side;
+        section.place = place;
+        for (std::size_t i = 0; i < triangles.size(); ++i)
+            if (range[i][0] <= place && place <= range[i][1]) section.triangles.push_back(triangles[i]);
+        return section;
+    };
     const bool is_shared = of.side > 0 && of.number[0].front() != of.number[1].front() &&
                            std::any_of(sections_.begin(), sections_.end(),
                                        [&](const Section& other) { return other.leading == of.number[0].front(); });
@@ -157,13 +217,8 @@ void KeptSections::add_sections(const Side& of) {
             auto same = std::find_if(found.begin(), found.end(),
                                      [&](const auto& one) { return std::abs(one.first - place) < same_place; });
             if (same == found.end()) {
-                found.emplace_back(place, Section{});
+                found.emplace_back(place, section_at(place));
                 same = found.end() - 1;
-                same->second.wing = of.wing;
-                same->second.side = of.side;
-                same->second.place = place;
-                for (std::size_t i = 0; i < triangles.size(); ++i)
-                    if (range[i][0] <= place && place <= range[i][1]) same->second.triangles.push_back(triangles[i]);
             }
             (edge == 0 ? same->second.leading : same->second.trailing) = of.number[edge][k];
         }
@@ -218,52 +273,31 @@ void KeptSections::place_vertex(int v, const Side& of, double across, double alo
 }
 
 void KeptSections::place_vertices(const std::vector<int>& fixed) {
-    std::vector<char> is_fixed(static_cast<std::size_t>(start_.num_triangles()), 0), on_fixed(shares_.size(), 0);
-    for (const int t : fixed) {
-        is_fixed[static_cast<std::size_t>(t)] = 1;
-        for (const int v : start_.triangles.row(t)) on_fixed[static_cast<std::size_t>(v)] = 1;
-    }
-    const std::vector<int> held = border_between(start_, is_fixed);
-    const auto away = [&](int v, double root_chord) {
-        if (on_fixed[static_cast<std::size_t>(v)]) return 0.0;
-        return held.empty() ? 1.0
-                            : smooth_step(distance_to(held, start_.vertices, start_.vertices.row(v)) /
-                                          (fixed_reach * root_chord));
-    };
+    const Distance away(start_, fixed);
     std::vector<char> placed(shares_.size(), 0);
     const auto outboard = [&](const Side& of, int v) {
         return of.wing->span(of.side).dot(start_.vertices.row(v)) - of.wing->root(of.side);
     };
+    const auto side_of = [&](const Side& side, int v) {
+        const Side* of = &side;
+        for (const Side& other : sides_)
+            if (other.wing == side.wing && outboard(other, v) > outboard(*of, v)) of = &other;
+        return of;
+    };
+    const auto root_chord = [](const Side& side) { return (side.trailing[0] - side.leading[0]).norm(); };
     for (const Side& side : sides_)
         for (const int v : side.wing->vertices(side.side)) {
             if (std::exchange(placed[static_cast<std::size_t>(v)], 1)) continue;
-            const Side* of = &side;
-            for (const Side& other : sides_)
-                if (other.wing == side.wing && outboard(other, v) > outboard(*of, v)) of = &other;
-            place_vertex(v, *of, 1, away(v, std::abs((of->trailing[0] - of->leading[0]).norm())));
+            const Side* of = side_of(side, v);
+            place_vertex(v, *of, 1, away(v, root_chord(*of)));
         }
-    const std::vector<int> part = edge_components(start_, adjacency(start_));
-    std::vector<int> part_of(shares_.size(), -1);
-    for (int t = 0; t < start_.num_triangles(); ++t)
-        for (const int v : start_.triangles.row(t))
-            part_of[static_cast<std::size_t>(v)] = part[static_cast<std::size_t>(t)];
-    for (const Side& side : sides_) {
-        if (!side.wing->is_joined(side.side)) continue;
-        std::vector<char> of_wing(static_cast<std::size_t>(start_.num_triangles()), 0);
-        for (const int t : side.wing->triangles(side.side)) of_wing[static_cast<std::size_t>(t)] = 1;
-        const std::vector<int> border = border_between(start_, of_wing);
-        const double chord = (side.trailing[0] - side.leading[0]).norm();
-        for (int v = 0; v < num_vertices(); ++v) {
-            if (placed[static_cast<std::size_t>(v)] || border.empty() ||
-                part_of[static_cast<std::size_t>(v)] != part_of[static_cast<std::size_t>(border.front())])
-                continue;
-            const double near =
-                1 - smooth_step(distance_to(border, start_.vertices, start_.vertices.row(v)) / (body_reach * chord));
-            if (!(near > 0)) continue;
-            placed[static_cast<std::size_t>(v)] = 1;
-            place_vertex(v, side, near, near * away(v, chord));
-        }
-    }
+    for (const Side& side : sides_)
+        if (side.wing->is_joined(side.side))
+            each_near_root(start_, side.wing->triangles(side.side), body_reach * root_chord(side), placed,
+                           [&](int v, double near) {
+                               placed[static_cast<std::size_t>(v)] = 1;
+                               place_vertex(v, side, near, near * away(v, root_chord(side)));
+                           });
 }
 
 /// Knots of edges that are fixed, and those that are another's: they move nothing.

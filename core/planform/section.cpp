@@ -12,7 +12,8 @@ namespace strake {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double corner_angle = 35 * degree;       ///< of a trailing edge
+constexpr double corner_angle = 50 * degree;       ///< of a trailing edge
+constexpr double round_end = 0.002;                ///< of the chord: points of a rounded trailing edge
 constexpr double sharp_nose_angle = 100 * degree;  ///< of a leading edge that is a corner
 constexpr double aft_share = 0.03;                 ///< of the chord: where corners are looked for
 constexpr double neighbour_rel = 2e-4;             ///< of the chord: nearer points say nothing about the curve
@@ -83,6 +84,25 @@ std::optional<Airfoil> Airfoil::from(std::vector<Outline> outlines) {
     return airfoil;
 }
 
+namespace {
+
+/// The mean of the last points, with weights that fall to zero: it does not jump from one of them to the next.
+PlanePoint round_trailing_edge(const Outline& outline, int aftmost, double size) {
+    const Varying last = outline.points[static_cast<std::size_t>(aftmost)].x;
+    std::vector<Varying> weights, x, z;
+    for (const PlanePoint& p : outline.points) {
+        const Varying near = 1 - (1 / (round_end * size)) * (last - p.x);
+        if (!(near.value > 0)) continue;
+        weights.push_back(near * near);
+        x.push_back(weights.back() * p.x);
+        z.push_back(weights.back() * p.z);
+    }
+    const Varying total = sum(weights);
+    return {sum(x) / total, sum(z) / total};
+}
+
+}  // namespace
+
 void Airfoil::find_trailing_edge() {
     const Outline* aft = nullptr;
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -104,7 +124,7 @@ void Airfoil::find_trailing_edge() {
             if (const double turn = turning(*aft, i, 1e-6 * size); turn > corner_angle) corners.push_back({turn, i});
     std::stable_sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.turn > b.turn; });
     const auto at = [&](int i) -> const PlanePoint& { return aft->points[static_cast<std::size_t>(i)]; };
-    upper_end_ = lower_end_ = at(corners.empty() ? aftmost : corners[0].at);
+    upper_end_ = lower_end_ = corners.empty() ? round_trailing_edge(*aft, aftmost, size) : at(corners[0].at);
     if (corners.size() > 1) lower_end_ = at(corners[1].at);
     trailing_ = 0.5 * (upper_end_ + lower_end_);
     if (corners.size() > 1) thick_end_ = length(upper_end_ - lower_end_);

@@ -190,6 +190,8 @@ StationFacts Wing::station(const TriMesh& surface, double station, bool sensitiv
         const Airfoil airfoil = needed(surface, side, place_of(side, station), sensitivities);
         facts.chord = facts.chord + share * airfoil.chord();
         facts.twist = facts.twist + share * airfoil.twist();
+        facts.leading_x = facts.leading_x + share * airfoil.leading_edge().x;
+        facts.trailing_x = facts.trailing_x + share * airfoil.trailing_edge().x;
         facts.thickness_to_chord = facts.thickness_to_chord + share * airfoil.max_thickness();
         facts.camber = facts.camber + share * airfoil.max_camber();
         facts.trailing_edge_angle = facts.trailing_edge_angle + share * airfoil.trailing_edge_angle();

@@ -26,6 +26,7 @@ struct StationFacts {
     double station = 0;                           ///< fraction of the semispan
     Eigen::Vector3d leading_edge, trailing_edge;  ///< of the first side
     Varying chord, twist;                         ///< twist: nose up, against the stream
+    Varying leading_x, trailing_x;                ///< of the edges, downstream
     Varying thickness_to_chord, camber;
     double thickness_at = 0, camber_at = 0;      ///< chord fractions
     std::optional<Varying> leading_edge_radius;  ///< over the chord

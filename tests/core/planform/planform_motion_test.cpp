@@ -248,5 +248,60 @@ TEST(PlanformMotion, WhatCannotBeIsRefused) {
     EXPECT_THROW(motion_of(all[0], {good}).displacement(VectorXd::Zero(2)), InvalidInput);
 }
 
+/// A wing of one section all along the span, open at the root, whose trailing edge is a half circle of `radius`.
+TriMesh rounded_behind(double radius) {
+    constexpr int rows = 13, end = 8, panels = 60;
+    std::vector<std::array<double, 2>> section;  // from the trailing edge over the top
+    const auto mean = [](double x) { return 0.08 * x * (1 - x); };
+    for (int k = -end; k <= end; ++k) {
+        const double angle = 0.5 * std::numbers::pi * k / end;
+        section.push_back({1 - radius + radius * std::cos(angle), mean(1 - radius) + radius * std::sin(angle)});
+    }
+    const auto half = [&](double x) { return example::naca_half_thickness(0.12, x) + radius * x / (1 - radius); };
+    for (const int side : {1, -1})
+        for (int i = 1; i < panels; ++i) {
+            const double along = static_cast<double>(side > 0 ? i : panels - i) / panels;
+            const double x = (1 - radius) * 0.5 * (1 + std::cos(std::numbers::pi * along));
+            section.push_back({x, mean(x) + side * half(x)});
+            if (side > 0 && i == panels - 1) section.push_back({0, 0});
+        }
+    const int around = static_cast<int>(section.size());
+    TriMesh mesh;
+    mesh.vertices.resize(rows * around, 3);
+    std::vector<Eigen::RowVector3i> triangles;
+    for (int r = 0; r < rows; ++r)
+        for (int k = 0; k < around; ++k) {
+            const int next = (k + 1) % around, a = r * around + k, b = r * around + next;
+            mesh.vertices.row(a) << section[static_cast<std::size_t>(k)][0], 3.0 * r / (rows - 1),
+                section[static_cast<std::size_t>(k)][1];
+            if (r + 1 == rows) continue;
+            triangles.emplace_back(a, a + around, b), triangles.emplace_back(b, a + around, b + around);
+        }
+    mesh.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t) mesh.triangles.row(static_cast<Eigen::Index>(t)) = triangles[t];
+    return mesh;
+}
+
+/// Its trailing edge was one corner of the circle or another: camber by -1 % moved it by 2e-3 of the chord.
+TEST(PlanformMotion, EdgesOfARoundedWingDoNotJump) {
+    const TriMesh mesh = rounded_behind(0.002);
+    WingDeclaration half;
+    half.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
+    half.stations = {0, 0.5, 1};
+    const auto wing = std::make_shared<const Wing>(mesh, half);
+    const PlanformMotion motion(
+        mesh, {wing}, {{.change = PlanformChange::camber, .by_station = true, .lower = -0.02, .upper = 0.02}});
+    const StationFacts before = wing->station(mesh, 0.5);
+    EXPECT_LT(before.trailing_edge_thickness.value, 1e-9) << "no corner";
+    for (int k = -8; k <= 8; ++k) {
+        const double camber = 0.02 * k / 8;
+        const VectorXd z = camber * VectorXd::Ones(motion.size());
+        const StationFacts after = wing->station(with_vertices(mesh, mesh.vertices + motion.displacement(z)), 0.5);
+        EXPECT_LT((after.trailing_edge - before.trailing_edge).norm(), 1e-4) << camber;
+        EXPECT_LT((after.leading_edge - before.leading_edge).norm(), 1e-4) << camber;
+        EXPECT_NEAR(after.camber.value, before.camber.value + camber, 1e-4) << camber;
+    }
+}
+
 }  // namespace
 }  // namespace strake

@@ -35,7 +35,9 @@ int last_accepted(const Journal& journal) {
 }  // namespace
 
 void keep_meaning(Case& the_case, const JournalFacts& facts) {
-    constexpr int since_shapes_are_limited = 2;
+    constexpr int since_shapes_are_limited = 2, since_outlines_are_kept = 3;
+    for (WingEntry& wing : the_case.planform)
+        wing.keeps_outline = wing.keeps_outline && facts.meaning >= since_outlines_are_kept;
     the_case.parameters.limits_variables = facts.meaning < since_shapes_are_limited;
     the_case.optimize.is_relative_to_objective = facts.meaning < since_shapes_are_limited;
     the_case.optimize.shares_with_all_levels = facts.meaning < since_shapes_are_limited;

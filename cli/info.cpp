@@ -216,6 +216,13 @@ void print_words(const std::string& file, const Report& r) {
     print_info(out);
 }
 
+std::optional<PlanformSheet> sheet_of(const TriMesh& mesh, const std::vector<double>& stations,
+                                      const std::string& start) {
+    if (start.empty()) return planform_sheet(mesh, stations);
+    const TriMesh before = read_logged(start).mesh;
+    return planform_sheet(mesh, stations, &before);
+}
+
 void write_sections(const std::string& file, const std::optional<PlanformSheet>& sheet) {
     if (file.empty()) return;
     if (!sheet) throw InvalidInput(text("no wing found: there are no sections for ", printable(file)));
@@ -230,7 +237,7 @@ void write_sections(const std::string& file, const std::optional<PlanformSheet>&
 void add_info(CLI::App& app) {
     struct Options {
         std::string surface;
-        std::string vtp, sections;
+        std::string vtp, sections, start;
         std::vector<double> stations;
         bool json = false, planform = false;
     };
@@ -250,13 +257,19 @@ void add_info(CLI::App& app) {
         ->delimiter(',')
         ->needs(planform);
     command
+        ->add_option("--start", options->start,
+                     "with --planform: the same surface before it was changed; lists and draws start and now")
+        ->needs(planform);
+    command
         ->add_option("--sections", options->sections,
                      "with --planform: write the airfoils, in fractions of the chord, as FILE.csv or FILE.svg")
         ->needs(planform);
     command->callback([options] {
-        check_outputs({options->vtp, options->sections}, {options->surface});
+        std::vector<std::filesystem::path> inputs{options->surface};
+        if (!options->start.empty()) inputs.emplace_back(options->start);
+        check_outputs({options->vtp, options->sections}, inputs);
         if (options->planform && !options->json && options->vtp.empty()) {
-            const auto sheet = planform_sheet(read_logged(options->surface).mesh, options->stations);
+            const auto sheet = sheet_of(read_logged(options->surface).mesh, options->stations, options->start);
             write_sections(options->sections, sheet);
             print_info(planform_words(options->surface, sheet));
             return;
@@ -268,7 +281,7 @@ void add_info(CLI::App& app) {
         }
         nlohmann::ordered_json answer = as_json(r);
         if (options->planform) {
-            const auto sheet = planform_sheet(r.surface.mesh, options->stations);
+            const auto sheet = sheet_of(r.surface.mesh, options->stations, options->start);
             write_sections(options->sections, sheet);
             answer["planform"] = planform_json(sheet);
         }

@@ -5,7 +5,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
+#include <functional>
+#include <limits>
 #include <numbers>
 
 namespace strake::cli {
@@ -24,19 +27,63 @@ nlohmann::ordered_json point_json(const Eigen::Vector3d& p) { return {p[0], p[1]
 
 std::string in_percent(double fraction) { return fmt::format("{:.2f}", 100 * fraction); }
 
+nlohmann::ordered_json station_json(const StationFacts& at) {
+    nlohmann::ordered_json one{{"station", at.station},
+                               {"leading_edge", point_json(at.leading_edge)},
+                               {"trailing_edge", point_json(at.trailing_edge)},
+                               {"chord", at.chord.value},
+                               {"twist", at.twist.value},
+                               {"thickness_to_chord", at.thickness_to_chord.value},
+                               {"thickness_at", at.thickness_at},
+                               {"camber", at.camber.value},
+                               {"camber_at", at.camber_at},
+                               {"leading_edge_radius", nullptr},
+                               {"trailing_edge_angle", at.trailing_edge_angle.value},
+                               {"trailing_edge_thickness", at.trailing_edge_thickness.value}};
+    if (at.leading_edge_radius) one["leading_edge_radius"] = at.leading_edge_radius->value;
+    return one;
+}
+
 }  // namespace
 
-std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations) {
-    auto found = find_wing(mesh);
+std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations,
+                                            const TriMesh* start) {
+    if (start && (start->triangles.rows() != mesh.triangles.rows() || start->triangles != mesh.triangles ||
+                  start->vertices.rows() != mesh.vertices.rows()))
+        throw InvalidInput(text("the surface to compare with has ", start->num_triangles(), " triangles of ",
+                                start->num_vertices(), " vertices, this one ", mesh.num_triangles(), " of ",
+                                mesh.num_vertices(), "; both need the same triangles in the same order"));
+    auto found = find_wing(start ? *start : mesh);
     if (!found) return {};
     found->declaration.stations = stations;
-    PlanformSheet sheet{*found, false, {}, {}};
-    const Wing wing(mesh, found->declaration);
+    PlanformSheet sheet{*found, false, {}, {}, {}, {}, {}, {}};
+    const Wing wing(start ? *start : mesh, found->declaration);
+    const auto measure = [&](const TriMesh& surface, std::vector<StationFacts>& at, std::vector<StationFacts>& curve) {
+        for (const double s : wing.stations()) at.push_back(wing.station(surface, s));
+        for (int k = 0; k <= 20; ++k) try {
+                curve.push_back(wing.station(surface, k / 20.0));
+            } catch (const InvalidInput&) {  // a chart may have gaps
+                continue;
+            }
+        return wing.facts(surface);
+    };
     sheet.is_half = wing.num_sides() == 1;
-    sheet.facts = wing.facts(mesh);
-    for (const double s : wing.stations()) sheet.stations.push_back(wing.station(mesh, s));
+    sheet.facts = measure(mesh, sheet.stations, sheet.curve);
+    if (start) sheet.start = measure(*start, sheet.start_stations, sheet.start_curve);
     return sheet;
 }
+
+namespace {
+
+std::string station_line(const std::string& name, const StationFacts& at) {
+    return fmt::format("{:<14} {:>9.5g} {:>8.3f} {:>6} {:>4.0f} {:>8} {:>4.0f} {:>10} {:>10.2f} {:>14.5g}\n", name,
+                       at.chord.value, in_degrees(at.twist.value), in_percent(at.thickness_to_chord.value),
+                       100 * at.thickness_at, in_percent(at.camber.value), 100 * at.camber_at,
+                       at.leading_edge_radius ? in_percent(at.leading_edge_radius->value) : "-",
+                       in_degrees(at.trailing_edge_angle.value), at.trailing_edge_thickness.value);
+}
+
+}  // namespace
 
 std::string planform_words(const std::string& file, const std::optional<PlanformSheet>& sheet) {
     if (!sheet)
@@ -51,25 +98,31 @@ std::string planform_words(const std::string& file, const std::optional<Planform
         out += fmt::format("{:<16}{}\n", name, value);
     };
     const std::string whole = sheet->is_half ? ", of both sides; the file holds one" : "";
+    const auto before = [&](const Varying WingFacts::*value, double unit = 1) {
+        return sheet->start ? fmt::format(" (start {:.6g})", unit * ((*sheet->start).*value).value) : std::string();
+    };
+    constexpr double degree = std::numbers::pi / 180;
     line("wing", text(sheet->found.has_body ? "beside a body" : "without body", ", ", sheet->found.why));
     line("directions", text("span ", way_words(declared.span), ", downstream ", way_words(declared.downstream), ", up ",
                             way_words(declared.up)));
-    line("span", fmt::format("{:.6g}{}", f.span.value, whole));
-    line("area", fmt::format("{:.6g}{}{}", f.area.value, sheet->found.has_body ? ", exposed" : "", whole));
-    line("aspect ratio", fmt::format("{:.4g}", f.aspect_ratio.value));
-    line("taper", fmt::format("{:.4g}", f.taper.value));
-    line("mean chord", fmt::format("{:.6g}", f.mean_chord.value));
-    line("sweep", fmt::format("{:.3f} deg, quarter chord", in_degrees(f.sweep.value)));
-    line("dihedral", fmt::format("{:.3f} deg, quarter chord", in_degrees(f.dihedral.value)));
+    line("span", fmt::format("{:.6g}{}{}", f.span.value, before(&WingFacts::span), whole));
+    line("area", fmt::format("{:.6g}{}{}{}", f.area.value, before(&WingFacts::area),
+                             sheet->found.has_body ? ", exposed" : "", whole));
+    line("aspect ratio", fmt::format("{:.4g}{}", f.aspect_ratio.value, before(&WingFacts::aspect_ratio)));
+    line("taper", fmt::format("{:.4g}{}", f.taper.value, before(&WingFacts::taper)));
+    line("mean chord", fmt::format("{:.6g}{}", f.mean_chord.value, before(&WingFacts::mean_chord)));
+    line("sweep",
+         fmt::format("{:.3f} deg{}, quarter chord", in_degrees(f.sweep.value), before(&WingFacts::sweep, 1 / degree)));
+    line("dihedral", fmt::format("{:.3f} deg{}, quarter chord", in_degrees(f.dihedral.value),
+                                 before(&WingFacts::dihedral, 1 / degree)));
     out +=
-        "\nstation      chord    twist    t/c   at   camber   at    LE radius   TE angle   TE thickness\n"
-        "of semispan             deg      %     %    %        %     % chord     deg\n";
-    for (const StationFacts& at : sheet->stations)
-        out += fmt::format("{:<8.3f} {:>9.5g} {:>8.3f} {:>6} {:>4.0f} {:>8} {:>4.0f} {:>10} {:>10.2f} {:>14.5g}\n",
-                           at.station, at.chord.value, in_degrees(at.twist.value),
-                           in_percent(at.thickness_to_chord.value), 100 * at.thickness_at, in_percent(at.camber.value),
-                           100 * at.camber_at, at.leading_edge_radius ? in_percent(at.leading_edge_radius->value) : "-",
-                           in_degrees(at.trailing_edge_angle.value), at.trailing_edge_thickness.value);
+        "\nstation            chord    twist    t/c   at   camber   at    LE radius   TE angle   TE thickness\n"
+        "of semispan                   deg      %     %    %        %     % chord     deg\n";
+    for (std::size_t k = 0; k < sheet->stations.size(); ++k) {
+        const std::string name = fmt::format("{:.3f}", sheet->stations[k].station);
+        if (sheet->start) out += station_line(name + " start", sheet->start_stations[k]);
+        out += station_line(sheet->start ? name + " now" : name, sheet->stations[k]);
+    }
     return out;
 }
 
@@ -90,22 +143,18 @@ nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet) 
                                 {"sweep", f.sweep.value},
                                 {"dihedral", f.dihedral.value},
                                 {"stations", nlohmann::ordered_json::array()}};
-    for (const StationFacts& at : sheet->stations) {
-        nlohmann::ordered_json one{{"station", at.station},
-                                   {"leading_edge", point_json(at.leading_edge)},
-                                   {"trailing_edge", point_json(at.trailing_edge)},
-                                   {"chord", at.chord.value},
-                                   {"twist", at.twist.value},
-                                   {"thickness_to_chord", at.thickness_to_chord.value},
-                                   {"thickness_at", at.thickness_at},
-                                   {"camber", at.camber.value},
-                                   {"camber_at", at.camber_at},
-                                   {"leading_edge_radius", nullptr},
-                                   {"trailing_edge_angle", at.trailing_edge_angle.value},
-                                   {"trailing_edge_thickness", at.trailing_edge_thickness.value}};
-        if (at.leading_edge_radius) one["leading_edge_radius"] = at.leading_edge_radius->value;
-        wing["stations"].push_back(std::move(one));
-    }
+    for (const StationFacts& at : sheet->stations) wing["stations"].push_back(station_json(at));
+    if (!sheet->start) return wing;
+    const WingFacts& was = *sheet->start;
+    wing["start"] = {{"span", was.span.value},
+                     {"area", was.area.value},
+                     {"aspect_ratio", was.aspect_ratio.value},
+                     {"taper", was.taper.value},
+                     {"mean_chord", was.mean_chord.value},
+                     {"sweep", was.sweep.value},
+                     {"dihedral", was.dihedral.value},
+                     {"stations", nlohmann::ordered_json::array()}};
+    for (const StationFacts& at : sheet->start_stations) wing["start"]["stations"].push_back(station_json(at));
     return wing;
 }
 
@@ -118,28 +167,79 @@ std::string sections_csv(const PlanformSheet& sheet) {
     return out;
 }
 
+namespace {
+
+/// One value along the span: a curve of the start in grey, one of now in blue.
+std::string chart(const PlanformSheet& sheet, const char* title, const std::function<double(const StationFacts&)>& of,
+                  double left, double top, double width, double height) {
+    double low = std::numeric_limits<double>::infinity(), high = -low;
+    for (const auto* curve : {&sheet.curve, &sheet.start_curve})
+        for (const StationFacts& at : *curve) low = std::min(low, of(at)), high = std::max(high, of(at));
+    if (!(high - low > 1e-9 * std::max(1.0, std::abs(high)))) low -= 0.5, high += 0.5;
+    std::string out = fmt::format(
+        "<text x=\"{0:.1f}\" y=\"{1:.1f}\">{2}</text>\n<rect x=\"{0:.1f}\" y=\"{3:.1f}\" width=\"{4:.1f}\" "
+        "height=\"{5:.1f}\" fill=\"none\" stroke=\"#bbb\"/>\n<text x=\"{0:.1f}\" y=\"{6:.1f}\" font-size=\"10\">{7:.4g}"
+        "</text>\n<text x=\"{0:.1f}\" y=\"{8:.1f}\" font-size=\"10\">{9:.4g}</text>\n",
+        left, top - 6, title, top, width, height, top + 11, high, top + height - 3, low);
+    for (const auto& [curve, colour] : {std::pair(&sheet.start_curve, "#999"), std::pair(&sheet.curve, "#14508c")}) {
+        if (curve->empty()) continue;
+        out += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" points=\"", colour);
+        for (const StationFacts& at : *curve)
+            out +=
+                fmt::format("{:.2f},{:.2f} ", left + width * at.station, top + height * (high - of(at)) / (high - low));
+        out += "\"/>\n";
+    }
+    return out;
+}
+
+std::string charts(const PlanformSheet& sheet, double left, double top, double width, double height) {
+    const std::vector<std::pair<const char*, std::function<double(const StationFacts&)>>> all{
+        {"chord", [](const StationFacts& at) { return at.chord.value; }},
+        {"twist, deg", [](const StationFacts& at) { return in_degrees(at.twist.value); }},
+        {"t/c, %", [](const StationFacts& at) { return 100 * at.thickness_to_chord.value; }},
+        {"camber, %", [](const StationFacts& at) { return 100 * at.camber.value; }},
+        {"LE radius, %",
+         [](const StationFacts& at) { return at.leading_edge_radius ? 100 * at.leading_edge_radius->value : 0.0; }}};
+    constexpr double gap = 14;
+    const double one = (width - gap * static_cast<double>(all.size() - 1)) / static_cast<double>(all.size());
+    std::string out;
+    for (std::size_t k = 0; k < all.size(); ++k)
+        out += chart(sheet, all[k].first, all[k].second, left + static_cast<double>(k) * (one + gap), top, one, height);
+    return out;
+}
+
+std::string outline_lines(const StationFacts& at, const char* colour, double left, double base, double chord) {
+    std::string out;
+    for (const auto& outline : at.outline) {
+        out += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" points=\"", colour);
+        for (const auto& [x, z] : outline) out += fmt::format("{:.2f},{:.2f} ", left + chord * x, base - chord * z);
+        out += "\"/>\n";
+    }
+    return out;
+}
+
+}  // namespace
+
 std::string sections_svg(const PlanformSheet& sheet) {
-    constexpr double width = 800, margin = 40, step = 170;
-    const double height = 2 * margin + step * static_cast<double>(sheet.stations.size());
+    constexpr double width = 800, margin = 40, step = 170, chart_height = 110;
+    const double first = 2 * margin + chart_height;
+    const double height = first + margin + step * static_cast<double>(sheet.stations.size());
     std::string out = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
         "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         width, height);
     const double chord = width - 2 * margin;
+    out += charts(sheet, margin, margin, chord, chart_height);
     for (std::size_t k = 0; k < sheet.stations.size(); ++k) {
         const StationFacts& at = sheet.stations[k];
-        const double base = margin + step * (static_cast<double>(k) + 0.6);
+        const double base = first + step * (static_cast<double>(k) + 0.6);
         out += fmt::format(
             "<text x=\"{}\" y=\"{:.1f}\">{:.1f} % of the semispan: chord {:.5g}, twist {:.2f} deg, t/c {:.2f} "
             "%</text>\n<line x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\" stroke=\"#bbb\"/>\n",
             margin, base - 0.5 * step, 100 * at.station, at.chord.value, in_degrees(at.twist.value),
             100 * at.thickness_to_chord.value, margin, base, margin + chord, base);
-        for (const auto& outline : at.outline) {
-            out += "<polyline fill=\"none\" stroke=\"#14508c\" stroke-width=\"1.5\" points=\"";
-            for (const auto& [x, z] : outline)
-                out += fmt::format("{:.2f},{:.2f} ", margin + chord * x, base - chord * z);
-            out += "\"/>\n";
-        }
+        if (sheet.start) out += outline_lines(sheet.start_stations[k], "#999", margin, base, chord);
+        out += outline_lines(at, "#14508c", margin, base, chord);
     }
     return out + "</svg>\n";
 }

@@ -12,16 +12,24 @@ struct PlanformSheet {
     bool is_half = false;  ///< measured on one side
     WingFacts facts;
     std::vector<StationFacts> stations;
+    std::vector<StationFacts> curve;  ///< at 21 places, for charts
+    /// Of the surface that this one is compared to: the same; empty without one.
+    std::optional<WingFacts> start;
+    std::vector<StationFacts> start_stations, start_curve;
 };
 
 /// The wing of the surface, or nothing. @param stations fractions of the semispan; empty: at kinks.
-std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations);
+/// @param start the same triangles before they were moved, whose wing and stations count; null: none
+/// @throws InvalidInput: other triangles
+std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations,
+                                            const TriMesh* start = nullptr);
 
 std::string planform_words(const std::string& file, const std::optional<PlanformSheet>& sheet);
 /// Lengths in the file's unit, angles in radians; null without a wing.
 nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet);
 
-/// Sections in fractions of their chords: rows station,outline,x,z for .csv, a picture for .svg.
+/// Sections in fractions of their chords: rows station,outline,x,z for .csv, a picture with charts along the span for
+/// .svg.
 std::string sections_csv(const PlanformSheet& sheet);
 std::string sections_svg(const PlanformSheet& sheet);
 

@@ -54,7 +54,7 @@ int meaning_in(const fs::path& dir) {
     std::istringstream yaml(text_of(dir / "case.yaml"));
     std::string line;
     for (int k = 0; k < 2 && std::getline(yaml, line); ++k)
-        if (line.starts_with(meaning_note)) return line.substr(std::string(meaning_note).size()) == "1" ? 1 : 2;
+        if (line.starts_with(meaning_note)) return meaning_of(line.substr(std::string(meaning_note).size()));
     return 0;
 }
 

@@ -66,19 +66,21 @@ public:
     Eigen::VectorXd gradient(const Rows& dJ_dv) {
         check_rows(dJ_dv, surface_->num_vertices(), "DesignSpace.gradient: dJ_dv");
         need_shape();
-        return design_gradient(space_, x_, surface_adjoint(*rest_, shell_.get(), {dJ_dv}, {}, &vertices_).at(0));
+        const Points about = beside_planform(*rest_, demand(space_, x_), vertices_);
+        return design_gradient(space_, x_, surface_adjoint(*rest_, shell_.get(), {dJ_dv}, {}, &about).at(0));
     }
 
     Points response(const Eigen::VectorXd& dx) {
         check(dx);
         need_shape();
+        const Points about = beside_planform(*rest_, demand(space_, x_), vertices_);
         Points out = Points::Zero(surface_->num_vertices(), 3);
         design_response(
             space_, shell_.get(),
             [&](int j, const Points& dv) {
                 if (dx[j] != 0) out += dx[j] * dv;
             },
-            response_tolerance, &vertices_, &x_);
+            response_tolerance, &about, &x_);
         return out;
     }
 

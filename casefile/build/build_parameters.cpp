@@ -1,4 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
+#include "core/planform/kept_sections.hpp"
 #include "optimize/problem/place_user_variables.hpp"
 #include "optimize/space/mirror.hpp"
 #include "optimize/space/motion_limit.hpp"
@@ -39,6 +40,7 @@ void ProblemBuilder::set_parameters() {
     if (!case_.parameters.planform.empty() && errors_.empty()) set_planform();
     if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
     if (purpose_ == Purpose::deform) return;
+    if (errors_.empty()) set_kept_sections();
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
     if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
         errors_.add(entry.mirror_place,
@@ -100,6 +102,24 @@ void ProblemBuilder::set_planform() {
     if (!errors_.empty()) return;
     at(entries.front().place, path, [&] { refuse_held(*planform, start_.mesh, out_.problem.fixed, "fixed"); });
     add_planform(out_.problem.parameters, planform);
+}
+
+/// Wings whose edges stay where loads, strains and fields would move them. Fits go where their data are; attached
+/// parts and kinds of shape have rules of their own.
+void ProblemBuilder::set_kept_sections() {
+    Parameters& p = out_.problem.parameters;
+    const bool is_motion_listed = !twists_.empty() || std::ranges::any_of(p.user_variables, [](const UserVariable& v) {
+        return v.field < 0 && v.planform < 0 && v.traction.rows() == 0;
+    });
+    const bool moves = !p.kinds.empty() || p.fields || !case_.parameters.user_variables.empty();
+    if (!moves || is_motion_listed || !case_.fit.empty() || p.invariance || !out_.problem.attached.empty()) return;
+    std::vector<std::shared_ptr<const Wing>> wings;
+    for (const WingEntry& entry : case_.planform)
+        if (entry.keeps_outline) {
+            wings.push_back(wings_.at(entry.name));
+            at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "),
+               [&] { p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed); });
+        }
 }
 
 void ProblemBuilder::check_dof() {

@@ -79,6 +79,7 @@ private:
     void set_parameters();
     void set_motion_limits();
     void set_planform();
+    void set_kept_sections();
     void check_dof();
     void set_fields();  // build_fields.cpp
     void set_invariance();

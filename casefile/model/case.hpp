@@ -114,9 +114,10 @@ struct WingEntry {
     Eigen::Vector3d span = Eigen::Vector3d::UnitY();  ///< unit
     std::vector<double> stations;                     ///< fractions of the semispan; empty: kinks
     double axis = 0.25;                               ///< fraction of the chord
-    std::vector<double> grid_span, grid_chord;        ///< of thickness_grid
+    std::vector<double> grid_span, grid_chord;        ///< of thickness_grid and others
     std::array<double, 2> box_span{}, box_chord{};    ///< of box_volume
     std::vector<Reference> values;                    ///< to record
+    bool keeps_outline = true;                        ///< loads, strains and fields leave its edges where they are
 };
 
 struct LoadEntry {

@@ -35,9 +35,19 @@ void flatten(const Value& value, const std::string& path, std::map<std::string, 
 
 /// A key at its default that a run of before did not know: cases of runs hold all defaults.
 bool is_new_default(const std::string& key, const std::string& value) {
-    const auto rows = schema_index().rows.find(key);
-    return rows != schema_index().rows.end() && !rows->second.front()->fallback.empty() &&
-           rows->second.front()->fallback == value;
+    const auto is_default = [&](const std::string& pattern) {
+        const auto rows = schema_index().rows.find(pattern);
+        return rows != schema_index().rows.end() && !rows->second.front()->fallback.empty() &&
+               rows->second.front()->fallback == value;
+    };
+    if (is_default(key)) return true;
+    // One of its names is the user's: planform.wing.keep is planform.*.keep.
+    for (std::size_t from = 0, dot = key.find('.'); dot != std::string::npos;
+         from = dot + 1, dot = key.find('.', from)) {
+        const std::string pattern = key.substr(0, from) + "*" + key.substr(dot);
+        if (is_default(pattern)) return true;
+    }
+    return false;
 }
 
 }  // namespace

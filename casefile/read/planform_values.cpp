@@ -7,7 +7,26 @@
 namespace strake {
 namespace {
 
-constexpr const char* grid_word = "thickness_grid";
+/// What a constraint on many places of a wing stands for: one on each of them.
+std::vector<std::string> places_of(const WingEntry& wing, const std::string& word) {
+    std::vector<std::string> all;
+    if (word == "thickness_grid" || word == "spar_offset_grid") {
+        for (const double s : wing.grid_span)
+            for (const double x : word == "thickness_grid"
+                                      ? wing.grid_chord
+                                      : std::vector<double>(wing.box_chord.begin(), wing.box_chord.end()))
+                all.push_back(text(word.substr(0, word.size() - 5), "@", s, "@", x));
+        return all;
+    }
+    for (const WingWord& known : wing_words()) {
+        if (known.is_step && word == known.word + "_grid")
+            for (std::size_t k = 1; k < wing.grid_span.size(); ++k)
+                all.push_back(text(known.word, "@", wing.grid_span[k - 1], "@", wing.grid_span[k]));
+        if (known.places == 1 && word == known.word + "_grid")
+            for (const double s : wing.grid_span) all.push_back(text(known.word, "@", s));
+    }
+    return all;
+}
 
 bool is_name_character(char c) {
     return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_' || c == '-';
@@ -34,15 +53,15 @@ std::vector<std::string> values_in(const std::string& formula, const std::string
 void expand_grid(Case& c, const WingEntry& wing) {
     std::vector<ConstraintEntry> all;
     for (const ConstraintEntry& entry : c.constraints) {
-        if (entry.constraint.quantity != wing.name + "." + grid_word) {
+        const std::string& name = entry.constraint.quantity;
+        const std::vector<std::string> places = name.starts_with(wing.name + ".")
+                                                    ? places_of(wing, name.substr(wing.name.size() + 1))
+                                                    : std::vector<std::string>();
+        if (places.empty()) all.push_back(entry);
+        for (const std::string& place : places) {
             all.push_back(entry);
-            continue;
+            all.back().constraint.quantity = wing.name + "." + place;
         }
-        for (const double s : wing.grid_span)
-            for (const double x : wing.grid_chord) {
-                all.push_back(entry);
-                all.back().constraint.quantity = text(wing.name, ".thickness@", s, "@", x);
-            }
     }
     c.constraints = std::move(all);
 }
@@ -89,7 +108,8 @@ std::optional<bool> is_wing_angle(const Case& the_case, const std::string& name)
     if (!is_wing_value(the_case, name))
         return name.find('@') == std::string::npos ? std::optional(false) : std::nullopt;
     const std::string value = name.substr(name.find('.') + 1);
-    if (value == grid_word) return false;
+    for (const WingWord& known : wing_words())
+        if (value == known.word + "_grid") return known.is_angle;
     try {
         return is_angle(parse_wing_value(value));
     } catch (const InvalidInput&) {

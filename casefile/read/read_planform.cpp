@@ -79,6 +79,7 @@ void CaseReader::read_wing(const Entry& entry) {
         read_range(box->find("span"), shown + ".box.span", wing.box_span);
     }
     wing.values = references(map.find("values"));
+    if (const Value* keep = map.find("keep")) wing.keeps_outline = keep->text != "none";
     case_.planform.push_back(std::move(wing));
 }
 

@@ -39,6 +39,14 @@ std::vector<Key> planform_keys() {
          .type = Type::text,
          .doc = "Fraction of the chord whose line gives sweep and dihedral, for example 25% chord.",
          .fallback = "25% chord"},
+        {.path = "planform.*.keep",
+         .type = Type::word,
+         .doc =
+             "What of the wing loads, strains and displacement fields leave as it is. outline: leading and trailing "
+             "edge, and with them chord and twist of all sections, sweep, dihedral and span; they change thickness and "
+             "camber. none: nothing. Changes under parameters.planform are made in either case.",
+         .fallback = "outline",
+         .words = {"outline", "none"}},
         {.path = "planform.*.values",
          .type = Type::list,
          .doc = "Values to record in history.csv beside those that objective, constraints and formulas use, for "
@@ -46,7 +54,8 @@ std::vector<Key> planform_keys() {
          .element = Type::text,
          .may_be_empty = true},
         {.path = "planform.*.grid",
-         .doc = "Places of thickness_grid: a constraint on it is one on the thickness at each of them.",
+         .doc = "Places of thickness_grid, twist_step_grid and others: a constraint on it is one on the value at each "
+                "of them.",
          .fallback = "{}"},
         {.path = "planform.*.grid.span",
          .type = Type::list,

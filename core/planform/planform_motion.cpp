@@ -22,6 +22,7 @@ constexpr double min_share = -0.9;      ///< of span, chord, t/c: nothing is lef
 constexpr double steepest = 80 * std::numbers::pi / 180;
 constexpr double probe = 1e-2;     ///< change for which sections are measured
 constexpr double max_cut = 0.25;   ///< of a change: a section that shows less of it is not understood
+constexpr int num_noses = 32;      ///< sections along the span whose noses are measured
 constexpr double map_step = 1e-6;  ///< of the semispan
 
 /// Mean line of the four-digit series, 1 at its top.
@@ -306,7 +307,50 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     };
     at.bump = blend(bump(a), bump(b), at.ratio);
     at.kept = a.is_blunt || b.is_blunt ? 1 - std::pow(std::max(xi, 0.0), 8) : 1;
+    const std::vector<double>& noses = moved.nose_places;
+    if (noses.size() < 2) return at;
+    std::size_t k = 1;
+    while (k + 1 < noses.size() && noses[k] < s) ++k;
+    const double along = std::clamp((s - noses[k - 1]) / (noses[k] - noses[k - 1]), 0.0, 1.0);
+    const Complex aft = 1.0 - (at.zeta + of.declaration().axis);
+    const auto nose = [&](const std::vector<Complex>& by) { return aft * (by[k - 1] + along * (by[k] - by[k - 1])); };
+    at.lead_by_thickness = nose(moved.nose_by_thickness);
+    at.lead_by_camber = nose(moved.nose_by_camber);
     return at;
+}
+
+/// Thickness and camber turn a round nose a little, whose foremost point then is another one.
+void PlanformMotion::measure_noses(const TriMesh& start, int number) {
+    MovedWing& moved = wings_[static_cast<std::size_t>(number)];
+    const Wing& wing = *moved.wing;
+    std::vector<int> row(static_cast<std::size_t>(start.num_vertices()), -1);
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+        if (places_[i].wing == number) row[static_cast<std::size_t>(vertices_[i])] = static_cast<int>(i);
+    for (int k = 0; k <= num_noses; ++k) {
+        const double place = wing.place(0, 1) * k / num_noses;
+        const auto at = wing.edges(start, start, 0, place, true);
+        if (!at) continue;
+        const auto change = [&](const Varying& of, double Place::*by) {
+            double sum = 0;
+            for (const auto& [coordinate, slope] : of.slope) {
+                const int i = row[static_cast<std::size_t>(coordinate / 3)];
+                if (i < 0) continue;
+                const Place& vertex = places_[static_cast<std::size_t>(i)];
+                sum += slope * in_space(vertex, Vector3d::Zero(), Complex(0, vertex.*by) * vertex.e)[coordinate % 3];
+            }
+            return sum;
+        };
+        const Vector3d chord = at->trailing_point - at->leading_point;
+        const Complex e(chord.dot(wing.declaration().downstream), chord.dot(at->up));
+        moved.nose_places.push_back(place);
+        const auto nose = [&](double Place::*by) {
+            return Complex(change(at->leading.x, by), change(at->leading.z, by)) / e;
+        };
+        moved.nose_by_thickness.push_back(nose(&Place::height));
+        moved.nose_by_camber.push_back(nose(&Place::bump));
+    }
+    for (std::size_t i = 0; i < vertices_.size(); ++i)
+        if (places_[i].wing == number) places_[i] = place_at(number, places_[i].side, start.vertices.row(vertices_[i]));
 }
 
 void PlanformMotion::place_vertices(const TriMesh& start) {
@@ -330,6 +374,7 @@ void PlanformMotion::place_vertices(const TriMesh& start) {
                 places_.push_back(at);
             }
     }
+    for (int w = 0; w < static_cast<int>(wings_.size()); ++w) measure_noses(start, w);
 }
 
 void PlanformMotion::check_size(const VectorXd& z) const {
@@ -441,11 +486,16 @@ Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Ch
     // q (1 + t (1 - b)) - 1 without the difference of nearly equal numbers
     const double thick = now.kept + (1 + now.kept) * now.thickness * at.kept;
     const double thick_rate = change.kept * (1 + now.thickness * at.kept) + (1 + now.kept) * change.thickness * at.kept;
-    const double h = thick * at.height + now.camber * at.bump,
-                 h_rate = thick_rate * at.height + change.camber * at.bump;
-    const Complex i(0, 1);
-    const Complex section = is_whole ? now.factor * at.zeta + i * (1.0 + now.factor) * h
-                                     : change.factor * (at.zeta + i * h) + i * (1.0 + now.factor) * h_rate;
+    // The same at the nose, where b is zero.
+    const double at_nose = now.kept + (1 + now.kept) * now.thickness,
+                 at_nose_rate = change.kept * (1 + now.thickness) + (1 + now.kept) * change.thickness;
+    const auto shape = [&](double thickness, double by_nose, double camber) {
+        return Complex(0, thickness * at.height + camber * at.bump) - by_nose * at.lead_by_thickness -
+               camber * at.lead_by_camber;
+    };
+    const Complex h = shape(thick, at_nose, now.camber), h_rate = shape(thick_rate, at_nose_rate, change.camber);
+    const Complex section = is_whole ? now.factor * at.zeta + (1.0 + now.factor) * h
+                                     : change.factor * (at.zeta + h) + (1.0 + now.factor) * h_rate;
     const double stretch = is_whole ? rate.stretch : by.stretch;
     Vector3d axis = rate.stretch * at.arm;
     for (const int c : {1, 2}) {

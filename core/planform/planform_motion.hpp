@@ -41,13 +41,14 @@ struct PlanformRange {
 /// (at a fraction s of the semispan) and in it the complex place w = downstream + i up from the axis. With e the chord
 /// vector of the section, zeta = xi - axis + i eta = w / e, and the changes at s,
 ///
-///   u(s, w) = a(s) + [(M(s) - 1) zeta + i M(s) h(s, zeta)] e(s),   M = m exp(-i theta)
-///   h = (q (1 + t (1 - b(xi))) - 1) (eta - mean line) + k B(xi)
+///   u(s, w) = a(s) + [(M(s) - 1) zeta + M(s) H(s, zeta)] e(s),   M = m exp(-i theta)
+///   H = i h - (1 - xi - i eta) l,   h = (q (1 + t (1 - b(xi))) - 1) (eta - mean line) + k B(xi)
 ///
 /// a is the motion of the axis (stretched by the span, sheared by sweep and dihedral), m the factor on the chord, theta
 /// the change of twist, t that of t/c, k that of camber; q = 1/m where the chord keeps the thickness, else 1; B the
 /// mean line of NACA's four digits with its top at that of the section; b = xi^8 where the trailing edge is blunt,
-/// which keeps its thickness, else 0. Between two stations, r from the first to the second,
+/// which keeps its thickness, else 0; l is what h does to the leading edge, to first order, so that this stays where a
+/// section shows it. Between two stations, r from the first to the second,
 ///
 ///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
 ///
@@ -110,9 +111,10 @@ private:
         std::size_t node = 0;  ///< before it
         double ratio = 0;      ///< between that and the next, in [0, 1]
         Complex zeta, e;
-        Eigen::Vector3d arm;        ///< of the axis from that at the root: outboard, downstream, up
-        Eigen::Vector3d up;         ///< of its section
-        double height, bump, kept;  ///< eta - mean line, B, 1 - b
+        Eigen::Vector3d arm;                        ///< of the axis from that at the root: outboard, downstream, up
+        Eigen::Vector3d up;                         ///< of its section
+        double height, bump, kept;                  ///< eta - mean line, B, 1 - b
+        Complex lead_by_thickness, lead_by_camber;  ///< where a unit of eta - mean line, and of B, takes the nose
     };
     /// What a wing moves by, or rates of it. At the nodes: M, t, q, k; of the axis: share of the semispan, slopes.
     struct Changes {
@@ -126,6 +128,9 @@ private:
         std::vector<double> reach;                 ///< per side
         double span = 0, sweep = 0, dihedral = 0;  ///< at the start
         bool keeps_thickness = false;
+        /// Along the span: what a unit of i (eta - mean line), and of i B, does to the leading edge that is measured.
+        std::vector<double> nose_places;
+        std::vector<Complex> nose_by_thickness, nose_by_camber;
     };
 
     void add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing);
@@ -138,6 +143,7 @@ private:
                             const std::function<void(const std::string&)>& refuse);
     void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares);
     void place_vertices(const TriMesh& start);
+    void measure_noses(const TriMesh& start, int wing);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
     Place place_at(int wing, int side, const Eigen::Vector3d& x) const;
     std::vector<Changes> changes(const Eigen::VectorXd& z) const;

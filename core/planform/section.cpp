@@ -12,7 +12,8 @@ namespace strake {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double corner_angle = 35 * degree;       ///< of a trailing edge
+constexpr double corner_angle = 50 * degree;       ///< of a trailing edge
+constexpr double round_end = 0.002;                ///< of the chord: points of a rounded trailing edge
 constexpr double sharp_nose_angle = 100 * degree;  ///< of a leading edge that is a corner
 constexpr double aft_share = 0.03;                 ///< of the chord: where corners are looked for
 constexpr double neighbour_rel = 2e-4;             ///< of the chord: nearer points say nothing about the curve
@@ -83,6 +84,25 @@ std::optional<Airfoil> Airfoil::from(std::vector<Outline> outlines) {
     return airfoil;
 }
 
+namespace {
+
+/// The mean of the last points, with weights that fall to zero: it does not jump from one of them to the next.
+PlanePoint round_trailing_edge(const Outline& outline, int aftmost, double size) {
+    const Varying last = outline.points[static_cast<std::size_t>(aftmost)].x;
+    std::vector<Varying> weights, x, z;
+    for (const PlanePoint& p : outline.points) {
+        const Varying near = 1 - (1 / (round_end * size)) * (last - p.x);
+        if (!(near.value > 0)) continue;
+        weights.push_back(near * near);
+        x.push_back(weights.back() * p.x);
+        z.push_back(weights.back() * p.z);
+    }
+    const Varying total = sum(weights);
+    return {sum(x) / total, sum(z) / total};
+}
+
+}  // namespace
+
 void Airfoil::find_trailing_edge() {
     const Outline* aft = nullptr;
     double low = std::numeric_limits<double>::infinity(), high = -low;
@@ -104,7 +124,7 @@ void Airfoil::find_trailing_edge() {
             if (const double turn = turning(*aft, i, 1e-6 * size); turn > corner_angle) corners.push_back({turn, i});
     std::stable_sort(corners.begin(), corners.end(), [](const Corner& a, const Corner& b) { return a.turn > b.turn; });
     const auto at = [&](int i) -> const PlanePoint& { return aft->points[static_cast<std::size_t>(i)]; };
-    upper_end_ = lower_end_ = at(corners.empty() ? aftmost : corners[0].at);
+    upper_end_ = lower_end_ = corners.empty() ? round_trailing_edge(*aft, aftmost, size) : at(corners[0].at);
     if (corners.size() > 1) lower_end_ = at(corners[1].at);
     trailing_ = 0.5 * (upper_end_ + lower_end_);
     if (corners.size() > 1) thick_end_ = length(upper_end_ - lower_end_);
@@ -223,7 +243,7 @@ double Airfoil::max_camber_at() const { return extreme(mean_of).fraction; }
 
 /// x = sum a_k z^k near the leading edge, x in chords, z in tenths of a chord. Nothing where too few points round no
 /// nose.
-std::optional<std::array<Varying, 5>> Airfoil::nose() const {
+std::optional<std::array<Varying, 5>> Airfoil::nose(int* num_points) const {
     constexpr int terms = 5;
     std::vector<std::vector<Varying>> a(terms, std::vector<Varying>(terms));
     std::vector<Varying> b(terms);
@@ -243,6 +263,7 @@ std::optional<std::array<Varying, 5>> Airfoil::nose() const {
                 b[i] = b[i] + power[i] * x;
             }
         }
+    if (num_points) *num_points = count;
     if (count < terms + 2) return {};
     const std::vector<Varying> fit = solved(std::move(a), std::move(b));
     if (!(fit[2].value > 0)) return {};
@@ -252,7 +273,8 @@ std::optional<std::array<Varying, 5>> Airfoil::nose() const {
 /// To the polynomial's minimum, by Newton's method; its last step carries the derivatives.
 void Airfoil::refine_leading_edge() {
     if (sharp_nose_) return;
-    const auto fit = nose();
+    int count = 0;
+    const auto fit = nose(&count);
     if (!fit) return;
     const std::array<Varying, 5>& a = *fit;
     double at = 0;
@@ -265,6 +287,7 @@ void Airfoil::refine_leading_edge() {
     const Varying slope = a[1] + at * (2 * a[2] + at * (3 * a[3] + (4 * at) * a[4]));
     const Varying z = at - slope / second(at);
     const Varying x = a[0] + z * (a[1] + z * (a[2] + z * (a[3] + z * a[4])));
+    num_nose_points_ = count;
     leading_ = leading_ + (x * chord_) * along_ + (0.1 * z * chord_) * up_;
     set_chord();
 }

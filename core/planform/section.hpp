@@ -9,13 +9,13 @@ namespace strake {
 
 /// All outlines of one section, which may be several elements of one airfoil. x is downstream, z up.
 ///
-/// Trailing edge: the corners (turning of more than 35 degrees, or the ends of an open outline) within the last 3 % of
+/// Trailing edge: the corners (turning of more than 50 degrees, or the ends of an open outline) within the last 3 % of
 /// the chord of the outline that reaches farthest aft; the middle of the two sharpest, or the only one; without a
-/// corner the aftmost point. Leading edge: where the nose begins in the direction of the chord: the minimum of a
-/// polynomial of degree four in the height that is fitted to the points of the first 4 % of the chord, with weights
-/// that fall to zero there. With fewer than seven of them, the point farthest from the trailing edge by a parabola
-/// through three points; at a corner of more than 100 degrees the corner. The chord joins the two; chord fractions are
-/// measured along it and heights normal to it.
+/// corner the weighted mean of the points in the last 0.2 %. Leading edge: where the nose begins in the direction of
+/// the chord: the minimum of a polynomial of degree four in the height that is fitted to the points of the first 4 % of
+/// the chord, with weights that fall to zero there. With fewer than seven of them, the point farthest from the trailing
+/// edge by a parabola through three points; at a corner of more than 100 degrees the corner. The chord joins the two;
+/// chord fractions are measured along it and heights normal to it.
 class Airfoil {
 public:
     /// Nothing for outlines without two distinct points.
@@ -42,6 +42,8 @@ public:
     /// Radius of curvature over the chord at the leading edge, of the fitted polynomial. 0 at a corner. Nothing with
     /// fewer than seven points.
     std::optional<Varying> leading_edge_radius() const;
+    /// That the polynomial is fitted to; 0 where the leading edge is not by it.
+    int num_nose_points() const { return num_nose_points_; }
     /// Angle between the chords of the last 5 % of the upper and the lower surface, radians.
     Varying trailing_edge_angle() const;
     /// Area between two chord fractions, length squared.
@@ -56,11 +58,12 @@ private:
     PlanePoint upper_end_, lower_end_;            ///< corners of the trailing edge
     Varying chord_, thick_end_;
     bool sharp_nose_ = false;
+    int num_nose_points_ = 0;
 
     void find_trailing_edge();
     void find_leading_edge();
     void set_chord();
-    std::optional<std::array<Varying, 5>> nose() const;
+    std::optional<std::array<Varying, 5>> nose(int* num_points = nullptr) const;
     void refine_leading_edge();
     struct Extreme {
         double fraction;

@@ -111,9 +111,10 @@ void keep_nearest(std::vector<Outline>& outlines, const SectionFrame& frame, con
 
 }  // namespace
 
-std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane,
-                                     bool sensitivities) const {
-    std::vector<Outline> outlines = cut(surface, side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
+std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
+                                     const std::vector<int>* triangles) const {
+    std::vector<Outline> outlines =
+        cut(surface, triangles ? *triangles : side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
     if (plane.near) keep_nearest(outlines, plane.frame, *plane.near);
     return Airfoil::from(std::move(outlines));
 }
@@ -152,6 +153,20 @@ std::vector<Wing::PlacedSection> Wing::placed_sections(const TriMesh& surface, d
     return found;
 }
 
+std::optional<Wing::Edges> Wing::edges(const TriMesh& surface, const TriMesh& planes_of, int number, double place,
+                                       bool sensitivities, const std::vector<int>* triangles) const {
+    const Plane at = plane(planes_of, this->at(number), place, false);
+    const auto airfoil = section(surface, this->at(number), at, sensitivities, triangles);
+    if (!airfoil) return {};
+    return Edges{airfoil->leading_edge(),
+                 airfoil->trailing_edge(),
+                 at.frame.normal,
+                 at.frame.up,
+                 in_space(at, airfoil->leading_edge()),
+                 in_space(at, airfoil->trailing_edge()),
+                 airfoil->num_nose_points()};
+}
+
 Vector3d Wing::up_at(int number, double place) const {
     const Side& side = at(number);
     if (side.nodes.empty()) return declared_.up;
@@ -175,6 +190,8 @@ StationFacts Wing::station(const TriMesh& surface, double station, bool sensitiv
         const Airfoil airfoil = needed(surface, side, place_of(side, station), sensitivities);
         facts.chord = facts.chord + share * airfoil.chord();
         facts.twist = facts.twist + share * airfoil.twist();
+        facts.leading_x = facts.leading_x + share * airfoil.leading_edge().x;
+        facts.trailing_x = facts.trailing_x + share * airfoil.trailing_edge().x;
         facts.thickness_to_chord = facts.thickness_to_chord + share * airfoil.max_thickness();
         facts.camber = facts.camber + share * airfoil.max_camber();
         facts.trailing_edge_angle = facts.trailing_edge_angle + share * airfoil.trailing_edge_angle();

@@ -26,6 +26,7 @@ struct StationFacts {
     double station = 0;                           ///< fraction of the semispan
     Eigen::Vector3d leading_edge, trailing_edge;  ///< of the first side
     Varying chord, twist;                         ///< twist: nose up, against the stream
+    Varying leading_x, trailing_x;                ///< of the edges, downstream
     Varying thickness_to_chord, camber;
     double thickness_at = 0, camber_at = 0;      ///< chord fractions
     std::optional<Varying> leading_edge_radius;  ///< over the chord
@@ -80,6 +81,18 @@ public:
         Eigen::Vector3d leading_edge, trailing_edge;
     };
     std::vector<PlacedSection> placed_sections(const TriMesh& surface, double station) const;
+    /// The edges of one section in its plane, by coordinates downstream and up, with their derivatives.
+    struct Edges {
+        PlanePoint leading, trailing;
+        Eigen::Vector3d normal, up;     ///< unit, of the plane
+        Eigen::Vector3d leading_point;  ///< in space
+        Eigen::Vector3d trailing_point;
+        int num_nose_points = 0;  ///< that the polynomial of the leading edge is fitted to; 0: none is
+    };
+    /// In the plane that `planes_of` has at a place (as `place` gives it), which stays where it is. Nothing where it
+    /// meets no section. @param triangles of the side, those that may be cut; null: all of them
+    std::optional<Edges> edges(const TriMesh& surface, const TriMesh& planes_of, int side, double place,
+                               bool sensitivities, const std::vector<int>* triangles = nullptr) const;
     /// Volume of both sides between two chord fractions, from the first to the second station, length cubed.
     Varying volume(const TriMesh& surface, std::pair<double, double> chord, std::pair<double, double> span,
                    bool sensitivities = false) const;
@@ -155,8 +168,8 @@ private:
     // wing.cpp
     Plane plane(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
-    std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane,
-                                   bool sensitivities) const;
+    std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
+                                   const std::vector<int>* triangles = nullptr) const;
     Airfoil needed(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
     double along(const Side& side, double reach, const Eigen::Vector3d& x) const;  // wing_places.cpp
     static double place_of(const Side& side, double station);

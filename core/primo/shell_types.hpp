@@ -101,6 +101,7 @@ struct ShellSensitivities {
     std::vector<Eigen::Matrix<double, 6, 1>> motion;  ///< per motion of `solve`: dJ/d(rotation, translation)
     Eigen::MatrixXd wrench;  ///< m x 6: dJ/d(twist) of each prism pinned under a motion, about its centroid;
                              ///< zero rows elsewhere; empty without motions
+    Points surface;          ///< dJ/dv of the surface where `vertex` is of less than its motion; empty: `vertex` is it
 };
 
 /// A connected part of the surface can move freely; the message names it and says what to do.

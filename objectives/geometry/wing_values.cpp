@@ -28,6 +28,9 @@ public:
             for (const Airfoil& airfoil : airfoils) total = total + airfoil.thickness(*value.chord);
             return total * (1.0 / static_cast<double>(airfoils.size()));
         }
+        if (word == "twist_step") return at_station("twist", *value.second) - at_station("twist", *value.station);
+        if (word == "chord_step") return at_station("chord", *value.second) - at_station("chord", *value.station);
+        if (word == "spar_offset") return spar_offset(*value.station, *value.chord);
         return value.station ? at_station(word, *value.station) : of_wing(word);
     }
 
@@ -42,11 +45,23 @@ private:
         if (word == "dihedral") return facts_->dihedral;
         return facts_->mean_chord;
     }
-    Varying at_station(const std::string& word, double station) {
+    /// How far downstream a fraction of the chord lies of the straight line through it at the first and last station.
+    Varying spar_offset(double station, double fraction) {
+        const auto spar = [&](double s) {
+            const StationFacts& at = facts_at(s);
+            return (1 - fraction) * at.leading_x + fraction * at.trailing_x;
+        };
+        const double ratio = wing_.place(0, station) / wing_.place(0, 1);
+        return spar(station) - ((1 - ratio) * spar(0) + ratio * spar(1));
+    }
+    const StationFacts& facts_at(double station) {
         auto known = stations_.find(station);
         if (known == stations_.end())
             known = stations_.emplace(station, wing_.station(surface_, station, sensitivities_)).first;
-        const StationFacts& at = known->second;
+        return known->second;
+    }
+    Varying at_station(const std::string& word, double station) {
+        const StationFacts& at = facts_at(station);
         if (word == "chord") return at.chord;
         if (word == "twist") return at.twist;
         if (word == "thickness_to_chord") return at.thickness_to_chord;
@@ -107,7 +122,12 @@ const std::vector<WingWord>& wing_words() {
         {"leading_edge_radius", "radius over the chord", 1, false},
         {"trailing_edge_angle", "angle between upper and lower surface over the last 5 %", 1, true},
         {"trailing_edge_thickness", "thickness of the blunt edge", 1, false},
-        {"thickness", "thickness at a fraction of the chord", 2, false}};
+        {"thickness", "thickness at a fraction of the chord", 2, false},
+        {"twist_step", "twist at the second fraction of the semispan less that at the first", 2, true, true},
+        {"chord_step", "likewise of the chord", 2, false, true},
+        {"spar_offset",
+         "how far aft a fraction of the chord lies of the straight line through it at root and tip, a length", 2,
+         false}};
     return words;
 }
 
@@ -136,14 +156,17 @@ WingValue parse_wing_value(const std::string& name) {
     const WingWord* known = word_named(parts[0]);
     if (!known) refuse_word(parts[0]);
     if (static_cast<int>(parts.size()) - 1 != known->places) {
+        if (known->is_step)
+            throw InvalidInput(
+                text("'", name, "': write '", known->word, "@0.2@0.5' with two fractions of the semispan"));
         const std::array<const char*, 3> shape{", a value of the whole wing", "@0.5' with a fraction of the semispan",
                                                "@0.5@0.3' with fractions of the semispan and of the chord"};
         throw InvalidInput(text("'", name, "': write '", known->word, known->places == 0 ? "'" : "",
                                 shape[static_cast<std::size_t>(known->places)]));
     }
-    WingValue value{known->word, {}, {}};
+    WingValue value{known->word, {}, {}, {}};
     if (known->places > 0) value.station = fraction_of(name, parts[1]);
-    if (known->places > 1) value.chord = fraction_of(name, parts[2]);
+    if (known->places > 1) (known->is_step ? value.second : value.chord) = fraction_of(name, parts[2]);
     return value;
 }
 

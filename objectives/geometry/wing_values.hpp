@@ -17,16 +17,18 @@ struct WingValueOptions {
 struct WingValue {
     std::string word;
     std::optional<double> station, chord;
+    std::optional<double> second;  ///< station, of a step from the first to this
 };
 struct WingWord {
     std::string word, doc;
     int places = 0;         ///< fractions behind it: 1 of the semispan, 2 of the semispan and of the chord
     bool is_angle = false;  ///< radians
+    bool is_step = false;   ///< both places are of the semispan
 };
 const std::vector<WingWord>& wing_words();
 
-/// "twist@0.37", "area", "thickness@0.3@0.15". @throws InvalidInput: an unknown word (with the nearest), fractions that
-/// are missing, superfluous or outside of [0, 1].
+/// "twist@0.37", "area", "thickness@0.3@0.15", "twist_step@0.2@0.5". @throws InvalidInput: an unknown word (with the
+/// nearest), fractions that are missing, superfluous or outside of [0, 1].
 WingValue parse_wing_value(const std::string& name);
 bool is_angle(const WingValue& value);
 

@@ -98,7 +98,7 @@ MatrixXd field_columns(const RestFacts& rest, const FieldConditions& conditions,
     const DisplacementFields fields(rest.surface, conditions, {number, options.axis});
     MatrixXd columns;
     for (int b = 0; b < fields.size(); ++b) {
-        const VectorXd one = sampled_motion(rest, kept_motion(rest, fields.field(b)));
+        const VectorXd one = sampled_motion(rest, kept_rates(rest, fields.field(b), nullptr));
         if (b == 0) columns.resize(one.size(), fields.size());
         columns.col(b) = one;
     }

@@ -207,7 +207,8 @@ Eigen::VectorXd ShapeEvaluator::metric_product(const Eigen::VectorXd& x, const E
     if (!(solver_.last() && solver_.last_x() == x && solver_.is_at(x)) && !deform(x, here)) return {};
     if (!solver_.settle(x, here)) return {};
     try {
-        return present_product(space(), shell(), d, &here.vertices);
+        // Sections are kept as at rest, where loads and motions know them: the product stays symmetric.
+        return present_product(space(), shell(), d, rest_->parameters.kept_sections ? nullptr : &here.vertices);
     } catch (const SolverError&) {
         return {};
     }
@@ -219,8 +220,9 @@ std::optional<double> ShapeEvaluator::curvature_along(const Eigen::VectorXd& x, 
     if (!only_loads(finer) || !only_loads(space()) || finer.num_parameters() > 0 || !deform(x, shape)) return {};
     Points moved;
     try {
-        moved = surface_response(*rest_, shell(), {load_forces(finer, step)}, probe_tolerance, &shape.vertices)[0] +
-                field_motion(finer, step, &shape.vertices);
+        const Points about = solver_.beside_planform(shape.vertices);
+        moved = surface_response(*rest_, shell(), {load_forces(finer, step)}, probe_tolerance, &about)[0] +
+                field_motion(finer, step, &about);
     } catch (const SolverError&) {
         return {};
     }

@@ -1,6 +1,7 @@
 #include "optimize/evaluate/fold_conditions.hpp"
 
 #include "core/fields/displacement_fields.hpp"
+#include "core/planform/kept_sections.hpp"
 
 #include <algorithm>
 
@@ -62,6 +63,16 @@ void add_planform_slopes(const DesignSpace& space, const Eigen::VectorXd& x, con
     }
 }
 
+/// dJ/d(values of the fields) by that of the map of a triangle.
+Eigen::VectorXd by_fields(const DesignSpace& space, int triangle, const Eigen::Matrix3d& dJ_dF) {
+    const auto& fields = space.rest->parameters.fields;
+    const auto& kept = space.rest->parameters.kept_sections;
+    if (!kept) return fields->map_gradient(triangle, dJ_dF);
+    Points by_motion;
+    const Eigen::Matrix3d by_map = kept->pull_map(triangle, dJ_dF, by_motion);
+    return fields->map_gradient(triangle, by_map) + fields->gradient(by_motion);
+}
+
 /// To first order at x, whose maps these are.
 FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, const Maps& maps,
                           const std::vector<std::size_t>& triangles) {
@@ -71,9 +82,7 @@ FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, co
     for (Eigen::Index i = 0; i < at.values.size(); ++i) {
         const std::size_t t = triangles[static_cast<std::size_t>(i)];
         at.values[i] = wanted_determinant - maps[t].determinant();
-        const Eigen::VectorXd by_field =
-            space.rest->parameters.fields->map_gradient(static_cast<int>(t), -cofactors(maps[t]));
-        at.slopes.row(i) = design_gradient_of_fields(space, by_field);
+        at.slopes.row(i) = design_gradient_of_fields(space, by_fields(space, static_cast<int>(t), -cofactors(maps[t])));
     }
     if (!triangles.empty()) add_planform_slopes(space, x, triangles, at.slopes);
     return at;

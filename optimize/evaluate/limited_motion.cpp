@@ -89,8 +89,10 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
     const int last = *std::max_element(options.pin.begin(), options.pin.end());
     motions.resize(static_cast<std::size_t>(std::max(last, static_cast<int>(motions.size()))));
     PrimoShell shell(rest->surface, options);
+    Loads loads = setup.loads;
+    if (is_loaded && rest->parameters.kept_sections) loads.force = kept_forces(*rest, loads.force);
     const Equilibrium end =
-        shell.solve(setup.loads, motions, {}, [&](const SolveRecord&) { return !(stop_wanted && stop_wanted()); });
+        shell.solve(loads, motions, {}, [&](const SolveRecord&) { return !(stop_wanted && stop_wanted()); });
     if (end.status == SolveStatus::cancelled) throw Interrupted{};
     if (end.status != SolveStatus::converged) throw SolverError(end.reason);
     poses = shell.poses();

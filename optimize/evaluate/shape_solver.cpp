@@ -149,13 +149,23 @@ bool ShapeSolver::solve(const Eigen::VectorXd& x, ShapeEvaluation& result) {
 /// The shell is in the equilibrium of `shell_demand_`, beside which the fields move the surface.
 bool ShapeSolver::at_equilibrium(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     shell_x_ = x;
-    result.vertices = with_fields(*rest_, shell_demand_, shell_ ? shell_->vertices() : rest_->surface.vertices);
-    return true;
+    try {
+        result.vertices = with_fields(*rest_, shell_demand_, shell_ ? shell_->vertices() : rest_->surface.vertices);
+        return true;
+    } catch (const SolverError& error) {  // edges of a wing that cannot be kept
+        result.reason = error.what();
+    } catch (const InvalidInput& error) {
+        if (!rest_->parameters.kept_sections) throw;
+        result.reason = error.what();
+    }
+    result.status = EvaluationStatus::invalid;
+    return false;
 }
 
 std::vector<ShellSensitivities> ShapeSolver::adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                      const Points& surface) {
-    return surface_adjoint(*rest_, shell_.get(), dJ_dv, options, &surface);
+    const Points about = beside_planform(surface);
+    return surface_adjoint(*rest_, shell_.get(), dJ_dv, options, &about);
 }
 
 Points ShapeSolver::beside_planform(const Points& vertices) const {

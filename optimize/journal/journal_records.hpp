@@ -23,6 +23,14 @@ struct RunLimits {
     double seconds = 0;  ///< 0: no limit
 };
 
+/// Of runs that begin now; the first is 1.
+constexpr int latest_meaning = 3;
+inline int meaning_of(const std::string& written) {
+    for (int meaning = 1; meaning < latest_meaning; ++meaning)
+        if (written == std::to_string(meaning)) return meaning;
+    return latest_meaning;
+}
+
 struct JournalFacts {
     std::string case_yaml;           ///< as in case.yaml of the folder
     std::filesystem::path case_dir;  ///< of the file that the run was started with, absolute
@@ -30,8 +38,9 @@ struct JournalFacts {
     bool is_fit = false;
     /// 1: `max_displacement` bounds variables (`Parameters::limits_variables`); 2: shapes,
     /// `objective_tolerance` is a share of the gain (`OptimizeOptions::is_relative_to_objective`), and a budget is
-    /// shared among the levels that it can move (`OptimizeOptions::shares_with_all_levels`).
-    int meaning = 2;
+    /// shared among the levels that it can move (`OptimizeOptions::shares_with_all_levels`); 3: what moves a wing keeps
+    /// its edges (`Parameters::kept_sections`).
+    int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names
 };

@@ -81,7 +81,7 @@ void set_fact(JournalFacts& facts, const std::string& name, const std::string& v
     if (name == "case_dir") facts.case_dir = value;
     if (name == "host") facts.host = value;
     if (name == "command") facts.is_fit = value == "fit";
-    if (name == "meaning") facts.meaning = value == "1" ? 1 : 2;
+    if (name == "meaning") facts.meaning = meaning_of(value);
     if (name == "values") facts.values = names_in(value);
     if (name == "own") facts.parameters = names_in(value);
     if (name != "files") return;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
 
 #include <algorithm>
@@ -56,6 +57,13 @@ void check_planform(const Problem& problem) {
     for (const UserVariable& v : problem.parameters.user_variables)
         if (v.planform >= (planform ? planform->size() : 0))
             throw InvalidInput(text("variable ", v.name, ": there is no change of a wing ", v.planform));
+    if (const auto& kept = problem.parameters.kept_sections) {
+        if (kept->num_vertices() != problem.surface.num_vertices())
+            throw InvalidInput(text("kept sections of wings with ", kept->num_vertices(), " vertices for a surface of ",
+                                    problem.surface.num_vertices()));
+        if (!problem.attached.empty() || problem.parameters.invariance || !problem.fit.empty())
+            throw InvalidInput("sections of wings cannot be kept together with attached parts, an invariance or a fit");
+    }
     if (!planform) return;
     if (planform->num_vertices() != problem.surface.num_vertices())
         throw InvalidInput(text("changes of wings with ", planform->num_vertices(), " vertices for a surface of ",

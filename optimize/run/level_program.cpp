@@ -53,11 +53,13 @@ ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, cons
     sum.force *= weight[0];
     sum.prism_height *= weight[0];
     sum.wrench *= weight[0];
+    sum.surface *= weight[0];
     for (Eigen::Index i = 1; i < weight.size(); ++i) {
         sum.vertex += weight[i] * all[i].vertex;
         sum.force += weight[i] * all[i].force;
         sum.prism_height += weight[i] * all[i].prism_height;
         sum.wrench += weight[i] * all[i].wrench;
+        sum.surface += weight[i] * all[i].surface;
     }
     return sum;
 }

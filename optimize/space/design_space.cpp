@@ -141,8 +141,11 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
     if (const auto& fields = rest.parameters.fields)
         add_gradient_by(&UserVariable::field, space, fields->gradient(sensitivities.vertex), gradient);
     if (const auto& planform = rest.parameters.planform)  // not linear in its values
-        add_gradient_by(&UserVariable::planform, space,
-                        planform->gradient(planform_of(space, value), sensitivities.vertex), gradient);
+        add_gradient_by(
+            &UserVariable::planform, space,
+            planform->gradient(planform_of(space, value),
+                               sensitivities.surface.rows() > 0 ? sensitivities.surface : sensitivities.vertex),
+            gradient);
     if (!rest.has_shell) return gradient;
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;

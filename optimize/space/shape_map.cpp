@@ -2,6 +2,7 @@
 
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
+#include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
 
 namespace strake {
@@ -23,15 +24,22 @@ const Points& surface_or_rest(const RestFacts& rest, const Points* surface) {
 }  // namespace
 
 Points kept_motion(const RestFacts& rest, const Points& motion) {
+    if (rest.parameters.kept_sections) return rest.parameters.kept_sections->kept(motion);
     return rest.parameters.invariance ? rest.parameters.invariance->projected(motion) : motion;
 }
 
+Points kept_rates(const RestFacts& rest, const Points& motion, const Points* surface) {
+    if (rest.parameters.kept_sections) return rest.parameters.kept_sections->rate(surface, motion);
+    return kept_motion(rest, motion);
+}
+
 Points kept_forces(const RestFacts& rest, const Points& force) {
+    if (rest.parameters.kept_sections) return rest.parameters.kept_sections->pulled_back(nullptr, force);
     return rest.parameters.invariance ? rest.parameters.invariance->pulled_back(force) : force;
 }
 
 Points surface_rates(const RestFacts& rest, const Points& motion, const Points* surface) {
-    Points rates = kept_motion(rest, motion);
+    Points rates = kept_rates(rest, motion, surface);
     if (const Attachments* attached = attached_beside_fields(rest))
         attached->place_rates(surface_or_rest(rest, surface), rates);
     return rates;
@@ -41,14 +49,21 @@ Points surface_pull(const RestFacts& rest, const Points& force, const Points* su
     Points pulled = force;
     if (const Attachments* attached = attached_beside_fields(rest))
         attached->pull_back(surface_or_rest(rest, surface), pulled);
+    if (rest.parameters.kept_sections) return rest.parameters.kept_sections->pulled_back(surface, pulled);
     return kept_forces(rest, pulled);
 }
 
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
-    if (!rest.parameters.invariance && !has_fields(demand) && !has_planform(demand)) return of_shell;
+    const bool keeps_sections = rest.parameters.kept_sections != nullptr;
+    if (!rest.parameters.invariance && !keeps_sections && !has_fields(demand) && !has_planform(demand)) return of_shell;
     Points moved = of_shell;
-    if (has_planform(demand)) moved += rest.parameters.planform->displacement(demand.planform);
+    if (has_planform(demand) && !keeps_sections) moved += rest.parameters.planform->displacement(demand.planform);
     if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
+    if (keeps_sections) {  // as the start has them; the planform moves beside it
+        moved = rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
+        if (has_planform(demand)) moved += rest.parameters.planform->displacement(demand.planform);
+        return moved;
+    }
     if (rest.parameters.invariance) return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
     if (const Attachments* attached = attached_beside_fields(rest)) attached->place(moved);
     return moved;
@@ -80,7 +95,11 @@ Points beside_planform(const RestFacts& rest, const ShellDemand& demand, const P
 std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand) {
     const auto count = static_cast<std::size_t>(rest.surface.num_triangles());
     std::vector<Eigen::Matrix3d> maps(count, Eigen::Matrix3d::Identity());
-    if (demand.fields.size() > 0) maps = rest.parameters.fields->local_maps(demand.fields);
+    if (demand.fields.size() > 0) {
+        maps = rest.parameters.fields->local_maps(demand.fields);
+        if (const auto& kept = rest.parameters.kept_sections; kept && has_fields(demand))
+            kept->change_maps(rest.parameters.fields->displacement(demand.fields), maps);
+    }
     if (!has_planform(demand)) return maps;
     const std::vector<Eigen::Matrix3d> of_wings = rest.parameters.planform->local_maps(demand.planform);
     for (std::size_t t = 0; t < count; ++t) maps[t] += of_wings[t] - Eigen::Matrix3d::Identity();
@@ -92,7 +111,7 @@ std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, c
     std::vector<Points> moved(forces.size(), Points::Zero(rest.surface.num_vertices(), 3));
     if (!shell) return moved;
     moved = shell->response(forces, tolerance);
-    if (rest.parameters.invariance || attached_beside_fields(rest))
+    if (rest.parameters.invariance || rest.parameters.kept_sections || attached_beside_fields(rest))
         for (Points& one : moved) one = surface_rates(rest, one, surface);
     return moved;
 }
@@ -100,18 +119,24 @@ std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, c
 std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell* shell,
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface) {
-    if (shell && !rest.parameters.invariance && !attached_beside_fields(rest)) return shell->adjoint(dJ_dv, options);
+    const bool is_plain =
+        !rest.parameters.invariance && !rest.parameters.kept_sections && !attached_beside_fields(rest);
+    if (shell && is_plain) return shell->adjoint(dJ_dv, options);
+    const auto as_given = [&](std::vector<ShellSensitivities> all) {  // the planform moves beside what is kept
+        for (std::size_t i = 0; rest.parameters.kept_sections && i < all.size(); ++i) all[i].surface = dJ_dv[i];
+        return all;
+    };
     std::vector<Points> kept;
     for (const Points& one : dJ_dv) kept.push_back(surface_pull(rest, one, surface));
     if (!shell) {
         std::vector<ShellSensitivities> all;
-        for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}});
-        return all;
+        for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}, {}});
+        return as_given(std::move(all));
     }
     std::vector<ShellSensitivities> all = shell->adjoint(kept, options);
-    if (rest.parameters.invariance)
-        for (ShellSensitivities& one : all) one.force = kept_motion(rest, one.force);
-    return all;
+    if (rest.parameters.invariance || rest.parameters.kept_sections)
+        for (ShellSensitivities& one : all) one.force = kept_rates(rest, one.force, nullptr);
+    return as_given(std::move(all));
 }
 
 }  // namespace strake

@@ -4,12 +4,16 @@
 /// Between the shell and the surface of a design. Displacement fields move the surface beside the shell; attached parts
 /// follow their hosts where these are in the end; and a kind of shape (`Parameters::invariance`) lets through what of
 /// forces and motions keeps it.
-/// `surface` is the surface of the design (n x 3), about which attached parts turn; null: the one at rest.
+/// `surface` is the surface of the design without the motion by the planform (n x 3), about which attached parts turn
+/// and at which sections of wings are kept; null: the one at rest.
 namespace strake {
 
-/// What of a displacement of the surface (n x 3) a design may have: P u.
+/// What of a displacement of the surface (n x 3) a design has: P u, or K(u).
 Points kept_motion(const RestFacts& rest, const Points& motion);
-/// What of vertex forces acts: P^T f.
+/// What of a small motion (n x 3) it has at that surface: P u, or the derivative of K times it.
+Points kept_rates(const RestFacts& rest, const Points& motion, const Points* surface);
+/// What of vertex forces acts: P^T f, or the transpose of K's derivative at rest times it: forces on a section are then
+/// in balance with forces on its edges, and bend and twist no wing.
 Points kept_forces(const RestFacts& rest, const Points& force);
 
 /// dv of the surface by a motion of its points beside attached parts, which follow.

@@ -36,7 +36,7 @@ fixed: [root]
 invariance: {extrude: y}
 symmetry: {plane: y, at: 0, snap: 0.01%}
 planform:
-  left: {on: tip + ball, span: y, stations: [0, 37%, 1], axis: 25% chord, values: [area, twist@0.5],
+  left: {on: tip + ball, span: y, keep: none, stations: [0, 37%, 1], axis: 25% chord, values: [area, twist@0.5],
          grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
   fin: {span: [0, 0, 1]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
@@ -59,6 +59,7 @@ constraints:
   aero.lift: {equals: 0.3}
   left.twist@0.37: {min: -2deg}
   left.thickness_grid: {min: 1.0, relative: true}
+  left.twist_step_grid: {max: 1deg}
 optimize: {method: sqp, budget: {evaluations: 200, time: 1h}, refine_when: {progress_below: 1%, min_expected_gain: 0.2%}}
 output: {dir: runs/wing, paraview: best, report: true}
 )";

@@ -55,6 +55,31 @@ TEST_F(Planform, AThicknessGridIsOneLine) {
     for (const Constraint& c : built.problem.constraints) EXPECT_TRUE(c.relative && c.min == 0.98);
 }
 
+TEST_F(Planform, OneLineConstrainsAllStations) {
+    const BuiltProblem built =
+        build(frame("planform: {wing: {span: y, grid: {span: [20%, 50%, 80%]}}}\nobjective: {minimize: area}\n"
+                    "constraints: {wing.twist_step_grid: {max: 0.5deg}, wing.camber_grid: {min: 0}, "
+                    "wing.spar_offset_grid: {min: -0.1, max: 0.1}}\n"));
+    const auto& all = built.problem.constraints;
+    ASSERT_EQ(all.size(), 2U + 3U + 6U);
+    EXPECT_EQ(all[1].quantity, "wing.twist_step@0.5@0.8");
+    EXPECT_NEAR(*all[1].max, 0.5 * std::numbers::pi / 180, 1e-15);
+    EXPECT_EQ(all[2].quantity, "wing.camber@0.2");
+    EXPECT_EQ(all[10].quantity, "wing.spar_offset@0.8@0.65");
+}
+
+/// Loads keep the edges of a declared wing, if it does not say otherwise.
+TEST_F(Planform, EdgesOfADeclaredWingAreKept) {
+    const std::string goal = "objective: {minimize: area}\n";
+    const auto kept = [&](const std::string& wing) {
+        return build(frame("planform: {wing: " + wing + "}\n" + goal)).problem.parameters.kept_sections != nullptr;
+    };
+    EXPECT_TRUE(kept("{span: y}"));
+    EXPECT_TRUE(kept("{span: y, keep: outline}"));
+    EXPECT_FALSE(kept("{span: y, keep: none}"));
+    EXPECT_EQ(build(frame(goal)).problem.parameters.kept_sections, nullptr);
+}
+
 TEST_F(Planform, RegionsOfAWing) {
     const BuiltProblem built = build(
         "symmetry: {plane: y, at: 0}\nplanform: {wing: {span: y}}\n"

@@ -1,6 +1,7 @@
 #include "cli/run_strake.hpp"
 #include "core/formats/io.hpp"
 #include "surfaces.hpp"
+#include "tests/core/planform/lofted_wing.hpp"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -26,6 +27,41 @@ TEST(Info, JsonHasTheKeysThatProgramsRelyOn) {
     EXPECT_DOUBLE_EQ(j.at("diagonal"), std::sqrt(14.0));
     EXPECT_DOUBLE_EQ(j.at("area"), 22);
     EXPECT_DOUBLE_EQ(j.at("volume"), 6);
+}
+
+TEST(Info, ThePlanformIsListedBesideThatOfTheStart) {
+    const TempFolder folder;
+    Loft loft;
+    const TriMesh start = lofted(loft);
+    TriMesh now = start;
+    now.vertices.col(0) *= 1.1;  // chords grow by 10 %, and the wing becomes thinner for it
+    write_surface(folder / "start.ply", start, SurfaceFormat::ply_binary);
+    write_surface(folder / "now.ply", now, SurfaceFormat::ply_binary);
+    const std::vector<std::string> ask{"info",  "--planform", (folder / "now.ply").string(),  "--stations",
+                                       "0,0.5", "--start",    (folder / "start.ply").string()};
+    std::vector<std::string> json = ask, drawn = ask;
+    json.push_back("--json");
+    drawn.insert(drawn.end(), {"--sections", (folder / "both.svg").string()});
+    const ProgramRun run = run_strake(json);
+    ASSERT_EQ(run.status, 0) << run.err;
+    const auto wing = nlohmann::json::parse(run.out).at("planform");
+    for (const int k : {0, 1}) {
+        const auto &after = wing.at("stations")[k], &before = wing.at("start").at("stations")[k];
+        EXPECT_NEAR(after.at("chord").get<double>() / before.at("chord").get<double>(), 1.1, 2e-4);
+        EXPECT_NEAR(after.at("thickness_to_chord").get<double>() * 1.1, before.at("thickness_to_chord"), 5e-4);
+    }
+    const ProgramRun words = run_strake(drawn);
+    ASSERT_EQ(words.status, 0) << words.err;
+    for (const char* part : {"0.500 start", "0.500 now", "(start "})
+        EXPECT_NE(words.out.find(part), std::string::npos) << words.out;
+    const std::string picture = bytes_of(folder / "both.svg");
+    EXPECT_NE(picture.find("LE radius"), std::string::npos);
+    EXPECT_NE(picture.find("#999"), std::string::npos) << "the start";
+    write_surface(folder / "other.off", box_surface({1, 2, 3}), SurfaceFormat::off);
+    const ProgramRun other =
+        run_strake({"info", "--planform", (folder / "now.ply").string(), "--start", (folder / "other.off").string()});
+    EXPECT_EQ(other.status, 2);
+    EXPECT_NE(other.err.find("both need the same triangles"), std::string::npos) << other.err;
 }
 
 TEST(Info, WordsNameEveryDefectWithCountAndFirstIds) {

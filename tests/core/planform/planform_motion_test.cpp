@@ -2,7 +2,7 @@
 
 #include "core/error.hpp"
 #include "derivatives.hpp"
-#include "lofted_wing.hpp"
+#include "wing_bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -13,82 +13,6 @@ using Eigen::Vector3d;
 using Eigen::VectorXd;
 
 constexpr double degree = std::numbers::pi / 180;
-
-struct Body {
-    std::string name;
-    TriMesh mesh;
-    WingDeclaration declared;
-    bool is_joined = false;
-};
-
-TriMesh both(const TriMesh& a, const TriMesh& b) {
-    TriMesh all;
-    all.vertices.resize(a.vertices.rows() + b.vertices.rows(), 3);
-    all.vertices << a.vertices, b.vertices;
-    all.triangles.resize(a.triangles.rows() + b.triangles.rows(), 3);
-    all.triangles << a.triangles, Triangles(b.triangles.array() + static_cast<int>(a.vertices.rows()));
-    return all;
-}
-
-/// A box across the plane y = 0, half of it, that holds the root of a wing.
-TriMesh fuselage() {
-    TriMesh box;
-    box.vertices.resize(8, 3);
-    for (int k = 0; k < 8; ++k) box.vertices.row(k) << (k & 1 ? 2.5 : -1), (k & 2 ? 0.4 : 0), (k & 4 ? 0.5 : -0.5);
-    box.triangles.resize(10, 3);  // open at y = 0
-    box.triangles << 2, 6, 3, 3, 6, 7, 0, 2, 1, 1, 2, 3, 4, 5, 6, 5, 7, 6, 0, 4, 2, 2, 4, 6, 1, 3, 5, 3, 7, 5;
-    return box;
-}
-
-std::vector<Body> bodies() {
-    WingDeclaration half;
-    half.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
-    half.stations = {0, 0.4, 1};
-    WingDeclaration whole = half;
-    whole.symmetry.reset();
-    std::vector<Body> all;
-    Loft loft;
-    loft.panels = 60;
-    loft.cells = 25;
-    all.push_back({"half", lofted(loft), half});
-    all.push_back({"whole", lofted(loft, true), whole});
-    all.push_back({"between rows", lofted(loft), half});
-    all.back().declared.stations = {0, 0.33, 0.71, 1};
-    Loft blunt = loft;
-    blunt.blunt = 0.004;
-    all.push_back({"blunt", lofted(blunt), half});
-    Loft kinked = loft;
-    kinked.chord = [](double s) { return s < 0.4 ? 1.4 - s : 1 - 0.5 * (s - 0.4); };
-    kinked.quarter = [](double s) { return s < 0.4 ? 0.35 + 2 * s : 1.15 + 1.2 * (s - 0.4); };
-    kinked.twist = [](double) { return 0.03; };  // its edges are straight
-    all.push_back({"kinked", lofted(kinked), half});
-    Loft upright = loft;
-    upright.winglet = 0.2;
-    upright.height = [](double) { return 0.0; };
-    upright.cells = 50;
-    all.push_back({"winglet", lofted(upright), half});
-    all.back().declared.stations = {0, 0.4, 0.9};  // the tip's plane leaves the tip when this turns
-    all.push_back({"body", both(fuselage(), lofted(loft)), half});
-    for (int t = 0; t < all[0].mesh.num_triangles(); ++t) all.back().declared.triangles.push_back(10 + t);
-    Loft slat = loft, flap = loft;
-    slat.chord = [](double s) { return 0.15 * (1 - 0.5 * s); };
-    slat.quarter = [](double s) { return -0.16 + 1.2 * s + 0.1 * s; };
-    slat.height = [](double s) { return 0.3 * s - 0.02; };
-    flap.chord = [](double s) { return 0.25 * (1 - 0.5 * s); };
-    flap.quarter = [](double s) { return 1.1 + 0.76 * s; };
-    flap.height = [](double s) { return 0.3 * s - 0.06; };
-    all.push_back({"three elements", both(both(lofted(slat), lofted(loft)), lofted(flap)), half});
-    // Joined: what lies within 12 % of the span is a body.
-    Body joined{"joined", lofted(loft), half, true};
-    for (int t = 0; t < joined.mesh.num_triangles(); ++t) {
-        double low = 3;
-        for (const int v : joined.mesh.triangles.row(t)) low = std::min(low, joined.mesh.vertices(v, 1));
-        if (low > 0.36 - 1e-9) joined.declared.triangles.push_back(t);
-    }
-    joined.declared.stations = {0, 0.5, 1};  // on rows of the mesh
-    all.push_back(joined);
-    return all;
-}
 
 std::vector<PlanformRange> all_ranges(bool is_joined) {
     std::vector<PlanformRange> all{{.change = PlanformChange::span, .lower = -0.05, .upper = 0.05},
@@ -104,7 +28,7 @@ std::vector<PlanformRange> all_ranges(bool is_joined) {
     return all;
 }
 
-PlanformMotion motion_of(const Body& body, const std::vector<PlanformRange>& ranges) {
+PlanformMotion motion_of(const WingBody& body, const std::vector<PlanformRange>& ranges) {
     return {body.mesh, {std::make_shared<const Wing>(body.mesh, body.declared)}, ranges};
 }
 
@@ -129,7 +53,8 @@ std::vector<double> measured(const TriMesh& now, const Wing& wing, const Planfor
     return all;
 }
 
-void expect_measured(const Body& body, const PlanformMotion& motion, const Wing& wing, std::size_t j, double value) {
+void expect_measured(const WingBody& body, const PlanformMotion& motion, const Wing& wing, std::size_t j,
+                     double value) {
     const auto& variables = motion.variables();
     const PlanformMotion::Variable& v = variables[j];
     SCOPED_TRACE(v.name + " = " + std::to_string(value));
@@ -153,7 +78,7 @@ void expect_measured(const Body& body, const PlanformMotion& motion, const Wing&
 }
 
 TEST(PlanformMotion, IsMeasuredBackAtItsLimits) {
-    for (const Body& body : bodies()) {
+    for (const WingBody& body : wing_bodies()) {
         SCOPED_TRACE(body.name);
         const auto wing = std::make_shared<const Wing>(body.mesh, body.declared);
         const PlanformMotion motion(body.mesh, {wing}, all_ranges(body.is_joined));
@@ -165,7 +90,7 @@ TEST(PlanformMotion, IsMeasuredBackAtItsLimits) {
 }
 
 TEST(PlanformMotion, DerivativesAreExact) {
-    for (const Body& body : bodies()) {
+    for (const WingBody& body : wing_bodies()) {
         SCOPED_TRACE(body.name);
         const PlanformMotion motion = motion_of(body, all_ranges(body.is_joined));
         const Eigen::Index n = body.mesh.num_vertices();
@@ -198,7 +123,7 @@ TEST(PlanformMotion, DerivativesAreExact) {
 }
 
 TEST(PlanformMotion, HalfIsWholeAndPairsStaySymmetric) {
-    const std::vector<Body> all = bodies();
+    const std::vector<WingBody> all = wing_bodies();
     const PlanformMotion half = motion_of(all[0], all_ranges(false)), whole = motion_of(all[1], all_ranges(false));
     ASSERT_EQ(half.size(), whole.size());
     VectorXd z = random_vector(half.size(), 5);
@@ -218,7 +143,7 @@ TEST(PlanformMotion, HalfIsWholeAndPairsStaySymmetric) {
 }
 
 TEST(PlanformMotion, BodiesStayToTheLastBit) {
-    for (const Body& body : bodies()) {
+    for (const WingBody& body : wing_bodies()) {
         if (body.name != "body" && !body.is_joined) continue;
         SCOPED_TRACE(body.name);
         const PlanformMotion motion = motion_of(body, all_ranges(body.is_joined));
@@ -241,7 +166,7 @@ TEST(PlanformMotion, BodiesStayToTheLastBit) {
 
 /// What is straight between stations stays straight: second differences of the edges over the rows.
 TEST(PlanformMotion, EdgesStayStraight) {
-    const Body body = bodies()[4];
+    const WingBody body = wing_bodies()[4];
     const PlanformMotion motion = motion_of(body, all_ranges(false));
     VectorXd z = random_vector(motion.size(), 11);
     for (int j = 0; j < z.size(); ++j) z[j] *= motion.variables()[static_cast<std::size_t>(j)].upper;
@@ -256,7 +181,7 @@ TEST(PlanformMotion, EdgesStayStraight) {
 }
 
 TEST(PlanformMotion, TrailingEdgesKeepTheirThickness) {
-    const Body body = bodies()[3];
+    const WingBody body = wing_bodies()[3];
     const auto wing = std::make_shared<const Wing>(body.mesh, body.declared);
     const PlanformMotion motion(body.mesh, {wing},
                                 {{.change = PlanformChange::thickness, .lower = -0.2, .upper = 0.2}});
@@ -266,7 +191,7 @@ TEST(PlanformMotion, TrailingEdgesKeepTheirThickness) {
 }
 
 TEST(PlanformMotion, ChordMayKeepTheThickness) {
-    const Body body = bodies()[0];
+    const WingBody body = wing_bodies()[0];
     const auto wing = std::make_shared<const Wing>(body.mesh, body.declared);
     const PlanformMotion motion(
         body.mesh, {wing}, {{.change = PlanformChange::chord, .keeps_thickness = true, .lower = -0.2, .upper = 0.2}});
@@ -279,7 +204,7 @@ TEST(PlanformMotion, ChordMayKeepTheThickness) {
 
 /// The linear part of the map turns edges into what they are in the end.
 TEST(PlanformMotion, LocalMapsAreThoseOfTheSurface) {
-    const Body body = bodies()[1];
+    const WingBody body = wing_bodies()[1];
     const PlanformMotion motion = motion_of(body, all_ranges(false));
     VectorXd z(motion.size());
     for (int j = 0; j < z.size(); ++j) z[j] = 0.5 * motion.variables()[static_cast<std::size_t>(j)].upper;
@@ -296,8 +221,8 @@ TEST(PlanformMotion, LocalMapsAreThoseOfTheSurface) {
 }
 
 TEST(PlanformMotion, WhatCannotBeIsRefused) {
-    const std::vector<Body> all = bodies();
-    const auto refused = [&](const Body& body, const PlanformRange& range) {
+    const std::vector<WingBody> all = wing_bodies();
+    const auto refused = [&](const WingBody& body, const PlanformRange& range) {
         try {
             motion_of(body, {range});
         } catch (const InvalidInput& error) {
@@ -321,6 +246,61 @@ TEST(PlanformMotion, WhatCannotBeIsRefused) {
     EXPECT_NE(refused(all.back(), good).find("root: held"), std::string::npos);
     EXPECT_THROW(motion_of(all[0], {good, good}), InvalidInput);
     EXPECT_THROW(motion_of(all[0], {good}).displacement(VectorXd::Zero(2)), InvalidInput);
+}
+
+/// A wing of one section all along the span, open at the root, whose trailing edge is a half circle of `radius`.
+TriMesh rounded_behind(double radius) {
+    constexpr int rows = 13, end = 8, panels = 60;
+    std::vector<std::array<double, 2>> section;  // from the trailing edge over the top
+    const auto mean = [](double x) { return 0.08 * x * (1 - x); };
+    for (int k = -end; k <= end; ++k) {
+        const double angle = 0.5 * std::numbers::pi * k / end;
+        section.push_back({1 - radius + radius * std::cos(angle), mean(1 - radius) + radius * std::sin(angle)});
+    }
+    const auto half = [&](double x) { return example::naca_half_thickness(0.12, x) + radius * x / (1 - radius); };
+    for (const int side : {1, -1})
+        for (int i = 1; i < panels; ++i) {
+            const double along = static_cast<double>(side > 0 ? i : panels - i) / panels;
+            const double x = (1 - radius) * 0.5 * (1 + std::cos(std::numbers::pi * along));
+            section.push_back({x, mean(x) + side * half(x)});
+            if (side > 0 && i == panels - 1) section.push_back({0, 0});
+        }
+    const int around = static_cast<int>(section.size());
+    TriMesh mesh;
+    mesh.vertices.resize(rows * around, 3);
+    std::vector<Eigen::RowVector3i> triangles;
+    for (int r = 0; r < rows; ++r)
+        for (int k = 0; k < around; ++k) {
+            const int next = (k + 1) % around, a = r * around + k, b = r * around + next;
+            mesh.vertices.row(a) << section[static_cast<std::size_t>(k)][0], 3.0 * r / (rows - 1),
+                section[static_cast<std::size_t>(k)][1];
+            if (r + 1 == rows) continue;
+            triangles.emplace_back(a, a + around, b), triangles.emplace_back(b, a + around, b + around);
+        }
+    mesh.triangles.resize(static_cast<Eigen::Index>(triangles.size()), 3);
+    for (std::size_t t = 0; t < triangles.size(); ++t) mesh.triangles.row(static_cast<Eigen::Index>(t)) = triangles[t];
+    return mesh;
+}
+
+/// Its trailing edge was one corner of the circle or another: camber by -1 % moved it by 2e-3 of the chord.
+TEST(PlanformMotion, EdgesOfARoundedWingDoNotJump) {
+    const TriMesh mesh = rounded_behind(0.002);
+    WingDeclaration half;
+    half.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
+    half.stations = {0, 0.5, 1};
+    const auto wing = std::make_shared<const Wing>(mesh, half);
+    const PlanformMotion motion(
+        mesh, {wing}, {{.change = PlanformChange::camber, .by_station = true, .lower = -0.02, .upper = 0.02}});
+    const StationFacts before = wing->station(mesh, 0.5);
+    EXPECT_LT(before.trailing_edge_thickness.value, 1e-9) << "no corner";
+    for (int k = -8; k <= 8; ++k) {
+        const double camber = 0.02 * k / 8;
+        const VectorXd z = camber * VectorXd::Ones(motion.size());
+        const StationFacts after = wing->station(with_vertices(mesh, mesh.vertices + motion.displacement(z)), 0.5);
+        EXPECT_LT((after.trailing_edge - before.trailing_edge).norm(), 1e-4) << camber;
+        EXPECT_LT((after.leading_edge - before.leading_edge).norm(), 1e-4) << camber;
+        EXPECT_NEAR(after.camber.value, before.camber.value + camber, 1e-4) << camber;
+    }
 }
 
 }  // namespace

@@ -36,7 +36,10 @@ const std::vector<std::string> all{"area",
                                    "leading_edge_radius@0.37",
                                    "trailing_edge_angle@0.37",
                                    "trailing_edge_thickness@0.37",
-                                   "thickness@0.37@0.25"};
+                                   "thickness@0.37@0.25",
+                                   "twist_step@0.2@0.6",
+                                   "chord_step@0.2@0.6",
+                                   "spar_offset@0.4@0.15"};
 
 }  // namespace
 
@@ -50,6 +53,24 @@ TEST(WingValues, AreNamedAndOfTheWholeWing) {
     for (std::size_t i = 0; i < all.size(); ++i)
         EXPECT_NEAR(a.values[i], b.values[i], 1e-10 * (1 + std::abs(a.values[i]))) << all[i];
     EXPECT_NEAR(a.values[0], 4.5, 0.03);
+    EXPECT_NEAR(a.values[16], -0.032, 1e-4) << "twist falls by 0.08 from root to tip";
+    EXPECT_NEAR(a.values[17], -0.2, 1e-3);
+    EXPECT_NEAR(a.values[18], 0, 1e-3) << "the edges are straight";
+}
+
+TEST(WingValues, ASparIsStraightWhereNoKinkBendsIt) {
+    Loft loft;  // the trailing edge has a kink at 40 %
+    loft.twist = [](double) { return 0.0; };
+    loft.chord = [](double s) { return s < 0.4 ? 1.4 - s : 1 - 0.5 * (s - 0.4); };
+    loft.quarter = [&](double s) { return 1.2 * s + 0.25 * loft.chord(s); };
+    loft.cells = 20;
+    const TriMesh mesh = lofted(loft);
+    const auto values =
+        ask(wing_values("wing", mesh, wing_of(mesh), {"spar_offset@0.4@0", "spar_offset@0.4@0.6"}), mesh);
+    const double last = wing_of(mesh)->place(0, 1), tip = loft.chord(last), on_line = 1.4 + 0.4 / last * (tip - 1.4);
+    EXPECT_NEAR(values.values[0], 0, 1e-3) << "the leading edge";
+    EXPECT_NEAR(values.values[1], 0.6 * (loft.chord(0.4) - on_line), 1e-3);
+    EXPECT_LT(values.values[1], -0.05);
 }
 
 TEST(WingValues, GradientsAreExact) {
@@ -90,6 +111,8 @@ TEST(WingValues, WhatIsNoValueIsRefusedInWords) {
     EXPECT_TRUE(has(refused("twist@1.5"), "'1.5' must be a fraction in [0, 1]"));
     EXPECT_TRUE(has(refused("twist@x"), "must be a fraction"));
     EXPECT_TRUE(has(refused("thickness@0.5"), "fractions of the semispan and of the chord"));
+    EXPECT_TRUE(has(refused("twist_step@0.5"), "write 'twist_step@0.2@0.5' with two fractions of the semispan"));
+    EXPECT_TRUE(is_angle(parse_wing_value("twist_step@0.1@0.2")));
     EXPECT_TRUE(is_angle(parse_wing_value("sweep")));
     EXPECT_FALSE(is_angle(parse_wing_value("chord@0")));
     // A surface without the wing: a failure, not a number.

@@ -1,0 +1,114 @@
+#pragma once
+#include "core/planform/wing.hpp"
+
+#include <Eigen/LU>
+#include <Eigen/SparseCore>
+#include <complex>
+#include <memory>
+#include <mutex>
+
+/// What of a motion is left where wings keep the edges of their sections.
+namespace strake {
+
+/// Motions of a surface without what they do to the planform of its wings: u = S d - B a, so that on the surface
+/// x0 + u leading and trailing edge of each wing, as its sections show them, are where the start has them. Chord,
+/// twist, sweep, dihedral and span then are those of the start; thickness and camber are what d makes them.
+///
+/// S takes out what goes across the sections, so that these stay in their planes. B a moves each section by a map
+/// w -> alpha(s) (1 - zeta) + beta(s) zeta of its complex plane, zeta = 0 at the leading and 1 at the trailing edge: a
+/// rotation, a scaling and a translation. alpha and beta are piecewise linear along the span, with knots at the rows
+/// of vertices of each edge, at most 64 over the semispan, and a their values, found by Newton's method. A motion that
+/// turns, scales and moves the sections in their planes is taken out whole.
+///
+/// What is fixed stays fixed: towards it B fades to zero, over a quarter of the root chord. Where the wing shares
+/// edges with a body, B and S fade to zero on the body, over half of the root chord. Parts of their own (a body that a
+/// wing pierces) keep their motion.
+class KeptSections {
+public:
+    /// @param fixed triangles. @throws InvalidInput: a wing whose edges cannot be kept, with the reason.
+    KeptSections(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
+                 const std::vector<int>& fixed);
+
+    int num_vertices() const { return start_.num_vertices(); }
+    int num_knots() const { return num_knots_; }
+
+    /// u by d, n x 3. 0 by 0 to the last bit. @throws SolverError where the edges cannot be brought back; InvalidInput
+    /// where there is no section.
+    Points kept(const Points& motion) const;
+    /// The derivative of `kept` times a motion. @param surface x0 + u; null: the start
+    Points rate(const Points* surface, const Points& motion) const;
+    /// Its transpose.
+    Points pulled_back(const Points* surface, const Points& dJ_dv) const;
+
+    /// From linear parts of maps x -> x + d(x), one a triangle, to those of x -> x + u(x), to first order in d.
+    void change_maps(const Points& motion, std::vector<Eigen::Matrix3d>& maps) const;
+    /// dJ/d(map) before `change_maps` and dJ/dd, by that of the map of one triangle after it: the transpose.
+    Eigen::Matrix3d pull_map(int triangle, const Eigen::Matrix3d& dJ_dF, Points& dJ_dd) const;
+
+private:
+    using Complex = std::complex<double>;
+    /// One cut that is looked at.
+    struct Section {
+        std::shared_ptr<const Wing> wing;
+        int side = 0;
+        double place = 0;
+        int leading = -1, trailing = -1;      ///< knots; -1: that edge is not looked at here
+        std::vector<int> triangles;           ///< that it may meet
+        double chord = 0;                     ///< at the start
+        Eigen::Vector2d leading_at = {0, 0};  ///< likewise, in the plane
+        bool is_round = false;                ///< the nose has points enough for a polynomial
+    };
+    /// Of one side of a wing at the start.
+    struct Side {
+        std::shared_ptr<const Wing> wing;
+        int side = 0;
+        double reach = 0;
+        std::vector<double> places;  ///< of the table
+        std::vector<Eigen::Vector3d> leading, trailing;
+        std::vector<double> knots[2];  ///< places along the leading and the trailing edge
+        std::vector<int> number[2];    ///< of these knots
+    };
+    struct Term {
+        int knot;
+        Complex weight;
+        double slope;  ///< of the weight by zeta
+    };
+    /// How much a vertex has of each knot; the plane it moves in.
+    struct Share {
+        std::vector<Term> terms = {};
+        Eigen::Vector3d downstream = Eigen::Vector3d::Zero(), up = Eigen::Vector3d::Zero();
+        Complex chord = 1;  ///< of its section
+    };
+    /// M, the derivative of all edges by the vertices, and M B.
+    struct Tangent {
+        Points surface;
+        Eigen::SparseMatrix<double, Eigen::RowMajor> edges;  ///< 2 knots x 3 n
+        Eigen::PartialPivLU<Eigen::MatrixXd> by_knots;
+    };
+
+    void add_side(const std::shared_ptr<const Wing>& wing, int side);
+    void add_knots(Side& of, int edge);
+    void share_centre();
+    void add_sections(const Side& of);
+    void place_vertices(const std::vector<int>& fixed);
+    Complex fraction(const Side& of, double place, const Eigen::Vector3d& x, Complex& chord) const;
+    void place_vertex(int v, const Side& of, double across, double along);
+    void drop_fixed_knots();
+    Eigen::VectorXd off(const TriMesh& surface, const std::vector<char>& is_linear) const;
+    std::shared_ptr<const Tangent> tangent_at(const Points& surface, bool is_end) const;
+    Points in_planes(const Points& motion) const;
+    Eigen::Vector3d across_rate(int v, const Eigen::Vector3d& normal, const Eigen::VectorXd& knots) const;
+
+    TriMesh start_;
+    std::vector<Side> sides_;
+    std::vector<Section> sections_;
+    int num_knots_ = 0;
+    std::vector<Share> shares_;             ///< per vertex
+    Points across_;                         ///< n x 3: S = I - across across^T
+    Eigen::SparseMatrix<double> by_knots_;  ///< B, 3 n x 2 knots
+    std::shared_ptr<const Tangent> at_start_;
+    mutable std::mutex guard_;
+    mutable std::shared_ptr<const Tangent> latest_;
+};
+
+}  // namespace strake

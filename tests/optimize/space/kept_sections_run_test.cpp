@@ -1,0 +1,154 @@
+#include "core/fields/displacement_fields.hpp"
+#include "core/planform/kept_sections.hpp"
+#include "core/planform/planform_motion.hpp"
+#include "evaluated.hpp"
+#include "optimize/evaluate/fold_conditions.hpp"
+#include "optimize/space/field_conditions.hpp"
+#include "problems.hpp"
+#include "tests/core/planform/lofted_wing.hpp"
+
+#include <gtest/gtest.h>
+#include <Eigen/Eigenvalues>
+
+/// Runs whose loads or fields keep the edges of a wing: alone and beside changes of its planform.
+namespace strake {
+namespace {
+
+struct KeptRun {
+    Problem problem;
+    std::shared_ptr<const Wing> wing;
+};
+
+/// Half a wing whose first 25 % of the span is fixed.
+KeptRun kept_run(bool has_shell, bool has_planform, bool keeps = true) {
+    Loft loft;
+    loft.cells = 16;
+    loft.panels = 24;
+    KeptRun run;
+    Problem& problem = run.problem;
+    problem.name = "wing";
+    problem.surface = lofted(loft);
+    problem.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
+    problem.has_shell = has_shell;
+    problem.tree = octants(problem.surface, has_shell ? 1 : 0);
+    WingDeclaration declared;
+    declared.symmetry = problem.symmetry;
+    declared.stations = {0, 0.5, 1};
+    for (int t = 0; t < problem.surface.num_triangles(); ++t) {
+        double low = 9;
+        for (const int v : problem.surface.triangles.row(t)) low = std::min(low, problem.surface.vertices(v, 1));
+        (low > 0.75 - 1e-9 ? declared.triangles : problem.fixed).push_back(t);
+    }
+    run.wing = std::make_shared<const Wing>(problem.surface, declared);
+    Parameters& p = problem.parameters;
+    p.max_displacement = 0.02;
+    if (has_planform) {
+        std::vector<PlanformRange> ranges{
+            {.change = PlanformChange::sweep, .lower = -0.1, .upper = 0.1},
+            {.change = PlanformChange::twist, .by_station = true, .root_held = true, .lower = -0.07, .upper = 0.07}};
+        add_planform(p, std::make_shared<const PlanformMotion>(problem.surface, std::vector{run.wing}, ranges));
+    }
+    problem.quantities = {closed_volume(problem.surface), area(true)};
+    if (keeps)
+        p.kept_sections = std::make_shared<const KeptSections>(problem.surface, std::vector{run.wing}, problem.fixed);
+    if (has_shell) {
+        problem.prism_height =
+            Eigen::VectorXd::Constant(problem.surface.num_vertices(), 0.02 * box_diagonal(problem.surface));
+        p.kinds = {VariableKind::normal_load};
+    } else {
+        p.kinds.clear();
+        add_fields(p, std::make_shared<const DisplacementFields>(problem.surface, field_conditions(problem),
+                                                                 FieldOptions{12, {}}));
+    }
+    return run;
+}
+
+/// Largest of what the edges are off, over the chord, and of the twist, in degrees.
+std::array<double, 2> off(const KeptRun& run, const Points& vertices) {
+    std::array<double, 2> worst{};
+    const TriMesh now = with_vertices(run.problem.surface, vertices);
+    for (const double station : {0.05, 0.31, 0.5, 0.77, 0.9}) {
+        const StationFacts a = run.wing->station(run.problem.surface, station), b = run.wing->station(now, station);
+        worst[0] = std::max({worst[0], (a.leading_edge - b.leading_edge).norm() / a.chord.value,
+                             (a.trailing_edge - b.trailing_edge).norm() / a.chord.value});
+        worst[1] = std::max(worst[1], std::abs(a.twist.value - b.twist.value) * 180 / std::numbers::pi);
+    }
+    return worst;
+}
+
+TEST(KeptSectionsRun, GradientsAreExact) {
+    for (const bool has_shell : {false, true})
+        for (const bool has_planform : {false, true}) {
+            SCOPED_TRACE(testing::Message() << (has_shell ? "shell" : "fields") << (has_planform ? ", planform" : ""));
+            Evaluated e(kept_run(has_shell, has_planform).problem);
+            const Eigen::VectorXd x = 0.15 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+            ShapeEvaluation here = e.evaluator.evaluate(x, 1);
+            ASSERT_EQ(here.status, EvaluationStatus::ok) << here.reason;
+            e.evaluator.differentiate(here);
+            for (int i = 0; i < 2; ++i) {
+                const Eigen::VectorXd g = here.gradients.row(i);
+                const auto J = [&](const Eigen::VectorXd& y) { return e.evaluator.evaluate(y, 1).values.at(i); };
+                EXPECT_NEAR(taylor_order(J, x, g, p, 1e-2), 2, 0.15) << i;
+                EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
+            }
+        }
+}
+
+TEST(KeptSectionsRun, EdgesStayInEveryShapeAndRunsGain) {
+    for (const bool has_shell : {false, true}) {
+        SCOPED_TRACE(has_shell ? "shell" : "fields");
+        const KeptRun run = kept_run(has_shell, false), free = kept_run(has_shell, false, false);
+        std::array<double, 2> worst{}, before{};
+        for (const KeptRun* one : {&run, &free}) {
+            Evaluated e(one->problem);
+            const Eigen::VectorXd x = (0.1 * random_vector(e.space.size(), 3)).cwiseMax(e.space.lower);
+            const ShapeEvaluation at = e.evaluator.evaluate(x, 1);
+            ASSERT_EQ(at.status, EvaluationStatus::ok) << at.reason;
+            (one == &run ? worst : before) = off(*one, at.vertices);
+            EXPECT_GT(at.max_displacement, 1e-4 * e.rest->diagonal);
+            for (const int t : one->problem.fixed)
+                for (const int v : one->problem.surface.triangles.row(t))
+                    EXPECT_EQ(at.vertices.row(v), one->problem.surface.vertices.row(v));
+        }
+        std::cout << "edges " << before[0] << " -> " << worst[0] << ", twist " << before[1] << " -> " << worst[1]
+                  << "\n";
+        EXPECT_GT(before[0], 1e-3) << "the test can fail";
+        EXPECT_LT(worst[0], 1e-4);
+        EXPECT_LT(worst[1], 0.02);
+        Problem problem = run.problem;
+        maximize_volume(problem, 1.0);
+        problem.optimize.max_evaluations = 14;
+        expect_run_is_stored(problem, 1e-4, 1e-8);
+    }
+}
+
+TEST(KeptSectionsRun, TheMetricIsThatOfWhatIsKept) {
+    for (const bool has_shell : {false, true}) {
+        Evaluated e(kept_run(has_shell, false).problem);
+        const Eigen::VectorXd rest = Eigen::VectorXd::Zero(e.space.size()), d = random_vector(e.space.size(), 9);
+        const Eigen::VectorXd product = e.evaluator.metric_product(rest, d);
+        ASSERT_EQ(product.size(), d.size());
+        EXPECT_LT((product - e.space.metric * d).norm(), 1e-5 * product.norm());
+        EXPECT_GT(e.space.metric.selfadjointView<Eigen::Lower>().eigenvalues().minCoeff(), 0);
+    }
+}
+
+TEST(KeptSectionsRun, FoldConditionsFollow) {
+    const Evaluated e(kept_run(false, true).problem);
+    Eigen::VectorXd x = 0.5 * random_vector(e.space.size(), 3).cwiseMax(e.space.lower).cwiseMin(e.space.upper);
+    const Eigen::VectorXd p = random_vector(e.space.size(), 5);
+    constexpr double below = 0.9, h = 1e-4;
+    for (int tries = 0; tries < 20 && fold_conditions(e.space, x, below).values.size() < 4; ++tries)
+        for (int j = 0; j < e.space.size(); ++j)
+            if (e.space.variables[static_cast<std::size_t>(j)].kind == VariableKind::field) x[j] *= 1.5;
+    const FoldConditions at = fold_conditions(e.space, x, below);
+    ASSERT_GE(at.values.size(), 4);
+    const Eigen::VectorXd change =
+        (fold_conditions(e.space, x + h * p, below).values - fold_conditions(e.space, x - h * p, below).values) /
+        (2 * h);
+    ASSERT_EQ(change.size(), at.values.size());
+    EXPECT_LT((change - at.slopes * p).norm(), 1e-4 * change.norm());
+}
+
+}  // namespace
+}  // namespace strake

@@ -9,6 +9,7 @@
 #include "optimize/nlp/program/finite_differences.hpp"
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/sqp/sqp.hpp"
+#include "optimize/nlp/surrogate/model_search.hpp"
 
 namespace strake {
 namespace {
@@ -43,7 +44,7 @@ public:
         result_.is_feasible = guard_.has_best && guard_.best_feasible;
         result_.evaluations = guard_.evaluations;
         result_.failures = guard_.failures;
-        result_.noise = guard_.evidence.noise();
+        result_.noise = std::max(guard_.evidence.noise(), noise_);
         result_.largest_gradient = guard_.largest_gradient;
         return result_;
     }
@@ -91,6 +92,7 @@ private:
 
     void search() {
         if (method_->method == Method::sqp) return run_sqp();
+        if (method_->method == Method::model) return run_by_model();
         if (method_->is_global) return run_global();
         // A few evaluations are kept for the way back onto the constraints.
         const int all = guard_.options.max_evaluations;
@@ -185,6 +187,14 @@ private:
         if (!is_nearly || (guard_.best_feasible && there.objective >= guard_.best.objective)) return;
         restore_feasibility(guard_, from, 8);
         if (guard_.cause == StopCause::failure) guard_.cause = StopCause::none;
+    }
+
+    void run_by_model() {
+        const ModelEnd found = minimize_by_model(guard_);
+        result_.shrinks += found.shrinks;
+        result_.radius = found.radius;
+        noise_ = found.noise;
+        end(found.stop, found.reason);
     }
 
     void run_sqp() {
@@ -355,6 +365,7 @@ private:
     const MethodFacts* method_;
     MinimizeResult result_;
     int confirmations_ = 0;
+    double noise_ = 0;  ///< of the objective, by its model
 };
 
 }  // namespace
@@ -368,6 +379,7 @@ void validate(const NonlinearProgram& p, const MinimizeOptions& o) {
             throw InvalidInput(
                 text("start of variable ", j, " = ", p.start[j], " must be in [", p.lower[j], ", ", p.upper[j], "]"));
     if (o.max_evaluations < 1) throw InvalidInput(text("max_evaluations = ", o.max_evaluations, " must be >= 1"));
+    if (o.batch < 1) throw InvalidInput(text("batch = ", o.batch, " must be >= 1"));
     if (o.starts < 1) throw InvalidInput(text("starts = ", o.starts, " must be >= 1"));
     if (p.differences) with_differences(p, *p.differences);
     const bool is_global = method_facts(o.method).is_global;

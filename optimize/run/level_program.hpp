@@ -31,6 +31,11 @@ public:
     const NonlinearProgram& program() const { return program_; }
     const Eigen::VectorXd& weight() const { return weight_; }
     Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;
+    /// Method model learns from the designs of all levels: those seen so far become designs of the level that is
+    /// entered next. @param parent, start the same design on the level before and on this one; `prolongation` dx /
+    /// d(parent's x)
+    void carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
+                       const Eigen::MatrixXd& prolongation);
     const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
@@ -51,6 +56,9 @@ private:
     Evaluation evaluate(const Eigen::VectorXd& x);
     void differentiate(Evaluation& sample);
     void limit_motion();
+    bool learns() const { return state_.problem.optimize.method == Method::model; }
+    std::vector<KnownPoint> known_points() const;
+    Evaluation from_values(const std::vector<double>& values) const;
     void keep_slack();
     void narrow_bounds();
     StepLimits step_limits(const MotionConditions& at, const FoldConditions& folds) const;
@@ -67,10 +75,17 @@ private:
         moved_x_;                 ///< the last point moved inside the motion limit, without the scaling's round-off
     double difference_step_ = 0;  ///< that the noise of the values asks for; 0: that of the case
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
+    /// A design of this level and what it gave; no values: it failed.
+    struct SeenDesign {
+        Eigen::VectorXd x;
+        std::vector<double> values;
+    };
+    std::vector<SeenDesign> seen_;  ///< of method model
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;
     KnownDesign known_;
+    bool has_strains_ = false;
     bool needs_differences_ = false, quantity_failed_ = false, last_failed_in_quantity_ = false;
 };
 

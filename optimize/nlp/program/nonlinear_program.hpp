@@ -53,6 +53,12 @@ struct Differences {
     std::function<void(double step)> on_step;
 };
 
+/// A point whose values are known before the search.
+struct KnownPoint {
+    Eigen::VectorXd x;
+    Evaluation evaluation;
+};
+
 struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
     int num_inequalities = 0, num_equalities = 0;
@@ -83,6 +89,9 @@ struct NonlinearProgram {
     Eigen::MatrixXd guessed;
     /// Where differences give the gradient. Used by sqp.
     std::optional<StartGradient> start_gradient;
+    /// Points beside the start that are known already; asked for once the start has been evaluated. May be empty. Used
+    /// by model.
+    std::function<std::vector<KnownPoint>()> known;
 };
 
 }  // namespace strake

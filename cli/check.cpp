@@ -15,6 +15,7 @@
 #include "core/text/file.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/problem/shell_setup.hpp"
+#include "optimize/run/method_choice.hpp"
 
 #include <fmt/core.h>
 #include <memory>
@@ -69,6 +70,12 @@ std::string limits_text(const Constraint& c) {
     return c.max ? out + fmt::format(" <= {:.10g}{}", *c.max, unit) : out;
 }
 
+/// What `method: auto` chooses; nothing where the case names a method, or all values have gradients.
+MethodChoice chosen_by_gradients(const Problem& problem) {
+    if (!problem.optimize.chooses_method || problem.objective.empty()) return {};
+    return choose_method(problem, problem.optimize.max_evaluations);
+}
+
 /// Says in advance that this method cannot make use of `parallel`.
 void add_serial_warning(const Problem& problem, std::vector<std::string>& warnings) {
     int programs = 0, parallel = 1;
@@ -79,13 +86,18 @@ void add_serial_warning(const Problem& problem, std::vector<std::string>& warnin
         parallel = std::max(parallel, quantity.parallel);
         all_give_gradients &= quantity.has_sensitivities;
     }
+    if (parallel < 2 || problem.objective.empty()) return;
     const MethodFacts& method = method_facts(problem.optimize.method);
-    const bool has_batches = method.needs_gradients && problem.optimize.finite_differences &&
-                             (!all_give_gradients || !problem.program_parameters.empty());
-    if (parallel < 2 || has_batches || problem.objective.empty()) return;
-    warnings.push_back(fmt::format(
-        "parallel: {}: {} runs one evaluation at a time{}; only finite_differences run several at once", parallel,
-        method.name, programs > 1 ? fmt::format(", in which the {} programs run side by side", programs) : ""));
+    const bool by_differences = problem.optimize.finite_differences || chosen_by_gradients(problem).by_differences;
+    const bool has_batches =
+        method.method == Method::model ||
+        (method.needs_gradients && by_differences && (!all_give_gradients || !problem.program_parameters.empty()));
+    if (has_batches) return;
+    warnings.push_back(
+        fmt::format("parallel: {}: {} runs one evaluation at a time{}; only finite_differences and method: model run "
+                    "several at once",
+                    parallel, method.name,
+                    programs > 1 ? fmt::format(", in which the {} programs run side by side", programs) : ""));
 }
 
 Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings, const std::vector<int>& pin) {
@@ -223,6 +235,8 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
                    shown_value(parameter.min, parameter.is_angle), shown_value(parameter.max, parameter.is_angle));
     if (!problem.objective.empty())
         fmt::print("objective   {} {}\n", problem.maximize ? "maximize" : "minimize", problem.objective);
+    if (const MethodChoice choice = chosen_by_gradients(problem); !choice.words.empty())
+        fmt::print("method      {}\n", choice.words);
     if (!problem.fit.empty()) fmt::print("fit         {}\n", joined(problem.fit));
     for (const Constraint& c : problem.constraints) fmt::print("constraint  {}\n", limits_text(c));
     print_facts(facts);

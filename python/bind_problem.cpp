@@ -269,6 +269,7 @@ void set_options(PythonProblem& p, const std::optional<int>& evaluations, const 
             throw InvalidInput("Problem.options: method '" + *method + "' is none of " + list);
         }
         p.problem.optimize.method = facts->method;
+        p.problem.optimize.chooses_method = false;  // as a case may have said
     }
     if (seconds) p.problem.optimize.max_seconds = *seconds;
     if (seed) p.problem.optimize.seed = static_cast<unsigned>(*seed);

@@ -33,6 +33,12 @@ std::string names(const std::vector<Reference>& references) {
     return joined(words);
 }
 
+std::string method_words(const OptimizeOptions& options) {
+    if (options.chooses_method) return "auto";  // what it chose is in the log
+    const MethodFacts& method = method_facts(options.method);
+    return method.method == Method::model ? fmt::format("{}, batches of {}", method.name, options.batch) : method.name;
+}
+
 const char* word_of(VariableKind kind) {
     switch (kind) {
         case VariableKind::load:
@@ -144,7 +150,7 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
     ask("Shape variables", variable_words(c));
     ask("Levels", level_words(c));
     for (const ProgramParameterEntry& entry : c.variables) ask("Parameter", parameter_words(entry.variable));
-    if (c.fit.empty()) ask("Method", c.sample ? sample_words(c) : method_facts(c.optimize.method).name);
+    if (c.fit.empty()) ask("Method", c.sample ? sample_words(c) : method_words(c.optimize));
     ask("Budget", budget_words(c.optimize));
     subject.symmetry = c.symmetry;
     if (const std::optional<BodyAxes> axes = body_axes(c); axes && axes->is_stated) {

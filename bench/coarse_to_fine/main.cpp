@@ -159,7 +159,8 @@ int main(int argc, char** argv) {
         ->check(CLI::IsMember(solvers));
     app.add_option("--enough", enough, "CSV file PROBLEM,METHOD,OBJECTIVE: a run ends at that objective")
         ->check(CLI::ExistingFile);
-    app.add_option("--methods", settings.methods, "sqp, lbfgs, mma, cobyla, bobyqa; default: all")->delimiter(',');
+    app.add_option("--methods", settings.methods, "sqp, model, lbfgs, mma, cobyla, bobyqa; default: all")
+        ->delimiter(',');
     app.add_option("--triangles", settings.triangles, "of a surface, about")
         ->check(CLI::Range(500, 1'000'000))
         ->take_last();
@@ -180,7 +181,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1, 600));
     app.add_flag(
         "--values-only", settings.values_only,
-        "no gradients: sqp by differences, which count as evaluations, cobyla, and bobyqa without constraints");
+        "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     if (physical) settings.problems = physical_names();

@@ -54,8 +54,8 @@ const std::vector<std::string>& physical_names() {
 std::vector<Method> methods_of(const EvidenceProblem& evidence) {
     if (evidence.has_gradients) return {Method::sqp, evidence.second};
     // bobyqa knows no constraints.
-    if (evidence.problem.constraints.empty()) return {Method::sqp, Method::cobyla, Method::bobyqa};
-    return {Method::sqp, Method::cobyla};
+    if (evidence.problem.constraints.empty()) return {Method::sqp, Method::model, Method::cobyla, Method::bobyqa};
+    return {Method::sqp, Method::model, Method::cobyla};
 }
 
 EvidenceProblem with_automatic_fields(const EvidenceProblem& evidence) {

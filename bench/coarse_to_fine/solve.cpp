@@ -270,6 +270,8 @@ std::string to_string(Method method) {
     switch (method) {
         case Method::sqp:
             return "sqp";
+        case Method::model:
+            return "model";
         case Method::mma:
             return "mma";
         case Method::lbfgs:

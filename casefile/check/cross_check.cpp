@@ -211,7 +211,7 @@ void check_gradients(const Case& c, const Reference& value, Diagnostics& errors)
     if (const auto* formula = quantity ? std::get_if<FormulaEntry>(&quantity->what) : nullptr)
         for (const std::string& part : formula->of) check_gradients(c, {part, value.place}, errors);
     const auto* external = quantity ? std::get_if<ExternalEntry>(&quantity->what) : nullptr;
-    if (!external || external->has_gradients || c.optimize.finite_differences) return;
+    if (!external || external->has_gradients || c.optimize.finite_differences || c.optimize.chooses_method) return;
     if (!method_facts(c.optimize.method).needs_gradients || c.sample) return;
     std::vector<std::string> without;
     for (const MethodFacts& method : all_methods())
@@ -283,7 +283,7 @@ void check_fit(const Value& root, const Case& c, Diagnostics& errors) {
     const Entry* method = entry_of(optimize, "method");
     if (method && !method->value.from_default)
         errors.add(method->key_place, "optimize.method is not used by fit, which is always a least-squares fit");
-    for (const char* key : {"finite_differences", "difference_step", "starts", "seed"})
+    for (const char* key : {"batch", "finite_differences", "difference_step", "starts", "seed"})
         if (const Entry* entry = entry_of(optimize, key); entry && !entry->value.from_default)
             errors.add(entry->key_place, text("optimize.", key, " is not used by fit"));
     const Value* tolerances = optimize->find("tolerances");

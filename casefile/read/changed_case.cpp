@@ -73,6 +73,9 @@ std::vector<std::string> changed_keys(const std::string& before, const std::stri
         Diagnostics ignored("case.yaml", {});
         rename_old(root, ignored);  // the same keys, whatever they were called when the run began
         flatten(root, "", *flat);
+        // Where both can be run with the same other keys, they are the same search.
+        if (const auto method = flat->find("optimize.method"); method != flat->end() && method->second == "auto")
+            method->second = "sqp";
     }
     std::vector<std::string> keys;
     for (const auto& [key, value] : was)

@@ -5,8 +5,12 @@ namespace strake {
 
 void CaseReader::read_optimize(const Value& map) {
     OptimizeOptions& o = case_.optimize;
-    if (const Value* v = map.find("method"))
-        if (const MethodFacts* method = method_named(v->text)) o.method = method->method;
+    if (const Value* v = map.find("method")) {
+        const MethodFacts* method = method_named(v->text);
+        o.chooses_method = !method;  // auto
+        if (method) o.method = method->method;
+    }
+    set(o.batch, map.find("batch"));
     set(o.finite_differences, map.find("finite_differences"));
     set(o.difference_step, map.find("difference_step"));
     set(o.starts, map.find("starts"));

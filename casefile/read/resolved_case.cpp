@@ -83,7 +83,7 @@ private:
         if (value.from_default && path == "parameters.max_displacement") return true;  // a fit has none by default
         return value.from_default && (path == "optimize.method" || path == "optimize.tolerances.constraint" ||
                                       path == "optimize.finite_differences" || path == "optimize.difference_step" ||
-                                      path == "optimize.starts" || path == "optimize.seed");
+                                      path == "optimize.batch" || path == "optimize.starts" || path == "optimize.seed");
     }
 
     static std::string key(const std::string& name) {

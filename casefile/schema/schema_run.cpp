@@ -7,7 +7,7 @@ namespace strake {
 namespace {
 
 std::vector<std::string> method_words() {
-    std::vector<std::string> words;
+    std::vector<std::string> words{"auto"};
     for (const MethodFacts& method : all_methods()) words.push_back(method.name);
     return words;
 }
@@ -19,7 +19,11 @@ std::vector<std::string> nlopt_words() {
 }
 
 std::string method_doc() {
-    std::string doc = "With gradients: ", without = " Derivative-free: ", global = " Global, within the bounds: ";
+    std::string
+        doc =
+            "auto: sqp; where a value has no gradients, sqp by differences, or model where the budget is short of "
+            "what these need (the run says which). With gradients: ",
+        without = " Derivative-free: ", global = " Global, within the bounds: ";
     std::string* const lists[] = {&doc, &without, &global};
     std::string between[] = {"", "", ""};
     for (const MethodFacts& method : all_methods()) {
@@ -35,10 +39,16 @@ std::vector<Key> method_keys() {
         {.path = "optimize.method",
          .type = Type::word,
          .doc = method_doc(),
-         .fallback = all_methods().front().name,
+         .fallback = "auto",
          .words = method_words(),
          .aliases = nlopt_words(),
          .loose_word = true},
+        {.path = "optimize.batch",
+         .type = Type::integer,
+         .doc = "Number of designs that method model proposes together, so that as many can be evaluated at the same "
+                "time (`parallel` of a program). Results depend on it, never on `parallel`. Not for fit.",
+         .fallback = "8",
+         .limits = at_least_one},
         {.path = "optimize.finite_differences",
          .type = Type::flag,
          .doc = "Finite-difference gradients for programs that return none, at one more evaluation per variable; for "

@@ -11,6 +11,7 @@
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/sqp/sqp.hpp"
 #include "optimize/nlp/sqp/trust_region.hpp"
+#include "optimize/nlp/surrogate/model_search.hpp"
 
 namespace strake {
 namespace {
@@ -45,7 +46,7 @@ public:
         result_.is_feasible = guard_.has_best && guard_.best_feasible;
         result_.evaluations = guard_.evaluations;
         result_.failures = guard_.failures;
-        result_.noise = guard_.evidence.noise();
+        result_.noise = std::max(guard_.evidence.noise(), noise_);
         result_.largest_gradient = guard_.largest_gradient;
         return result_;
     }
@@ -98,6 +99,7 @@ private:
     void search() {
         if (has_low_fidelity() && !run_low_fidelity()) return;
         if (method_->method == Method::sqp) return run_sqp();
+        if (method_->method == Method::model) return run_by_model();
         if (method_->is_global) return run_global();
         // A few evaluations are kept for the way back onto the constraints.
         const int all = guard_.options.max_evaluations;
@@ -220,6 +222,14 @@ private:
         Evaluation evaluation = low.at;
         guard_.try_refined(low.x, {low.at.gradient, low.at.jacobian, MatrixXd(n, 0), metric_of(p), false}, evaluation);
         return true;
+    }
+
+    void run_by_model() {
+        const ModelEnd found = minimize_by_model(guard_);
+        result_.shrinks += found.shrinks;
+        result_.radius = found.radius;
+        noise_ = found.noise;
+        end(found.stop, found.reason);
     }
 
     void run_sqp() {
@@ -390,6 +400,7 @@ private:
     const MethodFacts* method_;
     MinimizeResult result_;
     int confirmations_ = 0;
+    double noise_ = 0;  ///< of the objective, by its model
 };
 
 }  // namespace
@@ -403,6 +414,7 @@ void validate(const NonlinearProgram& p, const MinimizeOptions& o) {
             throw InvalidInput(
                 text("start of variable ", j, " = ", p.start[j], " must be in [", p.lower[j], ", ", p.upper[j], "]"));
     if (o.max_evaluations < 1) throw InvalidInput(text("max_evaluations = ", o.max_evaluations, " must be >= 1"));
+    if (o.batch < 1) throw InvalidInput(text("batch = ", o.batch, " must be >= 1"));
     if (o.starts < 1) throw InvalidInput(text("starts = ", o.starts, " must be >= 1"));
     if (p.low_fidelity) {
         const auto rows = static_cast<std::size_t>(p.num_inequalities + p.num_equalities);

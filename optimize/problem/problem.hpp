@@ -148,6 +148,10 @@ enum class Spread {
 
 struct OptimizeOptions {
     Method method = Method::sqp;
+    /// Where values lack gradients and the budget is short of what differences of them need, `model` takes the place of
+    /// `method`, which is sqp.
+    bool chooses_method = false;
+    int batch = 8;                    ///< of method model: designs that are proposed together, >= 1
     int max_evaluations = 60;         ///< whole run, >= 1
     double max_seconds = 0;           ///< whole run; 0: no limit
     double min_expected_gain = 2e-3;  ///< split only what is expected to give this share of what was gained for every

@@ -5,6 +5,7 @@
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
 #include "optimize/run/level_program.hpp"
+#include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/run/value_trial.hpp"
 #include "optimize/space/refinement.hpp"
@@ -49,7 +50,9 @@ private:
         level.stop = MinimizeStop::converged;
         bool any = false;
         for (std::optional<LevelSet> next;;) {
+            const Eigen::VectorXd parent = x;
             x = state_.next_level(x, next ? &*next : nullptr);
+            program_.carry_designs(parent, x, state_.prolongation);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
@@ -229,6 +232,7 @@ private:
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
+        how.batch = options.batch;
         how.first_step = first_step_;
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
@@ -407,7 +411,15 @@ private:
 }  // namespace
 
 RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
-    return Optimization(problem, events, journal).run();
+    if (!problem.optimize.chooses_method) return Optimization(problem, events, journal).run();
+    const int budget = journal ? journal->limits_after(0).evaluations : problem.optimize.max_evaluations;
+    const MethodChoice choice = choose_method(problem, budget);
+    if (choice.words.empty()) return Optimization(problem, events, journal).run();
+    if (events.note) events.note(choice.words);
+    Problem chosen = problem;
+    chosen.optimize.method = choice.method;
+    chosen.optimize.finite_differences = choice.method == Method::sqp;
+    return Optimization(chosen, events, journal).run();
 }
 
 }  // namespace strake

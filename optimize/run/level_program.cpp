@@ -94,6 +94,8 @@ LevelProgram::LevelProgram(RunState& state) : state_(state) {
         gradient_row_.push_back(row(c.quantity));
         needs_differences_ |= gradient_row_.back() < 0;
     }
+    const auto& kinds = state.problem.parameters.kinds;
+    has_strains_ = std::find(kinds.begin(), kinds.end(), VariableKind::strain) != kinds.end();
     std::tie(num_inequalities_, num_equalities_) = count_constraints(state.problem.constraints);
 }
 
@@ -150,6 +152,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     }
     limit_motion();
     add_cheap_program();
+    if (learns()) program_.known = [this] { return known_points(); };
     return program_;
 }
 
@@ -187,6 +190,43 @@ std::string LevelProgram::cheap_words(const MinimizeResult& result) const {
     return text("cheap model (", cheap_->words(), "): rho ", scales,
                 std::isfinite(kept) ? text(", its steps gained ", kept, " times what it promised") : "", ", evaluated ",
                 cheap_->evaluations(), " times");
+}
+
+void LevelProgram::carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
+                                 const Eigen::MatrixXd& prolongation) {
+    if (prolongation.cols() != parent.size() || prolongation.rows() != start.size()) return seen_.clear();
+    // What is frozen now has no column, and shapes that differ in it are none of this level. Motions of strain cores
+    // are inherited to first order only.
+    std::vector<char> is_exact(static_cast<std::size_t>(parent.size()));
+    for (Eigen::Index j = 0; j < parent.size(); ++j)
+        is_exact[static_cast<std::size_t>(j)] = !has_strains_ && !prolongation.col(j).isZero(0);
+    std::erase_if(seen_, [&](const SeenDesign& design) {
+        if (design.x.size() != parent.size()) return true;
+        for (Eigen::Index j = 0; j < parent.size(); ++j)
+            if (!is_exact[static_cast<std::size_t>(j)] && design.x[j] != parent[j]) return true;
+        return false;
+    });
+    for (SeenDesign& design : seen_) design.x = start + prolongation * (design.x - parent);
+}
+
+std::vector<KnownPoint> LevelProgram::known_points() const {
+    std::vector<KnownPoint> points;
+    for (const SeenDesign& design : seen_)
+        points.push_back({design.x.cwiseProduct(weight_), from_values(design.values)});
+    return points;
+}
+
+Evaluation LevelProgram::from_values(const std::vector<double>& values) const {
+    Evaluation known;
+    if (values.empty()) {
+        known.failure = "failed before";
+        return known;
+    }
+    known.objective = sign() * values[static_cast<std::size_t>(objective_)];
+    known.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+    for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+        known.constraints[static_cast<Eigen::Index>(i)] = rows_.rows[i].of(values[rows_.rows[i].value]);
+    return known;
 }
 
 void LevelProgram::narrow_bounds() {
@@ -307,6 +347,9 @@ Evaluation LevelProgram::evaluate(const Eigen::VectorXd& x) {
         sample.is_fatal = last_failed_in_quantity_ && !current_.may_go_on;
         quantity_failed_ |= sample.is_fatal;
     }
+    const bool says_nothing = !sample.failure.empty() && sample.is_of_step;
+    if (learns() && !state_.is_trying && !says_nothing)
+        seen_.push_back({x, sample.failure.empty() ? current_.values : std::vector<double>()});
     state_.record(x, current_, objective, rank,
                   objective_gradient_ == 0 && !current_.dJ_dv.empty() ? current_.dJ_dv[0] : Points());
     return sample;

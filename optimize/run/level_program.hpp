@@ -32,6 +32,11 @@ public:
     const NonlinearProgram& program() const { return program_; }
     const Eigen::VectorXd& weight() const { return weight_; }
     Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;
+    /// Method model learns from the designs of all levels: those seen so far become designs of the level that is
+    /// entered next. @param parent, start the same design on the level before and on this one; `prolongation` dx /
+    /// d(parent's x)
+    void carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
+                       const Eigen::MatrixXd& prolongation);
     const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
@@ -55,6 +60,9 @@ private:
     void differentiate(Evaluation& sample);
     void limit_motion();
     void add_cheap_program();
+    bool learns() const { return state_.problem.optimize.method == Method::model; }
+    std::vector<KnownPoint> known_points() const;
+    Evaluation from_values(const std::vector<double>& values) const;
     void keep_slack();
     void narrow_bounds();
     StepLimits step_limits(const MotionConditions& at, const FoldConditions& folds) const;
@@ -72,10 +80,17 @@ private:
     double difference_step_ = 0;  ///< that the noise of the values asks for; 0: that of the case
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
     std::unique_ptr<CheapProgram> cheap_;  ///< null: the problem has no cheap models, or the method does not use them
+    /// A design of this level and what it gave; no values: it failed.
+    struct SeenDesign {
+        Eigen::VectorXd x;
+        std::vector<double> values;
+    };
+    std::vector<SeenDesign> seen_;  ///< of method model
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;
     KnownDesign known_;
+    bool has_strains_ = false;
     bool needs_differences_ = false, quantity_failed_ = false, last_failed_in_quantity_ = false;
 };
 

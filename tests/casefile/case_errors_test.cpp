@@ -274,10 +274,14 @@ TEST_F(CaseErrors, ProgramsWithoutGradientsNeedAMethodWithoutOrDifferences) {
         "case: wing\nsurface: {file: wing.obj}\nquantities: {aero: {command: [./p.sh], outputs: [drag, lift], "
         "gradients: "
         "false}}\nobjective: {minimize: aero.drag}\n";
-    EXPECT_EQ(errors(yaml),
+    EXPECT_EQ(errors(yaml), "");  // auto
+    EXPECT_EQ(errors(yaml + "optimize: {method: sqp}\n"),
               "case.yaml:4:23: 'aero.drag' has no gradients: add optimize.finite_differences: true, or a "
-              "derivative-free optimize.method (cobyla, bobyqa, neldermead, sbplx, praxis, crs2, isres, direct, esch)");
-    EXPECT_EQ(errors(yaml + "optimize: {finite_differences: true}\n"), "");
+              "derivative-free optimize.method (model, cobyla, bobyqa, neldermead, sbplx, praxis, crs2, isres, direct, "
+              "esch)");
+    EXPECT_EQ(errors(yaml + "optimize: {method: sqp, finite_differences: true}\n"), "");
+    EXPECT_EQ(errors(yaml + "optimize: {method: model, batch: 4}\n"), "");
+    EXPECT_EQ(errors(yaml + "optimize: {batch: 0}\n"), "case.yaml:5:12: optimize.batch = 0 must be >= 1");
     EXPECT_EQ(errors(yaml + "optimize: {method: GN_CRS2_LM}\n"), "");
     EXPECT_EQ(errors(yaml + "optimize: {method: LN_COBYLA}\n"), "");
 }

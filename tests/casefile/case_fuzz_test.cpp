@@ -111,6 +111,7 @@ optimize:
   difference_step: 0.05
   starts: 3
   seed: 7
+  batch: 4
   start_from: runs/before
   budget: {evaluations: 40}
   tolerances: {objective: 1e-5, step: 1e-4, constraint: 1e-7}

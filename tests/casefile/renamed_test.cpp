@@ -84,6 +84,8 @@ TEST_F(Renamed, ARunThatBeganWithOldNamesHasNotChanged) {
         EXPECT_TRUE(changed_keys(line.before, line.now).empty()) << line.before;
         EXPECT_TRUE(load_case(write(line.before), Purpose::any, folder.path()).notes.empty()) << line.before;
     }
+    EXPECT_TRUE(changed_keys("optimize: {method: sqp}\n", "optimize: {method: auto}\n").empty())
+        << "the default before";
     EXPECT_EQ(changed_keys("parameters: {growth: 3}\n", "parameters: {max_variable_ratio: 4}\n"),
               std::vector<std::string>{"parameters.max_variable_ratio"});
 }

@@ -12,7 +12,8 @@ namespace {
 
 nlopt::algorithm algorithm_of(Method method) {
     switch (method) {
-        case Method::sqp:  // not a method of NLopt
+        case Method::sqp:  // not methods of NLopt
+        case Method::model:
         case Method::nlopt_slsqp:
             return nlopt::LD_SLSQP;
         case Method::mma:

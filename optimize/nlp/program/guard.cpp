@@ -84,7 +84,7 @@ const Evaluation& Guard::at_all(const Eigen::VectorXd& asked, bool gradient) {
 Eigen::VectorXd Guard::inside(const Eigen::VectorXd& x) {
     if (!program.within || cause != StopCause::none) return x;
     const auto is = [&](const Eigen::VectorXd& known) { return known.size() == x.size() && known == x; };
-    if ((has_best && is(best_x)) || is(last_x_) || is(moved_)) return x;
+    if ((has_best && is(best_x)) || is(last_x_) || is(moved_) || std::ranges::any_of(expected_, is)) return x;
     if (is(asked_)) return moved_;
     try {
         moved_ = program.within(x).cwiseMax(program.lower).cwiseMin(program.upper);
@@ -95,6 +95,11 @@ Eigen::VectorXd Guard::inside(const Eigen::VectorXd& x) {
     }
     asked_ = x;
     return moved_;
+}
+
+void Guard::expect(const std::vector<Eigen::VectorXd>& points) {
+    expected_ = points;
+    if (program.expect) program.expect(points);
 }
 
 StepLimits Guard::beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to) {

@@ -40,6 +40,8 @@ public:
 
     /// Where `at_all` evaluates for x, which is within the bounds: x, or the point that the program moves it to.
     Eigen::VectorXd inside(const Eigen::VectorXd& x);
+    /// These points, which `inside` gave, are asked for next, in this order: they are not moved again.
+    void expect(const std::vector<Eigen::VectorXd>& points);
     /// `NonlinearProgram::beyond` without an exception: `cause` is set, and there are no rows.
     StepLimits beyond(const Eigen::VectorXd& from, const Eigen::VectorXd& to);
 
@@ -132,6 +134,7 @@ private:
     };
     std::vector<MeritPoint> merit_points_;
     Eigen::VectorXd asked_, moved_;  ///< of the last call of `inside` that asked the program
+    std::vector<Eigen::VectorXd> expected_;
     long requests_ = 0;
     int patience_ = 0, gained_at_ = 0;
     bool reported_outside_ = false, knows_noise_ = false;

@@ -36,6 +36,7 @@ const std::vector<MethodFacts>& all_methods() {
         {Method::tnewton, "tnewton", "LD_TNEWTON_PRECOND_RESTART", yes, no, no, no, 1, no, "truncated Newton with preconditioning"},
         {Method::var2, "var2", "LD_VAR2",             yes, no, no, no, 1, no, "limited-memory variable metric"},
         {Method::nlopt_slsqp, "nlopt_slsqp", "LD_SLSQP", yes, yes, yes, no, 1, no, "NLopt's sequential quadratic programming with line searches"},
+        {Method::model, "model", "MODEL",             no, yes, yes, no, 1, no, "Gaussian processes of objective and constraints in a trust region, evaluations in batches"},
         {Method::cobyla, "cobyla", "LN_COBYLA",       no, yes, yes, no, 1, no, "linear approximations in a simplex"},
         {Method::bobyqa, "bobyqa", "LN_BOBYQA",       no, no, no, no, 2, no, "quadratic interpolation"},
         {Method::neldermead, "neldermead", "LN_NELDERMEAD", no, no, no, no, 1, yes, "simplex"},

@@ -14,7 +14,8 @@ enum class Method {
     tnewton,
     var2,
     nlopt_slsqp,
-    cobyla,  // local, without
+    model,  // local, without
+    cobyla,
     bobyqa,
     neldermead,
     sbplx,
@@ -29,7 +30,7 @@ enum class Method {
 struct MethodFacts {
     Method method;
     const char* name;       ///< as in a case file
-    const char* algorithm;  ///< of NLopt 2.7; sqp: of the quadratic models only, the rest is ours
+    const char* algorithm;  ///< of NLopt 2.7; sqp: of the quadratic models only, the rest is ours; model: none of it
     bool needs_gradients;
     bool takes_inequalities, takes_equalities;  ///< itself; others are met by an augmented Lagrangian around it
     bool is_global;                             ///< needs finite bounds; sqp polishes its end

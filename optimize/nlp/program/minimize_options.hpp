@@ -32,6 +32,7 @@ struct MinimizeOptions {
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
     int max_failures = 12;               ///< sqp: for each ten accepted steps; others: 4 max_shrinks
     double first_step = 0.5;             ///< in the metric
+    int batch = 8;                       ///< model: points that are proposed together, >= 1
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;

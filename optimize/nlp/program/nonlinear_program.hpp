@@ -74,6 +74,12 @@ struct LowFidelity {
     std::function<Eigen::VectorXd()> first_scale;
 };
 
+/// A point whose values are known before the search.
+struct KnownPoint {
+    Eigen::VectorXd x;
+    Evaluation evaluation;
+};
+
 struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
     int num_inequalities = 0, num_equalities = 0;
@@ -106,6 +112,9 @@ struct NonlinearProgram {
     std::optional<StartGradient> start_gradient;
     /// Its optimum, corrected by what the values of this program show, is where the search looks next. Used by sqp.
     std::optional<LowFidelity> low_fidelity;
+    /// Points beside the start that are known already; asked for once the start has been evaluated. May be empty. Used
+    /// by model.
+    std::function<std::vector<KnownPoint>()> known;
 };
 
 }  // namespace strake

@@ -107,7 +107,7 @@ def main():
             failures.append("%r for %r is not found at %r but at %r" % (new, old, place, places))
     # What an editor shows while one types.
     method = schema["properties"]["optimize"]["properties"]["method"]
-    if "sqp" not in method["anyOf"][0].get("enum") or not method["description"] or method["default"] != "sqp":
+    if "sqp" not in method["anyOf"][0].get("enum") or not method["description"] or method["default"] != "auto":
         failures.append("optimize.method offers nothing: %r" % method)
     print("\n".join(failures) or "%d cases valid, %d mistakes found" % (len(shipped), len(BROKEN)))
     return 1 if failures else 0

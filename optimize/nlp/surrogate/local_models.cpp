@@ -1,0 +1,104 @@
+#include "optimize/nlp/surrogate/local_models.hpp"
+
+#include "optimize/nlp/program/first_order.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int max_points = 200, max_points_per_term = 30;  ///< whichever is less: cost is cubic in them
+constexpr double reach = 20;                               ///< radii
+constexpr int min_points_per_term = 4;
+/// With so many points a coordinate, and few coordinates, each has a length scale of its own.
+constexpr int points_per_length = 5;
+constexpr Eigen::Index max_lengths = 12, max_quadratic = 10;
+
+}  // namespace
+
+SampledPoints::SampledPoints(const Guard& guard) : program_(guard.program), free_(guard.free) {
+    const MatrixXd metric = metric_of(program_);
+    U_ = MatrixXd(metric(free_, free_)).llt().matrixU();
+}
+
+VectorXd SampledPoints::whitened(const VectorXd& x) const {
+    const VectorXd d = x - program_.start;
+    return U_ * d(free_);
+}
+
+VectorXd SampledPoints::variables(const VectorXd& z) const {
+    VectorXd x = program_.start;
+    x(free_) += U_.triangularView<Eigen::Upper>().solve(z);
+    return x.cwiseMax(program_.lower).cwiseMin(program_.upper);
+}
+
+VectorXd SampledPoints::unwhitened(const VectorXd& gradient) const {
+    VectorXd g = VectorXd::Zero(program_.start.size());
+    g(free_) = U_.transpose() * gradient;
+    return g;
+}
+
+void SampledPoints::add(const VectorXd& x, const Evaluation& evaluation) {
+    if (evaluation.failure.empty())
+        points_.push_back({x, whitened(x), values_of(evaluation)});
+    else
+        failed_.push_back(whitened(x));
+}
+
+bool SampledPoints::knows(const VectorXd& z, double distance) const {
+    const auto is_near = [&](const VectorXd& other) { return (other - z).norm() <= distance; };
+    return std::ranges::any_of(points_, is_near, &Point::z) || std::ranges::any_of(failed_, is_near);
+}
+
+std::vector<int> SampledPoints::nearest(const VectorXd& z, double reach, int min, int max) const {
+    std::vector<int> order(points_.size());
+    std::iota(order.begin(), order.end(), 0);
+    const auto distance = [&](int i) { return ((*this)[i].z - z).norm(); };
+    std::ranges::stable_sort(order, {}, distance);
+    auto used = static_cast<std::size_t>(std::min(size(), max));
+    while (used > static_cast<std::size_t>(min) && distance(order[used - 1]) > reach) --used;
+    order.resize(used);
+    std::ranges::sort(order);
+    return order;
+}
+
+LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double radius, const LocalModels* before) {
+    const Eigen::Index d = points.dimensions();
+    const int terms = static_cast<int>(d + 1);
+    used_ = points.nearest(z, reach * radius, min_points_per_term * terms,
+                           std::min(max_points, max_points_per_term * terms));
+    const auto n = static_cast<Eigen::Index>(used_.size());
+    MatrixXd at(n, d);
+    for (Eigen::Index i = 0; i < n; ++i) at.row(i) = points[used_[static_cast<std::size_t>(i)]].z;
+    GaussianProcessOptions options;
+    options.trend = d <= max_quadratic ? Trend::quadratic : Trend::linear;
+    const bool has_lengths = d <= max_lengths && n >= points_per_length * d;
+    if (!has_lengths) options.group.assign(static_cast<std::size_t>(d), 0);
+    for (Eigen::Index row = 0; row < points[0].values.size(); ++row) {
+        VectorXd values(n);
+        for (Eigen::Index i = 0; i < n; ++i) values[i] = points[used_[static_cast<std::size_t>(i)]].values[row];
+        rows_.emplace_back(at, values, options, before ? &(*before)[row].kernel() : nullptr);
+    }
+}
+
+VectorXd LocalModels::means(const VectorXd& z) const {
+    VectorXd values(size());
+    for (Eigen::Index i = 0; i < size(); ++i) values[i] = (*this)[i].mean(z);
+    return values;
+}
+
+void LocalModels::believe(const VectorXd& z) {
+    for (GaussianProcess& row : rows_) {
+        MatrixXd points(row.points().rows() + 1, z.size());
+        points << row.points(), z.transpose();
+        VectorXd values(points.rows());
+        values << row.values(), row.mean(z);
+        row = row.with_points(std::move(points), std::move(values));
+    }
+}
+
+}  // namespace strake

@@ -1,0 +1,61 @@
+#pragma once
+#include "optimize/nlp/program/guard.hpp"
+#include "optimize/nlp/surrogate/gaussian_process.hpp"
+
+/// Models of a nonlinear program next to a point. Internal to the search by models.
+namespace strake {
+
+/// Points with values in whitened coordinates z = U (x - start) of the free variables, U^T U the metric: a length in
+/// them is that of a step.
+class SampledPoints {
+public:
+    explicit SampledPoints(const Guard& guard);
+
+    Eigen::VectorXd whitened(const Eigen::VectorXd& x) const;   ///< of all variables
+    Eigen::VectorXd variables(const Eigen::VectorXd& z) const;  ///< all of them, within the bounds
+    /// A gradient by z as one by all variables.
+    Eigen::VectorXd unwhitened(const Eigen::VectorXd& gradient) const;
+    void add(const Eigen::VectorXd& x, const Evaluation& evaluation);
+    /// A point, with values or failed, is this near.
+    bool knows(const Eigen::VectorXd& z, double distance) const;
+    int size() const { return static_cast<int>(points_.size()); }
+    Eigen::Index dimensions() const { return static_cast<Eigen::Index>(free_.size()); }
+    const Eigen::MatrixXd& U() const { return U_; }
+    const std::vector<int>& free() const { return free_; }
+
+    struct Point {
+        Eigen::VectorXd x, z, values;  ///< the objective first
+    };
+    const Point& operator[](int i) const { return points_[static_cast<std::size_t>(i)]; }
+    /// The points that are nearest to z, in the order in which they came: at most `max`, and of those farther than
+    /// `reach` only as many as make `min`.
+    std::vector<int> nearest(const Eigen::VectorXd& z, double reach, int min, int max) const;
+
+private:
+    const NonlinearProgram& program_;
+    const std::vector<int>& free_;
+    Eigen::MatrixXd U_;
+    std::vector<Point> points_;
+    std::vector<Eigen::VectorXd> failed_;
+};
+
+/// A Gaussian process for the objective and for each constraint, in z.
+class LocalModels {
+public:
+    /// Of the points next to z. @param radius of the trust region: far beyond it points tell little. @param before
+    /// models of the step before, whose kernels are where the search for the new ones begins; may be null.
+    LocalModels(const SampledPoints& points, const Eigen::VectorXd& z, double radius, const LocalModels* before);
+
+    const GaussianProcess& operator[](Eigen::Index row) const { return rows_[static_cast<std::size_t>(row)]; }
+    Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }
+    const std::vector<int>& used() const { return used_; }  ///< numbers of the points
+    Eigen::VectorXd means(const Eigen::VectorXd& z) const;  ///< values, the objective first
+    /// Takes the means at z for values there (kriging believer).
+    void believe(const Eigen::VectorXd& z);
+
+private:
+    std::vector<GaussianProcess> rows_;
+    std::vector<int> used_;
+};
+
+}  // namespace strake

@@ -1,0 +1,325 @@
+#include "optimize/nlp/surrogate/model_search.hpp"
+
+#include "core/error.hpp"
+#include "optimize/nlp/program/first_order.hpp"
+#include "optimize/nlp/surrogate/model_minimum.hpp"
+#include "optimize/nlp/surrogate/spread.hpp"
+
+#include <Eigen/QR>
+#include <cmath>
+#include <iterator>
+#include <memory>
+
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Of a batch, minima of the means; the others look at what is not known yet: while there are fewer points than terms
+/// of a linear model, than twice as many, and after that.
+constexpr double exploiting_shares[] = {0.125, 0.25, 0.375};
+/// Radii of their regions, one after another.
+constexpr double exploiting_radii[] = {1, 2, 0.5, 1.4, 0.7, 2.8, 0.35, 4};
+constexpr double exploring_radius = 0.5;  ///< of the others, in radii: nearer points say more of the slopes
+constexpr double first_length = 0.3;      ///< of the first batch, in radii
+constexpr double confidence = 2;          ///< standard deviations of the lower confidence bound
+constexpr double max_radius = 4;          ///< times the first
+constexpr double min_radius = 1e-4;       ///< times the first: below it no model helps
+constexpr double least_distance = 1e-6;   ///< radii between two points
+constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
+constexpr double penalty_over_multiplier = 2;
+constexpr int idle_steps = 2, max_forgotten_borders = 3;
+constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
+
+/// A point of a batch, and what the models expect there.
+struct Proposal {
+    VectorXd x, z;
+    double radius = 0;
+    VectorXd expected;  ///< values; empty before the first models
+};
+
+class ModelSearch {
+public:
+    explicit ModelSearch(Guard& guard) : guard_(guard), points_(guard), radius_(guard.options.first_step) {
+        region_.margin = VectorXd::Zero(guard.program.num_inequalities);
+    }
+
+    ModelEnd run() {
+        points_.add(guard_.best_x, guard_.best);
+        add_known();
+        directions_ = spread_directions();
+        while (!has_ended_) step();
+        end_.radius = radius_;
+        if (models_) end_.noise = (*models_)[0].noise();
+        return end_;
+    }
+
+private:
+    const NonlinearProgram& program() const { return guard_.program; }
+    const SampledPoints::Point& centre() const { return points_[centre_]; }
+
+    void add_known() {
+        if (!program().known) return;
+        for (const KnownPoint& known : program().known()) {
+            const bool failed = !known.evaluation.failure.empty();
+            if (failed) guard_.border.add_failed(known.x);
+            if (!failed && !values_of(known.evaluation).allFinite()) continue;
+            if (!points_.knows(points_.whitened(known.x), same_point)) points_.add(known.x, known.evaluation);
+        }
+    }
+
+    /// Orthogonal directions in z.
+    MatrixXd spread_directions() const {
+        const auto d = static_cast<int>(points_.dimensions());
+        const MatrixXd cloud = latin_hypercube(d, d, guard_.options.seed).array() - 0.5;
+        return Eigen::HouseholderQR<MatrixXd>(cloud).householderQ();
+    }
+
+    double merit(const VectorXd& values) const {
+        return values[0] + penalty_ * total_violation(program(), values.tail(values.size() - 1));
+    }
+
+    bool is_noisy() const { return models_ && (*models_)[0].noise() > visible_noise * (*models_)[0].scale(); }
+    /// Where the search stands: the best point; where there is noise, by the means of the models.
+    int best_point() const {
+        int best = 0;
+        if (is_noisy()) {
+            double lowest = std::numeric_limits<double>::infinity();
+            for (const int i : models_->used())
+                if (const double m = merit(models_->means(points_[i].z)); m < lowest) lowest = m, best = i;
+            return best;
+        }
+        for (int i = 1; i < points_.size(); ++i)
+            if (merit(points_[i].values) < merit(points_[best].values)) best = i;
+        return best;
+    }
+
+    void step() {
+        centre_ = best_point();
+        if (points_.size() > 1) {
+            models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, models_.get());
+            raise_penalty();
+            centre_ = best_point();
+        }
+        region_.centre = centre().z;
+        region_.cut = border_cut();
+        const std::vector<Proposal> batch = models_ ? propose() : first_batch();
+        if (!ends_here(batch)) evaluate(batch);
+    }
+
+    /// By multipliers of the models' gradients.
+    void raise_penalty() {
+        const Eigen::Index rows = models_->size() - 1;
+        if (rows == 0) return;
+        const SampledPoints::Point& c = centre();
+        Evaluation at;
+        at.objective = c.values[0];
+        at.constraints = c.values.tail(rows);
+        at.gradient = points_.unwhitened((*models_)[0].gradient(c.z));
+        at.jacobian.resize(rows, c.x.size());
+        for (Eigen::Index i = 0; i < rows; ++i)
+            at.jacobian.row(i) = points_.unwhitened((*models_)[i + 1].gradient(c.z)).transpose();
+        const VectorXd found = multipliers(program(), c.x, at);
+        if (found.allFinite()) penalty_ = std::max(penalty_, penalty_over_multiplier * found.lpNorm<Eigen::Infinity>());
+        if (penalty_ == 0) penalty_ = at.gradient.norm();
+        guard_.penalty = penalty_;
+    }
+
+    std::optional<FailureCut> border_cut() const {
+        const auto classifier = guard_.border.classifier(centre().x, metric_of(program()));
+        if (!classifier) return {};
+        return classifier->cut(centre().x, 0);
+    }
+
+    int places() const { return std::max(0, std::min(guard_.options.batch, guard_.limit - guard_.evaluations)); }
+    VectorXd next_direction() { return directions_.col(used_directions_++ % directions_.cols()); }
+
+    /// Nothing is known but the start: points around it.
+    std::vector<Proposal> first_batch() {
+        std::vector<Proposal> batch;
+        for (int k = 0; k < places(); ++k) {
+            const auto round = static_cast<int>(k / points_.dimensions());  // to both sides, then farther
+            const double length = (1 + round / 2) * first_length * radius_;
+            add(batch, centre().z + (round % 2 == 0 ? length : -length) * next_direction(), length);
+        }
+        return batch;
+    }
+
+    int exploiting() const {
+        // The last batch has nothing to learn for.
+        if (guard_.limit - guard_.evaluations <= guard_.options.batch) return guard_.options.batch;
+        const auto terms = static_cast<int>(points_.dimensions()) + 1;
+        const double share = exploiting_shares[std::min(points_.size() / terms, 2)];
+        return std::max(1, static_cast<int>(std::lround(share * guard_.options.batch)));
+    }
+
+    std::vector<Proposal> propose() {
+        LocalModels models = *models_;
+        std::vector<Proposal> batch;
+        const int minima = exploiting();
+        for (int k = 0; k < places() && guard_.cause == StopCause::none; ++k) {
+            const bool exploits = k < minima;
+            region_.radius =
+                radius_ * (exploits ? exploiting_radii[static_cast<std::size_t>(k) % std::size(exploiting_radii)]
+                                    : exploring_radius);
+            const VectorXd c = region_.centre;
+            const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
+            const VectorXd z = model_minimum(program(), points_, models, region_, exploits ? 0 : confidence, from);
+            const std::size_t before = batch.size();
+            add(batch, z, region_.radius);
+            if (batch.size() == before) add(batch, c + exploring_radius * radius_ * next_direction(), region_.radius);
+            if (batch.size() > before) models.believe(batch.back().z);
+        }
+        return batch;
+    }
+
+    /// Where it is evaluated, unless that is known.
+    void add(std::vector<Proposal>& batch, const VectorXd& z, double radius) {
+        const VectorXd x = guard_.inside(points_.variables(z));
+        if (guard_.cause != StopCause::none) return;
+        Proposal p{x, points_.whitened(x), radius, {}};
+        const double least = least_distance * radius_;
+        if (points_.knows(p.z, least)) return;
+        if (std::ranges::any_of(batch, [&](const Proposal& q) { return (q.z - p.z).norm() <= least; })) return;
+        if (models_) p.expected = models_->means(p.z);
+        batch.push_back(std::move(p));
+    }
+
+    /// The models expect nothing more, or there is nothing left to ask.
+    bool ends_here(const std::vector<Proposal>& batch) {
+        if (guard_.cause != StopCause::none) return end_by_guard();
+        if (guard_.limit <= guard_.evaluations) {
+            guard_.cause = StopCause::evaluations;
+            return end_by_guard();
+        }
+        if (radius_ < min_radius * guard_.options.first_step)
+            return failing_ > 0 ? end(MinimizeStop::no_valid_step,
+                                      text("evaluations fail however short the step (", guard_.failure, ")"))
+                                : end(MinimizeStop::converged, "the radius of the trust region is below the tolerance");
+        if (batch.empty()) {
+            radius_ *= 0.5;
+            return true;
+        }
+        if (!models_) return false;
+        const double expected = merit(centre().values) - merit(batch[0].expected);
+        const double floor = std::max(guard_.decrease_tolerance(centre().values[0]), 0.1 * (*models_)[0].noise());
+        const bool knows_enough = points_.size() > points_.dimensions() + 1;
+        idle_ = expected > floor || !knows_enough ? 0 : idle_ + 1;
+        if (idle_ <= idle_steps) return false;
+        if (region_.cut) return ends_at_border();
+        return end(MinimizeStop::converged, "the models expect a decrease below the tolerance");
+    }
+
+    /// Nothing is expected on this side of the border. It may have been learned from bad luck.
+    bool ends_at_border() {
+        if (++forgotten_borders_ > max_forgotten_borders)
+            return end(
+                MinimizeStop::no_valid_step,
+                text("evaluations fail beyond a border, and the models expect nothing before it; the last failure: ",
+                     guard_.failure));
+        guard_.report_event("nothing is expected on this side of the border of failures, which is learned anew");
+        guard_.border = {};
+        idle_ = 0;
+        return true;
+    }
+
+    void evaluate(const std::vector<Proposal>& batch) {
+        std::vector<VectorXd> designs;
+        for (const Proposal& p : batch) designs.push_back(p.x);
+        guard_.expect(designs);
+        const double before = merit(is_noisy() ? models_->means(centre().z) : centre().values);
+        double best = before, length = 0;
+        int failed = 0;
+        bool stops = false;  // a batch is evaluated whole
+        for (const Proposal& p : batch) {
+            Evaluation at;
+            bool has_values = guard_.try_at(p.x, false, at);
+            if (guard_.cause == StopCause::stopped) {
+                stops = true;
+                guard_.cause = StopCause::none;
+                has_values = guard_.try_at(p.x, false, at);  // known by now
+            }
+            if (has_values) {
+                points_.add(p.x, at);
+                if (p.expected.size() > 0) learn_margin(p, at);
+                if (const double m = merit(values_of(at)); m < best) best = m, length = (p.z - region_.centre).norm();
+            } else if (guard_.cause == StopCause::failure) {
+                at.failure = guard_.failure;
+                points_.add(p.x, at);
+                ++failed;
+            } else {
+                end_by_guard();
+                return;
+            }
+            guard_.cause = StopCause::none;
+        }
+        if (stops) {
+            guard_.cause = StopCause::stopped;
+            end_by_guard();
+            return;
+        }
+        failing_ = 2 * failed > static_cast<int>(batch.size()) && best == before ? failing_ + 1 : 0;
+        if (models_) resize(before - best, before - merit(batch[0].expected), length);
+        if (failing_ > guard_.options.max_shrinks)
+            end(MinimizeStop::no_valid_step, text("evaluations fail however short the step (", guard_.failure, ")"));
+    }
+
+    /// Constraints that turn out larger than expected keep a distance that shrinks with what they err by.
+    void learn_margin(const Proposal& p, const Evaluation& at) {
+        if (p.radius > radius_) return;
+        for (int i = 0; i < program().num_inequalities; ++i) {
+            const double error = std::max(0.0, at.constraints[i] - p.expected[i + 1]);
+            const double near = std::abs(p.expected[i + 1]) < 2 * error ? error : 0;
+            region_.margin[i] = 0.7 * region_.margin[i] + 0.15 * near;
+        }
+    }
+
+    void resize(double gained, double expected, double length) {
+        const double largest = max_radius * guard_.options.first_step;
+        if (gained <= 0)
+            radius_ *= 0.5, ++end_.shrinks;
+        else if (length > 1.2 * radius_)
+            radius_ = std::min(2 * radius_, largest);
+        else if (length > 0.8 * radius_ && gained > 0.5 * expected)
+            radius_ = std::min(1.4 * radius_, largest);
+        else if (gained < 0.1 * expected)
+            radius_ = std::max(0.5 * radius_, length);
+    }
+
+    bool end_by_guard() {
+        switch (guard_.cause) {
+            case StopCause::evaluations:
+                return end(MinimizeStop::evaluations, guard_.limit_words());
+            case StopCause::time:
+                return end(MinimizeStop::time, "the time limit is reached");
+            case StopCause::stopped:
+                return end(MinimizeStop::stopped, "stopped on request");
+            default:
+                return end(MinimizeStop::failed, guard_.failure);
+        }
+    }
+    bool end(MinimizeStop stop, const std::string& reason) {
+        end_.stop = stop;
+        end_.reason = reason;
+        return has_ended_ = true;
+    }
+
+    Guard& guard_;
+    SampledPoints points_;
+    double radius_;  ///< in z
+    ProposalRegion region_;
+    MatrixXd directions_;
+    Eigen::Index used_directions_ = 0;
+    std::unique_ptr<LocalModels> models_;
+    double penalty_ = 0;
+    int centre_ = 0, idle_ = 0, failing_ = 0, forgotten_borders_ = 0;
+    ModelEnd end_;
+    bool has_ended_ = false;
+};
+
+}  // namespace
+
+ModelEnd minimize_by_model(Guard& guard) { return ModelSearch(guard).run(); }
+
+}  // namespace strake

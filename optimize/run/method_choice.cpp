@@ -1,0 +1,84 @@
+#include "optimize/run/method_choice.hpp"
+
+#include "core/error.hpp"
+
+#include <algorithm>
+
+namespace strake {
+namespace {
+
+bool has(const Parameters& parameters, VariableKind kind) {
+    return std::find(parameters.kinds.begin(), parameters.kinds.end(), kind) != parameters.kinds.end();
+}
+
+int variables_of_a_patch(const Parameters& p) {
+    const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
+    return directions * has(p, VariableKind::load) + has(p, VariableKind::normal_load) +
+           3 * (p.strain_rotates + p.strain_translates) * has(p, VariableKind::strain) +
+           has(p, VariableKind::stiffness);
+}
+
+/// First of the values that the search needs and that have no gradient; empty: none.
+std::string without_gradient(const Problem& problem) {
+    const auto has_none = [&](const std::string& name) {
+        return std::any_of(problem.quantities.begin(), problem.quantities.end(), [&](const Quantity& quantity) {
+            return !quantity.has_sensitivities &&
+                   std::find(quantity.names.begin(), quantity.names.end(), name) != quantity.names.end();
+        });
+    };
+    if (has_none(problem.objective)) return problem.objective;
+    for (const Constraint& constraint : problem.constraints)
+        if (has_none(constraint.quantity)) return constraint.quantity;
+    return {};
+}
+
+}  // namespace
+
+int max_variables_at_start(const Problem& problem) {
+    const Parameters& p = problem.parameters;
+    auto count = static_cast<int>(problem.program_parameters.size());
+    int fields = 0;
+    for (const UserVariable& variable : p.user_variables) ++(variable.field >= 0 ? fields : count);
+    count += p.field_steps.empty() ? fields : std::min(fields, p.field_steps.front());
+    const bool has_patches = !p.fields || has(p, VariableKind::strain);
+    if (!has_patches || problem.tree.levels.empty()) return count;
+    std::vector<char> is_held(static_cast<std::size_t>(problem.surface.num_triangles()), 0);
+    for (const int t : problem.fixed) is_held[static_cast<std::size_t>(t)] = 1;
+    const PatchLevel& first = problem.tree.levels[problem.tree.levels.size() > 1 ? 1 : 0];
+    for (const Patch& patch : first.patches) {
+        const auto moves = [&](int t) {
+            const auto at = static_cast<std::size_t>(t);
+            return !is_held[at] && (p.variables_on.empty() || p.variables_on[at]) &&
+                   (p.frozen.empty() || !p.frozen[at]);
+        };
+        if (std::any_of(patch.triangles.begin(), patch.triangles.end(), moves)) count += variables_of_a_patch(p);
+    }
+    return count;
+}
+
+MethodChoice choose_method(const Problem& problem, int budget) {
+    MethodChoice choice;
+    if (problem.optimize.finite_differences) return choice;  // stated
+    const std::string missing = without_gradient(problem);
+    if (missing.empty()) return choice;
+    const int variables = max_variables_at_start(problem), gradient = variables + 1;
+    const double affordable = static_cast<double>(budget) / gradient;
+    choice.by_differences = true;
+    if (!problem.cheap_models.empty()) {  // only sqp knows how to use them
+        choice.words = text("method: auto chooses sqp with the cheap model, and differences where that is not enough: '",
+                            missing, "' has no gradient");
+        return choice;
+    }
+    const std::string why =
+        text("'", missing, "' has no gradient, one by differences takes ", gradient,
+             " evaluations (variables of the first level: ", variables, "), the budget is ", budget);
+    if (affordable < least_gradients) {
+        choice.method = Method::model;
+        choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ", why);
+    } else {
+        choice.words = text("method: auto chooses sqp by differences: ", why);
+    }
+    return choice;
+}
+
+}  // namespace strake

@@ -1,0 +1,192 @@
+#include "core/error.hpp"
+#include "derivatives.hpp"
+#include "optimize/nlp/surrogate/spread.hpp"
+#include "programs.hpp"
+
+#include <gtest/gtest.h>
+
+/// method: model.
+namespace strake {
+namespace {
+
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+NonlinearProgram by_values(NonlinearProgram p) {
+    p.differentiate = nullptr;
+    return p;
+}
+
+MinimizeOptions few(int evaluations, int batch = 8) {
+    MinimizeOptions how;
+    how.method = Method::model;
+    how.max_evaluations = evaluations;
+    how.batch = batch;
+    return how;
+}
+
+/// A bowl of `n` variables, condition 100, whose bottom is about 1 away.
+NonlinearProgram long_bowl(int n) {
+    NonlinearProgram p;
+    p.start = VectorXd::Zero(n);
+    p.lower = VectorXd::Constant(n, -3);
+    p.upper = VectorXd::Constant(n, 3);
+    p.evaluate = [n](const VectorXd& x) {
+        Evaluation at;
+        at.objective = 0;
+        for (int j = 0; j < n; ++j) {
+            const double d = x[j] - (j % 2 == 0 ? 1 : -1) / std::sqrt(n);
+            at.objective += std::pow(100, double(j) / n) * d * d;
+        }
+        return at;
+    };
+    return p;
+}
+
+}  // namespace
+
+TEST(ModelSearch, FindsKnownOptimaInFewEvaluations) {
+    for (const KnownProgram& known : {bowl(), corner(), hock_schittkowski_71()}) {
+        MinimizeOptions how = few(100);
+        how.constraint_tolerance = 1e-4;
+        const MinimizeResult r = minimize(by_values(known.program), how);
+        EXPECT_TRUE(r.is_feasible) << known.name;
+        const double off = (r.best.objective - known.value) / std::abs(known.value);
+        EXPECT_LT(off, 1e-2) << known.name << ": " << r.best.objective << " after " << r.evaluations << ": "
+                             << r.reason;
+    }
+}
+
+/// From 24.2 above it at the start, in 25 batches.
+TEST(ModelSearch, LearnsACurvedValley) {
+    const MinimizeResult r = minimize(by_values(rosenbrock().program), few(200));
+    EXPECT_LT(r.best.objective - 1, 0.3) << r.reason;
+}
+
+/// Differences have no step yet.
+TEST(ModelSearch, HasGainedBeforeAGradientByDifferencesIsPaid) {
+    const auto left = [](Method method) {
+        NonlinearProgram p = long_bowl(20);
+        MinimizeOptions how = few(21);
+        how.method = method;
+        if (method == Method::sqp) p.differences = Differences{};
+        return minimize(p, how).best.objective;
+    };
+    EXPECT_LT(left(Method::model), 0.6 * left(Method::sqp));
+}
+
+TEST(ModelSearch, AsksInBatchesWhosePointsDifferAndNeedsNoMoreThanTheLimit) {
+    for (const int batch : {1, 3, 8}) {
+        NonlinearProgram p = by_values(bowl().program);
+        std::vector<std::vector<VectorXd>> asked;
+        std::vector<VectorXd> evaluated;
+        p.expect = [&](const std::vector<VectorXd>& points) { asked.push_back(points); };
+        p.evaluate = [&, inner = p.evaluate](const VectorXd& x) {
+            evaluated.push_back(x);
+            return inner(x);
+        };
+        const MinimizeResult r = minimize(p, few(30, batch));
+        EXPECT_LE(r.evaluations, 30);
+        EXPECT_EQ(static_cast<int>(evaluated.size()), r.evaluations);
+        std::size_t next = 1;  // after the start
+        for (const auto& points : asked) {
+            EXPECT_LE(static_cast<int>(points.size()), batch);
+            for (std::size_t i = 0; i < points.size(); ++i) {
+                ASSERT_LT(next, evaluated.size());
+                EXPECT_EQ(points[i], evaluated[next++]);  // in the order of proposal
+                for (std::size_t k = 0; k < i; ++k) EXPECT_GT((points[i] - points[k]).norm(), 0);
+            }
+        }
+        EXPECT_EQ(next, evaluated.size());
+    }
+}
+
+TEST(ModelSearch, GivesTheSameBitsTwice) {
+    const MinimizeResult a = minimize(long_bowl(6), few(40)), b = minimize(long_bowl(6), few(40));
+    EXPECT_EQ(a.x, b.x);
+    EXPECT_EQ(a.best.objective, b.best.objective);
+}
+
+TEST(ModelSearch, KnownPointsCountAsIfTheyHadBeenEvaluated) {
+    NonlinearProgram p = long_bowl(5);
+    const auto after_one_batch = [&] { return minimize(p, few(9)).best.objective; };
+    const double alone = after_one_batch();
+    p.known = [&] {
+        std::vector<KnownPoint> known;
+        const MatrixXd cube = sobol_points(1, 60, 5);
+        for (Eigen::Index i = 0; i < cube.rows(); ++i) {
+            const VectorXd x = 3 * cube.row(i).array() - 1.5;
+            known.push_back({x, p.evaluate(x)});
+        }
+        known.push_back(known.front());  // equal designs do no harm
+        return known;
+    };
+    EXPECT_LT(after_one_batch(), 0.1 * alone);
+}
+
+TEST(ModelSearch, NoiseDoesNotEndItEarly) {
+    NonlinearProgram p = long_bowl(4);
+    unsigned calls = 0;
+    p.evaluate = [&, inner = p.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        at.objective += 0.01 * random_vector(1, ++calls)[0];
+        return at;
+    };
+    const MinimizeResult r = minimize(p, few(100));
+    Evaluation exact = long_bowl(4).evaluate(r.x);
+    EXPECT_LT(exact.objective, 0.05);
+}
+
+TEST(ModelSearch, GoesAlongABorderOfFailures) {
+    NonlinearProgram p = by_values(bowl().program);
+    p.evaluate = [inner = p.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        if (x[0] > 0.1) at.failure = "too far";
+        return at;
+    };
+    const MinimizeResult r = minimize(p, few(100));
+    // Beyond x0 = 0.1 nothing has a value: the best there is 1 + 0.09.
+    EXPECT_LT(r.best.objective, 1.2) << r.reason;
+    EXPECT_GT(r.failures, 0);
+    EXPECT_LT(r.failures, r.evaluations / 2);
+}
+
+TEST(ModelSearch, FewerEvaluationsThanVariablesStillGain) {
+    const NonlinearProgram p = long_bowl(40);
+    const double start = p.evaluate(p.start).objective;
+    const MinimizeResult r = minimize(p, few(25));
+    EXPECT_LT(r.best.objective, 0.8 * start);
+    EXPECT_EQ(r.evaluations, 25);
+    EXPECT_EQ(minimize(p, few(1)).evaluations, 1);
+    EXPECT_EQ(minimize(p, few(3)).evaluations, 3);
+}
+
+TEST(ModelSearch, SaysWhatIsWrongWithTheProblem) {
+    NonlinearProgram flat = long_bowl(3);
+    flat.evaluate = [](const VectorXd&) {
+        Evaluation at;
+        at.objective = 4;
+        return at;
+    };
+    const MinimizeResult constant = minimize(flat, few(60));
+    EXPECT_TRUE(constant.is_flat);
+    EXPECT_NE(constant.reason.find("check that it depends on the variables"), std::string::npos) << constant.reason;
+
+    NonlinearProgram idle = long_bowl(6);  // the last two variables have no effect
+    idle.evaluate = [inner = long_bowl(4).evaluate](const VectorXd& x) { return inner(x.head(4)); };
+    EXPECT_LT(minimize(idle, few(80)).best.objective, 0.05);
+
+    NonlinearProgram torn = long_bowl(2);
+    torn.num_inequalities = 2;
+    torn.evaluate = [inner = torn.evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        at.constraints = vec({x[0] - 0.2, 0.6 - x[0]});
+        return at;
+    };
+    const MinimizeResult conflict = minimize(torn, few(200));
+    EXPECT_FALSE(conflict.is_feasible);
+    EXPECT_EQ(conflict.conflict, (std::vector<int>{0, 1})) << conflict.reason;
+    EXPECT_THROW(minimize(long_bowl(2), few(10, 0)), InvalidInput);
+}
+
+}  // namespace strake

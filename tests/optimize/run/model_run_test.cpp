@@ -1,0 +1,136 @@
+#include "core/error.hpp"
+#include "optimize/run/coarse_to_fine.hpp"
+#include "optimize/run/level_program.hpp"
+#include "optimize/run/method_choice.hpp"
+#include "problems.hpp"
+
+#include <gtest/gtest.h>
+
+/// Runs by method model: levels, the motion limit, and when `method: auto` chooses it.
+namespace strake {
+namespace {
+
+using Eigen::VectorXd;
+
+Problem values_only(int evaluations, int levels = 2) {
+    Problem problem = ellipsoid_problem(2, levels);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    maximize_volume(problem, 1.02);
+    for (Quantity& quantity : problem.quantities) quantity.has_sensitivities = false;
+    problem.optimize.method = Method::model;
+    problem.optimize.max_evaluations = evaluations;
+    return problem;
+}
+
+Problem automatic(int evaluations) {
+    Problem problem = values_only(evaluations);
+    problem.optimize.method = Method::sqp;
+    problem.optimize.chooses_method = true;
+    return problem;
+}
+
+struct Told {
+    RunResult result;
+    std::string notes;
+    double largest_displacement = 0;
+    bool is_within = true;
+};
+
+Told run(const Problem& problem) {
+    Told told;
+    const double limit = problem.parameters.max_displacement * box_diagonal(problem.surface);
+    RunEvents events;
+    events.note = [&](const std::string& words) { told.notes += words + "\n"; };
+    events.evaluation = [&](const EvaluationRecord& record) {
+        told.largest_displacement = std::max(told.largest_displacement, record.max_displacement / limit);
+        if (record.reason.find("limit") != std::string::npos) told.is_within = false;
+    };
+    told.result = optimize(problem, events);
+    return told;
+}
+
+}  // namespace
+
+TEST(ModelRun, KeepsToTheMotionLimitAndTheConstraint) {
+    Problem problem = values_only(60);
+    problem.parameters.max_displacement = 0.01;
+    const Told told = run(problem);
+    EXPECT_LE(told.largest_displacement, 1 + 1e-9);
+    EXPECT_GT(told.largest_displacement, 0.9) << "else the limit says nothing";
+    EXPECT_TRUE(told.is_within) << "a proposal was refused";
+    EXPECT_LE(told.result.max_violation, problem.optimize.constraint_tolerance);
+    EXPECT_GT(told.result.objective, told.result.objective_start);
+}
+
+/// A level that is split inherits its shape exactly, and so every design of before is one of the new level.
+TEST(ModelRun, DesignsOfCoarserLevelsAreDesignsOfFinerOnes) {
+    const Problem problem = values_only(60);
+    RunEvents events;
+    RunState state(problem, events, LevelProgram::differentiated_names(problem), nullptr);
+    state.evaluator.take_over_values();
+    LevelProgram level(state);
+    VectorXd x = state.next_level({}, nullptr);
+    const VectorXd weight = (level.enter(x), level.weight());
+    for (int k = 0; k < 3; ++k) {
+        VectorXd y = x.cwiseProduct(weight);
+        if (k > 0) y[k] += 0.3 * k;
+        ASSERT_EQ(level.program().evaluate(y).failure, "");
+        if (k == 2) x = y.cwiseQuotient(weight);
+    }
+    const VectorXd start = state.next_level(x);
+    level.carry_designs(x, start, state.prolongation);
+    const NonlinearProgram& finer = level.enter(start);
+    ASSERT_TRUE(finer.known);
+    const std::vector<KnownPoint> known = finer.known();
+    ASSERT_EQ(known.size(), 3u);
+    for (const KnownPoint& point : known) {
+        ASSERT_EQ(point.x.size(), state.space.size());
+        const Evaluation again = finer.evaluate(point.x);
+        EXPECT_NEAR(point.evaluation.objective, again.objective, 1e-8 * std::abs(again.objective));
+        EXPECT_NEAR(point.evaluation.constraints[0], again.constraints[0], 1e-8);
+    }
+    EXPECT_GT(std::abs(known[0].evaluation.objective - known[2].evaluation.objective), 1e-4) << "else nothing is shown";
+}
+
+TEST(ModelRun, AShortBudgetChoosesItAndALongOneDifferences) {
+    const int variables = max_variables_at_start(automatic(1));
+    ASSERT_GT(variables, 3);
+    const int enough = static_cast<int>(least_gradients) * (variables + 1);
+    EXPECT_EQ(choose_method(automatic(enough - 1), enough - 1).method, Method::model);
+    EXPECT_EQ(choose_method(automatic(enough), enough).method, Method::sqp);
+    const Told told = run(automatic(20));
+    EXPECT_NE(told.notes.find("method: auto chooses model, in batches of 8: 'volume' has no gradient"),
+              std::string::npos)
+        << told.notes;
+    Problem stated = values_only(20);
+    EXPECT_EQ(told.result.vertices, run(stated).result.vertices);
+}
+
+/// What says nothing and has gradients, or states differences, is left alone.
+TEST(ModelRun, AutomaticChangesNothingElse) {
+    Problem problem = automatic(12);
+    problem.quantities = {volume(problem.surface), area()};
+    Problem sqp = problem;
+    sqp.optimize.chooses_method = false;
+    const Told chosen = run(problem), before = run(sqp);
+    EXPECT_EQ(chosen.result.vertices, before.result.vertices);
+    EXPECT_EQ(chosen.notes, before.notes);
+    Problem stated = automatic(12);
+    stated.optimize.finite_differences = true;
+    EXPECT_TRUE(choose_method(stated, 12).words.empty());
+}
+
+TEST(ModelRun, AVariableWithoutEffectAndAConstantObjectiveAreTold) {
+    Problem problem = values_only(40, 1);
+    problem.constraints.clear();
+    problem.quantities[0].evaluate = [](const QuantityRequest&) {
+        QuantityResult result;
+        result.values = {3};
+        return result;
+    };
+    const Told told = run(problem);
+    EXPECT_NE(told.result.reason.find("depend"), std::string::npos) << told.result.reason;
+    EXPECT_LT(told.result.evaluations, 40);
+}
+
+}  // namespace strake

@@ -1,6 +1,7 @@
 #include "cli/build_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/session.hpp"
+#include "cli/studio_session.hpp"
 
 #include <memory>
 
@@ -13,9 +14,18 @@ void add_run(CLI::App& app) {
     add_set_option(*command, args->settings);
     command->add_option("--out", args->out,
                         "run folder, new or empty (default: output.dir of the case, otherwise runs/<case>)");
-    command->add_flag("--json", args->json, "print the results as JSON");
-    command->add_flag("-q,--quiet", args->quiet, "do not print progress");
-    command->callback([args] { run_session(*args, false); });
+    CLI::Option* json = command->add_flag("--json", args->json, "print the results as JSON");
+    CLI::Option* quiet = command->add_flag("-q,--quiet", args->quiet, "do not print progress");
+    auto shows = std::make_shared<bool>(false);
+    command->add_flag("--studio", *shows, "show the run in the browser while it goes on, as strake studio does")
+        ->excludes(json)
+        ->excludes(quiet);
+    command->callback([args, shows] {
+        if (*shows)
+            run_in_studio(*args);
+        else
+            run_session(*args, false);
+    });
 }
 
 }  // namespace strake::cli

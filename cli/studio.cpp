@@ -3,6 +3,7 @@
 #include "cli/commands.hpp"
 #include "cli/say.hpp"
 #include "cli/signals.hpp"
+#include "cli/studio_session.hpp"
 #include "core/error.hpp"
 #include "report/run_lock.hpp"
 
@@ -24,7 +25,7 @@ namespace {
 struct StudioArguments {
     std::string target;
     int port = 0;
-    bool no_browser = false, read_only = false;
+    bool no_browser = false, read_only = false, new_address = false;
 };
 
 bool is_set(const char* name) {
@@ -47,22 +48,50 @@ void open_browser(const std::string& url) {
     posix_spawn_file_actions_destroy(&files);
 }
 
-void studio(const StudioArguments& args) {
-    watch_signals();
-    const Studio at_work({args.target, args.port, args.read_only});
+/// Prints the address, and opens it where there is a screen.
+void announce(const Studio& at_work, bool no_browser) {
     fmt::print("{}\n", at_work.url());
     if (std::fflush(stdout) != 0) throw std::system_error(errno, std::generic_category(), "standard output");
     if (const std::string notice = at_work.notice(); !notice.empty()) say("strake: studio: {}\n", notice);
     if (is_set("SSH_CONNECTION"))
         say("strake: studio: on your own machine: ssh -L {0}:127.0.0.1:{0} {1}, then open the address above there\n",
             at_work.port(), host_name());
-    else if (!args.no_browser)
+    else if (!no_browser)
         open_browser(at_work.url());
+}
+
+void studio(const StudioArguments& args) {
+    watch_signals();
+    StudioOptions options;
+    options.target = args.target;
+    options.port = args.port;
+    options.read_only = args.read_only;
+    options.new_address = args.new_address;
+    const Studio at_work(options);
+    announce(at_work, args.no_browser);
     while (!stop_wanted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     if (const std::string words = at_work.continuing(); !words.empty()) say("strake: studio: {}\n", words);
 }
 
 }  // namespace
+
+void run_in_studio(const SessionArguments& args) {
+    watch_signals();
+    StudioOptions options;
+    options.target = args.case_file;
+    Studio at_work(options);
+    at_work.run(args.case_file, args.out, args.settings);
+    announce(at_work, false);
+    const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(100)); };
+    while (!stop_wanted() && !at_work.run_status()) pause();
+    at_work.interrupt_run();
+    while (!at_work.run_status()) pause();
+    const int status = *at_work.run_status();
+    if (const std::string words = at_work.run_messages(); !words.empty()) say("{}", words);
+    say("strake: studio: the run has ended; the page stays until Ctrl-C\n");
+    while (!stop_wanted()) pause();
+    if (status != 0) throw ExitStatus{status};
+}
 
 void add_studio(CLI::App& app) {
     auto args = std::make_shared<StudioArguments>();
@@ -73,6 +102,7 @@ void add_studio(CLI::App& app) {
     command->add_option("--port", args->port, "port of the loopback address (default: any free one)")
         ->check(CLI::Range(1, 65535));
     command->add_flag("--no-browser", args->no_browser, "print the address only");
+    command->add_flag("--new-address", args->new_address, "another address than the last studio of this folder had");
     command->add_flag("--read-only", args->read_only, "write, start and stop nothing");
     command->callback([args] { studio(*args); });
 }

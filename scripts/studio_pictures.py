@@ -3,8 +3,9 @@
 
 SURFACE is made by make_surface wing --triangles 4000.
 
-Pictures: studio-look, -choose, -case, -feel, -run. The case is the one that Strake proposes; eight evaluations are made.
+Pictures: studio-look, -choose, -case, -feel, -section, -run. The case is the one that Strake proposes; eight evaluations are made.
 """
+import os
 import pathlib
 import shutil
 import signal
@@ -34,15 +35,15 @@ def shot(browser, name):
     print(out / f"studio-{name}.png")
 
 
+os.environ["XDG_CACHE_HOME"] = "/nowhere"  # the address is kept nowhere
 with tempfile.TemporaryDirectory() as folder:
     shutil.copy(surface, folder)
     studio = subprocess.Popen([strake, "studio", surface.name, "--no-browser"], cwd=folder, stdout=subprocess.PIPE, text=True)
-    with Browser(1180, 800) as b:
+    with Browser(1280, 860) as b:
         b.open(studio.stdout.readline().strip())
         b.until(f"{state}.ready > 0")
         shot(b, "look")
-        b.click("#tab-case")
-        b.click("#propose")
+        b.click("#propose-first")
         b.until(f"{state}.ready > 1", 600)
         b.click("#tab-choose")
         b.choose("Choose by", "plane")
@@ -60,8 +61,16 @@ with tempfile.TemporaryDirectory() as folder:
         b.until(f"{state}.felt", 200)
         b.run("(() => { const i = document.querySelector('.slider input'); i.value = 0.6 * i.max; i.dispatchEvent(new Event('input')); })()")
         b.until(f"{state}.felt === 'ok 1'", 100)
+        b.until(f"{state}.fetched > 0", 100)
+        b.choose("Colours", "slope")
+        b.until("!!strakeStudio.scene.field && !!strakeStudio.feel.rates", 100)
         b.run("strakeStudio.tell('')")
         shot(b, "feel")
+        b.choose("Colours", "patches")
+        b.click("#cut")
+        b.run("(() => { const s = document.querySelector('#section-at'); s.value = 700; s.dispatchEvent(new Event('input', { bubbles: true })); })()")
+        shot(b, "section")
+        b.click("#cut")
         b.click("#tab-run")
         b.run("strakeStudio.runs.evaluations.value = 16")
         b.click("#start")

@@ -23,6 +23,15 @@ Region with_shape(const Shape& shape) {
     return region;
 }
 
+WingRegion wing_region_of(const WingBox& box) {
+    WingRegion region;
+    region.of.name = box.wing;
+    region.chord = box.chord;
+    region.span = box.span;
+    region.side = box.side;
+    return region;
+}
+
 /// As a name in a formula.
 std::string in_formula(const std::string& name) {
     return name.find_first_of(" ()") == std::string::npos ? name : "\"" + name + "\"";
@@ -73,6 +82,12 @@ struct Apply {
     }
     std::vector<char> operator()(const GrowChoice&) const { return before; }
     std::vector<char> operator()(const InvertChoice&) const { return before; }
+    std::vector<char> operator()(const WingBox& box) const {
+        if (!box.wing.empty()) return shape(with_shape(wing_region_of(box)));
+        if (!on.found_wing) throw InvalidInput("no wing is found on this surface; declare one under planform");
+        return on.found_wing->region(on.ground.start.mesh, {box.chord[0], box.chord[1]}, {box.span[0], box.span[1]},
+                                     box.side);
+    }
     template <class Shape>
     std::vector<char> operator()(const Shape& what) const {
         return shape(with_shape(what));
@@ -129,6 +144,9 @@ struct StepWords {
     }
     std::string operator()(const BoxShape& box) const {
         return "box: [" + vector_words(box.min) + ", " + vector_words(box.max) + "]";
+    }
+    std::string operator()(const WingBox& box) const {
+        return box.wing.empty() ? "" : wing_box_words(box);  // the case has no name for the one that was found
     }
     template <class Other>
     std::string operator()(const Other&) const {
@@ -220,6 +238,13 @@ struct Describer {
         if (const auto patches = patches_of(1); patches.size() == 1)
             return one(with_shape(PatchShape{patches[0]}), StepWords{}(PatchShape{patches[0]}), "patch");
         return {};
+    }
+
+    std::optional<Description> wing_box() const {
+        if (steps.size() != 1 || steps[0].combine == Combine::subtract) return {};
+        const auto* box = std::get_if<WingBox>(&steps[0].what);
+        if (!box || box->wing.empty()) return {};
+        return one(with_shape(wing_region_of(*box)), StepWords{}(*box), "part of a wing");
     }
 
     template <class Shape>
@@ -405,6 +430,16 @@ struct Describer {
 
 }  // namespace
 
+std::string wing_box_words(const WingBox& box) {
+    const auto range = [](const std::array<double, 2>& ends) {
+        return "[" + exact_words(ends[0]) + ", " + exact_words(ends[1]) + "]";
+    };
+    return "of: " + as_yaml(box.wing) + ", chord: " + range(box.chord) + ", span: " + range(box.span) +
+           (box.side == 0  ? ""
+            : box.side > 0 ? ", side: upper"
+                           : ", side: lower");
+}
+
 std::string exact_words(double value) {
     std::array<char, 40> digits{};
     const auto end = std::to_chars(digits.data(), digits.data() + digits.size(), value == 0 ? 0.0 : value).ptr;
@@ -463,6 +498,7 @@ Description described(const ChoiceGround& ground, const std::vector<ChoiceStep>&
     if (auto found = words.single()) return *found;
     if (auto found = words.stated<HalfSpace>("plane")) return *found;
     if (auto found = words.stated<BoxShape>("box")) return *found;
+    if (auto found = words.wing_box()) return *found;
     if (auto found = words.half_space()) return *found;
     if (auto found = words.box()) return *found;
     if (auto found = words.stated<FloodedRegion>("flood")) return *found;

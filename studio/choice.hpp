@@ -1,5 +1,6 @@
 #pragma once
 #include "casefile/build/region_ground.hpp"
+#include "core/planform/wing.hpp"
 #include "studio/case_text.hpp"
 
 #include <filesystem>
@@ -25,10 +26,17 @@ struct DeclaredRegion {
     std::string name;
 };
 
+/// A part of a wing by fractions of its chord and semispan: the box between two spars.
+struct WingBox {
+    std::string wing;  ///< that the case declares; "": the one that was found, which the case does not declare
+    std::array<double, 2> chord{0, 1}, span{0, 1};
+    int side = 0;  ///< 1: upper, -1: lower, 0: both
+};
+
 struct ChoiceStep {
     Combine combine = Combine::add;
     std::variant<PatchShape, SolidShape, ComponentShape, FloodedRegion, HalfSpace, BoxShape, PickedTriangles, PickedAll,
-                 GrowChoice, InvertChoice, DeclaredRegion>
+                 GrowChoice, InvertChoice, DeclaredRegion, WingBox>
         what;
 };
 
@@ -39,6 +47,7 @@ struct ChoiceGround {
     std::vector<WingEntry> wings = {};    ///< and wings, which these may be parts of
     BodyAxes axes = {};
     std::optional<SymmetryPlane> symmetry = {};
+    const Wing* found_wing = nullptr;  ///< for boxes of a wing that the case does not declare
 };
 
 /// Per triangle: chosen by the steps in their order, from nothing.
@@ -60,6 +69,8 @@ struct Description {
 Description described(const ChoiceGround& ground, const std::vector<ChoiceStep>& steps, const std::vector<char>& marks,
                       const std::string& name, const std::string& list_file);
 
+/// "of: wing, chord: [0.15, 0.65], span: [0, 1]".
+std::string wing_box_words(const WingBox& box);
 /// The shortest decimal number in [low, high], the nearest to zero of several.
 std::string shortest_between(double low, double high);
 /// Digits that read back as the same number.

@@ -70,6 +70,24 @@ PickedTriangles triangles_of(const Json& value, int count) {
     return picked;
 }
 
+std::array<double, 2> range_of(const Json& value, const char* what) {
+    if (!value.is_array() || value.size() != 2) throw InvalidInput(text(what, " must be two fractions"));
+    const std::array<double, 2> range{number_of(value[0], what), number_of(value[1], what)};
+    if (range[0] < 0 || range[1] > 1 || range[0] >= range[1])
+        throw InvalidInput(text(what, " = [", range[0], ", ", range[1], "] must ascend within [0, 1]"));
+    return range;
+}
+
+WingBox wing_box_of(const Json& value) {
+    WingBox box{word_of(member(value, "of"), "wing: of"), range_of(member(value, "chord"), "wing: chord"),
+                range_of(member(value, "span"), "wing: span")};
+    const std::string side = value.contains("side") ? word_of(value["side"], "wing: side") : "both";
+    if (side != "both" && side != "upper" && side != "lower")
+        throw InvalidInput("wing: side must be both, upper or lower");
+    box.side = side == "upper" ? 1 : side == "lower" ? -1 : 0;
+    return box;
+}
+
 Combine combine_of(const Json& step) {
     const std::string op = step.contains("op") ? word_of(step["op"], "op") : "+";
     if (op == "+") return Combine::add;
@@ -103,6 +121,8 @@ ChoiceStep step_of(const Json& step, const TriMesh& mesh) {
         made.what = GrowChoice{number_of(step["grow"], "grow")};
     else if (step.contains("invert"))
         made.what = InvertChoice{};
+    else if (step.contains("wing"))
+        made.what = wing_box_of(step["wing"]);
     else if (step.contains("region"))
         made.what = DeclaredRegion{word_of(step["region"], "region")};
     else

@@ -42,6 +42,7 @@ struct ShapeBench::Impl {
         DesignSpace space;
         std::vector<BenchVariable> variables;
         std::unique_ptr<ShapeEvaluator> evaluator = {};  ///< keeps the shell's analysis from shape to shape
+        std::shared_ptr<const LinearPreview> preview = {};
     };
     std::map<int, Level> levels;
 
@@ -52,7 +53,7 @@ struct ShapeBench::Impl {
 
     Level& level(int number) {
         if (const auto known = levels.find(number); known != levels.end()) return known->second;
-        Level made{design_space(rest, number), {}, nullptr};
+        Level made{design_space(rest, number), {}};
         for (int i = 0; i < made.space.size(); ++i) {
             const Variable& variable = made.space.variables[static_cast<std::size_t>(i)];
             made.variables.push_back({variable.name, made.space.lower[i], made.space.upper[i], variable.unit,
@@ -70,6 +71,44 @@ struct ShapeBench::Impl {
             at.evaluator->enter(at.space);
         }
         return *at.evaluator;
+    }
+
+    /// Value of a quantity and its derivative by the vertices.
+    std::pair<double, Points> derivative_of(const std::string& name, const TriMesh& shape, int depth = 0) {
+        constexpr int most = 20;
+        for (const Quantity& quantity : built.problem.quantities) {
+            const auto at = std::find(quantity.names.begin(), quantity.names.end(), name);
+            if (at == quantity.names.end()) continue;
+            if (quantity.combination) {
+                if (depth > most) throw InvalidInput(text("'", name, "' is made of too many others"));
+                return of_combination(*quantity.combination, shape, depth);
+            }
+            QuantityRequest request{shape, true, 1, 0, {}};
+            for (const ProgramParameter& parameter : built.problem.program_parameters)
+                request.parameters.emplace_back(parameter.name, parameter.start);
+            const QuantityResult found = quantity.evaluate(request);
+            const auto k = static_cast<std::size_t>(at - quantity.names.begin());
+            if (found.failure) throw InvalidInput(found.failure->message);
+            if (found.dJ_dv.size() <= k || found.dJ_dv[k].rows() != shape.num_vertices())
+                throw InvalidInput(text("'", name, "' gives no derivatives by the vertices"));
+            return {found.values[k], found.dJ_dv[k]};
+        }
+        for (const ProgramParameter& parameter : built.problem.program_parameters)
+            if (parameter.name == name) return {parameter.start, Points::Zero(shape.num_vertices(), 3)};
+        throw InvalidInput(text("there is no quantity '", name, "'"));
+    }
+    std::pair<double, Points> of_combination(const Combination& made, const TriMesh& shape, int depth) {
+        Eigen::VectorXd values(static_cast<Eigen::Index>(made.of.size())), gradient;
+        std::vector<Points> rates;
+        for (std::size_t k = 0; k < made.of.size(); ++k) {
+            auto [value, rate] = derivative_of(made.of[k], shape, depth + 1);
+            values[static_cast<Eigen::Index>(k)] = value;
+            rates.push_back(std::move(rate));
+        }
+        const double value = made.value(values, &gradient);
+        Points sum = Points::Zero(shape.num_vertices(), 3);
+        for (std::size_t k = 0; k < rates.size(); ++k) sum += gradient[static_cast<Eigen::Index>(k)] * rates[k];
+        return {value, sum};
     }
 };
 
@@ -109,6 +148,31 @@ BenchShape ShapeBench::at(int level, const std::vector<double>& x) {
         shape.reason = error.what();
     }
     return shape;
+}
+
+std::shared_ptr<const LinearPreview> ShapeBench::preview(int level) {
+    variables(level);
+    Impl::Level& at = impl_->level(level);
+    if (!at.preview) at.preview = std::make_shared<const LinearPreview>(at.space);
+    return at.preview;
+}
+
+ShapeBench::Slope ShapeBench::slope(const Points& vertices) {
+    const Problem& problem = impl_->built.problem;
+    Slope found{problem.objective, "", {}};
+    if (problem.objective.empty()) return found;
+    if (vertices.rows() != problem.surface.num_vertices())
+        throw InvalidInput(text(vertices.rows(), " vertices; the surface has ", problem.surface.num_vertices()));
+    TriMesh shape = problem.surface;
+    shape.vertices = vertices;
+    try {
+        found.downhill = (problem.maximize ? 1.0 : -1.0) * impl_->derivative_of(problem.objective, shape).second;
+        if (!found.downhill.allFinite()) throw InvalidInput("the derivative is not finite");
+    } catch (const InvalidInput& refused) {
+        found.trouble = refused.what();
+        found.downhill.resize(0, 3);
+    }
+    return found;
 }
 
 }  // namespace strake

@@ -1,5 +1,6 @@
 #pragma once
 #include "casefile/model/case.hpp"
+#include "studio/linear_preview.hpp"
 
 #include <memory>
 #include <string>
@@ -38,6 +39,15 @@ public:
     /// The shape where variable i of the level is x[i]. @throws InvalidInput: another number of values, or not finite,
     /// or outside of [lower, upper].
     BenchShape at(int level, const std::vector<double>& x);
+    /// What the variables of a level do to first order, begun when it is asked for the first time.
+    std::shared_ptr<const LinearPreview> preview(int level);
+    /// The objective and its derivative by the vertices of a shape (n x 3), downhill: where the surface is to go for a
+    /// better value. Empty: the case has no objective whose derivative needs no program. @throws InvalidInput.
+    struct Slope {
+        std::string name, trouble;
+        Points downhill;
+    };
+    Slope slope(const Points& vertices);
 
 private:
     struct Impl;

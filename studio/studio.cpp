@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/text/hash.hpp"
+#include "studio/kept_address.hpp"
 #include "studio/studio_impl.hpp"
 #include "studio/studio_page.hpp"
 #include "viewer/embedded_page.hpp"
@@ -22,7 +23,7 @@ std::string text_in(const nlohmann::json& asked, const char* key) {
 std::string content_mark(const std::string& bytes) { return hash_digits(fnv1a(bytes)); }
 
 Studio::Impl::Impl(const StudioOptions& wishes) : options(wishes) {
-    if (!has_studio_page()) throw OutputError(page_missing("the studio's page"));
+    if (options.needs_page && !has_studio_page()) throw OutputError(page_missing("the studio's page"));
     const fs::path target = options.target.empty() ? fs::path(".") : options.target;
     std::error_code error;
     const fs::path real = fs::canonical(target, error);
@@ -30,7 +31,7 @@ Studio::Impl::Impl(const StudioOptions& wishes) : options(wishes) {
     folder = fs::is_directory(real) ? real : real.parent_path();
     folder_lock = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
     is_second = folder_lock >= 0 && ::flock(folder_lock, LOCK_EX | LOCK_NB) != 0;
-    server = std::make_unique<WebServer>(options.port, [this](const WebRequest& request) { return answer(request); });
+    listen();
     if (!fs::is_directory(real) || fs::exists(real / "journal.sqlite", error))
         open_later(real);
     else if (fs::exists(real / "case.yaml", error))
@@ -39,7 +40,24 @@ Studio::Impl::Impl(const StudioOptions& wishes) : options(wishes) {
     server->start();
 }
 
+/// At the address of the last studio of this folder, if that is free: a page that is still open goes on.
+void Studio::Impl::listen() {
+    const KeptAddress kept = is_second || options.new_address ? KeptAddress{} : kept_address(folder);
+    const auto at = [&](int port) {
+        server = std::make_unique<WebServer>(
+            port, [this](const WebRequest& request) { return answer(request); }, kept.token);
+    };
+    try {
+        at(options.port == 0 ? kept.port : options.port);
+    } catch (const OutputError&) {
+        if (options.port != 0 || kept.port == 0) throw;
+        at(0);
+    }
+    if (!is_second) keep_address(folder, {server->gate().token, server->gate().port});
+}
+
 Studio::Impl::~Impl() {
+    if (!is_second) keep_address(folder, {server->gate().token, server->gate().port});
     server.reset();
     {
         const std::lock_guard lock(busy);
@@ -91,7 +109,11 @@ WebAnswer Studio::Impl::get(const WebRequest& request) {
             {{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
     }
     if (request.path == "/api/best") return best_shape();
-    if (request.path == "/api/felt") return felt_shape();
+    if (request.path == "/api/designs") return json_answer(designs());
+    if (request.path == "/api/design") return design(request);
+    if (request.path == "/api/felt_state") return json_answer(felt_state());
+    for (const char* what : {"shape", "slope", "envelope", "mode"})
+        if (request.path == text("/api/felt/", what)) return felt(what, request);
     if (request.path == "/report") return report();
     return {404, "text/plain", "not found\n"};
 }
@@ -105,8 +127,9 @@ Studio::Impl::Json Studio::Impl::post(const Asked& asked) {
     if (what == "check") return check(asked);
     if (what == "choose") return choose(asked);
     if (what == "region") return put_region(asked);
+    if (what == "form") return form(asked);
+    if (what == "set") return set_values(asked);
     if (what == "attach") return attach(asked);
-    if (what == "variables") return variables(asked);
     if (what == "feel") return feel(asked);
     need_write();
     if (what == "save") return save(asked);
@@ -121,12 +144,33 @@ Studio::Impl::Json Studio::Impl::post(const Asked& asked) {
 Studio::Studio(const StudioOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Studio::~Studio() = default;
 std::string Studio::url() const { return impl_->server->url(); }
+std::string Studio::answer_bytes(const std::string& request) { return impl_->server->answer_bytes(request); }
 int Studio::port() const { return impl_->server->gate().port; }
 
 std::string Studio::notice() const {
     if (!impl_->is_second) return "";
     return text("another studio is open on ", impl_->folder.string(),
                 "; both may be used, and neither overwrites what the other has saved without a question");
+}
+
+void Studio::run(const fs::path& case_file, const fs::path& out, const std::vector<std::string>& settings) {
+    const std::lock_guard lock(impl_->busy);
+    impl_->begin_run(case_file, out, settings);
+}
+
+std::optional<int> Studio::run_status() const {
+    const std::lock_guard lock(impl_->busy);
+    return impl_->run_child ? impl_->run_child->ended() : std::nullopt;
+}
+
+std::string Studio::run_messages() const {
+    const std::lock_guard lock(impl_->busy);
+    return impl_->run_child ? impl_->run_child->messages() : "";
+}
+
+void Studio::interrupt_run() {
+    const std::lock_guard lock(impl_->busy);
+    if (impl_->run_child && !impl_->run_child->ended()) impl_->run_child->interrupt();
 }
 
 std::string Studio::continuing() const {

@@ -1,80 +1,113 @@
 #include "casefile/load_case.hpp"
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
-#include "report/json_number.hpp"
 #include "studio/studio_impl.hpp"
 #include "studio/surface_payload.hpp"
 
+#include <charconv>
 #include <cstring>
 
-/// Sliders: the variables of a level, and the exact shape at their values.
+/// Sliders: the variables of a level, what they do to first order, and the exact shape at their values.
 namespace strake {
 
-/// The bench of this text, made anew when the text is another one. @pre feeling is locked
-ShapeBench& Studio::Impl::bench_for(const std::string& yaml) {
-    if (bench && bench_text == yaml) return *bench;
-    bench.reset();
-    felt.resize(0, 3);
-    bench = std::make_unique<ShapeBench>(load_case_text(yaml, case_path()));
-    bench_text = yaml;
-    return *bench;
+namespace {
+
+template <class Number>
+std::string bytes_of(const Number* values, std::size_t count) {
+    std::string bytes(count * sizeof(Number), '\0');
+    if (count > 0) std::memcpy(bytes.data(), values, bytes.size());
+    return bytes;
 }
 
-/// {levels: [first, last], level, variables: [{name, lower, upper, unit}], leaves_out_programs}.
-Studio::Impl::Json Studio::Impl::variables(const Asked& asked) {
-    const std::lock_guard lock(feeling);
-    ShapeBench& made = bench_for(text_in(asked, "text"));
-    int level = made.coarsest();
-    if (asked.contains("level") && asked["level"].is_number_integer()) level = asked["level"].get<int>();
-    Json list = Json::array();
-    for (const BenchVariable& variable : made.variables(level))
-        list.push_back({{"name", variable.name},
-                        {"lower", variable.lower},
-                        {"upper", variable.upper},
-                        {"unit", variable.unit},
-                        {"is_parameter", variable.is_parameter}});
-    return {{"levels", {made.coarsest(), made.finest()}},
-            {"level", level},
-            {"variables", std::move(list)},
-            {"leaves_out_programs", made.leaves_out_programs()}};
-}
+WebAnswer numbers_answer(std::string bytes) { return {200, "application/octet-stream", std::move(bytes)}; }
+WebAnswer nothing_there(const std::string& words) { return {404, "text/plain", words + "\n"}; }
 
-/// {status, reason, has_shape, values: {name: value}}; the shape itself is at /api/felt.
-Studio::Impl::Json Studio::Impl::feel(const Asked& asked) {
-    const std::lock_guard lock(feeling);
-    ShapeBench& made = bench_for(text_in(asked, "text"));
-    if (!asked.contains("level") || !asked["level"].is_number_integer()) throw InvalidInput("'level' must be a number");
-    if (!asked.contains("x") || !asked["x"].is_array()) throw InvalidInput("'x' must be a list");
-    std::vector<double> x;
-    for (const Asked& value : asked["x"]) {
-        if (!value.is_number()) throw InvalidInput("'x' must be a list of numbers");
-        x.push_back(value.get<double>());
+BenchWorker::Wish wish_in(const nlohmann::json& asked) {
+    BenchWorker::Wish wish{text_in(asked, "text"), {}, {}};
+    if (asked.contains("level")) {
+        if (!asked["level"].is_number_integer()) throw InvalidInput("'level' must be a whole number");
+        const auto level = asked["level"].get<std::int64_t>();
+        if (level < 0 || level > 1000) throw InvalidInput(text("level ", level, " must be in [0, 1000]"));
+        wish.level = static_cast<int>(level);
     }
-    BenchShape shape = made.at(asked["level"].get<int>(), x);
-    felt = std::move(shape.vertices);
-    Json values = Json::object();
-    for (std::size_t k = 0; k < std::min(shape.names.size(), shape.values.size()); ++k)
-        values[shape.names[k]] = json_number(shape.values[k]);
-    return {{"status", shape.status},
-            {"reason", shape.reason},
-            {"has_shape", felt.rows() > 0},
-            {"values", std::move(values)}};
+    if (!asked.contains("x")) return wish;
+    if (!asked["x"].is_array()) throw InvalidInput("'x' must be a list");
+    wish.x.emplace();
+    for (const auto& value : asked["x"]) {
+        if (!value.is_number()) throw InvalidInput("'x' must be a list of numbers");
+        wish.x->push_back(value.get<double>());
+    }
+    wish.wants_slope = asked.value("slope", false);
+    return wish;
 }
 
-WebAnswer Studio::Impl::felt_shape() {
+}  // namespace
+
+/// {wish}: its number. /api/felt_state tells when it is answered.
+Studio::Impl::Json Studio::Impl::feel(const Asked& asked) {
+    BenchWorker::Wish wish = wish_in(asked);
+    const std::lock_guard lock(busy);
+    if (!worker)
+        worker = std::make_unique<BenchWorker>(
+            [this](const std::string& yaml) { return load_case_text(yaml, case_path()); });
+    return {{"wish", worker->wish(std::move(wish))}};
+}
+
+/// {done, is_busy, answer, modes, envelope, trouble}.
+Studio::Impl::Json Studio::Impl::felt_state() {
+    BenchWorker* at_work = nullptr;
+    {
+        const std::lock_guard lock(busy);
+        at_work = worker.get();
+    }
+    if (!at_work) return {{"done", 0}, {"is_busy", false}, {"answer", nullptr}, {"modes", 0}, {"envelope", false}};
+    BenchWorker::State state = at_work->state();
+    return {{"done", state.done},       {"is_busy", state.is_busy},       {"answer", std::move(state.answer)},
+            {"modes", state.num_modes}, {"envelope", state.has_envelope}, {"trouble", state.mode_trouble}};
+}
+
+/// Arrays of the sliders: "shape" (as positions of /api/surface), "slope" (n x 3), "envelope" (outward, then inward),
+/// "mode" (n x 3) of variable `j`.
+WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request) {
     const auto shown = need_subject();
-    const std::lock_guard lock(feeling);
-    if (felt.rows() != shown->ground.start.mesh.num_vertices())
-        return {404, "text/plain", "there is no shape, or it belongs to another surface than the one shown\n"};
-    return {200, "application/octet-stream", centred_positions(felt, shown->ground.start.mesh)};
+    BenchWorker* at_work = nullptr;
+    {
+        const std::lock_guard lock(busy);
+        at_work = worker.get();
+    }
+    const Eigen::Index vertices = shown->ground.start.mesh.num_vertices();
+    if (!at_work) return nothing_there("no variables were asked for");
+    if (what == "shape") {
+        const Points shape = at_work->shape();
+        if (shape.rows() != vertices)
+            return nothing_there("there is no shape, or it belongs to another surface than the one shown");
+        return numbers_answer(centred_positions(shape, shown->ground.start.mesh));
+    }
+    if (what == "slope") {
+        const std::vector<float> numbers = relative_to(Eigen::Vector3d::Zero(), at_work->downhill());
+        if (static_cast<Eigen::Index>(numbers.size()) != 3 * vertices) return nothing_there("there is no slope");
+        return numbers_answer(bytes_of(numbers.data(), numbers.size()));
+    }
+    const auto preview = at_work->preview();
+    if (!preview) return nothing_there("not there yet");
+    if (what == "envelope") {
+        const auto envelope = preview->envelope();
+        if (!envelope || envelope->outward.size() != vertices) return nothing_there("not there yet");
+        const auto count = static_cast<std::size_t>(vertices);
+        return numbers_answer(bytes_of(envelope->outward.data(), count) + bytes_of(envelope->inward.data(), count));
+    }
+    int number = -1;
+    if (const auto j = request.query.find("j"); j != request.query.end())
+        std::from_chars(j->second.data(), j->second.data() + j->second.size(), number);
+    const auto mode = preview->mode(number);
+    if (!mode || static_cast<Eigen::Index>(mode->size()) != 3 * vertices) return nothing_there("not there yet");
+    return numbers_answer(bytes_of(mode->data(), mode->size()));
 }
 
 std::string centred_positions(const Points& vertices, const TriMesh& start) {
     const Box box = bounding_box(start);
     const std::vector<float> positions = relative_to((box.min + box.max) / 2, vertices);
-    std::string bytes(positions.size() * sizeof(float), '\0');
-    if (!positions.empty()) std::memcpy(bytes.data(), positions.data(), bytes.size());
-    return bytes;
+    return bytes_of(positions.data(), positions.size());
 }
 
 }  // namespace strake

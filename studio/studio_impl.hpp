@@ -1,7 +1,7 @@
 #pragma once
+#include "studio/bench_worker.hpp"
 #include "studio/child.hpp"
 #include "studio/run_watch.hpp"
-#include "studio/shape_bench.hpp"
 #include "studio/studio.hpp"
 #include "studio/subject.hpp"
 #include "studio/web_server.hpp"
@@ -45,16 +45,14 @@ struct Studio::Impl {
     bool is_opening = false, ends = false;
     std::thread reader;
 
-    std::mutex feeling;  ///< of the bench; one shape at a time, and never waited for with `busy` held
-    std::unique_ptr<ShapeBench> bench;
-    std::string bench_text;
-    Points felt;  ///< the last shape
+    std::unique_ptr<BenchWorker> worker;  ///< made when it is needed first, and never replaced
 
     std::unique_ptr<WebServer> server;  ///< the last member: its threads use all others
 
     explicit Impl(const StudioOptions& wishes);
     ~Impl();
 
+    void listen();
     WebAnswer answer(const WebRequest& request);
     WebAnswer get(const WebRequest& request);
     Json post(const Asked& asked);
@@ -73,24 +71,32 @@ struct Studio::Impl {
     Json check(const Asked& asked);
     Json choose(const Asked& asked);
     Json put_region(const Asked& asked);
+    std::string with_found_wing(std::string yaml, const Subject& shown, std::vector<ChoiceStep>& steps);
+    void write_list(const std::string& name, const std::vector<int>& numbers, const std::string& known_from);
+    Json form(const Asked& asked);
+    Json set_values(const Asked& asked);
     std::shared_ptr<const Subject> need_subject();
 
     // studio_feel.cpp
-    ShapeBench& bench_for(const std::string& yaml);
-    Json variables(const Asked& asked);
     Json feel(const Asked& asked);
-    WebAnswer felt_shape();
+    Json felt_state();
+    WebAnswer felt(const std::string& what, const WebRequest& request);
 
     // studio_runs.cpp
     Json state(const WebRequest& request);
     Json propose(const Asked& asked);
     Json full_check(const Asked& asked);
     Json start_run(const Asked& asked);
+    void begin_run(const std::filesystem::path& case_file, std::filesystem::path out,
+                   const std::vector<std::string>& settings);
     Json stop_run();
     Json resume_run(const Asked& asked);
     Json attach(const Asked& asked);
     WebAnswer report();
     WebAnswer best_shape();
+    Json designs();
+    WebAnswer design(const WebRequest& request);
+    WebAnswer shape_answer(const std::filesystem::path& file, const Subject& shown);
     Json task_state();
     void need_write() const;
     void need_no_task();

@@ -118,23 +118,31 @@ Studio::Impl::Json Studio::Impl::start_run(const Asked& asked) {
     const std::lock_guard lock(busy);
     if (run_child && !run_child->ended()) throw Declined("a run that this studio started is still at work");
     const fs::path file = need_saved_case();
-    const std::string stem = file.stem() == "case" && subject ? subject->surface.stem().string() : file.stem().string();
-    fs::path out;
-    std::error_code ignored;
-    for (int k = 1;; ++k) {
-        std::string number = std::to_string(k);
-        out = folder / "runs" / (stem + "-" + std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number);
-        if (!fs::exists(out, ignored)) break;
-    }
-    std::vector<std::string> arguments{"run", file.string(), "--out", out.string(), "--quiet"};
+    std::vector<std::string> settings;
     if (asked.contains("evaluations")) {
         if (!asked["evaluations"].is_number_integer()) throw InvalidInput("evaluations must be a whole number");
-        arguments.insert(arguments.end(),
-                         {"--set", text("optimize.budget.evaluations=", asked["evaluations"].get<long>())});
+        settings.push_back(text("optimize.budget.evaluations=", asked["evaluations"].get<long>()));
     }
+    begin_run(file, {}, settings);
+    std::error_code ignored;
+    return {{"folder", fs::relative(run->folder(), folder, ignored).string()}};
+}
+
+/// @pre `busy` is locked
+void Studio::Impl::begin_run(const fs::path& file, fs::path out, const std::vector<std::string>& settings) {
+    const std::string stem = file.stem() == "case" && subject ? subject->surface.stem().string() : file.stem().string();
+    std::error_code ignored;
+    for (int k = 1; out.empty(); ++k) {
+        std::string number = std::to_string(k);
+        const fs::path next =
+            folder / "runs" / (stem + "-" + std::string(3 - std::min<std::size_t>(3, number.size()), '0') + number);
+        if (!fs::exists(next, ignored)) out = next;
+    }
+    std::vector<std::string> arguments{"run", fs::absolute(file).string(), "--out", fs::absolute(out).string(),
+                                       "--quiet"};
+    for (const std::string& setting : settings) arguments.insert(arguments.end(), {"--set", setting});
     run_child = std::make_unique<Child>(folder, arguments);
-    run = std::make_shared<RunWatch>(out);
-    return {{"folder", fs::relative(out, folder, ignored).string()}};
+    run = std::make_shared<RunWatch>(fs::absolute(out));
 }
 
 /// Ends in order, and can be resumed. Also a run that was started elsewhere on this machine.
@@ -201,15 +209,68 @@ WebAnswer Studio::Impl::best_shape() {
     }
     if (!watch) return {404, "text/plain", "no run is open\n"};
     std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(watch->folder(), ignored)) {
-        if (entry.path().stem() != "best" || !entry.is_regular_file(ignored)) continue;
-        const TriMesh best = read_surface(entry.path()).mesh;
-        const TriMesh& start = shown->ground.start.mesh;
-        if (best.num_vertices() != start.num_vertices() || best.triangles != start.triangles)
-            return {404, "text/plain", "the best shape has other triangles than the surface shown\n"};
-        return {200, "application/octet-stream", centred_positions(best.vertices, start)};
-    }
+    for (const auto& entry : fs::directory_iterator(watch->folder(), ignored))
+        if (entry.path().stem() == "best" && entry.is_regular_file(ignored)) return shape_answer(entry.path(), *shown);
     return {404, "text/plain", "there is no best shape yet\n"};
+}
+
+WebAnswer Studio::Impl::shape_answer(const fs::path& file, const Subject& shown) {
+    const TriMesh shape = read_surface(file).mesh;
+    const TriMesh& start = shown.ground.start.mesh;
+    if (shape.num_vertices() != start.num_vertices() || shape.triangles != start.triangles)
+        return {404, "text/plain", "that shape has other triangles than the surface shown\n"};
+    return {200, "application/octet-stream", centred_positions(shape.vertices, start)};
+}
+
+/// {designs: [{run, evaluation}]}: the shapes that the runs of the folder have kept; evaluation 0 is the best one.
+Studio::Impl::Json Studio::Impl::designs() {
+    constexpr std::size_t most = 400;
+    Json list = Json::array();
+    std::vector<fs::path> folders;
+    std::error_code ignored;
+    if (run) folders.push_back(run->folder());
+    for (const auto& entry : fs::directory_iterator(folder / "runs", ignored))
+        if (fs::exists(entry.path() / "journal.sqlite", ignored) && (!run || entry.path() != run->folder()))
+            folders.push_back(entry.path());
+    if (folders.size() > 1) std::sort(folders.begin() + (run ? 1 : 0), folders.end());
+    for (const fs::path& one : folders) {
+        const std::string name = fs::relative(one, folder, ignored).string();
+        list.push_back({{"run", name}, {"evaluation", 0}});
+        std::vector<int> numbers;
+        for (const auto& entry : fs::directory_iterator(one / "series", ignored)) {
+            const std::string file = entry.path().filename().string();
+            int number = 0;
+            constexpr std::size_t before = 7;  // of "design_"
+            if (!file.starts_with("design_") || !file.ends_with(".vtp")) continue;
+            std::from_chars(file.data() + before, file.data() + file.size(), number);
+            if (number > 0) numbers.push_back(number);
+        }
+        std::sort(numbers.begin(), numbers.end());
+        for (const int number : numbers)
+            if (list.size() < most) list.push_back({{"run", name}, {"evaluation", number}});
+    }
+    return {{"designs", std::move(list)}};
+}
+
+/// One of them, as positions of /api/surface.
+WebAnswer Studio::Impl::design(const WebRequest& request) {
+    const auto shown = need_subject();
+    const auto asked_run = request.query.find("run"), asked_number = request.query.find("evaluation");
+    int number = -1;
+    if (asked_number != request.query.end())
+        std::from_chars(asked_number->second.data(), asked_number->second.data() + asked_number->second.size(), number);
+    if (asked_run == request.query.end() || number < 0) return {404, "text/plain", "run and evaluation are missing\n"};
+    const fs::path from = inside(asked_run->second);
+    std::error_code ignored;
+    if (!fs::exists(from / "journal.sqlite", ignored)) return {404, "text/plain", "that is not a run folder\n"};
+    std::string digits = std::to_string(number);
+    if (digits.size() < 6) digits.insert(0, 6 - digits.size(), '0');
+    fs::path file = from / "series" / ("design_" + digits + ".vtp");
+    if (number == 0)
+        for (const auto& entry : fs::directory_iterator(from, ignored))
+            if (entry.path().stem() == "best" && entry.is_regular_file(ignored)) file = entry.path();
+    if (!fs::is_regular_file(file, ignored)) return {404, "text/plain", "that shape was not kept\n"};
+    return shape_answer(file, *shown);
 }
 
 }  // namespace strake

@@ -10,6 +10,12 @@
 
 namespace strake {
 
+void show(Subject& subject, const Case* the_case) {
+    subject.payload = payload_of(subject, the_case, subject.wing);
+    if (subject.wing)
+        subject.wing_places = std::make_shared<const Wing>(subject.ground.start.mesh, subject.wing->declaration);
+}
+
 std::shared_ptr<const Subject> surface_subject(const std::filesystem::path& file) {
     auto subject = std::make_shared<Subject>();
     subject->surface = file;
@@ -26,7 +32,7 @@ std::shared_ptr<const Subject> surface_subject(const std::filesystem::path& file
     } catch (const InvalidInput& refused) {
         subject->ground.warnings.push_back(text("no patches: ", refused.what()));
     }
-    subject->payload = payload_of(*subject, nullptr);
+    show(*subject, nullptr);
     return subject;
 }
 
@@ -37,7 +43,7 @@ std::shared_ptr<const Subject> case_subject(const std::filesystem::path& case_fi
     const Case the_case = load_case_text(yaml, case_file);
     subject->surface = the_case.surface;
     subject->ground = region_ground(the_case);
-    subject->payload = payload_of(*subject, &the_case);
+    show(*subject, &the_case);
     return subject;
 }
 

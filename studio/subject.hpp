@@ -1,4 +1,5 @@
 #pragma once
+#include "core/planform/find_wings.hpp"
 #include "studio/choice.hpp"
 
 #include <memory>
@@ -10,9 +11,14 @@ namespace strake {
 struct Subject {
     std::filesystem::path surface, case_file;  ///< the latter empty: a bare surface
     RegionGround ground;
-    std::string blocks;   ///< of the case's text that decide about `ground` (`ground_blocks`)
-    std::string payload;  ///< what the page gets (`payload_of`)
+    std::string blocks;                       ///< of the case's text that decide about `ground` (`ground_blocks`)
+    std::string payload;                      ///< what the page gets (`payload_of`)
+    std::optional<FoundWing> wing;            ///< that the page shows
+    std::shared_ptr<const Wing> wing_places;  ///< of the same
 };
+
+/// Finishes a subject whose ground is there.
+void show(Subject& subject, const Case* the_case);
 
 /// A bare surface with its automatic patches, as it is in its file: defects are shown, not refused.
 /// @throws InputError.

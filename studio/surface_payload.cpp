@@ -177,8 +177,8 @@ std::optional<BodyAxes> axes_across(const SymmetryPlane& plane, const Eigen::Vec
 }
 
 /// Axes, symmetry and wings: from the case, else what is found.
-void add_directions(const StartSurface& start, const Case* the_case, const Checkup& found, Json& facts, Arrays& arrays,
-                    const Eigen::Vector3d& center) {
+std::optional<FoundWing> add_directions(const StartSurface& start, const Case* the_case, const Checkup& found,
+                                        Json& facts, Arrays& arrays, const Eigen::Vector3d& center) {
     WingSearch search;
     std::optional<BodyAxes> axes = the_case ? body_axes(*the_case) : std::nullopt;
     std::optional<SymmetryPlane> symmetry = the_case ? the_case->symmetry : std::nullopt;
@@ -189,16 +189,19 @@ void add_directions(const StartSurface& start, const Case* the_case, const Check
     if (!symmetry) symmetry = plane_of_symmetry(start.mesh);
     facts["wings"] = Json::array();
     std::vector<float> trailing;
+    std::optional<FoundWing> wing;
     try {
-        const auto wing = find_wing(start.mesh, search);
+        wing = find_wing(start.mesh, search);
         // A fin of a symmetric body is no wing of it.
         const bool is_across = wing && (!symmetry || std::abs(wing->declaration.span.dot(symmetry->normal)) > 0.9);
-        if (is_across) {
+        if (!is_across) wing.reset();
+        if (wing) {
             facts["wings"].push_back(wing_json(*wing, start.mesh, trailing, center));
             if (!axes) axes = BodyAxes{wing->declaration.downstream, wing->declaration.up, false, {}};
         }
     } catch (const InvalidInput&) {
         trailing.clear();  // sections that do not exist: no table
+        wing.reset();
     }
     arrays.add("trailing", trailing, "f32");
     facts["axes"] = nullptr;
@@ -211,6 +214,7 @@ void add_directions(const StartSurface& start, const Case* the_case, const Check
     if (symmetry)
         facts["symmetry"] = {
             {"normal", vector_json(symmetry->normal)}, {"offset", symmetry->offset}, {"is_half", is_half}};
+    return wing;
 }
 
 void add_labels(const RegionGround& ground, Json& facts, Arrays& arrays) {
@@ -241,7 +245,7 @@ std::vector<float> relative_to(const Eigen::Vector3d& center, const Points& vert
     return positions;
 }
 
-std::string payload_of(const Subject& subject, const Case* the_case) {
+std::string payload_of(const Subject& subject, const Case* the_case, std::optional<FoundWing>& wing) {
     const StartSurface& start = subject.ground.start;
     const TriMesh& mesh = start.mesh;
     const Checkup found = checkup(mesh);
@@ -276,7 +280,7 @@ std::string payload_of(const Subject& subject, const Case* the_case) {
         arrays.add("file_triangle", numbers, "u32");
     }
     add_labels(subject.ground, facts, arrays);
-    add_directions(start, the_case, found, facts, arrays, center);
+    wing = add_directions(start, the_case, found, facts, arrays, center);
     facts["arrays"] = arrays.facts();
     std::string json = facts.dump(-1, ' ', false, Json::error_handler_t::replace);
     json.append((4 - json.size() % 4) % 4, ' ');

@@ -23,8 +23,9 @@ using WebHandler = std::function<WebAnswer(const WebRequest&)>;
 
 class WebServer {
 public:
-    /// Binds the port (0: any free one). @throws OutputError: in use, or not allowed.
-    WebServer(int port, WebHandler handler);
+    /// Binds the port (0: any free one). @param token of an earlier start; empty: a new one.
+    /// @throws OutputError: in use, or not allowed.
+    WebServer(int port, WebHandler handler, const std::string& token = "");
     ~WebServer();  ///< ends open connections
     WebServer(const WebServer&) = delete;
     WebServer& operator=(const WebServer&) = delete;
@@ -32,6 +33,8 @@ public:
     const Gate& gate() const;
     std::string url() const;  ///< "http://127.0.0.1:4711/TOKEN/"
     void start();             ///< answers from now on, by threads of its own
+    /// The answer to the bytes of a request as they come from a socket: to be tried without one.
+    std::string answer_bytes(const std::string& request);
 
 private:
     struct Impl;

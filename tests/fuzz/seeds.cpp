@@ -196,6 +196,46 @@ void volumes(Seeds& seeds) {
     seeds.add("foam", head("binary", "labelList") + "2(" + raw({1, 2}) + ")");
 }
 
+/// Requests to the studio; the first byte says what the rest is (fuzz_studio.cpp).
+void requests(Seeds& seeds) {
+    const std::string head = " HTTP/1.1\r\nHost: $H\r\n";
+    for (const char* path : {"", "api/state?from=0", "api/surface", "studio.js", "report", "../x", "api/felt/mode?j=1"})
+        seeds.add("studio", text(std::string(1, '\0'), "GET /$T/", path, head, "\r\n"));
+    seeds.add("studio",
+              text(std::string(1, '\0'), "GET /x/", head, "Origin: http://evil.example\r\nCookie: a=b\r\n\r\n"));
+    seeds.add("studio",
+              text(std::string(1, '\0'), "POST /$T/api", head,
+                   "Content-Type: application/json\r\nContent-Length: 20\r\n\r\n{\"do\":\"form\",\"text\":\"\"}"));
+    seeds.add("studio", text(std::string(1, '\0'), "POST /$T/api", head,
+                             "Transfer-Encoding: chunked\r\n\r\n2\r\n{}\r\n0\r\n\r\n"));
+    const std::string yaml = "surface: {file: body.obj}\\nobjective: {maximize: area}\\n";
+    const std::string with_text = "\",\"text\":\"" + yaml + "\"";
+    for (const std::string& body : std::vector<std::string>{
+             "open\",\"name\":\"case.yaml\"", "open\",\"name\":\"../secret.yaml\"", "attach\",\"name\":\"runs/a\"",
+             "check" + with_text, "form" + with_text,
+             "set" + with_text + ",\"values\":[[\"optimize.seed\",\"3\"],[\"objective\",\"\"]]",
+             "choose" + with_text +
+                 ",\"steps\":[{\"component\":0},{\"op\":\"-\",\"triangles\":[1]},{\"grow\":0.1},{\"invert\":true}]",
+             "choose" + with_text +
+                 ",\"steps\":[{\"plane\":{\"normal\":[0,0,1],\"at\":0.1,\"above\":true}},{\"op\":\"&\",\"box\":[[0,0,0]"
+                 ",["
+                 "1,1,1]]}]",
+             "choose" + with_text +
+                 ",\"steps\":[{\"wing\":{\"of\":\"\",\"chord\":[0,1],\"span\":[0,1]}},{\"flood\":{\"point\":[0,0,0],"
+                 "\"angle\":30}}]",
+             "region" + with_text + ",\"name\":\"b\",\"fix\":true,\"steps\":[{\"triangles\":[0]}]", "feel" + with_text,
+             "feel" + with_text + ",\"level\":1,\"x\":[0.1],\"slope\":true", "run\"", "save\""})
+        seeds.add("studio", "\x01{\"do\":\"" + body + "}");
+    for (const char* path :
+         {"api/design?run=runs&evaluation=0", "api/designs", "api/state?from=99999999999", "api/felt_state"})
+        seeds.add("studio", text("\x02", path));
+    const std::string nothing(1, '\0');
+    seeds.add("studio", "\x03s" + nothing + "new.yaml" + nothing + "surface: body.obj\n" + nothing + "0");
+    seeds.add("studio", "\x03s" + nothing + "../new.yaml" + nothing + "x" + nothing + "0");
+    seeds.add("studio",
+              "\x03" + nothing + "b" + nothing + "surface: body.obj\n" + nothing + nothing + "[{\"triangles\":[0,2]}]");
+}
+
 /// The texts between R"( and )" of another file: the seeds of its own mutations.
 void cases_of(const fs::path& source, Seeds& seeds) {
     const std::string code = read_bytes(source);
@@ -220,5 +260,6 @@ int main(int argc, char** argv) {
     strake::text_variants(seeds);
     strake::mesher_variants(seeds);
     strake::volumes(seeds);
+    strake::requests(seeds);
     strake::cases_of(argv[2], seeds);
 }

@@ -90,6 +90,7 @@ class Server(unittest.TestCase):
         cls.outside = pathlib.Path(cls.around.name)
         cls.folder = cls.outside / "mine"
         cls.folder.mkdir()
+        os.environ["XDG_CACHE_HOME"] = str(cls.outside / "cache")
         subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1500", "-o", cls.folder / "body.stl"], check=True,
                        stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
         (cls.outside / "secret.yaml").write_text("surface: secret\n")
@@ -163,6 +164,52 @@ class Server(unittest.TestCase):
         self.assertEqual(self.studio.request("api", "POST", "{}", {"Content-Type": "text/plain"})[0], 415)
         self.assertEqual(self.studio.request("api", "PUT", "{}", json_type)[0], 405)
         self.assertEqual(self.studio.request("api", "POST", " " * (3 << 20) + '{"do": "choose"}', json_type)[0], 409, "below the limit")
+
+    def test_a_header_without_an_end_is_not_read_to_the_end(self):
+        with socket.create_connection(("127.0.0.1", self.studio.port), timeout=10) as link:
+            link.sendall(b"GET /" + self.studio.token.encode() + b"/ HTTP/1.1\r\nX: ")
+            sent, answer = 0, b""
+            try:
+                while sent < (64 << 20):
+                    sent += link.send(b"x" * 65536)
+            except OSError:
+                pass
+            try:
+                answer = link.recv(1000)
+            except OSError:
+                pass
+        self.assertLess(sent, 8 << 20, "the studio has closed the connection")
+        self.assertIn(answer[:12], (b"HTTP/1.1 431", b""))
+        memory = int(re.search(r"VmHWM:\s+(\d+)", pathlib.Path(f"/proc/{self.studio.process.pid}/status").read_text())[1])
+        self.assertLess(memory, 400_000, "kB")
+        answer = self.studio.raw(b"GET / HTTP/1.1\r\nX: " + b"x" * 20000 + b"\r\n\r\n")
+        self.assertTrue(answer.startswith(b"HTTP/1.1 431"), answer[:60])
+
+    def test_slow_requests_hold_up_nobody(self):
+        links = [socket.create_connection(("127.0.0.1", self.studio.port), timeout=20) for _ in range(3)]
+        for link in links:
+            link.sendall(b"GET / HT")
+        begin = time.monotonic()
+        self.assertEqual(self.studio.request("")[0], 200)
+        self.assertLess(time.monotonic() - begin, 5)
+        for link in links:
+            link.close()
+
+    def test_keeps_its_address_from_start_to_start(self):
+        before = self.studio.url
+        kept = [*(self.outside / "cache/strake").iterdir()]
+        self.assertTrue(all(file.stat().st_mode & 0o077 == 0 for file in kept), "nobody else reads it")
+        self.studio.end(signal.SIGKILL)
+        with Studio(self.folder, "body.stl") as again:
+            self.assertEqual(again.url, before)
+            with Studio(self.folder, "body.stl") as second:
+                self.assertNotEqual(second.url.split("/")[3], again.token, "a second one beside it has its own")
+        with Studio(self.folder, "body.stl", "--new-address") as other:
+            self.assertNotEqual(other.url.split("/")[3], before.split("/")[3])
+        for file in kept:
+            file.chmod(0o644)
+        with Studio(self.folder, "body.stl") as distrustful:
+            self.assertNotEqual(distrustful.token, other.token, "others may have read that file")
 
     def test_a_refused_body_is_no_second_request(self):
         inner = f"GET /{self.studio.token}/api/state HTTP/1.1\r\nHost: 127.0.0.1:{self.studio.port}\r\n\r\n"
@@ -261,6 +308,107 @@ class Server(unittest.TestCase):
         self.assertEqual([e["line"] for e in found["errors"]], [4], found)
         self.assertIn("p77", found["errors"][0]["message"])
         self.assertFalse(trap.exists())
+
+    def felt(self, wish, seconds=100):
+        end = time.monotonic() + seconds
+        while time.monotonic() < end:
+            state = json.loads(self.studio.request("api/felt_state")[1])
+            if state["done"] >= wish:
+                return state
+            time.sleep(0.02)
+        raise RuntimeError(f"no answer to wish {wish}: {state}")
+
+    def numbers(self, path):
+        status, body = self.studio.request(path)
+        self.assertEqual(status, 200, body[:200])
+        return array.array("f", body)
+
+    def test_the_linear_preview_is_the_derivative_of_the_exact_shape(self):
+        self.opened()
+        yaml = ("surface: {file: body.stl}\nregions: {root: {plane: {normal: [1, 0, 0], at: 0.8}, side: below}}\nfixed: [root]\n"
+                "objective: {maximize: volume}\nparameters: {levels: auto, patches_per_level: [4], variables: [normal], max_displacement: 4%}\n")
+        status, asked = self.studio.post("feel", text=yaml)
+        self.assertEqual(status, 200, asked)
+        variables = self.felt(asked["wish"])["answer"]["variables"]
+        self.assertGreater(len(variables), 1)
+        shapes = []
+        for step in (0.0, 0.02, 0.04):
+            x = [step] + [0.0] * (len(variables) - 1)
+            answer = self.felt(self.studio.post("feel", text=yaml, level=1, x=x, slope=True)[1]["wish"])["answer"]
+            self.assertEqual(answer["status"], "ok", answer)
+            shapes.append((self.numbers("api/felt/shape"), answer["values"]["volume"], self.numbers("api/felt/slope")))
+        end = time.monotonic() + 60
+        while json.loads(self.studio.request("api/felt_state")[1])["modes"] < len(variables) and time.monotonic() < end:
+            time.sleep(0.05)
+        mode = self.numbers("api/felt/mode?j=0")
+        largest = max(map(abs, mode))
+        misses = [max(abs(now - at - step * rate) for now, at, rate in zip(shapes[k][0], shapes[0][0], mode)) for k, step in ((1, 0.02), (2, 0.04))]
+        self.assertLess(misses[1], 0.1 * 0.04 * largest, "the shape moves as the mode says")
+        self.assertGreater(misses[1], 2.5 * misses[0], "what is left is of second order")
+        other = self.numbers("api/felt/mode?j=1")
+        self.assertGreater(max(abs(now - at - 0.04 * rate) for now, at, rate in zip(shapes[2][0], shapes[0][0], other)), 0.3 * 0.04 * largest, "control")
+        rate = sum(a * b for a, b in zip(shapes[0][2], mode))
+        self.assertAlmostEqual((shapes[2][1] - shapes[0][1]) / 0.04 / rate, 1, delta=0.1)
+        self.assertEqual(self.studio.request("api/felt/mode?j=99")[0], 404)
+        envelope = self.numbers("api/felt/envelope")
+        self.assertEqual(len(envelope), 2 * len(mode) // 3)
+        self.assertGreaterEqual(min(envelope), 0)
+        self.assertLessEqual(max(envelope), 0.04 * 1.001 * self.diagonal(), "never beyond the motion limit")
+        for refused in ({"x": [1]}, {"level": 1, "x": ["a"]}, {"level": "1"}, {"level": -1}):
+            status, answer = self.studio.post("feel", text=yaml, **refused)
+            self.assertTrue(status == 409 or "error" in self.felt(answer["wish"])["answer"], refused)
+
+    def diagonal(self):
+        body = self.studio.request("api/surface")[1]
+        return json.loads(body[4:4 + int.from_bytes(body[:4], "little")])["diagonal"]
+
+    def test_newer_wishes_overtake_older_ones_and_hold_up_nothing(self):
+        self.opened()
+        yaml = ("surface: {file: body.stl}\nregions: {root: {plane: {normal: [1, 0, 0], at: 0.8}, side: below}}\nfixed: [root]\n"
+                "objective: {maximize: volume}\nparameters: {levels: auto, patches_per_level: [4], variables: [normal], max_displacement: 4%}\n")
+        count = len(self.felt(self.studio.post("feel", text=yaml)[1]["wish"])["answer"]["variables"])
+        begin, slowest, last = time.monotonic(), 0, 0
+        for k in range(30):
+            before = time.monotonic()
+            last = self.studio.post("feel", text=yaml, level=1, x=[0.01 * k] + [0.0] * (count - 1))[1]["wish"]
+            slowest = max(slowest, time.monotonic() - before)
+        self.assertLess(slowest, 1, "a handler waits for no shape")
+        answer = self.felt(last)["answer"]
+        self.assertEqual(answer["status"], "ok")
+        self.assertLess(time.monotonic() - begin, 15 * max(answer["seconds"], 0.1) + 2, "not thirty shapes")
+
+    def test_forms_change_the_text_and_nothing_else(self):
+        self.opened()
+        yaml = "surface: {file: body.stl}  # mine\nobjective: {maximize: volume}\n"
+        status, found = self.studio.post("set", text=yaml, values=[["optimize.budget.evaluations", "7"], ["surface.units", "mm"]])
+        self.assertEqual(status, 200, found)
+        self.assertEqual(found["text"], "surface: {file: body.stl, units: mm}  # mine\nobjective: {maximize: volume}\noptimize:\n  budget:\n    evaluations: 7\n")
+        rows = {row["path"]: row for row in self.studio.post("form", text=found["text"])[1]["rows"]}
+        self.assertEqual((rows["optimize.budget.evaluations"]["value"], rows["surface.units"]["value"]), ("7", "mm"))
+        for values in ("x", [["a"]], [["a", 1]], [["a", "[1"]]):
+            self.assertEqual(self.studio.post("set", text=yaml, values=values)[0], 409, values)
+
+    def test_a_part_of_a_wing_is_what_check_counts(self):
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "3000", "-o", self.folder / "wing.stl"], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        self.addCleanup((self.folder / "wing.stl").unlink)
+        with Studio(self.folder, "wing.stl") as studio:
+            studio.until(lambda s: not s["is_opening"])
+            steps = [{"wing": {"of": "", "chord": [0.15, 0.6], "span": [0.2, 0.9], "side": "upper"}}]
+            yaml = "surface: {file: wing.stl}\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n"
+            status, seen = studio.post("choose", text=yaml, steps=steps)
+            self.assertEqual(status, 200, seen)
+            status, made = studio.post("region", text=yaml, name="spars", steps=steps, fix=True)
+            self.assertEqual(status, 200, made)
+            self.assertIn("spars: {of: wing, chord: [0.15, 0.6], span: [0.2, 0.9], side: upper}", made["text"])
+            self.assertIn("planform:\n  wing: {span: ", made["text"])
+        (self.folder / "wing.yaml").write_text(made["text"])
+        self.addCleanup((self.folder / "wing.yaml").unlink)
+        checked = subprocess.run([STRAKE, "check", "wing.yaml", "--quick", "--json"], cwd=self.folder, capture_output=True, text=True, check=False)
+        facts = json.loads(checked.stdout)
+        count = next(r["triangles"] for r in facts["regions"] if r["name"] == "spars")
+        self.assertEqual(count, seen["triangles"], checked.stdout[:500])
+        self.assertGreater(count, 200)
 
     def test_read_only(self):
         with Studio(self.folder, "body.stl", "--read-only") as studio:

@@ -3,6 +3,7 @@
 import { h, tick } from '../../../viewer/page/src/dom.js';
 import { number } from '../../../viewer/page/src/format.js';
 import { get, post, marksOf, newest } from './api.js';
+import { Form } from './form.js';
 
 export class Editor {
   constructor(studio) {
@@ -10,10 +11,11 @@ export class Editor {
     this.mark = '';
     this.name = '';
     this.saved = '';
-    this.before = [];
+    this.found = [];
+    this.form = new Form(this);
     this.shownRegions = new Set();
     this.regions = [];
-    this.area = h('textarea', { id: 'case-text', spellcheck: 'false', autocomplete: 'off', wrap: 'off', rows: 24, 'aria-label': 'Case file, YAML', oninput: () => this.changed() });
+    this.area = h('textarea', { id: 'case-text', spellcheck: 'false', autocomplete: 'off', wrap: 'off', rows: 24, 'aria-label': 'Case file, YAML', oninput: () => this.typed() });
     this.numbers = h('pre', { class: 'lines', 'aria-hidden': 'true' });
     this.area.addEventListener('scroll', () => { this.numbers.scrollTop = this.area.scrollTop; });
     this.errors = h('div', { class: 'errors', 'aria-live': 'polite' });
@@ -27,19 +29,36 @@ export class Editor {
 
   async load() {
     const { name, text, mark } = await get('api/case');
+    if (this.isChanged && name === this.name && mark === this.mark) { this.changed(); return; }  // what is typed stays
     this.name = name;
     this.mark = mark;
     this.saved = text;
     if (this.area.value !== text) {
-      if (this.area.value.trim()) this.before.push(this.area.value);
+      if (this.area.value.trim()) this.remember(this.area.value, text, `${name || 'no case'} opened`);
       this.area.value = text;
     }
+    this.lastText = text;
     this.changed();
   }
 
-  replace(text) {
-    this.before.push(this.area.value);
+  remember(before, after, why) {
+    const set = (text) => { this.area.value = text; this.lastText = text; this.changed(); };
+    this.studio.history.add(why, () => set(before), () => set(after));
+  }
+
+  replace(text, why = 'case') {
+    if (text === this.area.value) return;
+    this.remember(this.area.value, text, why);
     this.area.value = text;
+    this.lastText = text;
+    this.changed();
+  }
+
+  /** Typing: one change as long as it goes on. */
+  typed() {
+    const before = this.lastText ?? '', after = this.area.value, set = (text) => { this.area.value = text; this.lastText = text; this.changed(); };
+    this.studio.history.add('typing in the case', () => set(before), () => set(after), 'typing');
+    this.lastText = after;
     this.changed();
   }
 
@@ -47,7 +66,7 @@ export class Editor {
     this.number();
     this.status();
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.check(), 250);
+    this.timer = setTimeout(() => { this.check(); this.form.refresh(); }, 200);
   }
 
   number() {
@@ -69,9 +88,11 @@ export class Editor {
   }
 
   async ask() {
-    if (!this.text.trim()) { this.errors.replaceChildren(); this.list.replaceChildren(); this.regions = []; this.show(); return; }
+    if (!this.text.trim()) { this.found = []; this.errors.replaceChildren(); this.list.replaceChildren(); this.regions = []; this.show(); return; }
     try {
       const found = await post('check', { text: this.text });
+      this.found = found.errors;
+      this.form.errors();
       this.badLines = new Set(found.errors.map((e) => e.line));
       this.errors.replaceChildren(found.errors.length === 0 ? h('p', { class: 'good' }, 'No errors in the text and its regions.')
         : h('ul', {}, found.errors.map((e) => h('li', {}, h('button', { type: 'button', onclick: () => this.goTo(e.line) }, `line ${e.line}`), ` ${e.message}`))),
@@ -114,7 +135,7 @@ export class Editor {
       if (found.changed) {
         studio.tell(`${this.name || more.name} has been changed by another program and was not overwritten.`);
         this.other.replaceChildren(h('p', { class: 'problem' }, 'The file on the disk differs from what this page has read.'),
-          h('button', { type: 'button', onclick: () => { this.before.push(this.text); this.area.value = found.text; this.saved = found.text; this.mark = found.mark; this.name = this.name || more.name; this.other.replaceChildren(); this.changed(); } }, 'Take the file (Undo brings this text back)'),
+          h('button', { type: 'button', onclick: () => { this.replace(found.text, 'the file of the disk'); this.saved = found.text; this.mark = found.mark; this.name = this.name || more.name; this.other.replaceChildren(); } }, 'Take the file (Undo brings this text back)'),
           h('button', { type: 'button', onclick: () => { this.mark = found.mark; this.name = this.name || more.name; this.other.replaceChildren(); this.save(); } }, 'Overwrite the file'));
         return false;
       }
@@ -139,8 +160,8 @@ export class Editor {
     this.status();
     return [this.state, this.fresh, this.other,
       h('div', { class: 'controls' }, h('button', { type: 'button', id: 'save', class: 'main', onclick: () => this.save() }, 'Save'),
-        h('button', { type: 'button', onclick: () => { if (this.before.length) { this.area.value = this.before.pop(); this.changed(); } } }, 'Undo'),
         h('button', { type: 'button', onclick: () => post('full_check').then(() => this.studio.tell('strake check is at work …'), (e) => this.studio.tell(e.message)) }, 'Check all of the saved case')),
-      h('div', { class: 'editor' }, this.numbers, this.area), this.errors, h('h3', {}, 'Regions'), this.list];
+      this.errors, this.form.element, h('details', { class: 'yaml', open: true }, h('summary', {}, 'The file itself (YAML)'), h('div', { class: 'editor' }, this.numbers, this.area)),
+      h('h3', {}, 'Regions'), this.list, this.form.reasons];
   }
 }

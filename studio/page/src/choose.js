@@ -5,7 +5,7 @@ import { number } from '../../../viewer/page/src/format.js';
 import { post, marksOf, newest } from './api.js';
 
 const tools = [['patch', 'patches'], ['component', 'connected parts'], ['part', 'parts of the file'], ['flood', 'up to creases'],
-  ['plane', 'a plane'], ['box', 'a box'], ['rectangle', 'a rectangle of the view'], ['triangle', 'single triangles']];
+  ['plane', 'a plane'], ['box', 'a box'], ['wing', 'a part of a wing (chord, span)'], ['rectangle', 'a rectangle of the view'], ['lasso', 'a lasso of the view'], ['triangle', 'single triangles']];
 const axes = ['x', 'y', 'z'];
 
 const words = (step) => {
@@ -16,6 +16,7 @@ const words = (step) => {
   if (step.flood) return `${sign} what is reached without a crease above ${step.flood.angle}°`;
   if (step.plane) return `${sign} ${step.plane.above ? 'above' : 'below'} the plane at ${number(step.plane.at)}`;
   if (step.box) return `${sign} a box`;
+  if (step.wing) return `${sign} ${step.wing.of || 'the wing'}: chord ${step.wing.chord.map((v) => number(100 * v, 3)).join('–')} %, span ${step.wing.span.map((v) => number(100 * v, 3)).join('–')} %`;
   if (step.triangles) return `${sign} ${step.triangles.length} triangles of the view`;
   if (step.all) return `${sign} all`;
   if (step.grow !== undefined) return step.grow >= 0 ? `grow by ${number(step.grow)}` : `shrink by ${number(-step.grow)}`;
@@ -24,9 +25,9 @@ const words = (step) => {
 };
 
 export class Choosing {
-  /** editor: {text, replace(text, why)}; told: says words. */
-  constructor(scene, editor, told) {
-    Object.assign(this, { scene, editor, told });
+  constructor(studio) {
+    Object.assign(this, { studio, scene: studio.scene, editor: studio.editor, told: (words) => studio.tell(words) });
+    const { scene } = this;
     this.tool = 'patch';
     this.op = '+';
     this.steps = [];
@@ -34,6 +35,7 @@ export class Choosing {
     this.through = false;
     this.plane = { axis: 0, share: 0.2, above: false };
     this.corners = [scene.body.facts.low.slice(), scene.body.facts.high.slice()];
+    this.box = { of: '', chord: [0.15, 0.65], span: [0, 1], side: 'both' };
     this.name = 'held';
     this.fix = true;
     this.update = newest(() => this.ask());
@@ -49,16 +51,28 @@ export class Choosing {
       const normal = axes.map((_, k) => (k === this.plane.axis ? 1 : 0));
       return { op: this.op, plane: { normal, at: this.plane.typed ?? Number(this.at().toPrecision(4)), above: this.plane.above } };
     }
-    if (this.tool === 'box') return { op: this.op, box: this.corners };
+    if (this.tool === 'box') return { op: this.op, box: this.corners.map((c) => c.slice()) };
+    if (this.tool === 'wing') return { op: this.op, wing: { ...this.box } };
     return null;
   }
 
   all() { const last = this.dragged(); return last ? [...this.steps, last] : this.steps; }
 
+  /** What was dragged or typed can be undone, one change as long as it goes on. */
+  remember() {
+    const now = JSON.stringify([this.plane, this.corners, this.box]), before = this.was;
+    this.was = now;
+    if (!before || before === now) return;
+    const set = (words) => { [this.plane, this.corners, this.box] = JSON.parse(words); this.was = words; this.options(); this.update(); };
+    this.studio.history.add(`moved the ${this.tool}`, () => set(before), () => set(now), `shape ${this.tool}`);
+  }
+
   async ask() {
     const { scene } = this, steps = this.all(), last = this.dragged();
+    this.remember();
     this.freshName();
-    scene.hint(last && last.plane, last && last.box);
+    if (this.studio.tab === 'choose') scene.hint(last && last.plane, last && last.box);
+    this.studio.handles();
     try {
       const found = await post('choose', { steps, name: this.name, text: this.editor.text });
       scene.chosen = found.triangles > 0 ? marksOf(found.marks, scene.body.count) : null;
@@ -71,7 +85,45 @@ export class Choosing {
     document.documentElement.dataset.chosen = String(this.count);
   }
 
-  push(step) { this.steps.push(step); return this.update(); }
+  push(step) { return this.setSteps([...this.steps, step], words(step)); }
+
+  /** Can be undone. */
+  setSteps(steps, why) {
+    const before = this.steps, set = (list) => { this.steps = list; this.update(); };
+    this.studio.history.add(why, () => set(before), () => set(steps));
+    this.steps = steps;
+    return this.update();
+  }
+
+  /** What can be dragged of the plane or box. */
+  handleList() {
+    const { center, low, high } = this.scene.body.facts, c = center;
+    const knob = (at, along, moved, text) => ({ at: at.map((v, k) => v - c[k]), along, words: text, moved });
+    if (this.tool === 'plane') {
+      const { normal, at } = this.dragged().plane, middle = low.map((v, k) => (v + high[k]) / 2), a = this.plane.axis;
+      middle[a] = at;
+      return [knob(middle, normal, (length) => { this.plane.typed = Number((this.dragged().plane.at + length).toPrecision(5)); this.syncPlane(); this.update(); }, 'plane')];
+    }
+    if (this.tool === 'box') {
+      const middle = axes.map((_, k) => (this.corners[0][k] + this.corners[1][k]) / 2);
+      return axes.flatMap((_, a) => [0, 1].map((end) => {
+        const at = middle.slice(), along = axes.map((_, k) => (k === a ? 1 : 0));
+        at[a] = this.corners[end][a];
+        return knob(at, along, (length) => {
+          const to = this.corners[end][a] + length, other = this.corners[1 - end][a];
+          this.corners[end][a] = Number((end === 0 ? Math.min(to, other) : Math.max(to, other)).toPrecision(6));
+          this.options(); this.update();
+        }, `${axes[a]} ${end ? 'to' : 'from'}`);
+      }));
+    }
+    return [];
+  }
+
+  syncPlane() {
+    const input = this.place.querySelector('input[type=number]'), ranged = this.place.querySelector('#plane-at'), { low, high } = this.scene.body.facts, a = this.plane.axis;
+    if (input) input.value = String(this.dragged().plane.at);
+    if (ranged) ranged.value = String(1000 * (this.dragged().plane.at - low[a]) / (high[a] - low[a] || 1));
+  }
 
   /** A name that no region of the case has, unless the user has typed one: that replaces the region of that name. */
   freshName() {
@@ -101,9 +153,11 @@ export class Choosing {
     return undefined;
   }
 
-  rectangle(x0, y0, x1, y1) {
-    const triangles = this.scene.inRectangle(x0, y0, x1, y1, this.through);
+  /** A closed line of the view: lasso or rectangle. */
+  enclose(line) {
+    const triangles = this.scene.inLasso(line, this.through);
     if (triangles.length > 0) this.push({ op: this.op, triangles });
+    else this.told(this.through ? 'Nothing lies in it.' : 'Nothing that is seen lies in it; through the body takes what is hidden, too.');
   }
 
   setTool(tool) { this.tool = tool; this.options(); this.update(); }
@@ -137,9 +191,30 @@ export class Choosing {
         this.update();
       }).label)));
     }
-    if (this.tool === 'rectangle') parts.push(tick('through the body', this.through, (v) => { this.through = v; }), h('p', { class: 'hint' }, 'Drag a rectangle over the surface; with Shift the view turns instead.'));
-    if (['plane', 'box'].includes(this.tool)) parts.push(h('button', { type: 'button', onclick: () => { const step = this.dragged(); this.steps.push(step); this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; } }, 'Keep it, and go on with patches'));
+    if (['rectangle', 'lasso'].includes(this.tool)) parts.push(tick('through the body', this.through, (v) => { this.through = v; }), h('p', { class: 'hint' }, `Drag a ${this.tool} over the surface; with Shift the view turns instead.`));
+    if (this.tool === 'wing') parts.push(...this.wingOptions());
+    if (['plane', 'box'].includes(this.tool)) parts.push(h('p', { class: 'hint' }, 'The dots on the surface can be dragged.'));
+    if (['plane', 'box', 'wing'].includes(this.tool)) parts.push(h('button', { type: 'button', onclick: () => { const step = this.dragged(); this.tool = 'patch'; this.toolChoice.querySelector('select').value = 'patch'; this.options(); this.push(step); } }, 'Keep it, and go on with patches'));
     this.place.replaceChildren(...parts);
+  }
+
+  /** Of a wing that the case declares, or of the one that was found. */
+  wingOptions() {
+    const declared = [...this.editor.text.matchAll(/^planform:[^\n]*\n((?:[ #][^\n]*\n?|\n)*)/gm)].flatMap((m) => [...m[1].matchAll(/^ {2}([\w-]+):/gm)].map((n) => n[1]));
+    if (declared.length > 0 && !declared.includes(this.box.of)) [this.box.of] = declared;
+    if (declared.length === 0) this.box.of = '';
+    if (declared.length === 0 && this.scene.body.facts.wings.length === 0) return [h('p', { class: 'hint' }, 'No wing is found on this surface. Declare one under planform in the case.')];
+    const range = (key, label) => [0, 1].map((k) => slider(`${label} ${k ? 'to' : 'from'}`, { min: 0, max: 100, step: 1, id: `wing-${key}-${k}`, value: 100 * this.box[key][k] }, (v) => {
+      this.box[key][k] = v / 100;
+      if (this.box[key][1] - this.box[key][0] < 0.01) this.box[key][k] = k ? this.box[key][0] + 0.01 : this.box[key][1] - 0.01;
+      out.textContent = sizes();
+      this.update();
+    }).label);
+    const sizes = () => `chord ${number(100 * this.box.chord[0], 3)}–${number(100 * this.box.chord[1], 3)} %, semispan ${number(100 * this.box.span[0], 3)}–${number(100 * this.box.span[1], 3)} %`;
+    const out = h('output', {}, sizes());
+    return [declared.length > 0 ? choice('Wing', declared.map((n) => [n, n]), this.box.of, (v) => { this.box.of = v; this.update(); }) : h('p', { class: 'hint' }, 'The wing that was found; the case will declare it.'),
+      ...range('chord', 'chord'), ...range('span', 'span'), out,
+      choice('Side', [['both', 'both'], ['upper', 'upper'], ['lower', 'lower']], this.box.side, (v) => { this.box.side = v; this.update(); })];
   }
 
   panel() {
@@ -156,7 +231,7 @@ export class Choosing {
     return [
       h('div', { class: 'controls' }, this.toolChoice, choice('and', [['+', 'add'], ['-', 'subtract'], ['&', 'intersect']], this.op, (v) => { this.op = v; this.update(); })),
       this.place,
-      h('div', { class: 'controls' }, button('Undo', () => { this.steps.pop(); this.update(); }), button('Clear', () => { this.steps = []; this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; }),
+      h('div', { class: 'controls' }, button('Undo', () => { if (this.steps.length > 0) this.setSteps(this.steps.slice(0, -1), 'a step less'); }), button('Clear', () => { this.setSteps([], 'clear'); this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; }),
         button('All', () => this.push({ op: this.op, all: true })), button('Complement', () => this.push({ op: '+', invert: true })),
         h('span', { class: 'control' }, button('Grow', () => this.push({ op: '+', grow: by.valueAsNumber || 0 })), button('Shrink', () => this.push({ op: '+', grow: -(by.valueAsNumber || 0) })), h('span', {}, 'by'), by)),
       this.list, this.found,
@@ -174,6 +249,7 @@ export class Choosing {
       await this.editor.ask();
       this.isTyped = false;
       this.steps = [];
+      this.tool = 'patch';
       this.setTool('patch');
       this.toolChoice.querySelector('select').value = 'patch';
       this.told(`The case has the region ${put} now, as ${made.kind}${replaced}. Save it under Case.`);

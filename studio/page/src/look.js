@@ -13,13 +13,15 @@ export function colourChoices(facts) {
 
 const degrees = (value) => `${number(Math.abs(value) < 1e-6 ? 0 : value, 3)}°`;  // no −1e−16°
 
-/** Three likely units, with what the body would be in metres. */
-function unitWords(facts) {
-  if (facts.units) return `The case says that coordinates are in ${facts.units}.`;
+/** "Is this metres? longest side 28.1 m", corrected by a click; the case keeps it. */
+function unitQuestion(facts, editor) {
   const longest = Math.max(...facts.high.map((v, c) => v - facts.low[c]));
-  const inMetres = { m: 1, mm: 1e-3, in: 0.0254 };
-  const list = Object.entries(inMetres).map(([unit, size]) => `${unit}: ${number(longest * size, 3)} m`).join(', ');
-  return `The file does not say its unit. Its longest side would be, in ${list}. State it as surface: {units: …} where a length of the case has a unit.`;
+  const inMetres = { m: 1, cm: 1e-2, mm: 1e-3, ft: 0.3048, in: 0.0254 };
+  const stated = facts.units || '';
+  const button = (unit) => h('button', { type: 'button', 'aria-pressed': String(unit === stated), onclick: () => editor.form.set([['surface.units', unit]], `unit ${unit}`), disabled: !editor.text.trim() }, `${unit}: ${number(longest * inMetres[unit], 3)} m`);
+  return h('div', { class: 'units' }, h('p', {}, stated ? `Coordinates are in ${stated}, as the case says.` : 'The file does not say its unit. Its longest side would be …'),
+    h('span', { class: 'buttons', role: 'group', 'aria-label': 'Unit of the coordinates' }, Object.keys(inMetres).map(button)),
+    editor.text.trim() ? '' : h('p', { class: 'hint' }, 'A case keeps the unit: propose one first.'));
 }
 
 function wings(facts) {
@@ -41,17 +43,18 @@ function defects(facts, scene) {
   h('button', { type: 'button', onclick: () => { scene.mark([]); scene.viewer.look('iso'); } }, 'Hide the marks')];
 }
 
-export function lookPanel(scene) {
+export function lookPanel(scene, editor, next) {
   const { body } = scene, { facts } = body, unit = facts.units ? ` ${facts.units}` : '';
   const size = body.size.map((v) => number(v)).join(' × ');
   return [
+    next,
     table('Surface', [['', false], ['value', true]], [
       [`size x × y × z${unit}`, size],
       ['from', facts.low.map((v) => number(v)).join(', ')], ['to', facts.high.map((v) => number(v)).join(', ')],
       ['diagonal', number(facts.diagonal)], ['area', number(facts.area)],
       ['volume', facts.volume === null ? 'none: it is open' : number(facts.volume)],
       ['triangles, vertices', `${facts.triangles}, ${facts.vertices}`], ['connected parts', String(facts.components)]]),
-    h('p', { class: 'hint' }, unitWords(facts)),
+    unitQuestion(facts, editor),
     facts.is_prepared ? h('p', {}, 'Shown as the case repairs and remeshes it.') : '',
     [...facts.notes, ...facts.warnings].map((words) => h('p', { class: 'hint' }, words)),
     h('h3', {}, 'Wings'), wings(facts),

@@ -11,34 +11,110 @@ import { Choosing } from './choose.js';
 import { Editor } from './case_panel.js';
 import { Feel } from './feel.js';
 import { RunPanel } from './run_panel.js';
+import { History } from './history.js';
+import { Section } from './section_panel.js';
+import { gradient } from '../../../viewer/page/src/colors.js';
 
 const tabs = [['look', 'Surface'], ['choose', 'Choose'], ['case', 'Case'], ['feel', 'Feel'], ['run', 'Run']];
 
 class Studio {
   constructor(place) {
     this.version = -1;
+    this.history = new History(() => this.showHistory());
     this.editor = new Editor(this);
     this.feel = new Feel(this);
     this.runs = new RunPanel(this);
+    this.section = new Section(this);
     this.message = h('p', { class: 'told', role: 'status', 'aria-live': 'polite' }, '');
     this.folder = h('p', { class: 'kind' });
-    this.files = h('div', { class: 'controls' });
+    this.files = h('div', { class: 'controls files' });
     this.canvas = null;
     this.stage = h('div', { class: 'stage' });
-    this.view = h('div', { class: 'controls' });
+    this.view = h('div', { class: 'controls toolbar' });
     this.pointer = h('output', { class: 'pointer' }, ' ');
+    this.legend = h('div', { class: 'legend', hidden: true });
+    this.undo = h('button', { type: 'button', id: 'undo', disabled: true, 'aria-label': 'Undo', onclick: () => this.history.undo() }, '↶ Undo');
+    this.redo = h('button', { type: 'button', id: 'redo', disabled: true, 'aria-label': 'Redo', onclick: () => this.history.redo() }, '↷');
+    this.theme = h('button', { type: 'button', id: 'theme', 'aria-label': 'Light or dark', title: 'Light or dark', onclick: () => this.turnTheme() }, '◐');
     this.panels = Object.fromEntries(tabs.map(([id, words]) => [id, h('section', { id: `panel-${id}`, role: 'tabpanel', 'aria-label': words, tabindex: -1 })]));
-    this.buttons = Object.fromEntries(tabs.map(([id, words]) => [id, h('button', { type: 'button', role: 'tab', id: `tab-${id}`, 'aria-controls': `panel-${id}`, onclick: () => this.open(id) }, words)]));
+    this.buttons = Object.fromEntries(tabs.map(([id, words], k) => [id, h('button', { type: 'button', role: 'tab', id: `tab-${id}`, 'aria-controls': `panel-${id}`, onclick: () => this.open(id) }, h('span', { class: 'step', 'aria-hidden': 'true' }, String(k + 1)), words)]));
     this.bar = h('div', { role: 'tablist', 'aria-label': 'Steps', class: 'tabs', onkeydown: (e) => this.keys(e) }, Object.values(this.buttons));
-    place.append(h('header', {}, h('h1', {}, 'Strake studio'), this.folder, this.files), this.message,
-      h('div', { class: 'columns' }, h('div', { class: 'left' }, this.view, this.stage, this.pointer,
-        h('p', { class: 'hint', id: 'view-keys' }, 'Drag to turn, scroll or pinch to zoom, right button to pan. Keyboard: arrow keys turn, + and \u2212 zoom, Home resets, Enter chooses what is in the middle.'),
-        h('p', { class: 'hint key' }, h('span', { class: 'swatch chosen' }), 'chosen ', h('span', { class: 'swatch held' }), 'fixed ', h('span', { class: 'swatch region' }), 'other regions shown')),
+    place.append(h('header', {}, h('h1', {}, h('span', { class: 'mark', 'aria-hidden': 'true' }), 'Strake studio'), this.folder, this.files, h('span', { class: 'right-end' }, this.undo, this.redo, this.theme)), this.message,
+      h('div', { class: 'columns' }, h('div', { class: 'left' }, this.view, h('div', { class: 'frame' }, this.stage, this.legend), this.section.element, this.pointer,
+        h('p', { class: 'hint key' }, h('span', { class: 'swatch chosen' }), 'chosen ', h('span', { class: 'swatch held' }), 'fixed ', h('span', { class: 'swatch region' }), 'other regions shown'),
+        h('p', { class: 'hint', id: 'view-keys' }, 'Drag to turn, scroll or pinch to zoom, right button to pan. Keyboard: arrow keys turn, + and \u2212 zoom, Home resets, Enter chooses what is in the middle.')),
       h('div', { class: 'right' }, this.bar, Object.values(this.panels))));
     this.panels.case.append(...this.editor.panel());
     this.panels.feel.append(...this.feel.panel());
     this.panels.run.append(...this.runs.panel());
+    window.matchMedia('(prefers-color-scheme: dark)').addEventListener('change', () => this.scene && this.scene.setBackground());
+    document.addEventListener('keydown', (e) => {
+      if (!(e.ctrlKey || e.metaKey) || e.key.toLowerCase() !== 'z' || /^(INPUT|TEXTAREA)$/.test(e.target.tagName) && e.target.type !== 'range') return;
+      e.preventDefault();
+      if (e.shiftKey) this.history.redo(); else this.history.undo();
+    });
     this.open('look');
+  }
+
+  showHistory() {
+    const { next, again } = this.history;
+    this.undo.disabled = !next;
+    this.redo.disabled = !again;
+    this.undo.title = next ? `Undo: ${next}` : 'Nothing to undo';
+    this.redo.title = again ? `Redo: ${again}` : 'Nothing to redo';
+  }
+
+  /** Light, dark, as the system. */
+  turnTheme() {
+    const { dataset } = document.documentElement, isDark = dataset.theme ? dataset.theme === 'dark' : window.matchMedia('(prefers-color-scheme: dark)').matches;
+    dataset.theme = isDark ? 'light' : 'dark';
+    if (this.scene) this.scene.setBackground();
+    this.runs.redraw();
+  }
+
+  /** What can be dragged on the surface now. */
+  handles() {
+    if (!this.scene) return;
+    const list = [];
+    if (this.section.isOn) {
+      const { normal } = this.section;
+      list.push({ at: normal.map((v) => v * this.section.at), along: normal, color: 0xd5005e, words: 'section', moved: (length) => this.section.moveBy(length) });
+    }
+    if (this.tab === 'choose' && this.choosing) list.push(...this.choosing.handleList());
+    this.scene.setHandles(list);
+  }
+
+  /** Lengths and angles between points of the surface. */
+  measure(point) {
+    this.ruler = this.ruler && this.ruler.length < 3 ? [...this.ruler, point] : [point];
+    const c = this.scene.body.center, at = this.ruler.map((p) => p.map((v, k) => v - c[k]));
+    this.scene.setLines('ruler', at.length > 1 ? [at] : [], 0x7b3fa0);
+    this.scene.setKnots(at);
+    if (at.length === 1) { this.tell('Ruler: a second point gives the length, a third one the angle.'); return; }
+    const d = (a, b) => b.map((v, k) => v - a[k]), size = (v) => Math.hypot(...v), first = d(at[0], at[1]);
+    let words = `Ruler: ${number(size(first), 6)} (${first.map((v) => number(v, 5)).join(', ')})`;
+    if (at.length === 3) {
+      const u = d(at[1], at[0]), w = d(at[1], at[2]), cosine = u.reduce((sum, v, k) => sum + v * w[k], 0) / (size(u) * size(w) || 1);
+      words += `, then ${number(size(w), 6)}; angle ${number((Math.acos(Math.min(1, Math.max(-1, cosine))) * 180) / Math.PI, 5)}°`;
+    }
+    this.tell(words);
+    document.documentElement.dataset.ruler = words;
+  }
+
+  setTool(tool) {
+    this.stageTool = this.stageTool === tool ? null : tool;
+    this.toolButtons.measure.setAttribute('aria-pressed', String(this.stageTool === 'measure'));
+    this.ruler = null;
+    this.scene.setLines('ruler', [], 0);
+    this.scene.setKnots([]);
+    if (this.stageTool === 'measure') this.tell('Ruler: click two points of the surface for a length, a third for an angle.');
+  }
+
+  showLegend(field) {
+    this.legend.hidden = !field;
+    if (!field) return;
+    const bar = h('span', { class: 'bar', role: 'img', 'aria-label': 'Colour scale', style: `background:${gradient(field.scale.map)}` });
+    this.legend.replaceChildren(h('span', { class: 'what' }, field.words), h('span', {}, number(field.scale.low, 3)), bar, h('span', {}, number(field.scale.high, 3)));
   }
 
   tell(words) { this.message.textContent = words; }
@@ -52,7 +128,9 @@ class Studio {
     }
     if (this.scene) {
       if (id !== 'choose') { this.scene.hint(null, null); this.scene.chosen = null; this.scene.paint(); } else this.choosing.update();
+      this.handles();
       this.scene.viewer.controls.enabled = true;
+      if (id !== 'run') { this.runs.compare.element.open = false; this.runs.compare.end(); }
       if (id === 'feel') this.feel.show(); else this.feel.hide();
     }
   }
@@ -84,7 +162,14 @@ class Studio {
       this.tell('The studio does not answer. A run that it started goes on; this page finds its way back when the same address answers.');
       return;
     }
-    if (this.isLost) { this.isLost = false; this.tell(''); }
+    if (this.isLost) {  // the studio was started again: it opens what this page shows
+      this.isLost = false;
+      this.version = -1;
+      this.tell('');
+      if (this.editor.name && state.case !== this.editor.name && !state.is_opening) {
+        try { await post('open', { name: this.editor.name }); return; } catch (error) { this.tell(error.message); }
+      }
+    }
     this.folder.textContent = `${state.folder}${state.read_only ? ' (read-only)' : ''}${state.is_second ? ' (another studio is open on this folder)' : ''}${state.surface ? ` · ${state.surface}` : ''}`;
     document.documentElement.dataset.opening = String(state.is_opening);
     if (state.version !== this.version && !state.is_opening) {
@@ -137,13 +222,24 @@ class Studio {
     if (this.scene) this.scene.dispose();
     this.canvas = h('canvas', { class: 'view', tabindex: 0, role: 'img', 'aria-label': 'The surface in three dimensions', 'aria-describedby': 'view-keys' });
     const labels = h('div', { class: 'labels', 'aria-hidden': 'true' });
-    this.band = h('div', { class: 'band', hidden: true });
+    this.band = document.createElementNS('http://www.w3.org/2000/svg', 'svg');
+    this.band.setAttribute('class', 'band');
+    this.band.setAttribute('hidden', '');
+    this.band.setAttribute('aria-hidden', 'true');
+    this.band.append(document.createElementNS('http://www.w3.org/2000/svg', 'polygon'));
     this.stage.replaceChildren(this.canvas, labels, this.band);
     this.scene = new Scene3D(this.canvas, labels, body);
+    this.scene.onfield = (field) => this.showLegend(field);
+    this.scene.onshape = () => this.section.update();
+    this.showLegend(null);
+    this.ruler = this.stageTool = null;
     if (before && up === [this.scene.viewer.up, this.scene.viewer.isDown].join()) { this.scene.viewer.camera.position.copy(before); this.scene.viewer.controls.update(); this.scene.viewer.fit(); this.scene.viewer.draw(); }
-    this.choosing = new Choosing(this.scene, this.editor, (words) => this.tell(words));
-    this.panels.look.replaceChildren(...lookPanel(this.scene).flat(4));
-    this.view.replaceChildren(...viewControls(this.scene));
+    this.choosing = new Choosing(this);
+    this.panels.look.replaceChildren(...lookPanel(this.scene, this.editor, this.nextStep()).flat(4));
+    this.toolButtons = { cut: h('button', { type: 'button', id: 'cut', 'aria-pressed': String(this.section.isOn), onclick: () => this.section.toggle() }, '✂ Section'),
+      measure: h('button', { type: 'button', id: 'measure', 'aria-pressed': 'false', onclick: () => this.setTool('measure') }, '⟷ Ruler') };
+    this.view.replaceChildren(...viewControls(this.scene), h('span', { class: 'buttons', role: 'group', 'aria-label': 'Tools' }, Object.values(this.toolButtons)));
+    this.section.reset();
     this.panels.choose.replaceChildren(...this.choosing.panel());
     this.listen();
     this.editor.show();
@@ -151,44 +247,66 @@ class Studio {
     this.runs.best = 0;
   }
 
+  /** The way on from here, one button. */
+  nextStep() {
+    if (this.editor.text.trim()) return h('p', { class: 'next' }, h('button', { type: 'button', class: 'main', onclick: () => this.open('choose') }, 'Next: choose what does not move'));
+    return h('p', { class: 'next' }, h('button', { type: 'button', class: 'main', id: 'propose-first', onclick: () => { this.open('case'); this.editor.propose(); } }, 'Next: let Strake propose a case'),
+      h('span', { class: 'hint' }, ' It tries ways to move the body and says why it chose one. All of it can be changed.'));
+  }
+
   listen() {
     const { canvas, scene } = this, place = (e) => { const b = canvas.getBoundingClientRect(); return [e.clientX - b.left, e.clientY - b.top]; };
-    let from = null, waiting = null;
+    let from = null, waiting = null, held = null, line = null;
     canvas.addEventListener('pointerdown', (e) => {
       from = place(e);
-      const drags = this.tab === 'choose' && this.choosing.tool === 'rectangle' && !e.shiftKey && e.button === 0;
-      scene.viewer.controls.enabled = !drags;
-      if (drags) { canvas.setPointerCapture(e.pointerId); this.dragging = true; }
+      held = e.button === 0 && !e.shiftKey ? scene.handleAt(...from) : null;
+      const draws = !held && this.tab === 'choose' && ['rectangle', 'lasso'].includes(this.choosing.tool) && !this.stageTool && !e.shiftKey && e.button === 0;
+      scene.viewer.controls.enabled = !draws && !held;
+      if (draws || held) canvas.setPointerCapture(e.pointerId);
+      line = draws ? [from] : null;
+      this.lastPlace = from;
     }, { capture: true });
     canvas.addEventListener('pointermove', (e) => {
       const [x, y] = place(e);
-      if (this.dragging) return this.stretch(from, [x, y]);
+      if (held) {
+        const length = scene.lengthAlong(held, x - this.lastPlace[0], y - this.lastPlace[1]);
+        this.lastPlace = [x, y];
+        if (length !== 0) { const { words } = held; held.moved(length); held = scene.handles.find((one) => one.words === words) || null; }
+        return undefined;
+      }
+      if (line) {
+        if (this.choosing.tool === 'lasso') { line.push([x, y]); this.stroke(line); } else { line = [from, [x, from[1]], [x, y], [from[0], y]]; this.stroke(line); }
+        return undefined;
+      }
       if (e.buttons || waiting) return undefined;
+      canvas.classList.toggle('grabs', Boolean(scene.handleAt(x, y)));
       waiting = requestAnimationFrame(() => { waiting = null; this.point(scene.at(x, y)); });
       return undefined;
     });
     canvas.addEventListener('pointerup', (e) => {
-      const to = place(e);
-      if (this.dragging) {
-        this.dragging = false;
-        this.band.hidden = true;
-        scene.viewer.controls.enabled = true;
-        this.choosing.rectangle(Math.min(from[0], to[0]), Math.min(from[1], to[1]), Math.max(from[0], to[0]), Math.max(from[1], to[1]));
-      } else if (from && Math.hypot(to[0] - from[0], to[1] - from[1]) < 4 && e.button === 0) this.pick(to);
+      const to = place(e), drawn = line, wasHeld = held;
+      line = held = null;
+      scene.viewer.controls.enabled = true;
+      if (drawn) {
+        this.stroke(null);
+        if (drawn.length > 2) this.choosing.enclose(drawn);
+      } else if (!wasHeld && from && Math.hypot(to[0] - from[0], to[1] - from[1]) < 4 && e.button === 0) this.pick(to);
       from = null;
     });
     canvas.addEventListener('keydown', (e) => { if (e.key === 'Enter') this.pick([scene.viewer.width / 2, scene.viewer.height / 2]); });
   }
 
-  stretch(from, to) {
-    this.band.hidden = false;
-    Object.assign(this.band.style, { left: `${Math.min(from[0], to[0])}px`, top: `${Math.min(from[1], to[1])}px`, width: `${Math.abs(to[0] - from[0])}px`, height: `${Math.abs(to[1] - from[1])}px` });
+  /** The line that is being drawn over the view; null: none. */
+  stroke(line) {
+    this.band.toggleAttribute('hidden', !line);
+    if (line) this.band.firstChild.setAttribute('points', line.map((p) => p.map((v) => v.toFixed(1)).join(',')).join(' '));
   }
 
   pick([x, y]) {
     const place = this.scene.at(x, y);
     this.point(place);
-    if (place && this.tab === 'choose') this.choosing.pick(place);
+    if (place && this.stageTool === 'measure') this.measure(place.point);
+    else if (place && this.tab === 'choose') this.choosing.pick(place);
   }
 
   /** What is under the pointer. */

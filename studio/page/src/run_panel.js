@@ -5,6 +5,7 @@ import 'uplot/dist/uPlot.min.css';
 import { h, tick } from '../../../viewer/page/src/dom.js';
 import { number, duration } from '../../../viewer/page/src/format.js';
 import { post, bytes, newest } from './api.js';
+import { Compare } from './compare.js';
 
 export class RunPanel {
   constructor(studio) {
@@ -27,12 +28,19 @@ export class RunPanel {
     this.plotPlace = h('div', { class: 'plot', role: 'img', 'aria-label': 'Objective of each evaluation' });
     this.last = h('ol', { class: 'last', reversed: true });
     this.links = h('p', {});
+    this.compare = new Compare(this.studio);
     this.draw();
     return [h('div', { class: 'controls' }, this.start, h('label', { class: 'control' }, h('span', {}, 'evaluations'), this.evaluations), this.stop, this.resume),
       this.status, this.reason, this.links, this.plotPlace,
-      tick('show the best shape as it comes', this.follows, (v) => { this.follows = v; this.best = 0; if (!v) this.studio.scene.setPositions(this.studio.scene.body.start); else if (this.facts) this.show(this.facts); }),
-      h('h3', {}, 'Latest evaluations'), this.last];
+      this.followTick = tick('show the best shape as it comes', this.follows, (v) => { this.follows = v; this.best = 0; if (!v) this.studio.scene.setPositions(this.studio.scene.body.start); else if (this.facts) this.show(this.facts); }),
+      this.compare.element, h('h3', {}, 'Latest evaluations'), this.last];
   }
+
+  /** As the tick says. */
+  followAgain() { this.follows = this.followTick.querySelector('input').checked; this.best = 0; }
+
+  /** In the colours of another theme. */
+  redraw() { if (this.plot) { this.plot.destroy(); this.plot = null; } this.draw(); }
 
   limit() { const n = this.evaluations.valueAsNumber; return Number.isInteger(n) && n > 0 ? { evaluations: n } : {}; }
 

@@ -1,15 +1,38 @@
 // The surface in 3D, with arrows, planes and marks around it.
 
 import {
-  ArrowHelper, BufferAttribute, BufferGeometry, Color, DoubleSide, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
-  MeshBasicMaterial, Points, PointsMaterial, Vector3,
+  ArrowHelper, BufferAttribute, BufferGeometry, CanvasTexture, Color, DoubleSide, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
+  MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Vector3,
 } from 'three';
 import { h } from '../../../viewer/page/src/dom.js';
 import { Viewer, likelyUp } from '../../../viewer/page/src/viewer.js';
-import { categories, patchColors } from '../../../viewer/page/src/colors.js';
+import { categories, colorAt, patchColors, scaleOf } from '../../../viewer/page/src/colors.js';
 
 const grey = [196, 200, 206], chosen = [230, 159, 0], held = [86, 180, 233], region = [0, 158, 115];
 const names = ['x', 'y', 'z'];
+
+/** A round dot with a light rim, for handles. */
+let dotTexture = null;
+function disc() {
+  if (dotTexture) return dotTexture;
+  const size = 64, canvas = document.createElement('canvas');
+  canvas.width = canvas.height = size;
+  const pen = canvas.getContext('2d');
+  pen.fillStyle = '#fff';
+  pen.beginPath(); pen.arc(size / 2, size / 2, 29, 0, 7); pen.fill();
+  dotTexture = new CanvasTexture(canvas);
+  return dotTexture;
+}
+
+/** By the crossings of a ray to the right. */
+function isInside(line, x, y) {
+  let inside = false;
+  for (let k = 0, j = line.length - 1; k < line.length; j = k++) {
+    const [ax, ay] = line[k], [bx, by] = line[j];
+    if (ay > y !== by > y && x < ax + ((y - ay) / (by - ay)) * (bx - ax)) inside = !inside;
+  }
+  return inside;
+}
 
 export class Scene3D {
   constructor(canvas, labels, body) {
@@ -24,12 +47,14 @@ export class Scene3D {
     this.extras = new Group();
     this.hints = new Group();
     this.model.scene.add(this.extras, this.hints);
-    this.model.scene.background = new Color(window.matchMedia('(prefers-color-scheme: dark)').matches ? 0x1b2027 : 0xffffff);
+    this.handles = [];
+    this.field = null;  // {values by vertex, signed, words}: in place of the colours of patches
+    this.setBackground();
     this.model.setPositions(body.start);
     this.colour = body.facts.levels.length > 0 ? 'level:0' : 'plain';
     this.chosen = this.held = this.shown = null;
     this.words = [];
-    this.viewer.onrender = () => this.placeLabels();
+    this.viewer.onrender = () => { this.placeLabels(); const { afterDraw } = this.viewer; this.viewer.afterDraw = null; if (afterDraw) afterDraw(); };
     this.arrows();
     this.creases();
     const { axes } = body.facts;
@@ -39,6 +64,84 @@ export class Scene3D {
     } else this.viewer.setUp(likelyUp(body.size));
     this.paint();
     this.viewer.resize();
+  }
+
+  /** Of the theme. */
+  setBackground() {
+    const words = getComputedStyle(document.documentElement).getPropertyValue('--stage').trim() || '#ffffff';
+    this.model.scene.background = new Color(words);
+    if (this.creaseLines) this.creaseLines.material.color.set(getComputedStyle(document.documentElement).getPropertyValue('--crease').trim() || '#000000');
+    this.viewer.draw();
+  }
+
+  /** Things to drag: [{at, along (unit), color, words, moved(length)}], relative to the middle of the box. */
+  setHandles(list) {
+    this.handles = list;
+    if (this.knobs) { this.model.scene.remove(this.knobs); this.knobs.geometry.dispose(); this.knobs = null; }
+    if (list.length > 0) {
+      const geometry = new BufferGeometry().setFromPoints(list.map((one) => new Vector3(...one.at)));
+      geometry.setAttribute('color', new BufferAttribute(new Float32Array(list.flatMap((one) => new Color(one.color ?? 0xb35806).toArray())), 3));
+      this.knobs = new Points(geometry, new PointsMaterial({ size: 15, sizeAttenuation: false, depthTest: false, vertexColors: true, map: disc(), transparent: true, alphaTest: 0.3 }));
+      this.knobs.renderOrder = 10;
+      this.model.scene.add(this.knobs);
+    }
+    this.viewer.draw();
+  }
+
+  /** The handle under a point of the canvas, or null. */
+  handleAt(x, y) {
+    let best = null, nearest = 16;
+    for (const one of this.handles) {
+      const [u, w] = this.viewer.placeOf(one.at), distance = Math.hypot(u - x, w - y);
+      if (distance < nearest) { nearest = distance; best = one; }
+    }
+    return best;
+  }
+
+  /** By how much a handle goes along its direction when the pointer goes by these pixels; 0 where that points at the eye. */
+  lengthAlong(handle, dx, dy) {
+    const step = 0.01 * this.body.diagonal, a = this.viewer.placeOf(handle.at), b = this.viewer.placeOf(handle.at.map((v, c) => v + step * handle.along[c]));
+    const u = (b[0] - a[0]) / step, w = (b[1] - a[1]) / step, size = u * u + w * w;
+    return size * step * step < 0.02 ? 0 : (dx * u + dy * w) / size;
+  }
+
+  /** Lines through points relative to the middle of the box; replaces those of this name. */
+  setLines(name, lines, color, dashed) {
+    this.named = this.named || new Map();
+    const before = this.named.get(name);
+    if (before) { this.model.scene.remove(before); before.geometry.dispose(); this.named.delete(name); }
+    const pairs = lines.flatMap((line) => line.slice(1).flatMap((p, k) => (dashed && k % 2 ? [] : [...line[k], ...p])));
+    if (pairs.length > 0) {
+      const geometry = new BufferGeometry();
+      geometry.setAttribute('position', new BufferAttribute(new Float32Array(pairs), 3));
+      const drawn = new LineSegments(geometry, new LineBasicMaterial({ color, depthTest: false, transparent: true, opacity: 0.95 }));
+      drawn.renderOrder = 5;
+      this.named.set(name, drawn);
+      this.model.scene.add(drawn);
+    }
+    this.viewer.draw();
+  }
+
+  /** Two translucent surfaces: how far any shape within the limits may go; null: none. */
+  setEnvelope(outward, inward) {
+    for (const one of this.shells || []) { this.model.scene.remove(one); one.geometry.dispose(); }
+    this.shells = [];
+    if (outward) {
+      const { start, normals, triangles } = this.body;
+      for (const [by, sign, color] of [[outward, 1, 0x0072b2], [inward, -1, 0xd55e00]]) {
+        const at = new Float32Array(start.length);
+        for (let k = 0; k < at.length; ++k) at[k] = start[k] + sign * by[Math.floor(k / 3)] * normals[k];
+        const geometry = new BufferGeometry();
+        geometry.setAttribute('position', new BufferAttribute(at, 3));
+        geometry.setIndex(new BufferAttribute(triangles, 1));
+        geometry.computeVertexNormals();
+        const shell = new Mesh(geometry, new MeshLambertMaterial({ color, transparent: true, opacity: 0.24, side: DoubleSide, depthWrite: false }));
+        shell.renderOrder = 3;
+        this.shells.push(shell);
+        this.model.scene.add(shell);
+      }
+    }
+    this.viewer.draw();
   }
 
   dispose() { this.viewer.controls.dispose(); this.viewer.renderer.dispose(); this.viewer.onrender = null; this.labels.replaceChildren(); }
@@ -98,6 +201,25 @@ export class Scene3D {
     this.viewer.draw();
   }
 
+  /** Points of the ruler. */
+  setKnots(points) {
+    if (this.knots) { this.model.scene.remove(this.knots); this.knots.geometry.dispose(); this.knots = null; }
+    if (points.length > 0) {
+      this.knots = new Points(new BufferGeometry().setFromPoints(points.map((p) => new Vector3(...p))), new PointsMaterial({ color: 0x7b3fa0, size: 10, sizeAttenuation: false, depthTest: false, map: disc(), transparent: true, alphaTest: 0.3 }));
+      this.knots.renderOrder = 10;
+      this.model.scene.add(this.knots);
+    }
+    this.viewer.draw();
+  }
+
+  /** Border of the plane of a section; nothing: none. */
+  cutPlane(plane) {
+    for (const one of this.cutSheet || []) { this.model.scene.remove(one); one.geometry.dispose(); }
+    this.cutSheet = plane ? this.planeOf(plane.normal, plane.at, 0xd5005e, 0.07) : [];
+    if (plane) this.model.scene.add(...this.cutSheet);
+    this.viewer.draw();
+  }
+
   creases() {
     const lines = (pairs, color) => {
       const at = new Float32Array(3 * pairs.length);
@@ -147,7 +269,43 @@ export class Scene3D {
     return null;
   }
 
+  /** Two shapes beside each other with the same colours; null: one again. */
+  pair(first, second, field) {
+    const { viewer } = this, left = viewer.start;
+    viewer.both = Boolean(first);
+    this.compared = first || null;
+    this.labels.hidden = viewer.both;
+    if (first) {
+      left.setPositions(first);
+      this.setPositions(second);
+      this.setField(field);
+      left.geometry.attributes.color.array.set(this.model.geometry.attributes.color.array);
+      left.geometry.attributes.color.needsUpdate = true;
+      left.scene.background = this.model.scene.background;
+    } else {
+      this.setField(null);
+      this.setPositions(this.body.start);
+    }
+    viewer.draw();
+  }
+
+  /** Numbers at vertices as colours, with their scale for the legend; null: patches again. */
+  setField(field) {
+    this.field = field && { ...field, scale: scaleOf(field.values, field.signed, true) };
+    this.paint();
+    if (this.onfield) this.onfield(this.field);
+  }
+
+  paintField() {
+    const { values, scale } = this.field, one = [0, 0, 0], table = new Uint8Array(3 * values.length);
+    for (let v = 0; v < values.length; ++v) { colorAt(scale, values[v], one, 0); table.set(one, 3 * v); }
+    this.model.setColors((t, v, out, at) => { for (let k = 0; k < 3; ++k) out[at + k] = table[3 * v + k]; });
+    this.model.setBorders(new Uint32Array(0));
+    this.viewer.draw();
+  }
+
   paint() {
+    if (this.field) return this.paintField();
     const shown = this.labelling(), isMarked = this.chosen || this.held || this.shown;
     let colors = null;
     if (shown) {
@@ -168,11 +326,21 @@ export class Scene3D {
     });
     this.model.setBorders(shown ? this.known.get(`${this.colour} borders`) : new Uint32Array(0));
     this.viewer.draw();
+    return undefined;
+  }
+
+  /** To first order, while a slider is dragged. */
+  preview(p) {
+    this.model.setQuickly(p);
+    this.creaseLines.visible = false;
+    if (this.trailingLine) this.trailingLine.visible = false;
+    this.viewer.draw();
   }
 
   /** Lines of the start are not those of another shape. */
   setPositions(p) {
     this.model.setPositions(p);
+    if (this.onshape) this.onshape(p);
     this.creaseLines.visible = p === this.body.start;
     if (this.trailingLine) this.trailingLine.visible = p === this.body.start;
     this.viewer.draw();
@@ -186,12 +354,13 @@ export class Scene3D {
     return { triangle: hit.faceIndex, point };
   }
 
-  /** Triangles whose middle lies in a rectangle of the canvas; unless `through`, only those that are seen: they face the
-   * eye and nothing hides their middle. */
-  inRectangle(x0, y0, x1, y1, through) {
+  /** Triangles whose middle lies in a closed line of the canvas, [[x, y], ...]; unless `through`, only those that are
+   * seen: they face the eye and nothing hides them. */
+  inLasso(line, through) {
     const { body, viewer } = this, found = [], eye = viewer.camera.getWorldDirection(new Vector3());
     const f = body.faceNormals(this.model.p), e = viewer.camera.matrixWorldInverse, p = viewer.camera.projectionMatrix;
-    const v = new Vector3();
+    const xs = line.map((q) => q[0]), ys = line.map((q) => q[1]), v = new Vector3();
+    const [left, right, top, bottom] = [Math.min(...xs), Math.max(...xs), Math.min(...ys), Math.max(...ys)];
     for (let t = 0; t < body.count; ++t) {
       if (!through && f[3 * t] * eye.x + f[3 * t + 1] * eye.y + f[3 * t + 2] * eye.z >= 0) continue;
       v.set(0, 0, 0);
@@ -201,7 +370,7 @@ export class Scene3D {
       }
       v.applyMatrix4(e).applyMatrix4(p);
       const x = ((v.x + 1) / 2) * viewer.width, y = ((1 - v.y) / 2) * viewer.height;
-      if (x < x0 || x > x1 || y < y0 || y > y1) continue;
+      if (x < left || x > right || y < top || y > bottom || !isInside(line, x, y)) continue;
       found.push(t);
     }
     return through ? found : this.seen(found);
@@ -214,17 +383,17 @@ export class Scene3D {
     const saved = this.model.geometry.attributes.color.array.slice(), { material } = this.model.mesh;
     const flat = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
     this.model.setColors((t, v, out, at) => { out[at] = (t + 1) & 255; out[at + 1] = ((t + 1) >> 8) & 255; out[at + 2] = ((t + 1) >> 16) & 255; });
-    const { background } = this.model.scene, wasVisible = [this.extras.visible, this.hints.visible, this.model.lines.visible];
+    const { background } = this.model.scene, hidden = this.model.scene.children.filter((one) => one !== this.model.mesh && !one.isLight && one.visible);
     this.model.mesh.material = flat;
     this.model.scene.background = new Color(0x000000);
-    this.extras.visible = this.hints.visible = this.model.lines.visible = false;
+    for (const one of hidden) one.visible = false;
     renderer.render(this.model.scene, camera);
     const gl = renderer.getContext(), w = Math.floor(width * ratio), hgt = Math.floor(height * ratio), pixels = new Uint8Array(4 * w * hgt);
     gl.readPixels(0, 0, w, hgt, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
     for (let k = 0; k < pixels.length; k += 4) visible.add(pixels[k] + 256 * pixels[k + 1] + 65536 * pixels[k + 2] - 1);
     this.model.mesh.material = material;
     this.model.scene.background = background;
-    [this.extras.visible, this.hints.visible, this.model.lines.visible] = wasVisible;
+    for (const one of hidden) one.visible = true;
     this.model.geometry.attributes.color.array.set(saved);
     this.model.geometry.attributes.color.needsUpdate = true;
     flat.dispose();

@@ -88,6 +88,80 @@ export class Surface {
     }
   }
 
+  /** Per corner, the corners of its vertex that share its normal: those reached over edges without a crease, at the start. */
+  smoothGroups() {
+    if (this.groups) return this.groups;
+    const T = this.triangles, f = this.faceNormals(this.start), { begin, list } = this.corners, group = new Uint32Array(T.length).fill(0xffffffff);
+    const size = new Float32Array(T.length / 3);
+    for (let t = 0; t < size.length; ++t) size[t] = Math.hypot(f[3 * t], f[3 * t + 1], f[3 * t + 2]);
+    let count = 0;
+    for (let v = 0; v + 1 < begin.length; ++v)
+      for (let k = begin[v]; k < begin[v + 1]; ++k) {
+        if (group[list[k]] !== 0xffffffff) continue;
+        const todo = [list[k]];
+        group[list[k]] = count;
+        while (todo.length > 0) {
+          const t = Math.floor(todo.pop() / 3);
+          for (let m = begin[v]; m < begin[v + 1]; ++m) {
+            const other = list[m], s = Math.floor(other / 3);
+            if (group[other] !== 0xffffffff) continue;
+            const dot = f[3 * t] * f[3 * s] + f[3 * t + 1] * f[3 * s + 1] + f[3 * t + 2] * f[3 * s + 2];
+            if (dot < CREASE * size[t] * size[s]) continue;
+            group[other] = count;
+            todo.push(other);
+          }
+        }
+        ++count;
+      }
+    this.groups = { group, sums: new Float32Array(3 * count) };
+    return this.groups;
+  }
+
+  /** As `corneredInto`, with the creases of the start: a picture while something is dragged. */
+  quicklyInto(p, positions, normals) {
+    const { group, sums } = this.smoothGroups(), T = this.triangles;
+    sums.fill(0);
+    for (let t = 0; t < T.length; t += 3) {
+      const a = 3 * T[t], b = 3 * T[t + 1], c = 3 * T[t + 2];
+      const ux = p[b] - p[a], uy = p[b + 1] - p[a + 1], uz = p[b + 2] - p[a + 2];
+      const vx = p[c] - p[a], vy = p[c + 1] - p[a + 1], vz = p[c + 2] - p[a + 2];
+      const x = uy * vz - uz * vy, y = uz * vx - ux * vz, z = ux * vy - uy * vx;
+      for (let k = 0; k < 3; ++k) {
+        const g = 3 * group[t + k], from = 3 * T[t + k], at = 3 * (t + k);
+        sums[g] += x; sums[g + 1] += y; sums[g + 2] += z;
+        positions[at] = p[from]; positions[at + 1] = p[from + 1]; positions[at + 2] = p[from + 2];
+      }
+    }
+    for (let corner = 0; corner < T.length; ++corner) {  // the shader makes them unit
+      const g = 3 * group[corner], at = 3 * corner;
+      normals[at] = sums[g]; normals[at + 1] = sums[g + 1]; normals[at + 2] = sums[g + 2];
+    }
+  }
+
+  /** Where the plane normal . x = at (unit normal) cuts the surface: lines of points [x, y, z]. */
+  sectionBy(p, normal, at) {
+    const count = this.vertices, side = new Float64Array(count), point = new Map(), beside = new Map();
+    for (let v = 0; v < count; ++v) side[v] = normal[0] * p[3 * v] + normal[1] * p[3 * v + 1] + normal[2] * p[3 * v + 2] - at;
+    for (let t = 0; t < this.triangles.length; t += 3) {
+      const s = side[this.triangles[t]] < 0, q = side[this.triangles[t + 1]] < 0, r = side[this.triangles[t + 2]] < 0;
+      if (s === q && q === r) continue;
+      const cut = [];
+      for (let k = 0; k < 3; ++k) {
+        const i = this.triangles[t + k], j = this.triangles[t + ((k + 1) % 3)], a = Math.min(i, j), b = Math.max(i, j);
+        if (side[a] < 0 === side[b] < 0) continue;
+        const edge = a * count + b, share = side[a] / (side[a] - side[b]);
+        if (!point.has(edge)) point.set(edge, [0, 1, 2].map((c) => p[3 * a + c] + share * (p[3 * b + c] - p[3 * a + c])));
+        cut.push(edge);
+      }
+      if (cut.length !== 2) continue;
+      for (const [e, g] of [cut, [cut[1], cut[0]]]) {
+        if (!beside.has(e)) beside.set(e, []);
+        beside.get(e).push(g);
+      }
+    }
+    return chains(beside).map((line) => line.map((edge) => point.get(edge)));
+  }
+
   /** Where the plane (axis 0 to 2) at `at` cuts the surface: lines of points [u, w] in the two other coordinates. */
   section(p, axis, at) {
     const [u, w] = acrossOf(axis), point = new Map(), beside = new Map();

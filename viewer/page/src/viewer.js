@@ -39,6 +39,15 @@ class Model {
     this.setBorders(this.borders);
   }
 
+  /** A picture while something is dragged: the borders wait for setPositions. */
+  setQuickly(p) {
+    this.p = p;
+    const { position, normal } = this.geometry.attributes;
+    this.shape.quicklyInto(p, position.array, normal.array);
+    position.needsUpdate = normal.needsUpdate = true;
+    this.lines.visible = false;
+  }
+
   setBorders(borders) {
     this.borders = borders;
     const at = new Float32Array(3 * borders.length);

@@ -1,0 +1,49 @@
+#!/usr/bin/env python3
+"""How long a slider of strake studio takes: studio_latency.py STRAKE CASE [MOVES]
+
+Medians over MOVES (default 15) moves by 5 % of a variable's range, in a headless Chromium with software rendering: from the event to
+the drawn first-order shape, to the exact shape with the guard's verdict and the values, and of the drawing alone. The exact shape and the
+values come in one answer.
+"""
+import os
+import pathlib
+import signal
+import statistics
+import subprocess
+import sys
+import time
+
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from browser import Browser  # noqa: E402
+
+strake, case = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
+moves = int(sys.argv[3]) if len(sys.argv) > 3 else 15
+state = "document.documentElement.dataset"
+os.environ["XDG_CACHE_HOME"] = "/nowhere"
+studio = subprocess.Popen([strake, "studio", case.name, "--no-browser"], cwd=case.parent, stdout=subprocess.PIPE, text=True)
+try:
+    with Browser(1280, 860) as b:
+        b.open(studio.stdout.readline().strip())
+        b.until(f"{state}.ready > 0", 300)
+        b.click("#tab-feel")
+        b.until(f"({state}.felt || '').startsWith('ok')", 600)
+        b.until(f"{state}.fetched > 0", 600)
+        for k in range(moves + 1):  # the first one warms up
+            if k == 1:
+                b.run("strakeStudio.feel.times = { preview: [], exact: [] }")
+            b.run(f"(() => {{ const i = document.querySelector('.slider input'); i.value = {0.1 * (k % 4 - 1)} * i.max; const t = performance.now(); i.dispatchEvent(new Event('input')); "
+                  "const v = strakeStudio.scene.viewer; v.afterDraw = () => {{ v.renderer.getContext().finish(); strakeStudio.feel.note('preview', performance.now() - t); }}; }})()")
+            time.sleep(0.05)
+            b.until(f"{state}.felt.startsWith('ok') || {state}.felt === 'error'", 300)
+        times = b.run("strakeStudio.feel.times")
+        frames = b.run("""(async () => { const v = strakeStudio.scene.viewer, list = [];
+            for (let k = 0; k < 15; ++k) { const t = performance.now(); v.camera.position.applyAxisAngle(v.camera.up, 0.05); v.controls.update(); v.render(); v.renderer.getContext().finish();
+              list.push(performance.now() - t); await new Promise((done) => setTimeout(done, 20)); } return list; })()""")
+        script = b.run("""(() => { const f = strakeStudio.feel, list = []; for (let k = 0; k < 9; ++k) { f.x[0] += 1e-4; const t = performance.now(); f.preview(); list.push(performance.now() - t); } return list; })()""")
+        size = b.run("strakeStudio.scene.body.count")
+        word = lambda values: f"{statistics.median(values):.0f} ms ({min(values):.0f} to {max(values):.0f})" if values else "none"
+        print(f"{size} triangles, load {os.getloadavg()[0]:.1f}: preview on the screen {word(times['preview'])}, of it script {word(script)}; "
+              f"exact shape, guard and values {word(times['exact'])}; a frame {word(frames)}")
+finally:
+    studio.send_signal(signal.SIGTERM)
+    studio.communicate()

@@ -3,6 +3,7 @@
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/planform/planform_motion.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 namespace strake {
 namespace {
@@ -21,6 +22,14 @@ const Points& surface_or_rest(const RestFacts& rest, const Points* surface) {
 }
 
 }  // namespace
+
+Points carried(const RestFacts& rest, const Points& of_shell) {
+    return rest.wrap ? rest.wrap->displacement(of_shell) : of_shell;
+}
+
+Points pulled_to_shell(const RestFacts& rest, const Points& force) {
+    return rest.wrap ? rest.wrap->transpose(force) : force;
+}
 
 Points kept_motion(const RestFacts& rest, const Points& motion) {
     return rest.parameters.invariance ? rest.parameters.invariance->projected(motion) : motion;
@@ -45,8 +54,12 @@ Points surface_pull(const RestFacts& rest, const Points& force, const Points* su
 }
 
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
-    if (!rest.parameters.invariance && !has_fields(demand) && !has_planform(demand)) return of_shell;
     Points moved = of_shell;
+    if (rest.wrap && of_shell.rows() > 0) {
+        // Zero displacements leave the bits of the surface.
+        moved = rest.wrap->displacement(of_shell - rest.wrap->mesh().vertices) + rest.surface.vertices;
+    }
+    if (!rest.parameters.invariance && !has_fields(demand) && !has_planform(demand)) return moved;
     if (has_planform(demand)) moved += rest.parameters.planform->displacement(demand.planform);
     if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
     if (rest.parameters.invariance) return rest.surface.vertices + kept_motion(rest, moved - rest.surface.vertices);
@@ -87,11 +100,20 @@ std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand
     return maps;
 }
 
+std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand, const Points& of_wrap) {
+    std::vector<Eigen::Matrix3d> maps = local_maps(rest, demand);
+    const std::vector<Eigen::Matrix3d> carried = rest.wrap->local_maps(of_wrap - rest.wrap->mesh().vertices);
+    for (std::size_t t = 0; t < maps.size(); ++t) maps[t] += carried[t] - Eigen::Matrix3d::Identity();
+    return maps;
+}
+
 std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, const std::vector<Points>& forces,
                                      double tolerance, const Points* surface) {
     std::vector<Points> moved(forces.size(), Points::Zero(rest.surface.num_vertices(), 3));
     if (!shell) return moved;
     moved = shell->response(forces, tolerance);
+    if (rest.wrap)
+        for (Points& one : moved) one = carried(rest, one);
     if (rest.parameters.invariance || attached_beside_fields(rest))
         for (Points& one : moved) one = surface_rates(rest, one, surface);
     return moved;
@@ -100,7 +122,8 @@ std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, c
 std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShell* shell,
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface) {
-    if (shell && !rest.parameters.invariance && !attached_beside_fields(rest)) return shell->adjoint(dJ_dv, options);
+    if (shell && !rest.wrap && !rest.parameters.invariance && !attached_beside_fields(rest))
+        return shell->adjoint(dJ_dv, options);
     std::vector<Points> kept;
     for (const Points& one : dJ_dv) kept.push_back(surface_pull(rest, one, surface));
     if (!shell) {
@@ -108,7 +131,12 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
         for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}});
         return all;
     }
-    std::vector<ShellSensitivities> all = shell->adjoint(kept, options);
+    std::vector<Points> pulled = kept;
+    if (rest.wrap)
+        for (Points& one : pulled) one = pulled_to_shell(rest, one);
+    std::vector<ShellSensitivities> all = shell->adjoint(pulled, options);
+    if (rest.wrap)  // of the surface, as fields and planform see it
+        for (std::size_t i = 0; i < all.size(); ++i) all[i].vertex = std::move(kept[i]);
     if (rest.parameters.invariance)
         for (ShellSensitivities& one : all) one.force = kept_motion(rest, one.force);
     return all;

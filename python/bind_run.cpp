@@ -43,7 +43,7 @@ public:
             ShellOptions options = rest_->setup.options;
             options.pin = space_.pin;
             options.prism_height = height_ = wanted.prism_height;
-            shell_ = std::make_unique<PrimoShell>(rest_->surface, options);
+            shell_ = std::make_unique<PrimoShell>(rest_->elastic(), options);
             if (poses_) shell_->set_poses(*poses_);
         }
         SolveOptions options;
@@ -52,7 +52,7 @@ public:
         const Equilibrium end = shell_->solve(wanted.loads, wanted.motions, options);
         if (end.status != SolveStatus::converged) throw EvaluationFailed(to_string(end.status) + ": " + end.reason);
         const Points vertices = with_fields(*rest_, wanted, shell_->vertices());
-        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, shell_->poses());
+        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, shell_.get());
         if (!defect.empty()) {
             if (poses_) shell_->set_poses(*poses_);
             throw EvaluationFailed(defect);
@@ -94,7 +94,7 @@ private:
     Points shape_by_fields(const Eigen::VectorXd& x, const ShellDemand& wanted) {
         x_.resize(0);
         Points vertices = with_fields(*rest_, wanted, rest_->surface.vertices);
-        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, {});
+        const std::string defect = defect_of(guard_, *rest_, wanted, vertices, nullptr);
         if (!defect.empty()) throw EvaluationFailed(defect);
         x_ = x;
         return vertices;
@@ -111,7 +111,7 @@ private:
     SurfacePointer surface_;
     std::shared_ptr<const RestFacts> rest_;
     DesignSpace space_;
-    ValidityGuard guard_;
+    ShapeGuard guard_;
     std::unique_ptr<PrimoShell> shell_;
     Eigen::VectorXd height_, x_;  ///< x_: of the present shape; empty: none
     Points vertices_;             ///< of x_

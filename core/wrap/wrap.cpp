@@ -6,6 +6,7 @@
 #include "core/mesh/topology.hpp"
 #include "core/remesh/remesh.hpp"
 #include "core/wrap/alpha_wrap.hpp"
+#include "core/wrap/halves.hpp"
 
 #include <array>
 #include <chrono>
@@ -15,8 +16,11 @@ namespace strake {
 namespace {
 
 constexpr double alpha_rel = 1.0 / 50, offset_share = 1 / 2.5, edge_share = 0.6;
-constexpr int max_attempts = 3, max_genus = 12;
+constexpr int max_genus = 12;
 constexpr double max_area_ratio = 1.45;
+constexpr double on_cut = 1e-6;    ///< diagonals: a half ends there
+constexpr double rounding = 1e-9;  ///< diagonals: of what has been put onto the plane
+constexpr double snapped = 0.05;   ///< edges of the wrap: vertices so near to the plane are moved onto it
 
 double seconds_since(std::chrono::steady_clock::time_point begin) {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
@@ -25,6 +29,33 @@ double seconds_since(std::chrono::steady_clock::time_point begin) {
 /// V - E + F = 2 - 2 genus of a closed surface in one piece.
 int genus_of(const TriMesh& mesh, const Adjacency& adjacent) {
     return (2 - (mesh.num_vertices() - adjacent.num_edges() + mesh.num_triangles())) / 2;
+}
+
+/// The plane with its normal towards the half.
+SymmetryPlane towards(const TriMesh& half, const SymmetryPlane& plane) {
+    const Eigen::VectorXd above = (half.vertices * plane.normal).array() - plane.offset;
+    if (above.maxCoeff() >= -above.minCoeff()) return plane;
+    return {-plane.normal, -plane.offset};
+}
+
+/// Even triangles for the wrap, or for one half of it, which is mirrored unless the body is a half as well.
+std::string make_even(TriMesh raw, const WrapOptions& options, Wrap& wrap) {
+    RemeshOptions remesh_options;
+    remesh_options.edge_length = wrap.edge_length;
+    remesh_options.iterations = 5;
+    if (options.plane) raw = clipped(raw, *options.plane, snapped * wrap.edge_length);
+    RemeshResult even = remesh(raw, remesh_options);
+    if (even.new_intersections > 0)
+        return text("intersects itself ", even.new_intersections, " times on new triangles");
+    wrap.mesh = std::move(even.mesh);
+    if (!options.plane) return {};
+    if (const double off = put_borders_on(*options.plane, wrap.mesh); off > on_cut * box_diagonal(wrap.mesh))
+        return text("is open ", off, " away from the plane of symmetry");
+    if (const TopologyFacts facts = topology(wrap.mesh, adjacency(wrap.mesh)); facts.components != 1)
+        return text("is cut into ", facts.components, " pieces by the plane of symmetry");
+    if (!options.is_half)
+        wrap.mesh = with_mirror_image(wrap.mesh, *options.plane, rounding * box_diagonal(wrap.mesh)).mesh;
+    return {};
 }
 
 /// One attempt; what is wrong with it, or an empty text.
@@ -43,15 +74,9 @@ std::string try_once(const TriMesh& capped, double area, const WrapOptions& opti
     if (wrap.area_ratio > max_area_ratio)
         return text("has ", wrap.area_ratio, " times the area of the body, the limit is ", max_area_ratio);
     const auto then = std::chrono::steady_clock::now();
-    RemeshOptions remesh_options;
-    remesh_options.edge_length = wrap.edge_length;
-    remesh_options.iterations = 5;
-    RemeshResult even = remesh(raw, remesh_options);
+    std::string wrong = make_even(raw, options, wrap);
     wrap.remesh_seconds += seconds_since(then);
-    if (even.new_intersections > 0)
-        return text("intersects itself ", even.new_intersections, " times on new triangles");
-    wrap.mesh = std::move(even.mesh);
-    return {};
+    return wrong;
 }
 
 }  // namespace
@@ -66,6 +91,9 @@ void validate(const WrapOptions& options) {
     not_negative("edge_length", options.edge_length);
     if (!(options.max_seconds > 0))
         throw InvalidInput(text("wrap: max_seconds = ", options.max_seconds, " must be > 0"));
+    if (options.max_attempts < 1)
+        throw InvalidInput(text("wrap: max_attempts = ", options.max_attempts, " must be >= 1"));
+    if (options.is_half && !options.plane) throw InvalidInput("wrap: a half needs its plane");
 }
 
 TriMesh with_caps(const TriMesh& body, int& caps) {
@@ -103,16 +131,22 @@ Wrap wrap_around(const TriMesh& body, const WrapOptions& options) {
     validate(options);
     if (body.num_triangles() == 0 || !(surface_area(body) > 0)) throw InvalidInput("wrap: the body has no area");
     Wrap wrap;
-    const TriMesh capped = with_caps(body, wrap.capped_holes);
+    WrapOptions asked = options;
+    TriMesh whole = body;
+    if (options.is_half) {
+        asked.plane = towards(body, *options.plane);
+        whole = with_mirror_image(body, *asked.plane, on_cut * box_diagonal(body)).mesh;
+    }
+    const TriMesh capped = with_caps(whole, wrap.capped_holes);
     const double area = surface_area(capped);
     wrap.alpha = options.alpha > 0 ? options.alpha : alpha_rel * box_diagonal(body);
     wrap.offset = options.offset > 0 ? options.offset : offset_share * wrap.alpha;
     wrap.edge_length = options.edge_length > 0 ? options.edge_length : edge_share * wrap.alpha;
     for (wrap.attempts = 1;; ++wrap.attempts) {
-        const std::string wrong = try_once(capped, area, options, wrap);
+        const std::string wrong = try_once(capped, area, asked, wrap);
         if (wrong.empty()) return wrap;
         wrap.notes.push_back(text("the wrap at alpha = ", wrap.alpha, ", offset = ", wrap.offset, " ", wrong));
-        if (wrap.attempts == max_attempts) break;
+        if (wrap.attempts == options.max_attempts) break;
         wrap.alpha *= 2;
         wrap.offset *= 2;
         wrap.edge_length *= 2;

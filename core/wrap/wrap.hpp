@@ -1,6 +1,8 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
+#include "core/mesh/symmetry_plane.hpp"
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -15,7 +17,12 @@ struct WrapOptions {
     double alpha = 0;         ///< what is narrower is bridged; length; 0: a fiftieth of the diagonal
     double offset = 0;        ///< distance from the body; 0: alpha / 2.5
     double edge_length = 0;   ///< of the wrap's triangles; 0: 0.6 alpha
-    double max_seconds = 20;  ///< of one attempt to wrap; > 0
+    double max_seconds = 20;  ///< of one attempt to wrap; > 0, may be infinite: no limit
+    int max_attempts = 3;     ///< alpha is doubled after one that fails; >= 1
+    /// The wrap is symmetric about this plane, by construction: one half of it is mirrored.
+    std::optional<SymmetryPlane> plane = {};
+    /// The body is a half that ends on the plane, and so is the wrap: open there, its border exactly on the plane.
+    bool is_half = false;
 };
 void validate(const WrapOptions& options);  ///< throws InvalidInput: field, value, limit
 
@@ -32,9 +39,10 @@ struct Wrap {
 
 /// CGAL's alpha wrap of the body, whose open borders are closed by fans from their middles (in the input of the wrap
 /// only: a hole wider than alpha would let the wrap inside), remeshed by `remesh`.
+/// Of a half the whole is wrapped, and clipped at the plane.
 /// Accepted is a wrap in one piece, of at most 12 handles and 1.45 times the area of the body (more: it went inside),
 /// whose new triangles do not intersect; else, and when it takes longer than `max_seconds`, alpha, offset and edge
-/// length are doubled, up to twice.
+/// length are doubled, up to twice (`max_attempts`).
 /// @throws InvalidInput: a bad option, a body without triangles or area, a build without alpha wrap; none of the
 /// attempts gave a wrap (what each of them gave).
 Wrap wrap_around(const TriMesh& body, const WrapOptions& options = {});

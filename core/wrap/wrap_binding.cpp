@@ -43,16 +43,22 @@ Affine affine_rows(const Points& x) {
 }
 
 /// Each as far as possible from those before it; the first one is the farthest from the mean. Ties: the smaller number.
-std::vector<int> farthest_points(const Points& x, int count) {
+/// @param image with mirror images: a point is taken together with its own.
+std::vector<int> farthest_points(const Points& x, int count, const std::vector<int>& image) {
     const Eigen::RowVector3d mean = x.colwise().mean();
     VectorXd distance = (x.rowwise() - mean).rowwise().squaredNorm();
     std::vector<int> chosen;
     while (static_cast<int>(chosen.size()) < count) {
         Index best = 0;
         if (!(distance.maxCoeff(&best) > 0)) break;  // only copies of those chosen are left
-        chosen.push_back(static_cast<int>(best));
-        const VectorXd now = (x.rowwise() - x.row(best)).rowwise().squaredNorm();
-        distance = chosen.size() == 1 ? now : VectorXd(distance.cwiseMin(now));
+        const auto take = [&](int v) {
+            chosen.push_back(v);
+            const VectorXd now = (x.rowwise() - x.row(v)).rowwise().squaredNorm();
+            distance = chosen.size() == 1 ? now : VectorXd(distance.cwiseMin(now));
+        };
+        take(static_cast<int>(best));
+        if (!image.empty() && image[static_cast<std::size_t>(best)] != best)
+            take(image[static_cast<std::size_t>(best)]);
     }
     return chosen;
 }
@@ -69,6 +75,9 @@ void check(const TriMesh& wrap, const Points& body, const WrapBindingOptions& op
     if (!wrap.vertices.allFinite() || !body.allFinite()) throw InvalidInput("wrap: a coordinate is not finite");
     if (!options.held.empty() && static_cast<Index>(options.held.size()) != body.rows())
         throw InvalidInput(text("wrap: ", options.held.size(), " flags for ", body.rows(), " vertices of the body"));
+    if (!options.image.empty() && static_cast<Index>(options.image.size()) != wrap.vertices.rows())
+        throw InvalidInput(
+            text("wrap: ", options.image.size(), " mirror images of ", wrap.vertices.rows(), " vertices"));
     if (options.centers < 4) throw InvalidInput(text("wrap: centers = ", options.centers, " must be >= 4"));
 }
 
@@ -91,6 +100,14 @@ struct WrapBinding::Impl {
     Points radial(const Points& at, const MatrixXd& weights) const;
     MatrixXd radial_transpose(const Points& at, const Points& values) const;
     void hold(Points& rows) const;
+
+    /// What of displacements of the wrap is affine, and what the radial functions make of the rest.
+    struct Smooth {
+        Eigen::Matrix<double, 4, 3> nearest, linear;
+        MatrixXd weights;  ///< of the centres
+        Points rest;       ///< that the affine part leaves of the displacements
+    };
+    Smooth smooth(const Points& of_wrap) const;
 };
 
 /// [K P; P^T 0] for the weights of the radial functions and a linear part.
@@ -185,7 +202,7 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     const Eigen::FullPivLU<Eigen::Matrix4d> inverse(moments);
     if (!(std::abs(inverse.matrixLU()(3, 3)) > flat * flat)) throw InvalidInput("wrap: it lies in a plane");
     m.fit = inverse.solve(Eigen::Matrix<double, 4, Eigen::Dynamic>(m.wrap_affine.transpose() * share.asDiagonal()));
-    m.centers = farthest_points(m.wrap, options.centers);
+    m.centers = farthest_points(m.wrap, options.centers, options.image);
     m.center = m.wrap(m.centers, Eigen::all);
     m.factorize();
     m.spread(wrap);
@@ -195,22 +212,46 @@ WrapBinding::~WrapBinding() = default;
 WrapBinding::WrapBinding(WrapBinding&&) noexcept = default;
 WrapBinding& WrapBinding::operator=(WrapBinding&&) noexcept = default;
 
+WrapBinding::Impl::Smooth WrapBinding::Impl::smooth(const Points& of_wrap) const {
+    if (of_wrap.rows() != wrap.rows())
+        throw InvalidInput(text("wrap: ", of_wrap.rows(), " displacements for ", wrap.rows(), " vertices"));
+    const Index k = center.rows();
+    Smooth parts;
+    parts.nearest = fit * of_wrap;
+    parts.rest = of_wrap - wrap_affine * parts.nearest;
+    MatrixXd right = MatrixXd::Zero(k + 4, 3);
+    right.topRows(k) = parts.rest(centers, Eigen::all);
+    const MatrixXd solved = system.solve(right);
+    parts.weights = solved.topRows(k);
+    parts.linear = solved.bottomRows(4);
+    return parts;
+}
+
 Points WrapBinding::displacement(const Points& of_wrap) const {
     const Impl& m = *impl_;
-    if (of_wrap.rows() != m.wrap.rows())
-        throw InvalidInput(text("wrap: ", of_wrap.rows(), " displacements for ", m.wrap.rows(), " vertices"));
-    const Index k = m.center.rows();
-    const Eigen::Matrix<double, 4, 3> nearest = m.fit * of_wrap;
-    const Points rest = of_wrap - m.wrap_affine * nearest;
-    MatrixXd right = MatrixXd::Zero(k + 4, 3);
-    right.topRows(k) = rest(m.centers, Eigen::all);
-    const MatrixXd solved = m.system.solve(right);
-    const MatrixXd weights = solved.topRows(k);
-    const Eigen::Matrix<double, 4, 3> linear = solved.bottomRows(4);
-    const Points left = rest - m.radial(m.wrap, weights) - m.wrap_affine * linear;
-    Points moved = m.body_affine * (nearest + linear) + m.radial(m.body, weights) + m.local * left;
+    const Impl::Smooth parts = m.smooth(of_wrap);
+    const Points left = parts.rest - m.radial(m.wrap, parts.weights) - m.wrap_affine * parts.linear;
+    Points moved = m.body_affine * (parts.nearest + parts.linear) + m.radial(m.body, parts.weights) + m.local * left;
     m.hold(moved);
     return moved;
+}
+
+std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, const Points& at) const {
+    const Impl& m = *impl_;
+    const Impl::Smooth parts = m.smooth(of_wrap);
+    const Eigen::Matrix3d affine = (parts.nearest + parts.linear).bottomRows<3>().transpose();
+    const Points x = (at.rowwise() - m.middle) / m.scale;
+    std::vector<Eigen::Matrix3d> maps(static_cast<std::size_t>(at.rows()));
+    for_blocks(static_cast<int>(at.rows()), block, [&](int begin, int end) {
+        for (int p = begin; p < end; ++p) {
+            Points away = (-m.center).rowwise() + x.row(p);
+            const VectorXd slope = 3 * away.rowwise().norm();  // of r^3: 3 r times the vector
+            const Eigen::Matrix3d radial =
+                parts.weights.transpose() * (away.array().colwise() * slope.array()).matrix();
+            maps[static_cast<std::size_t>(p)] = Eigen::Matrix3d::Identity() + (affine + radial) / m.scale;
+        }
+    });
+    return maps;
 }
 
 Points WrapBinding::transpose(const Points& of_body) const {

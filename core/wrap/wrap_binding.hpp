@@ -28,6 +28,9 @@ namespace strake {
 struct WrapBindingOptions {
     std::vector<char> held = {};  ///< per vertex of the body: does not move, B's row is zero; empty: none
     int centers = 500;            ///< at most so many, >= 4
+    /// Per vertex of the wrap its mirror image, where it has a plane of symmetry: centres are chosen in pairs, so that
+    /// symmetric displacements move a symmetric body symmetrically. Empty: none.
+    std::vector<int> image = {};
 };
 
 class WrapBinding {
@@ -44,6 +47,9 @@ public:
     Points displacement(const Points& of_wrap) const;
     /// B^T g. The same cost.
     Points transpose(const Points& of_body) const;
+    /// Per point (n x 3): the linear part I + grad of the motion there, without that of the local part, which is small
+    /// and no motion of its own. What is held is not looked at. Cost: centres times points.
+    std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap, const Points& at) const;
 
     const std::vector<int>& centers() const;  ///< vertices of the wrap, in the order of choice
     double edge_length() const;               ///< mean edge of the wrap

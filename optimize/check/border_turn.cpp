@@ -1,6 +1,7 @@
 #include "optimize/check/border_turn.hpp"
 
 #include "core/mesh/geometry.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 #include <cmath>
 #include <numbers>
@@ -30,6 +31,15 @@ BorderTurn border_turn(const RestFacts& rest, const std::vector<char>& held, con
 std::vector<char> pinned_triangles(const RestFacts& rest) {
     const std::vector<int>& pin = rest.setup.options.pin;
     std::vector<char> held(static_cast<std::size_t>(rest.surface.num_triangles()), 0);
+    if (rest.wrap) {
+        const std::vector<char>& is_held = rest.wrap->held();
+        for (std::size_t t = 0; t < held.size(); ++t) {
+            const Eigen::RowVector3i v = rest.surface.triangles.row(static_cast<Eigen::Index>(t));
+            held[t] = is_held[static_cast<std::size_t>(v[0])] && is_held[static_cast<std::size_t>(v[1])] &&
+                      is_held[static_cast<std::size_t>(v[2])];
+        }
+        return held;
+    }
     for (std::size_t t = 0; t < pin.size(); ++t) held[t] = pin[t] != free_prism;
     return held;
 }

@@ -72,7 +72,7 @@ std::vector<TypicalMotion> soft_modes(const DesignSpace& space, int count) {
         const Eigen::HouseholderQR<MatrixXd> qr(modes);
         const MatrixXd basis = qr.householderQ() * MatrixXd::Identity(modes.rows(), block);
         std::vector<Points> forces = motions_of(basis, weight);
-        for (Points& force : forces) force = kept_forces(rest, force);
+        for (Points& force : forces) force = pulled_to_shell(rest, kept_forces(rest, force));
         modes = flat(surface_response(rest, shell.get(), forces, mode_tolerance, nullptr), weight);
         ritz = basis.transpose() * modes;
     }

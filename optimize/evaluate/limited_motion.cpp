@@ -88,7 +88,8 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
     std::vector<RigidMotion> motions = setup.motions;
     const int last = *std::max_element(options.pin.begin(), options.pin.end());
     motions.resize(static_cast<std::size_t>(std::max(last, static_cast<int>(motions.size()))));
-    PrimoShell shell(rest->surface, options);
+    const Points& start = rest->elastic().vertices;
+    PrimoShell shell(rest->elastic(), options);
     Loads loads = setup.loads;
     if (is_loaded && rest->parameters.kept_sections) loads.force = kept_forces(*rest, loads.force);
     const Equilibrium end =
@@ -96,7 +97,7 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
     if (end.status == SolveStatus::cancelled) throw Interrupted{};
     if (end.status != SolveStatus::converged) throw SolverError(end.reason);
     poses = shell.poses();
-    return {*rest, Points(rest->surface.vertices + kept_motion(*rest, shell.vertices() - rest->surface.vertices))};
+    return {*rest, Points(rest->surface.vertices + kept_motion(*rest, carried(*rest, shell.vertices() - start)))};
 }
 
 MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used) {

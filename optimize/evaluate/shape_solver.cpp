@@ -1,6 +1,7 @@
 #include "optimize/evaluate/shape_solver.hpp"
 
 #include "core/error.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/space/shape_map.hpp"
 
 namespace strake {
@@ -28,16 +29,26 @@ std::string to_string(EvaluationStatus status) {
     return "unknown";
 }
 
-ValidityGuard guard_of(const Problem& problem, const RestFacts& rest) {
-    return {rest.surface,
-            rest.adjacent,
-            {problem.fixed, problem.symmetry, attached_triangles(problem), !problem.has_shell}};
+ShapeGuard guard_of(const Problem& problem, const RestFacts& rest) {
+    const bool is_mapped = !problem.has_shell || problem.wrap;
+    ShapeGuard guard{
+        {rest.surface, rest.adjacent, {problem.fixed, problem.symmetry, attached_triangles(problem), is_mapped}}};
+    if (problem.wrap) {
+        ValidityOptions of_wrap;
+        of_wrap.symmetry = problem.symmetry;
+        guard.wrap.emplace(problem.wrap->mesh(), problem.wrap->adjacent(), of_wrap);
+    }
+    return guard;
 }
 
-std::string defect_of(const ValidityGuard& guard, const RestFacts& rest, const ShellDemand& demand,
-                      const Points& vertices, const Poses& of_shell) {
-    if (rest.has_shell) return guard.defect(vertices, with_fields(rest, demand, of_shell, vertices));
-    return guard.defect(vertices, local_maps(rest, demand));
+std::string defect_of(const ShapeGuard& guard, const RestFacts& rest, const ShellDemand& demand, const Points& vertices,
+                      const PrimoShell* shell) {
+    if (!shell) return guard.surface.defect(vertices, local_maps(rest, demand));
+    if (!guard.wrap) return guard.surface.defect(vertices, with_fields(rest, demand, shell->poses(), vertices));
+    const Points of_wrap = shell->vertices();
+    const std::string defect = guard.wrap->defect(of_wrap, shell->poses());
+    if (!defect.empty()) return "the wrap: " + defect;
+    return guard.surface.defect(vertices, local_maps(rest, demand, of_wrap));
 }
 
 ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
@@ -80,7 +91,7 @@ void ShapeSolver::build_shell(const ShellDemand& demand) {
     options.prism_height = demand.prism_height;
     shell_.reset();  // before the new one: two factors may not fit
     shell_x_.resize(0);
-    shell_ = std::make_unique<PrimoShell>(rest_->surface, options);
+    shell_ = std::make_unique<PrimoShell>(rest_->elastic(), options);
     rest_poses_ = shell_->poses();
     shell_pin_ = space_.pin;
     shell_height_ = demand.prism_height;
@@ -177,7 +188,7 @@ bool ShapeSolver::is_valid(const Eigen::VectorXd& x, ShapeEvaluation& result) {
     if (!settle(x, result)) return false;
     last_ = shell_ ? shell_->poses() : Poses{};
     last_x_ = x;
-    result.reason = defect_of(guard_, *rest_, shell_demand_, result.vertices, *last_);
+    result.reason = defect_of(guard_, *rest_, shell_demand_, result.vertices, shell_.get());
     if (result.reason.empty()) return true;
     result.status = EvaluationStatus::invalid;
     result.vertices.resize(0, 3);

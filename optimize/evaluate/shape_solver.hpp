@@ -9,13 +9,17 @@
 /// From a design to its surface: x -> loads -> equilibrium -> a valid surface. Internal to the evaluator.
 namespace strake {
 
-/// The guard of a problem's shapes.
-ValidityGuard guard_of(const Problem& problem, const RestFacts& rest);
+/// The guard of a problem's shapes: of the surface, and of the wrap that carries it.
+struct ShapeGuard {
+    ValidityGuard surface;
+    std::optional<ValidityGuard> wrap = {};
+};
+ShapeGuard guard_of(const Problem& problem, const RestFacts& rest);
 
-/// What the guard says of a surface in the equilibrium of `demand`. @param of_shell poses of its prisms; without a
-/// shell none are looked at.
-std::string defect_of(const ValidityGuard& guard, const RestFacts& rest, const ShellDemand& demand,
-                      const Points& vertices, const Poses& of_shell);
+/// What the guard says of a surface in the equilibrium of `demand`. A surface in a wrap is moved by a map of space, as
+/// one without a shell is, and the wrap must be sound as well. @param shell in that equilibrium; null: there is none.
+std::string defect_of(const ShapeGuard& guard, const RestFacts& rest, const ShellDemand& demand, const Points& vertices,
+                      const PrimoShell* shell);
 
 /// Keeps the shell, its factor and the poses of the last shapes between designs. Not thread-safe.
 class ShapeSolver {
@@ -74,7 +78,7 @@ private:
     void remember(const Eigen::VectorXd& x);
 
     std::shared_ptr<const RestFacts> rest_;
-    ValidityGuard guard_;
+    ShapeGuard guard_;
     DesignSpace space_;
     std::function<bool()> stop_wanted_;
     std::unique_ptr<PrimoShell> shell_;

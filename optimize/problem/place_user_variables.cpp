@@ -75,6 +75,7 @@ void check_planform(const Problem& problem) {
     if (problem.parameters.invariance) refuse("invariance");
     if (!problem.fit.empty()) refuse("fit");
     refuse_held(*planform, problem.surface, problem.fixed, "fixed");
+    if (problem.wrap) return refuse_held(*planform, problem.surface, problem.still, "strains");
     for (const PrescribedStrain& strain : problem.strains)
         refuse_held(*planform, problem.surface, strain.triangles, "strains");
 }
@@ -169,7 +170,7 @@ PlacedVariables place_user_variables(const Problem& problem, int first, std::vec
     check_planform(problem);
     std::set<std::string> names;
     for (std::size_t g = 0; g < user.size(); ++g) {
-        check_one(user[g], problem.surface.num_triangles());
+        check_one(user[g], static_cast<int>(pin.size()));
         if (!names.insert(user[g].name).second)
             throw InvalidInput(text("two user variables are called '", user[g].name, "'"));
         if (user[g].traction.rows() == 0 && user[g].field < 0 && user[g].planform < 0)

@@ -15,6 +15,7 @@ class DisplacementFields;
 class Invariance;
 class KeptSections;
 class PlanformMotion;
+class WrapMap;
 
 enum class VariableKind {
     load,         ///< traction of a patch as a vector: three variables, or one for each of `load_directions`
@@ -189,7 +190,15 @@ struct DesignTable;
 
 struct Problem {
     std::string name;
-    TriMesh surface;
+    TriMesh surface;  ///< what is measured, guarded and handed on
+    /// What is elastic in the place of the surface, and carries it along: v = x0 + Phi z + B E(F y). All of this struct
+    /// that is elastic (tree, prism_height, supports, strains, given_traction, spring_per_area; of the parameters
+    /// variables_on, frozen, groups and the user variables' triangles) is then about the wrap; `fixed`, symmetry,
+    /// fields, motion limits and quantities stay about the surface. Null: the surface itself is elastic. Not without a
+    /// shell, nor with attached parts or `invariance`.
+    std::shared_ptr<const WrapMap> wrap;
+    /// With a wrap: triangles of the surface that fields leave as they are, beside those of `fixed`.
+    std::vector<int> still;
     PatchHierarchy tree;
     /// false: no elastic shell is built, and `Parameters::fields` alone move the surface, which may then be any: not
     /// manifold, piercing itself, of slivers. Without loads, strains, springs and attached parts; variables are fields.
@@ -221,5 +230,8 @@ struct Problem {
     std::shared_ptr<const DesignTable> table;   ///< of `sample`: the designs and what they gave; null: they are spread
     std::shared_ptr<const StoredDesign> start;  ///< where `optimize` and `fit` begin, set by `start_from`; else at rest
 };
+
+/// The wrap, or where there is none the surface.
+const TriMesh& elastic_surface(const Problem& problem);
 
 }  // namespace strake

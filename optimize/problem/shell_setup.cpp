@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/problem/place_user_variables.hpp"
 
 #include <algorithm>
@@ -32,13 +33,30 @@ void check_index(const char* what, int t, int num_triangles) {
 }
 
 void check_sizes(const Problem& problem) {
-    const int n = problem.surface.num_vertices(), m = problem.surface.num_triangles();
+    const TriMesh& elastic = elastic_surface(problem);
+    const int n = elastic.num_vertices(), m = elastic.num_triangles();
     if (problem.has_shell && problem.prism_height.size() != n)
         throw InvalidInput(text("prism_height: ", problem.prism_height.size(), " values for ", n, " vertices"));
     if (problem.given_traction.rows() != 0 && problem.given_traction.rows() != m)
         throw InvalidInput(text("given_traction: ", problem.given_traction.rows(), " rows for ", m, " triangles"));
     if (problem.spring_per_area.size() != 0 && problem.spring_per_area.size() != m)
         throw InvalidInput(text("spring_per_area: ", problem.spring_per_area.size(), " values for ", m, " triangles"));
+}
+
+/// What a wrap cannot do.
+void check_wrap(const Problem& problem) {
+    if (!problem.wrap) return;
+    const auto refuse = [](const std::string& what) { throw InvalidInput("wrap: not possible together with " + what); };
+    if (!problem.has_shell) refuse("shell: none, where nothing is elastic");
+    if (!problem.attached.empty()) refuse("attach: the wrap carries all parts of the body");
+    if (problem.parameters.invariance) refuse("invariance");
+    const auto count = static_cast<int>(problem.wrap->held().size());
+    if (count != problem.surface.num_vertices())
+        throw InvalidInput(text("wrap: around ", count, " vertices, the surface has ", problem.surface.num_vertices()));
+    for (const int t : problem.fixed)
+        for (int k = 0; k < 3; ++k)
+            if (const int v = problem.surface.triangles(t, k); !problem.wrap->held()[static_cast<std::size_t>(v)])
+                throw InvalidInput(text("wrap: vertex ", v, " is fixed, but not held by the wrap's binding"));
 }
 
 /// What needs a shell, in a problem that has none.
@@ -62,7 +80,7 @@ void refuse_elastic(const Problem& problem) {
 void pin_strain(const Problem& problem, int k, ShellSetup& setup) {
     int fixed = 0, pinned = 0;
     for (const int t : problem.strains[k].triangles) {
-        check_index("strains", t, problem.surface.num_triangles());
+        check_index("strains", t, static_cast<int>(setup.options.pin.size()));
         int& pin = setup.options.pin[t];
         if (pin == fixed_prism)
             ++fixed;
@@ -123,6 +141,8 @@ void check_attached(ShellSetup& setup) {
 
 }  // namespace
 
+const TriMesh& elastic_surface(const Problem& problem) { return problem.wrap ? problem.wrap->mesh() : problem.surface; }
+
 Eigen::VectorXd vertex_springs(const TriMesh& rest, const Eigen::VectorXd& spring_per_area) {
     if (spring_per_area.size() == 0) return {};
     const Eigen::VectorXd area = triangle_areas(rest);
@@ -142,21 +162,22 @@ std::vector<int> attached_triangles(const Problem& problem) {
 ShellSetup shell_setup(const Problem& problem) {
     check_sizes(problem);
     if (!problem.has_shell) refuse_elastic(problem);
+    for (const int t : problem.fixed) check_index("fixed", t, problem.surface.num_triangles());
+    check_wrap(problem);
+    const TriMesh& elastic = elastic_surface(problem);
     ShellSetup setup;
     setup.options.prism_height = problem.prism_height;
     setup.options.symmetry = problem.symmetry;
     setup.options.couple_nonmanifold = problem.couple_nonmanifold;
     setup.options.solver = problem.solver;
-    setup.options.pin.assign(problem.surface.num_triangles(), free_prism);
+    setup.options.pin.assign(static_cast<std::size_t>(elastic.num_triangles()), free_prism);
     if (!problem.attached.empty())
         setup.options.attached =
             std::make_shared<const Attachments>(problem.surface, problem.attached, problem.symmetry);
-    for (const int t : problem.fixed) {
-        check_index("fixed", t, problem.surface.num_triangles());
-        setup.options.pin[t] = fixed_prism;
-    }
+    if (!problem.wrap)  // else what holds the wrap are `supports`
+        for (const int t : problem.fixed) setup.options.pin[t] = fixed_prism;
     for (const int t : problem.supports) {
-        check_index("supports", t, problem.surface.num_triangles());
+        check_index("supports", t, elastic.num_triangles());
         setup.options.pin[t] = fixed_prism;
     }
     for (int k = 0; k < static_cast<int>(problem.strains.size()); ++k) {
@@ -170,10 +191,10 @@ ShellSetup shell_setup(const Problem& problem) {
     setup.warnings.insert(setup.warnings.end(), placed.warnings.begin(), placed.warnings.end());
     check_attached(setup);
     check_invariance(problem, setup);
-    if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(problem.surface, problem.given_traction);
+    if (problem.given_traction.rows() > 0) setup.loads.force = traction_forces(elastic, problem.given_traction);
     if (problem.parameters.invariance && setup.loads.force.rows() > 0)
         setup.loads.force = problem.parameters.invariance->pulled_back(setup.loads.force);
-    setup.loads.spring = vertex_springs(problem.surface, problem.spring_per_area);
+    setup.loads.spring = vertex_springs(elastic, problem.spring_per_area);
     return setup;
 }
 

@@ -16,6 +16,7 @@ struct ShellSetup {
 };
 
 /// Without a shell (`Problem::has_shell`) the pins alone: what is fixed.
+/// With a wrap all of it is about the wrap, which `Problem::fixed` does not hold: `supports` do.
 /// Pins: fixed triangles, then the given strains, then what user variables move. A triangle that is fixed and strained
 /// is fixed (warning and count); so are attached ones, which may be under nothing else.
 /// @throws InvalidInput: sizes, indices out of range, a triangle in two strains, a strain without a triangle left,;

@@ -5,6 +5,7 @@
 #include "core/planform/planform_motion.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
+#include "optimize/space/shape_map.hpp"
 
 namespace strake {
 namespace {
@@ -68,6 +69,10 @@ void check_alike(const Demand& a, const Demand& b) {
     const bool same_counts = one.num_vertices() == other.num_vertices() && one.num_triangles() == other.num_triangles();
     if (!same_counts || one.triangles != other.triangles || one.vertices != other.vertices)
         refuse("different surfaces at the start");
+    const TriMesh &one_wrap = a.rest->elastic(), &other_wrap = b.rest->elastic();
+    if (!a.rest->wrap != !b.rest->wrap || one_wrap.vertices.rows() != other_wrap.vertices.rows() ||
+        one_wrap.vertices != other_wrap.vertices)
+        refuse("different wraps");
     if (a.rest->has_shell != b.rest->has_shell) refuse("a shell in one of them only");
     if (a.pin != b.pin) refuse("different fixed or strained triangles");
     if (!same_plane(a.rest->setup.options.symmetry, b.rest->setup.options.symmetry)) refuse("different symmetry");
@@ -119,23 +124,22 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
     check_alike(one, other);
     const ShellDemand wanted = between(one.of_shell, other.of_shell, weight);
     MixedDesign out;
-    Poses poses;
+    std::optional<PrimoShell> shell;
     if (one.rest->has_shell) {
         ShellOptions options = one.rest->setup.options;
         options.pin = one.pin;
         options.prism_height = wanted.prism_height;
-        PrimoShell shell(one.rest->surface, options);
-        shell.set_poses(weight < 0.5 ? a.design->poses : b.design->poses);
-        out.end = shell.solve(wanted.loads, wanted.motions);
-        out.vertices = with_fields(*one.rest, wanted, shell.vertices());
-        poses = shell.poses();
+        shell.emplace(one.rest->elastic(), options);
+        shell->set_poses(weight < 0.5 ? a.design->poses : b.design->poses);
+        out.end = shell->solve(wanted.loads, wanted.motions);
+        out.vertices = with_fields(*one.rest, wanted, shell->vertices());
     } else {
         out.end.status = SolveStatus::converged;
         out.end.reason = "by displacement fields";
         out.vertices = with_fields(*one.rest, wanted, one.rest->surface.vertices);
     }
     if (out.end.status != SolveStatus::converged) return out;
-    out.defect = defect_of(guard_of(a.problem, *one.rest), *one.rest, wanted, out.vertices, poses);
+    out.defect = defect_of(guard_of(a.problem, *one.rest), *one.rest, wanted, out.vertices, shell ? &*shell : nullptr);
     return out;
 }
 

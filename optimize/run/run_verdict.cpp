@@ -1,6 +1,7 @@
 #include "optimize/run/run_verdict.hpp"
 
 #include "core/error.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 namespace strake {
 namespace {
@@ -163,10 +164,12 @@ std::vector<std::string> own_bounds(const RunResult& r) {
 std::string patch_at(const DesignSpace& space, int vertex) {
     const Triangles& triangles = space.rest->surface.triangles;
     for (Eigen::Index t = 0; t < triangles.rows(); ++t)
-        if ((triangles.row(t).array() == vertex).any())
-            return space.patches()
-                .patches[static_cast<std::size_t>(space.patches().label[static_cast<std::size_t>(t)])]
-                .name;
+        if ((triangles.row(t).array() == vertex).any()) {
+            const int elastic =
+                space.rest->wrap ? space.rest->wrap->wrap_triangle()[static_cast<std::size_t>(t)] : static_cast<int>(t);
+            const int patch = space.patches().label[static_cast<std::size_t>(elastic)];
+            return space.patches().patches[static_cast<std::size_t>(patch)].name;
+        }
     return "";
 }
 

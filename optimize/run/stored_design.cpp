@@ -90,7 +90,7 @@ StoredDesign stored_design(const AcceptedDesign& accepted) {
                                   space.user_values(all)[g] + space.carried_user_values[g]);
     for (std::size_t p = 0; p < space.core.size(); ++p)
         for (const int t : space.core[p]) {
-            if (design.core.empty()) design.core.assign(rest.surface.num_triangles(), -1);
+            if (design.core.empty()) design.core.assign(static_cast<std::size_t>(rest.elastic().num_triangles()), -1);
             design.core[t] = static_cast<int>(p);
         }
     if (!design.core.empty()) design.carried_motion = space.carried_motion;
@@ -118,6 +118,13 @@ void check_surface(const StoredDesign& design, const TriMesh& surface) {
                                 "); they have to be equal bit by bit"));
 }
 
+void check_elastic(const StoredDesign& design, int triangles) {
+    const std::size_t was = design.tree.levels.empty() ? 0 : design.tree.levels.front().label.size();
+    if (was != static_cast<std::size_t>(triangles))
+        throw InvalidInput(text("the shell of the run had ", was, " triangles, that of this case has ", triangles,
+                                ": the key wrap has to be that of the run"));
+}
+
 bool has_levels_of(const PatchHierarchy& tree, const StoredDesign& design) {
     if (tree.levels.size() < design.tree.levels.size()) return false;
     for (std::size_t k = 0; k < design.tree.levels.size(); ++k)
@@ -127,6 +134,7 @@ bool has_levels_of(const PatchHierarchy& tree, const StoredDesign& design) {
 
 void start_from(Problem& problem, std::shared_ptr<const StoredDesign> design) {
     check_surface(*design, problem.surface);
+    check_elastic(*design, elastic_surface(problem).num_triangles());
     if (has_strains(problem) != !design->core.empty())
         throw InvalidInput(
             design->core.empty()

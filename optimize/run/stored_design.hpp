@@ -49,7 +49,9 @@ StoredDesign read_design(const std::filesystem::path& file);
 /// @throws InvalidInput where that cannot be: another surface (what differs), strains in only one of the two, a
 /// variable out of its bounds.
 void start_from(Problem& problem, std::shared_ptr<const StoredDesign> design);
-void check_surface(const StoredDesign& design, const TriMesh& surface);  ///< the first of these checks
+void check_surface(const StoredDesign& design, const TriMesh& surface);
+/// @throws InvalidInput: the shell of the design did not have so many triangles, a wrap has changed.
+void check_elastic(const StoredDesign& design, int triangles);  ///< the first of these checks
 bool has_levels_of(const PatchHierarchy& tree, const StoredDesign& design);
 
 /// The design in the space of its patches, with a variable for each degree of freedom in use. @pre `start_from`.

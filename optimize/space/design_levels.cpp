@@ -39,12 +39,12 @@ void place_cores(DesignSpace& space, const DesignSpace* parent) {
     space.carried_motion.assign(patches.size(), {});
     if (!wants(space, VariableKind::strain)) return;
     if (!parent) {
-        space.core = strain_cores(rest.surface, rest.adjacent, space.patches(), space.pin,
+        space.core = strain_cores(rest.elastic(), rest.elastic_adjacent(), space.patches(), space.pin,
                                   rest.setup.options.symmetry.has_value(), rest.parameters.free_border);
         for (std::size_t p = 0; p < patches.size(); ++p)
             if (!takes_part(rest, patches[p])) space.core[p].clear();
     } else {
-        std::vector<char> in_core(rest.surface.num_triangles(), 0);
+        std::vector<char> in_core(static_cast<std::size_t>(rest.elastic().num_triangles()), 0);
         for (const auto& core : parent->core)
             for (const int t : core) in_core[t] = 1;
         for (std::size_t p = 0; p < patches.size(); ++p)
@@ -55,7 +55,7 @@ void place_cores(DesignSpace& space, const DesignSpace* parent) {
     for (std::size_t p = 0; p < patches.size(); ++p) {
         if (space.core[p].empty()) continue;
         space.motion[p] = next++;
-        space.carried_motion[p].about = area_centroid(rest.surface, space.core[p]);
+        space.carried_motion[p].about = area_centroid(rest.elastic(), space.core[p]);
         for (const int t : space.core[p]) space.pin[t] = space.motion[p] + 1;
     }
     if (std::find(space.pin.begin(), space.pin.end(), free_prism) == space.pin.end())
@@ -90,7 +90,7 @@ std::vector<Tied> tied_patches(const DesignSpace& space) {
         if (!tied.members.empty()) all.push_back(tied);
     }
     std::vector<int> image(patches.size(), -1);
-    if (rest.mirror) image = mirror_images(rest.surface, space.patches(), *rest.mirror);
+    if (rest.mirror) image = mirror_images(rest.elastic(), space.patches(), *rest.mirror);
     for (const Patch& patch : patches) {
         if (std::exchange(taken[patch.id], 1)) continue;
         Tied tied{{{patch.id, Eigen::Matrix3d::Identity()}}};

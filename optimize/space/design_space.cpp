@@ -26,7 +26,7 @@ void add_traction(const DesignSpace& space, const Eigen::VectorXd& value, Points
 }
 
 Points total_traction(const DesignSpace& space, const Eigen::VectorXd& value) {
-    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+    Points traction = Points::Zero(space.rest->elastic().num_triangles(), 3);
     if (space.rest->given_traction.rows() > 0) traction = space.rest->given_traction;
     if (space.carried_traction.rows() > 0) traction += space.carried_traction;
     add_user_traction(*space.rest, space.carried_user_values, traction);
@@ -40,15 +40,17 @@ Eigen::VectorXd heights(const DesignSpace& space, const Eigen::VectorXd& value) 
     if (!space.changes_height()) return rest.setup.options.prism_height;
     Eigen::VectorXd log_factor = space.carried_log_height.size() > 0
                                      ? space.carried_log_height
-                                     : Eigen::VectorXd::Zero(rest.surface.num_triangles());
+                                     : Eigen::VectorXd::Zero(rest.elastic().num_triangles());
     for (const Patch& patch : space.patches().patches)
         for (const int t : patch.triangles) log_factor[t] += value[patch_dof::count * patch.id + patch_dof::stiffness];
-    Eigen::VectorXd mean = Eigen::VectorXd::Zero(rest.surface.num_vertices());
-    for (int t = 0; t < rest.surface.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k) mean[rest.surface.triangles(t, k)] += rest.area[t] / 3 * log_factor[t];
+    const TriMesh& elastic = rest.elastic();
+    const Eigen::VectorXd& vertex_area = rest.elastic_vertex_area();
+    Eigen::VectorXd mean = Eigen::VectorXd::Zero(elastic.num_vertices());
+    for (int t = 0; t < elastic.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) mean[elastic.triangles(t, k)] += rest.area[t] / 3 * log_factor[t];
     Eigen::VectorXd h = rest.setup.options.prism_height;
     for (int v = 0; v < h.size(); ++v)
-        if (rest.vertex_area[v] > 0) h[v] *= std::exp(mean[v] / rest.vertex_area[v]);
+        if (vertex_area[v] > 0) h[v] *= std::exp(mean[v] / vertex_area[v]);
     return h;
 }
 
@@ -105,7 +107,7 @@ Points motion_velocity(const DesignSpace& space, const std::vector<std::array<Po
     if (g < 0) return by_motion[space.motion[dof / patch_dof::count]][dof % patch_dof::count - patch_dof::rotation];
     const auto& by_component = by_motion[space.rest->setup.user_motion[g]];
     const RigidMotion& motion = space.rest->parameters.user_variables[g].motion;
-    Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
+    Points dv = Points::Zero(space.rest->elastic().num_vertices(), 3);
     for (int c = 0; c < 3; ++c)
         dv += motion.rotation[c] * by_component[c] + motion.translation[c] * by_component[3 + c];
     return dv;
@@ -117,10 +119,11 @@ Eigen::VectorXd log_height_gradient(const DesignSpace& space, const Eigen::Vecto
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd by_vertex = sensitivities.prism_height.cwiseProduct(heights(space, value));
     for (int v = 0; v < by_vertex.size(); ++v)
-        by_vertex[v] = rest.vertex_area[v] > 0 ? by_vertex[v] / rest.vertex_area[v] : 0;
-    Eigen::VectorXd by_triangle = Eigen::VectorXd::Zero(rest.surface.num_triangles());
-    for (int t = 0; t < rest.surface.num_triangles(); ++t)
-        for (int k = 0; k < 3; ++k) by_triangle[t] += rest.area[t] / 3 * by_vertex[rest.surface.triangles(t, k)];
+        by_vertex[v] = rest.elastic_vertex_area()[v] > 0 ? by_vertex[v] / rest.elastic_vertex_area()[v] : 0;
+    const TriMesh& elastic = rest.elastic();
+    Eigen::VectorXd by_triangle = Eigen::VectorXd::Zero(elastic.num_triangles());
+    for (int t = 0; t < elastic.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) by_triangle[t] += rest.area[t] / 3 * by_vertex[elastic.triangles(t, k)];
     return by_triangle;
 }
 
@@ -150,7 +153,8 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
     const bool heights_count = space.changes_height();
     Eigen::VectorXd by_log_height;
     if (heights_count) by_log_height = log_height_gradient(space, value, sensitivities);
-    for (int t = 0; t < rest.surface.num_triangles(); ++t) {
+    const TriMesh& elastic = rest.elastic();
+    for (int t = 0; t < elastic.num_triangles(); ++t) {
         double* at = gradient.data() + patch_dof::count * space.patches().label[t];
         const Eigen::RowVector3d by_traction = traction_gradient(rest, sensitivities.force, t);
         for (int c = 0; c < 3; ++c) at[patch_dof::load + c] += by_traction[c];
@@ -165,7 +169,7 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
         Eigen::Matrix<double, 6, 1> sum = Eigen::Matrix<double, 6, 1>::Zero();
         for (const int t : space.core[p]) {
             Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-            for (int k = 0; k < 3; ++k) centroid += rest.surface.vertices.row(rest.surface.triangles(t, k)) / 3;
+            for (int k = 0; k < 3; ++k) centroid += elastic.vertices.row(elastic.triangles(t, k)) / 3;
             sum += motion_twist(moved[space.motion[p]], centroid).transpose() * sensitivities.wrench.row(t).transpose();
         }
         gradient.segment<6>(patch_dof::count * static_cast<Eigen::Index>(p) + patch_dof::rotation) = sum;
@@ -180,6 +184,25 @@ Eigen::VectorXd by_variable(const DesignSpace& space, const Eigen::VectorXd& by_
         for (const DegreeOfFreedom& move : space.variables[j].moves)
             gradient[j] += by_dof[move.index] * move.factor * space.variables[j].unit;
     return gradient;
+}
+
+/// A block of load variables from the first one on. @return the variable behind it
+int respond_to_loads(const DesignSpace& space, PrimoShell* shell, int first,
+                     const std::function<void(int j, const Points& dv, const Points& of_shell)>& consume,
+                     double tolerance, const Points* surface) {
+    std::vector<Points> forces;
+    int j = first;
+    for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j)
+        forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
+    const bool has_wrap = space.rest->wrap != nullptr;
+    const std::vector<Points> moved = has_wrap ? shell->response(forces, tolerance)
+                                               : surface_response(*space.rest, shell, forces, tolerance, surface);
+    for (std::size_t i = 0; i < moved.size(); ++i)
+        if (has_wrap)
+            consume(first + static_cast<int>(i), carried(*space.rest, moved[i]), moved[i]);
+        else
+            consume(first + static_cast<int>(i), moved[i], moved[i]);
+    return j;
 }
 
 }  // namespace
@@ -211,7 +234,7 @@ ShellDemand demand(const DesignSpace& space, const Eigen::VectorXd& x) {
     ShellDemand result;
     if (space.rest->has_shell) {
         result.loads.force =
-            kept_forces(*space.rest, traction_forces(space.rest->surface, total_traction(space, value)));
+            kept_forces(*space.rest, traction_forces(space.rest->elastic(), total_traction(space, value)));
         result.loads.spring = space.rest->setup.loads.spring;
         result.motions = motions(space, value);
         result.prism_height = heights(space, value);
@@ -237,9 +260,9 @@ bool ShellDemand::same_shell(const ShellDemand& other) const {
 }
 
 Points load_forces(const DesignSpace& space, const Eigen::VectorXd& change) {
-    Points traction = Points::Zero(space.rest->surface.num_triangles(), 3);
+    Points traction = Points::Zero(space.rest->elastic().num_triangles(), 3);
     add_traction(space, dofs(space, change), traction);
-    return kept_forces(*space.rest, traction_forces(space.rest->surface, traction));
+    return kept_forces(*space.rest, traction_forces(space.rest->elastic(), traction));
 }
 
 Points field_motion(const DesignSpace& space, const Eigen::VectorXd& change, const Points* surface) {
@@ -263,6 +286,14 @@ Eigen::VectorXd design_gradient_of_fields(const DesignSpace& space, const Eigen:
 void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance,
                      const Points* surface, const Eigen::VectorXd* x) {
+    design_response(
+        space, shell, [&](int j, const Points& dv, const Points&) { consume(j, dv); }, tolerance, surface, x);
+}
+
+void design_response(const DesignSpace& space, PrimoShell* shell,
+                     const std::function<void(int j, const Points& dv, const Points& of_shell)>& consume,
+                     double tolerance, const Points* surface, const Eigen::VectorXd* x) {
+    const Points none;
     std::vector<std::array<Points, 6>> by_motion;
     for (const Variable& variable : space.variables) {
         if (variable.kind == VariableKind::stiffness)
@@ -273,35 +304,29 @@ void design_response(const DesignSpace& space, PrimoShell* shell,
     }
     for (int j = 0; j < space.size();) {
         if (space.variables[j].kind == VariableKind::parameter) {
-            consume(j++, Points::Zero(space.rest->surface.num_vertices(), 3));
+            consume(j++, Points::Zero(space.rest->surface.num_vertices(), 3), none);
             continue;
         }
         if (space.variables[j].kind == VariableKind::field) {
             const Variable& variable = space.variables[j];
             const Parameters& p = space.rest->parameters;
             const Points moved = variable.unit * p.fields->field(p.user_variables[variable.component].field);
-            consume(j++, surface_rates(*space.rest, moved, surface));
+            consume(j++, surface_rates(*space.rest, moved, surface), none);
             continue;
         }
         if (space.variables[j].kind == VariableKind::planform) {
-            consume(j, planform_response(space, j, x));
+            consume(j, planform_response(space, j, x), none);
             ++j;
             continue;
         }
         if (space.variables[j].kind == VariableKind::strain) {
-            Points dv = Points::Zero(space.rest->surface.num_vertices(), 3);
+            Points dv = Points::Zero(space.rest->elastic().num_vertices(), 3);
             for (const DegreeOfFreedom& move : space.variables[j].moves)
                 dv += motion_velocity(space, by_motion, move.index) * (move.factor * space.variables[j].unit);
-            consume(j++, surface_rates(*space.rest, dv, surface));
+            consume(j++, surface_rates(*space.rest, carried(*space.rest, dv), surface), none);
             continue;
         }
-        std::vector<Points> forces;
-        const int first = j;
-        for (; j < space.size() && j - first < block_size && is_load(space.variables[j].kind); ++j) {
-            forces.push_back(load_forces(space, Eigen::VectorXd::Unit(space.size(), j)));
-        }
-        const std::vector<Points> moved = surface_response(*space.rest, shell, forces, tolerance, surface);
-        for (std::size_t i = 0; i < moved.size(); ++i) consume(first + static_cast<int>(i), moved[i]);
+        j = respond_to_loads(space, shell, j, consume, tolerance, surface);
     }
 }
 

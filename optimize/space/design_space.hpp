@@ -43,8 +43,8 @@ struct ShellDemand {
     bool same_shell(const ShellDemand& other) const;
 };
 
-/// The surface whose shell is in equilibrium at `of_shell` (n x 3): moved by planform and fields, attached parts with
-/// their hosts; of the kind of shape that is to be kept.
+/// The surface whose shell is in equilibrium at `of_shell` (n x 3; with a wrap its vertices): moved by planform and
+/// fields, attached parts with their hosts; of the kind of shape that is to be kept.
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell);
 /// Poses for the guard: the prisms' rotations, with the polar part of what these do. @param surface n x 3
 Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses& of_shell, const Points& surface);
@@ -53,6 +53,8 @@ Poses with_fields(const RestFacts& rest, const ShellDemand& demand, const Poses&
 Points beside_planform(const RestFacts& rest, const ShellDemand& demand, const Points& surface);
 /// Per triangle: the linear part of the map by planform and fields at its centroid.
 std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand);
+/// The same with a wrap, whose vertices are at `of_wrap`.
+std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand, const Points& of_wrap);
 
 /// A dependent variable: others do the same, the direction from it to them moves nothing.
 struct DependentVariable {
@@ -158,6 +160,11 @@ Eigen::VectorXd design_gradient_of_fields(const DesignSpace& space, const Eigen:
 void design_response(const DesignSpace& space, PrimoShell* shell,
                      const std::function<void(int j, const Points& dv)>& consume, double tolerance = 1e-11,
                      const Points* surface = nullptr, const Eigen::VectorXd* x = nullptr);
+
+/// The same; `of_shell` (rows: the elastic surface's vertices) is what the shell does, for loads.
+void design_response(const DesignSpace& space, PrimoShell* shell,
+                     const std::function<void(int j, const Points& dv, const Points& of_shell)>& consume,
+                     double tolerance = 1e-11, const Points* surface = nullptr, const Eigen::VectorXd* x = nullptr);
 
 /// Physical values with names of the shape variables, for programs (`parameter_values` has the others).
 std::vector<std::pair<std::string, double>> physical_values(const DesignSpace& space, const Eigen::VectorXd& x);

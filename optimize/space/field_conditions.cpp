@@ -9,17 +9,20 @@ FieldConditions field_conditions(const Problem& problem, const TriMesh& surface,
     const Parameters& p = problem.parameters;
     const auto m = static_cast<std::size_t>(surface.num_triangles());
     std::vector<char> held(m, 0);
-    for (std::size_t t = 0; t < on.size(); ++t) held[t] |= on[t] == 0;
+    for (std::size_t t = 0; t < on.size(); ++t) held.at(t) |= on[t] == 0;
     for (const AttachedPart& part : problem.attached)
         for (const int t : part.triangles) held[static_cast<std::size_t>(t)] = 0;
     const auto hold = [&](const std::vector<int>& triangles) {
         for (const int t : triangles) held[static_cast<std::size_t>(t)] = 1;
     };
     hold(problem.fixed);
-    for (const PrescribedStrain& strain : problem.strains) hold(strain.triangles);
-    for (const UserVariable& v : p.user_variables)
-        if (v.traction.rows() == 0) hold(v.triangles);
-    for (std::size_t t = 0; t < p.frozen.size(); ++t) held[t] |= p.frozen[t];
+    hold(problem.still);
+    if (!problem.wrap) {
+        for (const PrescribedStrain& strain : problem.strains) hold(strain.triangles);
+        for (const UserVariable& v : p.user_variables)
+            if (v.traction.rows() == 0) hold(v.triangles);
+        for (std::size_t t = 0; t < p.frozen.size(); ++t) held[t] |= p.frozen[t];
+    }
     FieldConditions conditions;
     for (std::size_t t = 0; t < m; ++t)
         if (held[t]) conditions.held.push_back(static_cast<int>(t));
@@ -31,7 +34,8 @@ FieldConditions field_conditions(const Problem& problem, const TriMesh& surface,
 }
 
 FieldConditions field_conditions(const Problem& problem) {
-    return field_conditions(problem, problem.surface, problem.parameters.variables_on);
+    return field_conditions(problem, problem.surface,
+                            problem.wrap ? std::vector<char>{} : problem.parameters.variables_on);
 }
 
 }  // namespace strake

@@ -130,7 +130,7 @@ InheritedSpace refine(const DesignSpace& parent, const Eigen::VectorXd& x, const
         patch.parent = parent.patches().label[static_cast<std::size_t>(patch.triangles.front())];
     InheritedSpace result{make_space(parent.rest, parent.level + 1, set, &parent), {}, {}};
     DesignSpace& child = result.space;
-    const int m = parent.rest->surface.num_triangles();
+    const int m = parent.rest->elastic().num_triangles();
     child.carried_traction = parent.carried_traction.rows() > 0 ? parent.carried_traction : Points(Points::Zero(m, 3));
     if (parent.changes_height())
         child.carried_log_height = parent.carried_log_height.size() > 0 ? parent.carried_log_height

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/space/shape_map.hpp"
 
 #include <Eigen/QR>
 #include <numeric>
@@ -125,11 +126,14 @@ VectorXd open_gradient(const DesignFacts& facts, const Prospect& below, const Ma
 VectorXd integrated_sensitivity(const DesignSpace& space, const Points& dJ_dv) {
     const RestFacts& rest = *space.rest;
     VectorXd sum = VectorXd::Zero(static_cast<Eigen::Index>(space.patches().patches.size()));
-    for (int t = 0; t < rest.surface.num_triangles(); ++t)
+    const TriMesh& elastic = rest.elastic();
+    const Eigen::VectorXd& vertex_area = rest.elastic_vertex_area();
+    const Points by_shell = pulled_to_shell(rest, dJ_dv);
+    for (int t = 0; t < elastic.num_triangles(); ++t)
         for (int k = 0; k < 3; ++k) {
-            const int v = rest.surface.triangles(t, k);
-            if (rest.vertex_area[v] > 0)
-                sum[space.patches().label[t]] += dJ_dv.row(v).norm() * rest.area[t] / 3 / rest.vertex_area[v];
+            const int v = elastic.triangles(t, k);
+            if (vertex_area[v] > 0)
+                sum[space.patches().label[t]] += by_shell.row(v).norm() * rest.area[t] / 3 / vertex_area[v];
         }
     return sum;
 }

@@ -38,25 +38,34 @@ public:
         for (int v = 0; v < rest.surface.num_vertices(); v += stride_) sampled_area_ += rest.vertex_area[v];
     }
 
-    ResponseCache::Column operator()(const Points& dv, bool is_load) const {
+    /// @param of_shell what does work, where `dv` (of the surface) is by a load
+    ResponseCache::Column operator()(const Points& dv, const Points* of_shell) const {
         const int count = (rest_.surface.num_vertices() + stride_ - 1) / stride_;
         ResponseCache::Column column{std::sqrt(dv.rowwise().squaredNorm().maxCoeff()), Eigen::VectorXd::Zero(3 * count),
                                      Eigen::VectorXd::Zero(num_work_integrals(rest_))};
         for (int s = 0; s < count; ++s)
             column.samples.segment<3>(3 * s) =
                 std::sqrt(rest_.vertex_area[s * stride_] / sampled_area_) * dv.row(s * stride_).transpose();
-        for (int t = 0; is_load && t < rest_.surface.num_triangles(); ++t) {
+        if (of_shell) column.work_integrals = work_integrals(*of_shell);
+        return column;
+    }
+
+    /// Of a displacement of the shell: its integral over each leaf, its part along the normals, and by given loads.
+    Eigen::VectorXd work_integrals(const Points& of_shell) const {
+        Eigen::VectorXd work = Eigen::VectorXd::Zero(num_work_integrals(rest_));
+        const Triangles& triangles = rest_.elastic().triangles;
+        for (int t = 0; t < triangles.rows(); ++t) {
             Eigen::Vector3d moved = Eigen::Vector3d::Zero();
-            for (int k = 0; k < 3; ++k) moved += rest_.area[t] / 3 * dv.row(rest_.surface.triangles(t, k)).transpose();
-            column.work_integrals.segment<3>(4 * leaves_.label[t]) += moved;
-            column.work_integrals[4 * leaves_.label[t] + 3] += moved.dot(rest_.normal.row(t));
+            for (int k = 0; k < 3; ++k) moved += rest_.area[t] / 3 * of_shell.row(triangles(t, k)).transpose();
+            work.segment<3>(4 * leaves_.label[t]) += moved;
+            work[4 * leaves_.label[t] + 3] += moved.dot(rest_.normal.row(t));
         }
         const auto& given = rest_.parameters.user_variables;
-        for (std::size_t g = 0; is_load && g < given.size(); ++g)
+        for (std::size_t g = 0; g < given.size(); ++g)
             for (Eigen::Index i = 0; i < given[g].traction.rows(); ++i)
-                column.work_integrals[static_cast<Eigen::Index>(4 * leaves_.patches.size() + g)] +=
-                    traction_gradient(rest_, dv, given[g].triangles[i]).dot(given[g].traction.row(i));
-        return column;
+                work[static_cast<Eigen::Index>(4 * leaves_.patches.size() + g)] +=
+                    traction_gradient(rest_, of_shell, given[g].triangles[i]).dot(given[g].traction.row(i));
+        return work;
     }
 
     /// The sampled displacements times their shares of the area, zero elsewhere.
@@ -84,8 +93,8 @@ std::vector<ResponseCache::Column> columns_at(const DesignSpace& space, PrimoShe
     if (!wanted.empty())
         design_response(
             movers, shell,
-            [&](int j, const Points& dv) {
-                columns.push_back(reduce(dv, is_load(movers.variables[j].kind)));
+            [&](int j, const Points& dv, const Points& of_shell) {
+                columns.push_back(reduce(dv, is_load(movers.variables[j].kind) ? &of_shell : nullptr));
                 if (!space.rest->cache->goes_on()) throw Interrupted{};
             },
             response_tolerance);
@@ -135,7 +144,7 @@ std::unique_ptr<PrimoShell> shell_at_rest(const DesignSpace& space) {
     if (!rest.has_shell) return nullptr;
     ShellOptions options = rest.setup.options;
     options.pin = space.pin;
-    auto shell = std::make_unique<PrimoShell>(rest.surface, options);
+    auto shell = std::make_unique<PrimoShell>(rest.elastic(), options);
     std::vector<RigidMotion> still = rest.setup.motions;
     for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
     for (std::size_t p = 0; p < space.motion.size(); ++p)
@@ -148,7 +157,7 @@ std::unique_ptr<PrimoShell> shell_at_rest(const DesignSpace& space) {
 }
 
 Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion) {
-    return Reduction(rest)(motion, false).samples;
+    return Reduction(rest)(motion, nullptr).samples;
 }
 
 Responses responses_at_rest(const DesignSpace& space) {
@@ -204,18 +213,22 @@ Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, con
                                 const Points* surface) {
     if (!shell) return space.metric * d;  // fields do the same everywhere
     const Points force = load_forces(space, d);
-    const Points moved =
-        surface_response(*space.rest, shell, {force}, response_tolerance, surface)[0] + field_motion(space, d, surface);
+    const Points of_shell = shell->response({force}, response_tolerance)[0];
+    const Points by_loads = surface_rates(*space.rest, carried(*space.rest, of_shell), surface);
+    const Points moved = by_loads + field_motion(space, d, surface);
     // d.M.d / 2 as a functional of the response: its gradient by one more substitution is M d.
     const Reduction reduce(*space.rest);
     const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;
     const Points pull = surface_pull(*space.rest, 4 / (wanted * wanted) * reduce.weighted(moved), surface);
-    const Points back = surface_response(*space.rest, shell, {pull}, response_tolerance, surface)[0];
+    const Points of_pull = shell->response({pulled_to_shell(*space.rest, pull)}, response_tolerance)[0];
     const Eigen::MatrixXd traction = leaf_tractions(space);
-    Eigen::VectorXd product = traction.transpose() * reduce(back, true).work_integrals;
+    const auto working = [&](const Points& one) {  // without a wrap what the surface does
+        return space.rest->wrap ? one : surface_rates(*space.rest, one, surface);
+    };
+    Eigen::VectorXd product = traction.transpose() * reduce.work_integrals(working(of_pull));
     product.tail(space.num_parameters()) = d.tail(space.num_parameters());
-    const Points by_loads = space.rest->parameters.fields ? Points(moved - field_motion(space, d, surface)) : moved;
-    if (space.soft_work > 0) product += traction.transpose() * reduce(by_loads, true).work_integrals / space.soft_work;
+    if (space.soft_work > 0)
+        product += traction.transpose() * reduce.work_integrals(working(of_shell)) / space.soft_work;
     if (!space.rest->parameters.fields) return product;
     const Eigen::VectorXd by_field = space.rest->parameters.fields->gradient(pull);
     for (int j = 0; j < space.num_shape(); ++j)

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/space/mirror.hpp"
 #include "optimize/space/response_cache.hpp"
 
@@ -53,16 +54,22 @@ void check_parameters(const std::vector<ProgramParameter>& parameters) {
 
 }  // namespace
 
+const TriMesh& RestFacts::elastic() const { return wrap ? wrap->mesh() : surface; }
+
+const Adjacency& RestFacts::elastic_adjacent() const { return wrap ? wrap->adjacent() : adjacent; }
+
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     auto rest = std::make_shared<RestFacts>();
-    check(problem.parameters, problem.surface.num_vertices(), problem.surface.num_triangles());
+    check(problem.parameters, problem.surface.num_vertices(), elastic_surface(problem).num_triangles());
     check_parameters(problem.program_parameters);
     rest->has_shell = problem.has_shell;
     rest->setup = shell_setup(problem);
     rest->surface = problem.surface;
     rest->adjacent = adjacency(problem.surface);
-    rest->area = triangle_areas(problem.surface);
-    rest->normal = triangle_normals(problem.surface);
+    rest->wrap = problem.wrap;
+    rest->area = triangle_areas(elastic_surface(problem));
+    rest->normal = triangle_normals(elastic_surface(problem));
+    if (problem.wrap) rest->wrap_vertex_area = vertex_areas(problem.wrap->mesh());
     rest->vertex_area = vertex_areas(problem.surface);
     rest->diagonal = box_diagonal(problem.surface);
     rest->given_traction = problem.given_traction;
@@ -71,7 +78,7 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     rest->program_parameters = problem.program_parameters;
     rest->cache = std::make_shared<ResponseCache>();
     if (problem.parameters.mirror) {
-        rest->mirror = plane_of_symmetry(problem.surface);
+        rest->mirror = plane_of_symmetry(elastic_surface(problem));
         if (!rest->mirror)
             throw InvalidInput("parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
         const Eigen::Vector3d n = rest->mirror->normal;

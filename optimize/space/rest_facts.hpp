@@ -7,16 +7,19 @@
 namespace strake {
 
 class ResponseCache;
+class WrapMap;
 
 /// Facts about the start surface that every level shares.
 struct RestFacts {
     TriMesh surface;
     Adjacency adjacent;
-    Eigen::VectorXd area;  ///< m
-    Points normal;         ///< m x 3, unit
-    Eigen::VectorXd vertex_area;
-    double diagonal = 0;
-    bool has_shell = true;  ///< `Problem::has_shell`
+    std::shared_ptr<const WrapMap> wrap;  ///< `Problem::wrap`
+    Eigen::VectorXd area;                 ///< m, of the elastic surface
+    Points normal;                        ///< m x 3, unit, of the elastic surface
+    Eigen::VectorXd vertex_area;          ///< of the surface
+    Eigen::VectorXd wrap_vertex_area;     ///< of the wrap; empty: there is none
+    double diagonal = 0;                  ///< of the surface
+    bool has_shell = true;                ///< `Problem::has_shell`
     ShellSetup setup;
     Points given_traction;  ///< m x 3, or empty
     std::shared_ptr<const PatchHierarchy> tree;
@@ -25,6 +28,11 @@ struct RestFacts {
     std::optional<SymmetryPlane> mirror;   ///< plane of symmetry of the surface, where `parameters.mirror` asks for it
     std::shared_ptr<ResponseCache> cache;  ///< responses at rest of variables met so far
     std::vector<std::string> notes;
+
+    /// What is elastic: the wrap, or where there is none the surface.
+    const TriMesh& elastic() const;
+    const Adjacency& elastic_adjacent() const;
+    const Eigen::VectorXd& elastic_vertex_area() const { return wrap ? wrap_vertex_area : vertex_area; }
 };
 /// @throws InvalidInput: limits of `Parameters`, no plane of symmetry where one is asked for, and as `shell_setup`.
 std::shared_ptr<const RestFacts> rest_facts(const Problem& problem);

@@ -4,6 +4,7 @@
 #include "core/fields/invariance.hpp"
 #include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 namespace strake {
 namespace {
@@ -23,6 +24,14 @@ const Points& surface_or_rest(const RestFacts& rest, const Points* surface) {
 
 }  // namespace
 
+Points carried(const RestFacts& rest, const Points& of_shell) {
+    return rest.wrap ? rest.wrap->displacement(of_shell) : of_shell;
+}
+
+Points pulled_to_shell(const RestFacts& rest, const Points& force) {
+    return rest.wrap ? rest.wrap->transpose(force) : force;
+}
+
 Points kept_motion(const RestFacts& rest, const Points& motion) {
     if (rest.parameters.kept_sections) return rest.parameters.kept_sections->kept(motion);
     return rest.parameters.invariance ? rest.parameters.invariance->projected(motion) : motion;
@@ -34,6 +43,7 @@ Points kept_rates(const RestFacts& rest, const Points& motion, const Points* sur
 }
 
 Points kept_forces(const RestFacts& rest, const Points& force) {
+    if (rest.wrap) return force;  // they act on the wrap, whose sections are none of a wing
     if (rest.parameters.kept_sections) return rest.parameters.kept_sections->pulled_back(nullptr, force);
     return rest.parameters.invariance ? rest.parameters.invariance->pulled_back(force) : force;
 }
@@ -55,8 +65,12 @@ Points surface_pull(const RestFacts& rest, const Points& force, const Points* su
 
 Points with_fields(const RestFacts& rest, const ShellDemand& demand, const Points& of_shell) {
     const bool keeps_sections = rest.parameters.kept_sections != nullptr;
-    if (!rest.parameters.invariance && !keeps_sections && !has_fields(demand) && !has_planform(demand)) return of_shell;
     Points moved = of_shell;
+    if (rest.wrap && of_shell.rows() > 0) {
+        // Zero displacements leave the bits of the surface.
+        moved = rest.wrap->displacement(of_shell - rest.wrap->mesh().vertices) + rest.surface.vertices;
+    }
+    if (!rest.parameters.invariance && !keeps_sections && !has_fields(demand) && !has_planform(demand)) return moved;
     if (has_planform(demand) && !keeps_sections) moved += rest.parameters.planform->displacement(demand.planform);
     if (has_fields(demand)) moved += rest.parameters.fields->displacement(demand.fields);
     if (keeps_sections) {  // as the start has them; the planform moves beside it
@@ -106,11 +120,20 @@ std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand
     return maps;
 }
 
+std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand, const Points& of_wrap) {
+    std::vector<Eigen::Matrix3d> maps = local_maps(rest, demand);
+    const std::vector<Eigen::Matrix3d> carried = rest.wrap->local_maps(of_wrap - rest.wrap->mesh().vertices);
+    for (std::size_t t = 0; t < maps.size(); ++t) maps[t] += carried[t] - Eigen::Matrix3d::Identity();
+    return maps;
+}
+
 std::vector<Points> surface_response(const RestFacts& rest, PrimoShell* shell, const std::vector<Points>& forces,
                                      double tolerance, const Points* surface) {
     std::vector<Points> moved(forces.size(), Points::Zero(rest.surface.num_vertices(), 3));
     if (!shell) return moved;
     moved = shell->response(forces, tolerance);
+    if (rest.wrap)
+        for (Points& one : moved) one = carried(rest, one);
     if (rest.parameters.invariance || rest.parameters.kept_sections || attached_beside_fields(rest))
         for (Points& one : moved) one = surface_rates(rest, one, surface);
     return moved;
@@ -120,7 +143,7 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface) {
     const bool is_plain =
-        !rest.parameters.invariance && !rest.parameters.kept_sections && !attached_beside_fields(rest);
+        !rest.wrap && !rest.parameters.invariance && !rest.parameters.kept_sections && !attached_beside_fields(rest);
     if (shell && is_plain) return shell->adjoint(dJ_dv, options);
     const auto as_given = [&](std::vector<ShellSensitivities> all) {  // the planform moves beside what is kept
         for (std::size_t i = 0; rest.parameters.kept_sections && i < all.size(); ++i) all[i].surface = dJ_dv[i];
@@ -133,8 +156,13 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
         for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}, {}});
         return as_given(std::move(all));
     }
-    std::vector<ShellSensitivities> all = shell->adjoint(kept, options);
-    if (rest.parameters.invariance || rest.parameters.kept_sections)
+    std::vector<Points> pulled = kept;
+    if (rest.wrap)
+        for (Points& one : pulled) one = pulled_to_shell(rest, one);
+    std::vector<ShellSensitivities> all = shell->adjoint(pulled, options);
+    if (rest.wrap)  // of the surface, as fields and planform see it
+        for (std::size_t i = 0; i < all.size(); ++i) all[i].vertex = std::move(kept[i]);
+    if (!rest.wrap && (rest.parameters.invariance || rest.parameters.kept_sections))
         for (ShellSensitivities& one : all) one.force = kept_rates(rest, one.force, nullptr);
     return as_given(std::move(all));
 }

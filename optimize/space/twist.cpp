@@ -188,13 +188,13 @@ std::string too_close(const TwistSpec& spec) {
 
 /// Work of the fields in the linear responses to each other, by degree of freedom.
 MatrixXd compliance(const RestFacts& rest, const Sections& sections, const std::vector<int>& dofs) {
-    PrimoShell shell(rest.surface, rest.setup.options);
+    PrimoShell shell(rest.elastic(), rest.setup.options);
     std::vector<RigidMotion> still = rest.setup.motions;
     for (RigidMotion& motion : still) motion = {{0, 0, 0}, {0, 0, 0}, motion.about};
     const Equilibrium start = shell.solve({{}, rest.setup.loads.spring}, still);
     if (start.status != SolveStatus::converged) throw SolverError(text("the shell at rest: ", start.reason));
     std::vector<Points> forces;
-    for (const int f : dofs) forces.push_back(traction_forces(rest.surface, sections.field(f)));
+    for (const int f : dofs) forces.push_back(traction_forces(rest.elastic(), sections.field(f)));
     const std::vector<Points> moved = shell.response(forces);
     const auto n = static_cast<Eigen::Index>(dofs.size());
     MatrixXd work(n, n);
@@ -206,7 +206,7 @@ MatrixXd compliance(const RestFacts& rest, const Sections& sections, const std::
 }  // namespace
 
 TwistVariables twist_variables(const Problem& problem, const TwistSpec& spec) {
-    const Sections sections(problem.surface, spec);
+    const Sections sections(elastic_surface(problem), spec);
     const auto rest = rest_facts(problem);
     TwistVariables result{{}, sections.stations(), sections.held(rest->setup.options.pin)};
     const std::vector<int> dofs = sections.dofs(result.held);

@@ -22,7 +22,7 @@ void add_user_motions(const RestFacts& rest, const Eigen::VectorXd& values, std:
 
 Eigen::RowVector3d traction_gradient(const RestFacts& rest, const Points& dJ_dF, int triangle) {
     Eigen::RowVector3d sum = Eigen::RowVector3d::Zero();
-    for (int k = 0; k < 3; ++k) sum += rest.area[triangle] / 3 * dJ_dF.row(rest.surface.triangles(triangle, k));
+    for (int k = 0; k < 3; ++k) sum += rest.area[triangle] / 3 * dJ_dF.row(rest.elastic().triangles(triangle, k));
     return sum;
 }
 
@@ -42,7 +42,7 @@ void add_user_gradient(const RestFacts& rest, int first, const std::vector<Rigid
         rate << user[g].motion.rotation, user[g].motion.translation;
         for (const int t : rest.setup.user_pinned[g]) {
             Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
-            for (int k = 0; k < 3; ++k) centroid += rest.surface.vertices.row(rest.surface.triangles(t, k)) / 3;
+            for (int k = 0; k < 3; ++k) centroid += rest.elastic().vertices.row(rest.elastic().triangles(t, k)) / 3;
             sum += sensitivities.wrench.row(t).dot(motion_twist(motions[rest.setup.user_motion[g]], centroid) * rate);
         }
     }

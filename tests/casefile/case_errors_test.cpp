@@ -103,8 +103,9 @@ const Broken broken[] = {
      "case.yaml:17:12: objective must have exactly one of minimize, maximize"},
     {"min: 1.0,", "min: 2, max: 1,", "case.yaml:19:17: constraints.volume.min = 2 must be <= max = 1"},
     {"method: sqp", "method: SLQSP",
-     "case.yaml:20:20: optimize.method = SLQSP must be one of sqp, mma, ccsaq, lbfgs, tnewton, var2, nlopt_slsqp, "
-     "cobyla, bobyqa, "
+     "case.yaml:20:20: optimize.method = SLQSP must be one of auto, sqp, mma, ccsaq, lbfgs, tnewton, var2, "
+     "nlopt_slsqp, "
+     "model, cobyla, bobyqa, "
      "neldermead, sbplx, praxis, crs2, isres, mlsl, direct, esch; did you mean 'sqp'?"},
     {"evaluations: 200", "evaluations: 5.7", "case.yaml:20:47: optimize.budget.evaluations = 5.7 must be an integer"},
     {"evaluations: 200", "evaluations: -1", "case.yaml:20:47: optimize.budget.evaluations = -1 must be >= 1"},
@@ -181,8 +182,8 @@ TEST_F(CaseErrors, AllAreToldAtOnceByLine) {
               "case.yaml:1:1: unknown key 'cas'; did you mean 'case'?\n"
               "case.yaml:2:17: surface.file = gone.stl does not exist (gone.stl)\n"
               "case.yaml:3:9: region 'a' is not declared; no region is declared\n"
-              "case.yaml:4:20: optimize.method = simplex must be one of sqp, mma, ccsaq, lbfgs, tnewton, var2, "
-              "nlopt_slsqp, cobyla, "
+              "case.yaml:4:20: optimize.method = simplex must be one of auto, sqp, mma, ccsaq, lbfgs, tnewton, var2, "
+              "nlopt_slsqp, model, cobyla, "
               "bobyqa, neldermead, sbplx, praxis, crs2, isres, mlsl, direct, esch");
 }
 

@@ -106,8 +106,10 @@ TEST_F(WithSolver, TheCheapProgramHasTheGradientsOfItsValues) {
 
 TEST_F(WithSolver, ARunAsksTheSolverSeldomAndSaysWhatTheModelIsWorth) {
     const RunResult with = optimize(problem, events);
-    EXPECT_EQ(calls, with.evaluations);
-    EXPECT_NE(with.cheap_model.find("area for flow.drag): rho 3"), std::string::npos) << with.cheap_model;
+    EXPECT_LE(calls, with.evaluations) << "what failed as a shape was not asked for";
+    const std::string named = "cheap model (area for flow.drag): rho ";
+    ASSERT_EQ(with.cheap_model.find(named), 0u) << with.cheap_model;
+    EXPECT_NEAR(std::stod(with.cheap_model.substr(named.size())), 3, 0.1);
     EXPECT_NE(with.reason.find("cheap model (area for flow.drag)"), std::string::npos) << with.reason;
     Problem without = problem;
     without.cheap_models.clear();

@@ -19,8 +19,8 @@ constexpr double variables_at_price = 10;    ///< new ones that must gain `min_e
 constexpr double done_by_differences = 0.05;
 /// Nor does one cost more than so many gradients of the next.
 constexpr double patience_by_differences = 2;
-/// Where trials of a few directions tell what else there is, a level is left once a gradient gives no more than this
-/// share of what the level has gained; the trial may find that it is to go on.
+/// Where trials of a few directions tell what else there is, a level is left once the step by a gradient gives no more
+/// than this share of what the level has gained; the trial may find that it is to go on.
 constexpr double early_by_differences = 0.3;
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
 constexpr int least_evaluations = 4;
@@ -177,7 +177,7 @@ private:
         const double gained = std::abs(state_.result.objective_start - state_.level_best_objective);
         const double least = state_.problem.optimize.min_expected_gain * gained;
         const TrialResult found =
-            next_by_values(state_, program_, {x, weight_, hessian_, last_y_, last_}, curvature_, least);
+            next_by_values(state_, program_, {x, weight_, last_y_, last_, first_step_}, curvature_, least);
         next = found.next;
         is_last_ = found.is_idle || (found.stays && has_converged_);
         has_stayed_ = found.stays;
@@ -277,6 +277,7 @@ private:
             };
         else if (may_leave && !sees_values_only)
             how.on_model = by_differences_rule(static_cast<int>(start.size()));
+        if (may_leave && !sees_values_only && has_choice() && !has_stayed_) how.before_differences = leave_early_rule();
         still_expected_ = 0;
         MinimizeResult result = minimize(program, how);
         keep_knowledge(program, result, how.first_step, sees_values_only);
@@ -330,16 +331,21 @@ private:
     /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.
     std::function<bool(double, const Eigen::MatrixXd&)> by_differences_rule(int variables) const {
         const int evaluations_before = state_.result.evaluations, finer = variables * parts_of_a_patch;
-        const bool may_be_early = has_choice() && !has_stayed_;
-        double before = std::numeric_limits<double>::quiet_NaN();
-        return [=, this](double expected, const Eigen::MatrixXd&) mutable {
-            const double now = state_.level_best_objective;
-            const double gained = std::abs(state_.result.levels.back().objective_start - now);
-            const double last_gain = std::abs(std::exchange(before, now) - now);
+        return [=, this](double expected, const Eigen::MatrixXd&) {
+            const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
             const int spent = state_.result.evaluations - evaluations_before;
-            if (may_be_early && last_gain <= early_by_differences * gained)
-                return false;  // what else there is may gain more
             return !(expected <= done_by_differences * gained || spent > patience_by_differences * finer);
+        };
+    }
+
+    /// What else there is may gain more than a further gradient: that is tried before it is paid.
+    std::function<bool()> leave_early_rule() const {
+        std::optional<double> before;
+        return [this, before]() mutable {
+            const double start = state_.result.levels.back().objective_start, now = state_.level_best_objective;
+            const double gained = std::abs(start - now), last_gain = std::abs(before.value_or(start) - now);
+            before = now;
+            return !(gained > 0 && last_gain <= early_by_differences * gained);
         };
     }
 

@@ -58,35 +58,30 @@ private:
     std::mt19937 engine_;
 };
 
+/// Directions of a group, and what they are expected to gain.
+struct Part {
+    MatrixXd basis;   ///< orthonormal, whitened
+    double gain = 0;  ///< of each direction
+    Eigen::Index size() const { return basis.cols(); }
+    double all() const { return gain * static_cast<double>(size()); }
+};
+
 /// One of the two groups in the space of the trial.
 struct Group {
     const char* name = "";
     bool is_fields = false;
-    std::vector<int> variables;   ///< in the space of the trial
-    MatrixXd details;             ///< orthonormal, whitened: what it can do beyond the level before
-    double gain = 0;              ///< expected of each direction
-    bool is_there = false;        ///< on the level before
-    double gain_there = 0;        ///< of its variables there, for each
-    bool has_gain_there = false;  ///< that is known
+    std::vector<int> variables;  ///< in the space of the trial
+    Part there;                  ///< its variables of the level before
+    Part finer;                  ///< what it can do beyond that level
+    bool is_there() const { return there.size() > 0; }
 };
-
-/// By the gradient of the level before: what each variable of a group still gains.
-void expect_of_present(Group& group, const DesignSpace& before, const LeftLevel& left, const VectorXd& slope) {
-    const std::vector<int> members = group_of(before, group.is_fields);
-    group.is_there = !members.empty();
-    if (!group.is_there || slope.size() != before.size() || left.hessian.rows() != before.size()) return;
-    const VectorXd g = slope(members);
-    group.gain_there = g.dot(MatrixXd(left.hessian(members, members)).llt().solve(g)) / 2 / double(members.size());
-    group.has_gain_there = std::isfinite(group.gain_there);
-}
 
 class Trial {
 public:
     Trial(RunState& state, LevelProgram& program, const LeftLevel& left, double curvature)
         : state_(state), program_(program), left_(left), curvature_(curvature), before_(state.space) {
-        if (left.last.gradient.size() != before_.size()) return;
-        lambda_ = multipliers(program.program(), left.last_y, left.last);
-        slope_ = left.last.gradient + left.last.jacobian.transpose() * lambda_;
+        if (left.last.gradient.size() == before_.size())
+            lambda_ = multipliers(program.program(), left.last_y, left.last);
     }
 
     /// Evaluates; fills in the gains.
@@ -105,9 +100,10 @@ public:
             group.variables = group_of(state_.space, group.is_fields);
             const MatrixXd columns = whitener(Eigen::all, group.variables);
             // Of a group that is there to its end nothing is left but rounding, which is no direction.
-            group.details =
+            group.finer.basis =
                 orthonormal(columns - known * (known.transpose() * columns), round_off * longest_of(columns));
-            expect_of_present(group, before_, left_, slope_);
+            const MatrixXd own = present(Eigen::all, group_of(before_, group.is_fields));
+            group.there.basis = orthonormal(own, round_off * longest_of(present));
         }
         measure(groups, p, metric);
         next_ = LevelSet{*state_.space.front, state_.space.fields, state_.space.has_patches};
@@ -155,9 +151,9 @@ private:
         return all;
     }
 
-    /// A group's directions and the slopes along them.
+    /// Directions of a part and the slopes along them.
     struct Sample {
-        Group* group;
+        Part* part;
         MatrixXd directions;  ///< in y, of length 1 in the metric
         VectorXd slopes;
     };
@@ -173,13 +169,16 @@ private:
         Normal normal(state_.problem.optimize.seed + 7919u * static_cast<unsigned>(state_.space.level));
         std::vector<VectorXd> points{p.start};
         std::vector<Sample> samples;
-        for (Group& group : groups) {
-            const int count = std::min<int>(trial_directions, static_cast<int>(group.details.cols()));
-            samples.push_back({&group, MatrixXd(p.start.size(), count), VectorXd::Zero(count)});
+        std::vector<Part*> parts;
+        for (Group& group : groups) parts.push_back(&group.finer);
+        for (Group& group : groups) parts.push_back(&group.there);
+        for (Part* part : parts) {
+            const int count = std::min<int>(trial_directions, static_cast<int>(part->size()));
+            samples.push_back({part, MatrixXd(p.start.size(), count), VectorXd::Zero(count)});
             for (int k = 0; k < count; ++k) {
-                VectorXd coefficients(group.details.cols());
+                VectorXd coefficients(part->size());
                 for (double& c : coefficients) c = normal();
-                VectorXd d = metric.matrixU().solve(group.details * coefficients.normalized());
+                VectorXd d = metric.matrixU().solve(part->basis * coefficients.normalized());
                 const VectorXd there = p.start + h * d;
                 if (((there.array() < p.lower.array()) || (there.array() > p.upper.array())).any()) d = -d;
                 samples.back().directions.col(k) = d;
@@ -214,7 +213,12 @@ private:
                 curvature = std::clamp(2 * (rise(here, there) + slope * length) / (length * length),
                                        curvature_ / softest, curvature_ * softest);
         }
-        sample.group->gain = slope * slope / (2 * curvature) / static_cast<double>(sample.slopes.size());
+        // All directions together are steeper than those that were tried; their step is no longer than those of the
+        // level.
+        const auto count = static_cast<double>(sample.part->size());
+        const double steepest = slope * std::sqrt(count / static_cast<double>(sample.slopes.size()));
+        const double reached_by_all = std::min(steepest / curvature, std::max(left_.radius, length));
+        sample.part->gain = reached_by_all * (steepest - 0.5 * curvature * reached_by_all) / count;
     }
 
     RunState& state_;
@@ -222,13 +226,13 @@ private:
     const LeftLevel& left_;
     const double curvature_;
     const DesignSpace before_;
-    VectorXd lambda_, slope_;
+    VectorXd lambda_;
     LevelSet next_;
 };
 
 std::string words_of(const Group& group) {
-    return text(group.name, " ", group.gain, " for each of ", group.details.cols(),
-                group.has_gain_there ? text(" (those there ", group.gain_there, ")") : "");
+    return text(group.name, " ", group.finer.gain, " for each of ", group.finer.size(),
+                group.is_there() ? text(" (those there ", group.there.gain, ")") : "");
 }
 
 }  // namespace
@@ -242,19 +246,19 @@ TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLev
     trial.run(groups);
     const Group &fields = groups[0], &patches = groups[1];
     double all = 0;
-    for (const Group& g : groups) all += g.gain * static_cast<double>(g.details.cols());
+    for (const Group& g : groups) all += g.finer.all();
     TrialResult result;
     result.is_idle = !(all > least);
     const auto can_be_paid = [&](const Group& g) {
         return affordable_gradients * static_cast<double>(g.variables.size()) <= state.evaluations_left();
     };
     double best = 0;
-    for (const Group& g : groups) best = std::max({best, can_be_paid(g) ? g.gain : 0, g.gain_there});
+    for (const Group& g : groups) best = std::max({best, can_be_paid(g) ? g.finer.gain : 0, g.there.gain});
     const auto joins = [&](const Group& g) {
-        return g.details.cols() > 0 && g.gain > 0 && g.gain >= joins_too * best && can_be_paid(g);
+        return g.finer.size() > 0 && g.finer.gain > 0 && g.finer.gain >= joins_too * best && can_be_paid(g);
     };
     const auto remains = [&](const Group& g) {
-        return g.is_there && (result.is_idle || !g.has_gain_there || g.gain_there >= stays * best);
+        return g.is_there() && (result.is_idle || g.there.gain >= stays * best);
     };
     const auto takes = [&](const Group& g) { return result.is_idle ? can_be_paid(g) : joins(g); };
     const bool more_fields = takes(fields), more_patches = takes(patches);
@@ -262,7 +266,7 @@ TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLev
     const bool keep_fields = more_fields || remains(fields), keep_patches = more_patches || remains(patches);
     result.next = trial.with(more_fields, more_patches, keep_fields, keep_patches);
     const auto fate = [](const Group& g, bool more, bool keep) {
-        return text(g.name, more ? " become finer" : keep ? " stay" : g.is_there ? " are frozen" : " wait");
+        return text(g.name, more ? " become finer" : keep ? " stay" : g.is_there() ? " are frozen" : " wait");
     };
     const std::string why =
         result.is_idle ? "nothing is expected to gain; all go on together"

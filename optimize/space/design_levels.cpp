@@ -8,6 +8,7 @@
 #include "optimize/space/scaling.hpp"
 #include "optimize/space/strain_core.hpp"
 
+#include <algorithm>
 #include <numeric>
 
 namespace strake {
@@ -246,7 +247,9 @@ LevelSet level_set(const RestFacts& rest, int level) {
     const int finest = static_cast<int>(rest.tree->levels.size()) - 1;
     LevelSet set{front_at(*rest.tree, p.field_steps.empty() ? level : std::min(level, finest)), {}, true};
     if (!p.fields) return set;
-    const std::size_t steps = p.field_steps.size(), at = static_cast<std::size_t>(level);
+    // Strain variables begin at level 1, where the first fields then are.
+    const bool has_cores = finest > 0 && std::ranges::find(p.kinds, VariableKind::strain) != p.kinds.end();
+    const std::size_t steps = p.field_steps.size(), at = static_cast<std::size_t>(std::max(0, level - has_cores));
     set.fields = first_fields(steps == 0 ? p.fields->size() : p.field_steps[std::min(at, steps - 1)]);
     set.has_patches = level > 0 || finest == 0;  // level 0 of a tree that goes deeper is the fields'
     return set;

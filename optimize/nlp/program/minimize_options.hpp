@@ -42,6 +42,9 @@ struct MinimizeOptions {
     /// sqp: called with the decrease that the model still expects and its Hessian, at every differentiated point that
     /// nearly meets the constraints; return false to stop here.
     std::function<bool(double expected, const Eigen::MatrixXd& hessian)> on_model;
+    /// sqp without gradients: called at every accepted point that meets the constraints before its differences are
+    /// paid; return false to stop here.
+    std::function<bool()> before_differences;
     std::function<void(const std::string&)> on_event;  ///< restarts, starts and changes of the box, in words
     std::function<double()> clock;                     ///< seconds, for max_seconds; empty: the wall clock
 };
@@ -52,7 +55,7 @@ enum class MinimizeStop {
     evaluations,    ///< limit
     time,           ///< limit
     stopped,        ///< by on_step
-    outpaced,       ///< by on_model
+    outpaced,       ///< by on_model or before_differences
     no_valid_step,  ///< evaluations fail however small the step
     failed          ///< the start or a fatal evaluation failed, or the algorithm broke down at once
 };

@@ -50,6 +50,15 @@ bool GradientModel::differentiate(const VectorXd& x, Evaluation& trial) {
     return true;
 }
 
+bool GradientModel::estimate(const VectorXd& x, Evaluation& trial) {
+    if (error_.metric().size() == 0) error_ = GradientError(now_.program.metric, MatrixXd());
+    const VectorXd d = x - now_.x;
+    GradientGuess g = guess(trial, d);
+    g.directions = MatrixXd(x.size(), 0);
+    error_.add_change(hessian_.matrix() * d);
+    return now_.guard.try_with(x, g, trial);
+}
+
 bool GradientModel::complete(Evaluation& at) {
     if (error_.is_exact()) return false;
     const std::vector<int> wanted = error_.largest(1);

@@ -14,6 +14,9 @@ public:
     /// Evaluates and differentiates x, where the search goes next; by differences in those directions only in which the
     /// model is not exact enough. False: there is no value or gradient, with the guard's cause.
     bool differentiate(const Eigen::VectorXd& x, Evaluation& trial);
+    /// The gradient at x, which is evaluated already, as far as the model and the values give it; what it may be off by
+    /// counts as its error. Nothing is evaluated.
+    bool estimate(const Eigen::VectorXd& x, Evaluation& trial);
     /// Evaluates all that is guessed of the gradient at the present point. False: it was exact, or could not be
     /// evaluated; the guard's cause is kept unless it is a failure.
     bool complete(Evaluation& at);

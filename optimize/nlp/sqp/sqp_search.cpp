@@ -174,7 +174,9 @@ bool SqpSearch::correct(Trial& trial) {
 }
 
 bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, const ActiveSet& set) {
-    if (!gradient_.differentiate(x, trial)) return failed_at(x - now_.x);
+    const bool is_left = guard_.options.before_differences && now_.has_expensive_gradient() && now_.is_met(trial) &&
+                         !guard_.options.before_differences();
+    if (!(is_left ? gradient_.estimate(x, trial) : gradient_.differentiate(x, trial))) return failed_at(x - now_.x);
     const VectorXd lambda = multipliers_of(now_, trial, set);
     hessian_.add_constraint_curvature(lambda);
     hessian_.update(x - now_.x,
@@ -196,7 +198,7 @@ bool SqpSearch::accept(const VectorXd& x, Evaluation& trial, double decrease, co
     failures_ = rejections_ = 0;
     ++accepted_;
     border_.update();
-    return ends_by_progress();
+    return is_left ? end(MinimizeStop::outpaced, "more is expected elsewhere") : ends_by_progress();
 }
 
 bool SqpSearch::ends_by_progress() {

@@ -80,8 +80,9 @@ TEST(ValueTrial, TakesTheFieldsThatATargetNeeds) {
     ASSERT_GT(seen.fields.size(), 2u) << seen.result.reason;
     EXPECT_EQ(seen.fields[0].size(), 12u);
     EXPECT_EQ(seen.loads[0], 0);
-    // Its start, six directions for each group, and a value for the curvature along them.
-    EXPECT_EQ(seen.evaluations[1], 1 + 2 * (6 + 1)) << "a level of its own that tries";
+    // Its start, six directions for the fields that are there, finer ones and patches, and a value for the curvature
+    // along each six.
+    EXPECT_EQ(seen.evaluations[1], 1 + 3 * (6 + 1)) << "a level of its own that tries";
     EXPECT_EQ(seen.fields[2].size(), 27u) << choice_of(seen);
     EXPECT_EQ(seen.loads[2], 0) << choice_of(seen);
     EXPECT_NE(choice_of(seen).find("fields become finer, patches wait"), std::string::npos) << choice_of(seen);
@@ -99,6 +100,17 @@ TEST(ValueTrial, EveryLevelGoesOnFromWhereTheOneBeforeEnded) {
     }
     const Seen again = run(by_values(dented));
     EXPECT_EQ(seen.result.objective, again.result.objective) << "the same input, the same bits";
+}
+
+/// Fields of which there are no further ones are offered no more: what rounding leaves of them is no direction.
+TEST(ValueTrial, AGroupThatIsThereToItsEndIsNotOfferedAgain) {
+    Problem problem = by_values(dented);
+    problem.parameters.field_steps = {27};
+    const Seen seen = run(problem);
+    const std::string first = choice_of(seen);
+    EXPECT_NE(first.find("fields 0 for each of 0 (those there "), std::string::npos) << first;
+    EXPECT_EQ(first.find("patches 0 for each of 0"), std::string::npos) << "these are offered: " << first;
+    EXPECT_EQ(seen.evaluations[1], 1 + 2 * (6 + 1)) << "the fields that are there, and patches";
 }
 
 TEST(ValueTrial, ATightBudgetIsNotTried) {

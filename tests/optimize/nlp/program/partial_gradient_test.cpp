@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 
 /// Gradients by differences that are inherited and guessed as far as they are known.
 namespace strake {
@@ -185,6 +186,37 @@ TEST(PartialGradient, IsCompletedAtTheEnd) {
     EXPECT_EQ(r.gradient_error.cols(), 0);
     EXPECT_LT((r.best.gradient - q.gradient(r.x)).norm(), 1e-3 * q.gradient(VectorXd::Zero(n)).norm());
     EXPECT_LT(q.at(r.x), 1e-3 * q.at(VectorXd::Zero(n)));
+}
+
+/// What is left for something else pays nothing at the point where it is left: its gradient is what the model and the
+/// values say, exact along the last step, with its error.
+TEST(PartialGradient, ASearchThatIsLeftPaysNoFurtherDifferences) {
+    Quadratic q;
+    const NonlinearProgram p = q.program();
+    MinimizeOptions how;
+    how.max_evaluations = 5000;
+    int points = 0;
+    std::vector<VectorXd> bests{p.start};
+    how.on_step = [&](const MinimizeStep& step) {
+        if (step.is_best) bests.push_back(step.x);
+        return true;
+    };
+    std::vector<VectorXd> accepted{p.start};
+    how.before_differences = [&] {
+        accepted.push_back(bests.back());
+        return ++points < 2;
+    };
+    const MinimizeResult r = minimize(p, how);
+    EXPECT_EQ(r.stop, MinimizeStop::outpaced) << r.reason;
+    ASSERT_EQ(points, 2);
+    EXPECT_EQ(std::ranges::count(q.paid, std::size_t(n)), 2) << "at the start and after the first step";
+    EXPECT_EQ(r.x, accepted.back());
+    EXPECT_TRUE(r.best.is_partly_guessed);
+    ASSERT_EQ(r.best.gradient.size(), n);
+    const VectorXd d = accepted[2] - accepted[1];
+    EXPECT_NEAR(r.best.gradient.dot(d), q.gradient(r.x).dot(d), 1e-4 * std::abs(q.gradient(accepted[1]).dot(d)));
+    EXPECT_GT(r.gradient_error.cols(), 0);
+    EXPECT_GT((r.best.gradient - q.gradient(r.x)).norm(), 1e-3 * q.gradient(r.x).norm()) << "a guess elsewhere";
 }
 
 /// x + d misses a bound by rounding where d = bound - x: the search is where it has evaluated, not beside it, or what

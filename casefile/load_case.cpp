@@ -59,27 +59,46 @@ void name_after_file(Value& root, const std::filesystem::path& file) {
     root.entries.insert(root.entries.begin(), std::move(entry));
 }
 
+Value* child(Value& map, const std::string& key) {
+    for (Entry& entry : map.entries)
+        if (entry.key == key) return &entry.value;
+    return nullptr;
+}
+
+void add_default(Value& map, const std::string& key, const std::string& yaml) {
+    Entry entry{key, map.place, parse_yaml(yaml, "default of " + key)};
+    entry.value.place = map.place;
+    entry.value.from_default = true;
+    map.entries.push_back(std::move(entry));
+}
+
+/// The map `parameters`, made where there is none; none where something else stands in its place.
+Value* parameters_of(Value& root) {
+    if (!child(root, "parameters")) add_default(root, "parameters", "{}");
+    Value* parameters = child(root, "parameters");
+    return parameters->form == Value::Form::map ? parameters : nullptr;
+}
+
 /// Without a shell other defaults hold: no variables of patches, all displacement fields.
 void set_defaults_without_shell(Value& root) {
-    const auto child = [](Value& map, const std::string& key) -> Value* {
-        for (Entry& entry : map.entries)
-            if (entry.key == key) return &entry.value;
-        return nullptr;
-    };
-    const auto add = [](Value& map, const std::string& key, const std::string& yaml) {
-        Entry entry{key, map.place, parse_yaml(yaml, "default of " + key)};
-        entry.value.place = map.place;
-        entry.value.from_default = true;
-        map.entries.push_back(std::move(entry));
-    };
     const Value* shell = root.form == Value::Form::map ? child(root, "shell") : nullptr;
     if (!shell || shell->form != Value::Form::scalar || shell->text != "none") return;
-    if (!child(root, "parameters")) add(root, "parameters", "{}");
-    Value& parameters = *child(root, "parameters");
-    if (parameters.form != Value::Form::map) return;
-    if (!child(parameters, "variables")) add(parameters, "variables", "[]");
-    const bool has_planform = child(parameters, "planform") != nullptr;  // what is not listed stays
-    if (!child(parameters, "fields")) add(parameters, "fields", has_planform ? "none" : "auto");
+    Value* parameters = parameters_of(root);
+    if (!parameters) return;
+    if (!child(*parameters, "variables")) add_default(*parameters, "variables", "[]");
+    const bool has_planform = child(*parameters, "planform") != nullptr;  // what is not listed stays
+    if (!child(*parameters, "fields")) add_default(*parameters, "fields", has_planform ? "none" : "auto");
+}
+
+/// A fit that says nothing of its variables has displacement fields in front of the patches: loads hardly taper,
+/// widen or flatten a body. What a run began with is stated in its case; one of before that had none goes on so.
+void set_defaults_of_fit(Value& root) {
+    if (root.form != Value::Form::map || !child(root, "fit")) return;
+    Value* parameters = parameters_of(root);
+    if (!parameters) return;
+    for (const char* stated : {"fields", "variables", "given", "planform"})
+        if (child(*parameters, stated)) return;
+    add_default(*parameters, "fields", "auto");
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
@@ -100,6 +119,7 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     name_after_file(source->root, file);
     rename_old(source->root, errors);
     set_defaults_without_shell(source->root);
+    if (command_dir.empty()) set_defaults_of_fit(source->root);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
     set_planform_values(the_case, errors);

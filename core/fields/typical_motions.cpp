@@ -23,8 +23,9 @@ constexpr double nothing_left = 0.1;     ///< of a motion, by what the kind of s
 /// Where every vertex is, in terms of the sections.
 struct Places {
     FieldFrame frame;
-    VectorXd s, t, side;  ///< place in [-1, 1]; distance from what is held in [0, 1]; +-1: to which side of it
-    Points arm;           ///< from the middle of its section
+    VectorXd s, t;  ///< place in [-1, 1]; distance from what is held in [0, 1]
+    VectorXd side;  ///< in [-1, 1]: to which side of what is held; +-1 where that cuts the body in two
+    Points arm;     ///< from the middle of its section
     bool is_held = false;
 };
 
@@ -48,8 +49,11 @@ void set_distances(const TriMesh& rest, const std::vector<int>& held, Places& pl
         part.triangles.row(static_cast<Eigen::Index>(i)) = rest.triangles.row(held[i]);
     const bool in_space = high - low > nearly_all_held * length;
     const ClosestPointTree closest(part);
+    const double middle = 0.5 * (low + high);
+    const double reach = std::max(places.s.maxCoeff() - middle, middle - places.s.minCoeff());
     for (int v = 0; v < rest.num_vertices(); ++v) {
-        places.side[v] = places.s[v] < 0.5 * (low + high) ? -1 : 1;
+        // Beside what is held, what moves away to both sides must not be torn.
+        places.side[v] = in_space ? (places.s[v] - middle) / reach : places.s[v] < middle ? -1 : 1;
         places.t[v] = is_held[static_cast<std::size_t>(v)] ? 0
                       : in_space                           ? closest.find(rest.vertices.row(v)).distance
                                                            : std::max({0.0, places.s[v] - high, low - places.s[v]});

@@ -1,6 +1,7 @@
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/mesh/geometry.hpp"
+#include "optimize/run/fit.hpp"
 #include "tests/casefile/build_fixture.hpp"
 #include "tests/kinds_of_shape.hpp"
 
@@ -32,6 +33,47 @@ TEST_F(FieldsOfACase, AreVariablesThatLeaveWhatIsHeld) {
     EXPECT_EQ(automatic.field_steps.front(), 27);
     EXPECT_GT(automatic.fields->size(), 60) << "those that a refinement may take";
     EXPECT_EQ(automatic.field_steps.back(), automatic.fields->size());
+}
+
+/// A fit that states no variables begins with fields; one that does keeps to them.
+TEST_F(FieldsOfACase, AreTheDefaultOfFits) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    write_surface(folder.path() / "target.obj", box_surface({4, 1.2, 0.4}, 8), SurfaceFormat::obj);
+    const std::string fit =
+        "regions:\n  root: {box: [[-9, -9, -9], [0.5, 9, 9]]}\nfixed: [root]\n"
+        "quantities: {match: {type: target_shape, file: target.obj}}\nfit: [match]\n";
+    for (const char* words : {"", "parameters: {patches_per_level: [4]}\n"}) {
+        const Parameters automatic = build(fit + words).problem.parameters;
+        ASSERT_NE(automatic.fields, nullptr) << words;
+        EXPECT_EQ(automatic.field_steps.front(), 27);
+        EXPECT_FALSE(automatic.kinds.empty()) << "with patches behind them";
+    }
+    for (const char* words : {"fields: none", "variables: [load]"})
+        EXPECT_EQ(build(fit + "parameters: {" + words + "}\n").problem.parameters.fields, nullptr) << words;
+    // A fit of before goes on as it began, from the case that its folder holds.
+    const auto yaml = folder.write("case.yaml", "surface: {file: s.obj, units: m}\n" + fit);
+    EXPECT_TRUE(load_case(yaml, Purpose::fit).parameters.fields.is_wanted);
+    EXPECT_FALSE(load_case(yaml, Purpose::fit, yaml.parent_path()).parameters.fields.is_wanted);
+}
+
+/// At most 3 % of the distance is left of what loads alone hardly make.
+TEST_F(FieldsOfACase, AFitWithoutOptionsFindsAWidenedAndFlattenedBody) {
+    const TriMesh start = ellipsoid({1, 0.2, 0.2}, 2);
+    surface(start);
+    TriMesh target = start;
+    target.vertices.col(1) *= 1.2;
+    target.vertices.col(2) *= 0.8;
+    write_surface(folder.path() / "target.obj", target, SurfaceFormat::obj);
+    const std::string fit_case =
+        "hold: point\nquantities: {match: {type: target_shape, file: target.obj}}\nfit: [match]\n";
+    const auto left = [&](const std::string& words) {
+        Problem problem = build(fit_case + words, Purpose::fit).problem;
+        problem.optimize.max_evaluations = 24;
+        const RunResult r = fit(problem);
+        return std::sqrt(r.objective / r.objective_start);
+    };
+    EXPECT_LT(left(""), 0.03);
+    EXPECT_GT(left("parameters: {fields: none, patches_per_level: [4, 8]}\n"), 0.2) << "what fields are for";
 }
 
 TEST_F(FieldsOfACase, DoOnlyTheChosenMotions) {

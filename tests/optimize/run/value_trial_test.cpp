@@ -106,20 +106,15 @@ TEST(ValueTrial, EveryLevelGoesOnFromWhereTheOneBeforeEnded) {
     EXPECT_EQ(seen.result.objective, again.result.objective) << "the same input, the same bits";
 }
 
-/// Patches without finer parts are offered no more: what rounding leaves of them is no direction.
+/// Fields of which there are no further ones are offered no more: what rounding leaves of them is no direction.
 TEST(ValueTrial, AGroupThatIsThereToItsEndIsNotOfferedAgain) {
     Problem problem = by_values(dented);
-    problem.tree = octants(problem.surface, 1);  // one level of patches
-    problem.optimize.max_evaluations = 500;
+    problem.parameters.field_steps = {27};
     const Seen seen = run(problem);
-    const int all = *std::ranges::max_element(seen.loads);
-    int ended = 0;
-    for (const auto& [loads, words] : seen.choices) {
-        if (loads < all) continue;
-        ++ended;
-        EXPECT_NE(words.find("patches 0 for each of 0 (those there "), std::string::npos) << words;
-    }
-    EXPECT_GT(ended, 0) << "the test can fail";
+    const std::string first = choice_of(seen);
+    EXPECT_NE(first.find("fields 0 for each of 0 (those there "), std::string::npos) << first;
+    EXPECT_EQ(first.find("patches 0 for each of 0"), std::string::npos) << "these are offered: " << first;
+    EXPECT_EQ(seen.evaluations[1], 1 + 2 * (6 + 1)) << "the fields that are there, and patches";
 }
 
 TEST(ValueTrial, ATightBudgetIsNotTried) {

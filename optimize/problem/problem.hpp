@@ -99,9 +99,9 @@ struct Parameters {
     /// shell add what they do to the start surface at rest, and the datum of the motion limit goes with them. Null:
     /// none. Not with attached parts, `invariance`, nor a fit.
     std::shared_ptr<const PlanformMotion> planform;
-    /// Wings whose edges, chords and twists stay where fields and the shell would move them: u = K(sum_b z_b field_b + E)
-    /// takes the place of that sum, and the planform moves beside it. Null: none. Not with attached parts, `invariance`,
-    /// nor a fit.
+    /// Wings whose edges, chords and twists stay where fields and the shell would move them: u = K(sum_b z_b field_b +
+    /// E) takes the place of that sum, and the planform moves beside it. Null: none. Not with attached parts,
+    /// `invariance`, nor a fit.
     std::shared_ptr<const KeptSections> kept_sections;
     /// How many of the fields, the first ones, a run has as it refines: ascending, the last all of them. Empty: all of
     /// them from the start.

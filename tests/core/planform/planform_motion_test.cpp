@@ -294,7 +294,7 @@ TEST(PlanformMotion, EdgesOfARoundedWingDoNotJump) {
     const StationFacts before = wing->station(mesh, 0.5);
     EXPECT_LT(before.trailing_edge_thickness.value, 1e-9) << "no corner";
     for (int k = -8; k <= 8; ++k) {
-        const double camber = 0.02 * k / 8;
+        const double camber = 0.002 * k;  // less than there is: of none the largest would be anywhere
         const VectorXd z = camber * VectorXd::Ones(motion.size());
         const StationFacts after = wing->station(with_vertices(mesh, mesh.vertices + motion.displacement(z)), 0.5);
         EXPECT_LT((after.trailing_edge - before.trailing_edge).norm(), 1e-4) << camber;

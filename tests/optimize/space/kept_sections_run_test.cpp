@@ -23,7 +23,7 @@ struct KeptRun {
 KeptRun kept_run(bool has_shell, bool has_planform, bool keeps = true) {
     Loft loft;
     loft.cells = 16;
-    loft.panels = 24;
+    loft.panels = 40;  // enough points for the polynomial of the nose
     KeptRun run;
     Problem& problem = run.problem;
     problem.name = "wing";
@@ -110,13 +110,12 @@ TEST(KeptSectionsRun, EdgesStayInEveryShapeAndRunsGain) {
                 for (const int v : one->problem.surface.triangles.row(t))
                     EXPECT_EQ(at.vertices.row(v), one->problem.surface.vertices.row(v));
         }
-        std::cout << "edges " << before[0] << " -> " << worst[0] << ", twist " << before[1] << " -> " << worst[1]
-                  << "\n";
         EXPECT_GT(before[0], 1e-3) << "the test can fail";
         EXPECT_LT(worst[0], 1e-4);
         EXPECT_LT(worst[1], 0.02);
+        if (has_shell) continue;
         Problem problem = run.problem;
-        maximize_volume(problem, 1.0);
+        maximize_volume(problem);
         problem.optimize.max_evaluations = 14;
         expect_run_is_stored(problem, 1e-4, 1e-8);
     }

@@ -82,8 +82,8 @@ TEST_P(LocalWithoutGradients, KeepsToTheBoundsInTheMetric) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Methods, LocalWithoutGradients,
-                         testing::Values(Method::cobyla, Method::bobyqa, Method::neldermead,
-                                         Method::sbplx, Method::praxis),
+                         testing::Values(Method::cobyla, Method::bobyqa, Method::neldermead, Method::sbplx,
+                                         Method::praxis),
                          [](const auto& info) { return method_facts(info.param).name; });
 
 /// A model twenty times too stiff costs a gradient a step, unless the values along the step are asked.

@@ -13,6 +13,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/planform/planform_motion.hpp"
 #include "core/text/file.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/problem/shell_setup.hpp"
 #include "optimize/run/method_choice.hpp"
@@ -108,6 +109,13 @@ Json as_json(const BuiltProblem& built, const std::vector<std::string>& warnings
     j["surface"] = {{"vertices", problem.surface.num_vertices()},
                     {"triangles", problem.surface.num_triangles()},
                     {"diagonal", box_diagonal(problem.surface)}};
+    j["wrap"] = nullptr;
+    if (problem.wrap)
+        j["wrap"] = {{"vertices", problem.wrap->mesh().num_vertices()},
+                     {"triangles", problem.wrap->mesh().num_triangles()},
+                     {"held_triangles", problem.supports.size()},
+                     {"farthest", problem.wrap->binding().largest_depth()},
+                     {"options", built.wrap}};
     j["regions"] = Json::array();
     for (const RegionTriangles& region : built.regions)
         j["regions"].push_back({{"name", region.name},
@@ -174,7 +182,7 @@ void print_held(const Case& the_case, const Problem& problem) {
         fmt::print("held        nothing: the fields neither move nor turn the body in the mean\n");
     else
         for (const int t : problem.supports) {
-            const Eigen::Vector3d x = area_centroid(problem.surface, {t});
+            const Eigen::Vector3d x = area_centroid(elastic_surface(problem), {t});
             fmt::print(
                 "held        triangle {} at ({:.6g}, {:.6g}, {:.6g}): the shell there, and the fields' place and "
                 "attitude\n",
@@ -186,7 +194,7 @@ void print_held(const Case& the_case, const Problem& problem) {
 }
 
 void print_written(const CheckArguments& args) {
-    for (const std::string& file : {args.picture, args.wishes.modes})
+    for (const std::string& file : {args.picture, args.wishes.modes, args.wishes.wrap})
         if (!file.empty()) fmt::print("wrote       {}\n", printable(file, 400));
 }
 
@@ -219,6 +227,9 @@ void print_words(const CheckArguments& args, const Case& the_case, const BuiltPr
     for (std::size_t k = 0; k < std::min(shown, built.regions.size()); ++k) print_region(built.regions[k]);
     if (built.regions.size() > shown)
         fmt::print("            and {} more regions (all with --json)\n", built.regions.size() - shown);
+    if (problem.wrap)
+        fmt::print("wrap        {} triangles, {} of them held; {}\n", problem.wrap->mesh().num_triangles(),
+                   problem.supports.size(), built.wrap);
     print_held(the_case, problem);
     for (const AttachedPart& part : problem.attached)
         fmt::print("attached    {}: {} triangles, {}\n", part.name, part.triangles.size(), name_of(part.how));
@@ -254,7 +265,7 @@ void check(const CheckArguments& args) {
     if (args.evaluate) return check_start_of(the_case, args.out, args.json);
     if (!args.picture.empty() && std::filesystem::path(args.picture).extension() != ".svg")
         throw InvalidInput(text("--picture ", printable(args.picture, 400), ": must end in .svg"));
-    check_outputs({args.wishes.modes, args.picture}, {args.case_file, the_case.surface});
+    check_outputs({args.wishes.modes, args.wishes.wrap, args.picture}, {args.case_file, the_case.surface});
     const BuiltProblem built = build_case(the_case);
     std::vector<std::string> warnings = built.warnings;
     for (const std::string& warning : check_shell(the_case, built.problem)) warnings.push_back(warning);
@@ -322,6 +333,8 @@ void add_check(CLI::App& app) {
         ->add_option("--modes", args->wishes.modes,
                      "write the displacement by each variable at x = 1, for ParaView (.vtp)")
         ->excludes("--quick");
+    command->add_option("--wrap", args->wishes.wrap,
+                        "write the wrap around the body, its patches and what of it is held, for ParaView (.vtp)");
     command
         ->add_option("--picture", args->picture,
                      "draw the body with its axes as arrows, and what is held (.svg, for a browser)")

@@ -2,6 +2,8 @@
 
 #include "core/error.hpp"
 #include "core/formats/vtp.hpp"
+#include "core/patches/carried.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/problem/shell_setup.hpp"
 #include "optimize/space/field_conditions.hpp"
 
@@ -17,9 +19,11 @@ namespace {
 /// 4 on the examples; the estimate is printed with "about".
 constexpr double solves_each = 2.5;
 
+/// Of the elastic surface. @param adjacent of the surface
 std::vector<HeldPart> held_parts(const BuiltProblem& built, const Adjacency& adjacent) {
     const Problem& problem = built.problem;
-    const std::vector<int> part = edge_components(problem.surface, adjacent);
+    const std::vector<int> part =
+        edge_components(elastic_surface(problem), problem.wrap ? problem.wrap->adjacent() : adjacent);
     std::vector<HeldPart> parts(
         part.empty() ? 0 : 1 + static_cast<std::size_t>(*std::max_element(part.begin(), part.end())));
     std::vector<char> is_fixed(part.size(), 0);
@@ -30,7 +34,7 @@ std::vector<HeldPart> held_parts(const BuiltProblem& built, const Adjacency& adj
         one.held += !pin.empty() && pin[t] != free_prism;
     }
     for (const RegionTriangles& region : built.regions)
-        for (const int t : region.triangles) {
+        for (const int t : problem.wrap ? problem.wrap->carried(region.triangles) : region.triangles) {
             auto& by = parts[static_cast<std::size_t>(part[static_cast<std::size_t>(t)])].by;
             if (!pin.empty() && pin[static_cast<std::size_t>(t)] != free_prism &&
                 std::find(by.begin(), by.end(), region.name) == by.end())
@@ -50,7 +54,20 @@ void write_modes(const std::string& file, const Problem& problem, const SpaceFac
     std::vector<int> moves(facts.moves.begin(), facts.moves.end());
     fields.push_back({"moves", moves});
     const PatchLevel& level = problem.tree.levels[static_cast<std::size_t>(facts.level)];
-    write_vtp(file, problem.surface, fields, {{"patch", level.label}});
+    write_vtp(file, problem.surface, fields,
+              {{"patch", problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label}});
+}
+
+/// The wrap, its patches and what of it is held.
+void write_wrap(const std::string& file, const Problem& problem) {
+    if (!problem.wrap) throw InvalidInput("--wrap: the case has no wrap (strake explain wrap)");
+    std::vector<Field> cells;
+    for (std::size_t k = 1; k < problem.tree.levels.size(); ++k)
+        cells.push_back({text("patch_level_", k), problem.tree.levels[k].label});
+    std::vector<int> held(static_cast<std::size_t>(problem.wrap->mesh().num_triangles()), 0);
+    for (const int t : problem.supports) held[static_cast<std::size_t>(t)] = 1;
+    cells.push_back({"held", held});
+    write_vtp(file, problem.wrap->mesh(), {}, cells);
 }
 
 RunCost cost_of(const Problem& problem, double rest_seconds, double measured_seconds) {
@@ -91,6 +108,7 @@ void add_border(const RestFacts& rest, const std::vector<char>& held, const Vari
 CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     const Problem& problem = built.problem;
     CheckFacts facts;
+    if (!wishes.wrap.empty()) write_wrap(wishes.wrap, problem);
     facts.health = checkup(problem.surface);
     facts.parts = held_parts(built, facts.health.adjacent);
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();

@@ -45,6 +45,7 @@ struct CheckWishes {
     bool quick = false;  ///< skip what needs a factorization
     int level = 1;       ///< whose variables are examined
     std::string modes;   ///< VTP file with the displacement by each variable; empty: none
+    std::string wrap;    ///< VTP file with the wrap and its patches; empty: none
 };
 
 /// @throws InvalidInput: no such level; and whatever the run itself would throw at its start.

@@ -45,7 +45,7 @@ void keep_meaning(Case& the_case, const JournalFacts& facts) {
 
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir) {
     Continuation now;
-    now.yaml = resolved_case(the_case, dir);
+    now.yaml = resolved_case(the_case, dir, stated_wrap(facts.case_yaml));
     check_same_case(the_case, facts, now.yaml);
     for (const std::string& key : changed_keys(facts.case_yaml, now.yaml)) {
         now.is_changed = true;

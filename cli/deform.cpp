@@ -9,6 +9,8 @@
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/planform/planform_motion.hpp"
+#include "core/wrap/wrap_map.hpp"
+#include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/evaluate/validity.hpp"
 #include "optimize/problem/shell_setup.hpp"
 #include "optimize/space/design_space.hpp"
@@ -177,11 +179,21 @@ Points moved_by_fields(const DeformArguments& args, const Problem& problem, Equi
     refuse(args, end, "invalid", diagonal);
 }
 
-/// What of the displacement keeps the kind of shape that the case states.
+/// The surface by the shell's vertices: in a wrap it is carried along; what of its displacement keeps the kind of
+/// shape that the case states.
 Points of_kind(const Problem& problem, const Points& vertices) {
+    if (problem.wrap)
+        return problem.wrap->displacement(vertices - problem.wrap->mesh().vertices) + problem.surface.vertices;
     const auto& invariance = problem.parameters.invariance;
     if (!invariance) return vertices;
     return problem.surface.vertices + invariance->projected(vertices - problem.surface.vertices);
+}
+
+/// @param vertices of the surface, with the shell where it is
+std::string defect_of_solved(const Problem& problem, const PrimoShell& shell, const Points& vertices) {
+    if (!problem.wrap) return guard_of(problem).defect(vertices, shell.poses());
+    const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
+    return strake::defect_of(strake::guard_of(problem, *rest), *rest, {}, vertices, &shell);
 }
 
 /// The equilibrium, which must be a valid surface.
@@ -197,7 +209,7 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
     end = shell.solve(setup.loads, setup.motions, {}, progress);
     if (end.status != SolveStatus::converged) refuse(args, end, to_string(end.status), diagonal);
     const Points vertices = of_kind(problem, shell.vertices());
-    const std::string defect = guard_of(problem).defect(vertices, shell.poses());
+    const std::string defect = defect_of_solved(problem, shell, vertices);
     if (defect.empty()) return vertices;
     end.reason = defect + "; reduce the loads and strains, or use a thicker shell";
     refuse(args, end, "invalid", diagonal);
@@ -207,6 +219,7 @@ Points solved(const DeformArguments& args, const Problem& problem, const ShellSe
 Points linear(const Problem& problem, const ShellSetup& setup, PrimoShell& shell, Equilibrium& end) {
     const Points vertices = of_kind(problem, shell.linear_response(setup.loads, setup.motions));
     end.reason = "one linear solve at rest";
+    if (problem.wrap) return vertices;  // the shell itself has not moved
     const std::string defect = guard_of(problem).defect(vertices, shell.poses());
     if (!defect.empty()) fmt::print(stderr, "warning: the linear response is not a valid surface: {}\n", defect);
     return vertices;
@@ -235,7 +248,7 @@ void deform_case(const DeformArguments& args) {
     }
     if (!args.fields.empty())
         throw InvalidInput("deform: --field needs shell: none in the case; a shell is deformed by loads and strains");
-    PrimoShell shell(mesh, setup.options);
+    PrimoShell shell(elastic_surface(built.problem), setup.options);
     const Points vertices =
         args.linear ? linear(built.problem, setup, shell, end) : solved(args, built.problem, setup, shell, end);
     write_output(args.out, with_vertices(mesh, vertices), built.format);

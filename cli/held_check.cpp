@@ -21,10 +21,11 @@ std::vector<std::string> check_shell(const Case& the_case, const Problem& proble
     if (!problem.has_shell) return setup.warnings;  // fields hold what is fixed, and need nothing that is
     const bool is_search = !problem.objective.empty() || !problem.fit.empty();
     if (is_search && has_strains(problem)) return setup.warnings;  // pinned strain patches hold, too
-    const Eigen::VectorXd spring =
-        setup.loads.spring.size() > 0 ? setup.loads.spring : Eigen::VectorXd::Zero(problem.surface.num_vertices());
+    const Eigen::VectorXd spring = setup.loads.spring.size() > 0
+                                       ? setup.loads.spring
+                                       : Eigen::VectorXd::Zero(elastic_surface(problem).num_vertices());
     try {
-        check_held(rest_state(problem.surface, setup.options), spring);
+        check_held(rest_state(elastic_surface(problem), setup.options), spring);
     } catch (const UnheldPart& e) {
         throw UnheldPart(text(printable(the_case.file.string(), 400), ": ", e.what()));
     }

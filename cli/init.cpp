@@ -11,8 +11,10 @@
 #include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/carried.hpp"
 #include "core/text/file.hpp"
 #include "core/text/shell_word.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "report/drawing.hpp"
 
 #include <fcntl.h>
@@ -74,6 +76,8 @@ std::string way_words(ProposedWay way) {
             return "an elastic shell on the surface";
         case ProposedWay::remeshed_shell:
             return "an elastic shell on new triangles";
+        case ProposedWay::wrap:
+            return "patches of a wrap around it, and displacement fields";
         case ProposedWay::fields:
             return "displacement fields alone";
     }
@@ -105,10 +109,14 @@ Eigen::Vector3d up_of(const Problem& problem, const ProposedCase& proposal) {
     return Eigen::Vector3d::Unit(up);
 }
 
+std::vector<int> labels_on_surface(const Problem& problem, const PatchLevel& level) {
+    return problem.wrap ? carried(level.label, problem.wrap->wrap_triangle()) : level.label;
+}
+
 std::string picture(const Problem& problem, const ProposedCase& proposal, const std::optional<AxesFacts>& axes) {
     const int level = shown_level(problem.tree);
     const PatchLevel& patches = problem.tree.levels[level];
-    std::vector<int> label = patches.label;
+    std::vector<int> label = labels_on_surface(problem, patches);
     std::vector<Colour> colour;
     for (const int k : label) colour.push_back(patch_colour(k));
     const int held = static_cast<int>(patches.patches.size());
@@ -140,7 +148,7 @@ std::string picture(const Problem& problem, const ProposedCase& proposal, const 
 void write_patches(const fs::path& file, const Problem& problem) {
     std::vector<Field> cells;
     for (std::size_t l = 1; l < problem.tree.levels.size(); ++l)
-        cells.push_back({text("level_", l), problem.tree.levels[l].label});
+        cells.push_back({text("level_", l), labels_on_surface(problem, problem.tree.levels[l])});
     std::vector<int> held(static_cast<std::size_t>(problem.surface.num_triangles()), 0);
     for (const int t : problem.fixed) held[static_cast<std::size_t>(t)] = 1;
     cells.push_back({"held", held});
@@ -229,15 +237,16 @@ double failing(const Attempt& made) {
     return !made.built ? 2.0 : made.trial.tried == 0 ? 1.0 : static_cast<double>(made.trial.failed) / made.trial.tried;
 }
 
-/// The first of a shell, a shell on new triangles (of surfaces with slivers) and displacement fields alone that test
-/// deformations find sound, else the one that fails least. @throws what the first refuses where none can be built.
+/// The first of a shell, a shell on new triangles (of surfaces with slivers), a wrap and displacement fields alone that
+/// test deformations find sound, else the one that fails least. @throws what the first refuses where none can be built.
 Chosen choose(const InitArguments& args, const fs::path& case_file) {
     log_step("examining " + printable(args.surface, 400));
     Attempt best;
     std::vector<std::string> tried;
     bool has_slivers = false;
     std::exception_ptr refused;
-    for (const ProposedWay way : {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::fields}) {
+    for (const ProposedWay way :
+         {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::wrap, ProposedWay::fields}) {
         if (way == ProposedWay::remeshed_shell && !has_slivers) continue;
         const std::string reason = tried.empty() ? "" : text("Chosen by trial. ", tried.front());
         Attempt made = attempt(args, case_file, way, reason);

@@ -53,9 +53,10 @@ std::string begin_note(const Case& the_case, bool is_fit, int meaning) {
     return text("# ", is_fit ? "fit" : "run", " of a case in ", dir, "\n", meaning_note, meaning, "\n");
 }
 
-std::unique_ptr<Journal> new_journal(const Problem& problem, const Case& the_case, RunFolder& folder, bool is_fit) {
+std::unique_ptr<Journal> new_journal(const BuiltProblem& built, const Case& the_case, RunFolder& folder, bool is_fit) {
+    const Problem& problem = built.problem;
     JournalFacts facts;
-    facts.case_yaml = resolved_case(the_case, the_case.output.dir);
+    facts.case_yaml = resolved_case(the_case, the_case.output.dir, built.wrap);
     facts.case_dir = case_dir(the_case);
     facts.host = host_name();
     facts.is_fit = is_fit;
@@ -101,8 +102,9 @@ RunResult recorded_run(const BuiltProblem& built, const Case& the_case, RunFolde
     try {
         // Before the journal: a run that is killed in between can be started from it.
         const int meaning = journal ? journal->facts().meaning : JournalFacts().meaning;
-        folder.write_case(begin_note(the_case, is_fit, meaning) + resolved_case(the_case, the_case.output.dir));
-        if (!journal) journal = new_journal(problem, the_case, folder, is_fit);
+        folder.write_case(begin_note(the_case, is_fit, meaning) +
+                          resolved_case(the_case, the_case.output.dir, built.wrap));
+        if (!journal) journal = new_journal(built, the_case, folder, is_fit);
         if (built.is_prepared) folder.write_start(problem.surface, built.format, built.repairs_csv);
         folder.begin(problem, value_names(problem), built.format, series_policy(the_case.output.paraview),
                      keep_policy(the_case.output.keep));

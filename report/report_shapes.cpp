@@ -1,6 +1,7 @@
 #include "core/error.hpp"
 #include "core/formats/vtp_reader.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/patches/carried.hpp"
 #include "core/text/file.hpp"
 #include "optimize/run/stored_design.hpp"
 #include "report/json_number.hpp"
@@ -170,13 +171,18 @@ struct Tree {
     std::vector<std::pair<int, int>> front;
 };
 
-Tree tree_of(const RunFiles& run, const ReportSubject& subject, int triangles) {
+Tree tree_of(const RunFiles& run, const ReportSubject& subject, const TriMesh& start) {
+    const int triangles = start.num_triangles();
     std::error_code ignored;
     Tree tree;
     const fs::path file = run.folder / "levels/best.design";
     if (fs::is_regular_file(file, ignored)) {
         StoredDesign design = read_design(file);
         tree = {std::move(design.tree), std::move(design.front)};
+        const int last = subject.wrap_triangle.empty() ? -1 : *std::ranges::max_element(subject.wrap_triangle);
+        if (last >= 0 && static_cast<int>(subject.wrap_triangle.size()) == triangles &&
+            last < static_cast<int>(tree.patches.levels.at(0).label.size()))
+            tree.patches = carried(tree.patches, subject.wrap_triangle, start);
     } else {
         tree.patches = subject.tree;
     }
@@ -245,7 +251,7 @@ Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs
     out["pictures"] = pictures_json(start, best_vertices(run.folder), subject);
     out["frames"] = frames;
     out["accepted"] = designs.size();
-    const Tree tree = tree_of(run, subject, start.num_triangles());
+    const Tree tree = tree_of(run, subject, start);
     out["tree"] = tree_json(tree, *shares, blobs);
     out["explained"] = json_number(shares->explained());
     out["change"] = json_number(shares->change());

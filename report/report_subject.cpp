@@ -1,6 +1,8 @@
 #include "report/report_subject.hpp"
 #include "casefile/schema/scalars.hpp"
+#include "core/patches/carried.hpp"
 #include "core/text/file.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 #include "core/mesh/geometry.hpp"
 #include "optimize/nlp/program/methods.hpp"
@@ -160,6 +162,10 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
     if (built) {
         subject.surface = built->problem.surface;
         subject.tree = built->problem.tree;
+        if (const auto& wrap = built->problem.wrap) {
+            subject.wrap_triangle = wrap->wrap_triangle();
+            subject.tree = carried(subject.tree, subject.wrap_triangle, subject.surface);
+        }
     }
     return subject;
 }

@@ -1,6 +1,8 @@
 #include "report/run_folder.hpp"
+#include "core/patches/carried.hpp"
 #include "core/text/file.hpp"
 #include "core/text/shell_word.hpp"
+#include "core/wrap/wrap_map.hpp"
 
 #include "core/error.hpp"
 #include "core/formats/vtp.hpp"
@@ -259,6 +261,11 @@ void RunFolder::add(const EvaluationRecord& record) {
 void RunFolder::add(const LevelStart& level) {
     const std::string number = std::to_string(level.space.level);
     write("levels/labels_" + number + ".csv", labels_csv(level.space.patches()));
+    if (problem_->wrap) {
+        const std::string wrap = "levels/wrap_" + number + ".vtp";
+        write_vtp(folder_ / wrap, problem_->wrap->mesh(), {}, {{"patch", level.space.patches().label}});
+        remember(wrap);
+    }
     write("levels/variables_" + number + ".csv", variables_csv(level.space, level.x));
 }
 
@@ -284,18 +291,23 @@ void RunFolder::add_sensitivities(int evaluation, const Points& dJ_dv) {
     if (evaluation >= best_from_) write_data_set(steps_.back().second, last_);
 }
 
+/// Labels of the elastic triangles on those of the surface.
+std::vector<int> RunFolder::on_surface(const std::vector<int>& label) const {
+    return problem_->wrap ? carried(label, problem_->wrap->wrap_triangle()) : label;
+}
+
 RunFolder::DataSet RunFolder::data_set(const AcceptedDesign& design) {
     char number[16];
     std::snprintf(number, sizeof number, "%06d", design.record.evaluation);
     std::vector<std::string> problems;
-    DataSet out{design.vertices, design.dJ_dv, {}, design.space.patches().label, {}};
+    DataSet out{design.vertices, design.dJ_dv, {}, on_surface(design.space.patches().label), {}};
     const TriMesh surface = with_vertices(problem_->surface, design.vertices);
     const ShownDesign shown{surface, folder_ / "evaluations" / number, parameter_values(design.space, design.x),
                             folder_ / data_set_name(design.record.evaluation)};
     out.fields = design_fields(*problem_, shown, problems);
     add_problems(problems);
     const Points force = demand(design.space, design.x).loads.force;
-    if (force.rows() == 0) return out;
+    if (force.rows() != problem_->surface.num_vertices() || problem_->wrap) return out;  // loads on a wrap
     const Eigen::VectorXd& area = design.space.rest->vertex_area;
     out.load = force.array().colwise() * area.array().max(std::numeric_limits<double>::min()).inverse();
     return out;
@@ -309,7 +321,7 @@ void RunFolder::write_data_set(const std::string& name, const DataSet& design) c
     std::vector<Field> cells;
     if (!design.patch.empty()) cells.push_back({"patch", design.patch});
     for (std::size_t k = 1; k < problem_->tree.levels.size(); ++k)
-        cells.push_back({"patch_level_" + std::to_string(k), problem_->tree.levels[k].label});
+        cells.push_back({"patch_level_" + std::to_string(k), on_surface(problem_->tree.levels[k].label)});
     write_vtp(folder_ / name, with_vertices(problem_->surface, design.vertices), points, cells);
 }
 

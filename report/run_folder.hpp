@@ -68,6 +68,7 @@ private:
         std::vector<int> patch;     ///< of each triangle, on the level of the design; empty: unknown
         std::vector<Field> fields;  ///< of objectives
     };
+    std::vector<int> on_surface(const std::vector<int>& label) const;
     DataSet data_set(const AcceptedDesign& design);
     void write_data_set(const std::string& name, const DataSet& design) const;
     void add_to_series(int evaluation, DataSet design);

@@ -24,7 +24,8 @@ struct ReportSubject {
     std::map<std::string, ReportLimit> limits;  ///< of constrained values, by name
     /// The start surface and its patches; empty: taken from the folder's series, if it has one.
     TriMesh surface;
-    PatchHierarchy tree;
+    PatchHierarchy tree;             ///< on the triangles of the surface
+    std::vector<int> wrap_triangle;  ///< with a wrap, per triangle of the surface: the nearest of the wrap
     std::optional<Eigen::Vector3d> downstream = {}, up = {};  ///< the body's axes where the case states them, unit
     std::optional<SymmetryPlane> symmetry = {};               ///< of a half model
     bool is_over = false;                                     ///< written by the run itself at its end

@@ -41,6 +41,7 @@ void ProblemBuilder::set_invariance() {
 /// Of a part: the triangle that holds the shell. Nearest to the point that was stated, else to the middle of the part,
 /// in half models of what of it lies on the plane.
 int ProblemBuilder::support_near(const std::vector<int>& part) const {
+    const TriMesh& mesh = elastic().mesh;
     Eigen::Vector3d near = Eigen::Vector3d::Zero();
     if (case_.hold.point) {
         near = *case_.hold.point;
@@ -49,11 +50,11 @@ int ProblemBuilder::support_near(const std::vector<int>& part) const {
         for (const bool only_cut : {true, false}) {
             for (const int t : part)
                 for (int k = 0; k < 3; ++k) {
-                    const Eigen::Vector3d x = start_.mesh.vertices.row(start_.mesh.triangles(t, k));
+                    const Eigen::Vector3d x = mesh.vertices.row(mesh.triangles(t, k));
                     if (only_cut && !(case_.symmetry && std::abs(case_.symmetry->normal.dot(x) -
                                                                  case_.symmetry->offset) < 1e-6 * start_.diagonal))
                         continue;
-                    const double area = area_vector(start_.mesh, t).norm();
+                    const double area = area_vector(mesh, t).norm();
                     near += area * x;
                     weight += area;
                 }
@@ -64,7 +65,7 @@ int ProblemBuilder::support_near(const std::vector<int>& part) const {
     int best = part.front();
     double least = std::numeric_limits<double>::infinity();
     for (const int t : part) {
-        const double distance = (area_centroid(start_.mesh, {t}) - near).norm();
+        const double distance = (area_centroid(mesh, {t}) - near).norm();
         if (distance < least) least = distance, best = t;
     }
     return best;
@@ -95,7 +96,7 @@ void ProblemBuilder::set_hold() {
     if (case_.hold.by == HoldEntry::By::fixed) return;
     check_hold();
     if (!errors_.empty()) return;
-    const std::vector<int> number = edge_components(start_.mesh, start_.adjacent);
+    const std::vector<int> number = edge_components(elastic().mesh, elastic().adjacent);
     std::vector<char> is_attached(number.size(), 0);
     for (const AttachedPart& part : out_.problem.attached)
         for (const int t : part.triangles) is_attached[static_cast<std::size_t>(t)] = 1;
@@ -110,11 +111,12 @@ void ProblemBuilder::set_fields() {
     const FieldsEntry& entry = case_.parameters.fields;
     Parameters& p = out_.problem.parameters;
     std::vector<char> on = p.variables_on;
-    if (entry.on) on = marked("parameters.fields.on", {*entry.on});
+    if (wrap_) on = marked_on_surface("parameters.variables_on", case_.parameters.variables_on);
+    if (entry.on) on = marked_on_surface("parameters.fields.on", {*entry.on});
     if (!errors_.empty()) return;
     FieldConditions conditions = field_conditions(out_.problem, start_.mesh, on);
     if (case_.hold.by == HoldEntry::By::point)
-        conditions.still = case_.hold.point.value_or(area_centroid(start_.mesh, out_.problem.supports));
+        conditions.still = case_.hold.point.value_or(area_centroid(elastic().mesh, out_.problem.supports));
     const bool is_about_axis = case_.invariance && case_.invariance->type != ShapeKind::Type::extruded;
     const std::span<const int> automatic = entry.along == AlongAxis::splines ? std::span<const int>(spline_steps)
                                            : is_about_axis                   ? std::span<const int>(steps_about_axis)

@@ -93,10 +93,11 @@ void ProblemBuilder::set_cheap_models() {
 
 /// Where there is no shell the surface may be open.
 Quantity ProblemBuilder::make(const QuantityEntry&, const VolumeEntry&) {
-    const bool is_open = !case_.has_shell && !open_edges(start_.mesh, start_.adjacent, case_.symmetry).empty();
+    const bool is_open =
+        (!case_.has_shell || case_.wrap) && !open_edges(start_.mesh, start_.adjacent, case_.symmetry).empty();
     return is_open ? closed_volume(start_.mesh, case_.symmetry) : volume(start_.mesh, case_.symmetry);
 }
-Quantity ProblemBuilder::make(const QuantityEntry&, const AreaEntry&) { return area(!case_.has_shell); }
+Quantity ProblemBuilder::make(const QuantityEntry&, const AreaEntry&) { return area(!case_.has_shell || case_.wrap); }
 Quantity ProblemBuilder::make(const QuantityEntry& entry, const TargetShapeEntry& target) {
     const TriMesh shape = read_surface(target.file).mesh;
     return target.same_connectivity ? target_shape_same(entry.name, start_.mesh, shape)

@@ -1,4 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
 #include <algorithm>
@@ -8,7 +9,7 @@ namespace strake {
 
 /// Per triangle: load variables may act there.
 std::vector<char> ProblemBuilder::loaded_by_variables() const {
-    const int m = start_.mesh.num_triangles();
+    const int m = elastic().mesh.num_triangles();
     std::vector<char> loaded(m, 0);
     const Parameters& p = out_.problem.parameters;
     const bool by_variables = std::any_of(p.kinds.begin(), p.kinds.end(), [](VariableKind kind) {
@@ -28,11 +29,11 @@ std::vector<char> ProblemBuilder::loaded_by_variables() const {
 /// Springs under the loaded region: prescribed loads, and triangles that may carry load variables.
 void ProblemBuilder::set_springs() {
     if (!case_.has_shell) return;
-    const int m = start_.mesh.num_triangles();
+    const int m = elastic().mesh.num_triangles();
     Eigen::VectorXd own = Eigen::VectorXd::Zero(m);
     std::vector<char> loaded = loaded_by_variables(), has_own(m, 0);
     for (const LoadEntry& load : case_.loads)
-        for (const int t : triangles(load.region)) {
+        for (const int t : elastic_triangles(load.region)) {
             loaded[t] = 1;
             if (!load.spring) continue;
             has_own[t] = 1;
@@ -45,19 +46,22 @@ void ProblemBuilder::set_springs() {
 
 void ProblemBuilder::set_tractions() {
     Points& traction = out_.problem.given_traction;
-    traction = Points::Zero(start_.mesh.num_triangles(), 3);
+    traction = Points::Zero(elastic().mesh.num_triangles(), 3);
     std::optional<PrimoShell> shell;
     ShellSetup setup;
     for (const LoadEntry& load : case_.loads) {
+        const std::vector<int> loaded = elastic_triangles(load.region);
+        double area = 0;
+        for (const int t : loaded) area += elastic().area[t];
         Eigen::Vector3d value = Eigen::Vector3d::Zero();
         if (load.traction) value = *load.traction;
-        if (load.force) value = *load.force / out_.regions[region_index_.at(load.region.name)].area;
+        if (load.force) value = *load.force / area;
         if (load.displacement)
             at(load.place, "", [&] {
                 if (!shell) make_shell(shell, setup);
                 value = scaled_traction(load, *shell, setup);
             });
-        for (const int t : triangles(load.region)) traction.row(t) += value.transpose();
+        for (const int t : loaded) traction.row(t) += value.transpose();
     }
     // All loads zero is the same as no loads.
     if (traction.isZero(0)) traction.resize(0, 3);
@@ -71,24 +75,26 @@ void ProblemBuilder::make_shell(std::optional<PrimoShell>& shell, ShellSetup& se
     setup = shell_setup(bare);
     setup.motions.assign(setup.motions.size(), RigidMotion{});
     setup.options.expected_solves = 1;  // a load is a matrix of its own, solved once
-    shell.emplace(start_.mesh, setup.options);
+    shell.emplace(elastic().mesh, setup.options);
 }
 
 /// The traction whose linear response, of this load alone, moves the surface by load.displacement.
 Eigen::Vector3d ProblemBuilder::scaled_traction(const LoadEntry& load, PrimoShell& shell, const ShellSetup& setup) {
-    Points unit = Points::Zero(start_.mesh.num_triangles(), 3);
-    for (const int t : triangles(load.region)) unit.row(t) = load.direction.transpose();
-    Loads loads{traction_forces(start_.mesh, unit), setup.loads.spring};
+    const TriMesh& mesh = elastic().mesh;
+    Points unit = Points::Zero(mesh.num_triangles(), 3);
+    for (const int t : elastic_triangles(load.region)) unit.row(t) = load.direction.transpose();
+    Loads loads{traction_forces(mesh, unit), setup.loads.spring};
     double largest = 0;
     try {
-        const Points moved = shell.linear_response(loads, setup.motions);
-        largest = (moved - start_.mesh.vertices).rowwise().norm().maxCoeff();
+        Points moved = shell.linear_response(loads, setup.motions) - mesh.vertices;
+        if (out_.problem.wrap) moved = out_.problem.wrap->displacement(moved);
+        largest = moved.rowwise().norm().maxCoeff();
     } catch (const UnheldPart& e) {
         const std::string where = load.place.line < 0 ? " (--set)" : text(":", load.place.line, ":", load.place.column);
         throw UnheldPart(text(printable(case_.file.string(), 400), where, ": loads: ", e.what()));
     }
     // Below this it is round-off: the load acts on held vertices only.
-    if (!(largest > 1e-12 * start_.diagonal * unit.norm() * start_.area.sum()) || !std::isfinite(largest))
+    if (!(largest > 1e-12 * start_.diagonal * unit.norm() * elastic().area.sum()) || !std::isfinite(largest))
         throw InvalidInput(text("loads: a load on region '", load.region.name, "' along this direction moves nothing"));
     return load.direction * (load.displacement->in(start_.diagonal) / largest);
 }

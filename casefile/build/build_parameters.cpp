@@ -35,6 +35,7 @@ void ProblemBuilder::set_parameters() {
             for (const int t : part.triangles) p.variables_on[t] = 0;
     }
     p.frozen = marked("parameters.frozen", entry.frozen);
+    leave_frozen();
     for (const std::vector<Reference>& group : entry.groups) p.groups.push_back(marked("parameters.groups", group));
     set_user_values();
     if (!case_.parameters.planform.empty() && errors_.empty()) set_planform();
@@ -125,11 +126,12 @@ void ProblemBuilder::set_kept_sections() {
 void ProblemBuilder::check_dof() {
     const Parameters& p = out_.problem.parameters;
     if (!p.user_variables.empty() || !twists_.empty()) return;
-    std::vector<char> held(start_.mesh.num_triangles(), 0);
-    for (const int t : out_.problem.fixed) held[t] = 1;
+    const int m = elastic().mesh.num_triangles();
+    std::vector<char> held(m, 0);
+    for (const int t : held_triangles()) held[t] = 1;
     for (const PrescribedStrain& strain : out_.problem.strains)
         for (const int t : strain.triangles) held[t] = 1;
-    for (int t = 0; t < start_.mesh.num_triangles(); ++t)
+    for (int t = 0; t < m; ++t)
         if (!held[t] && (p.variables_on.empty() || p.variables_on[t]) && (p.frozen.empty() || !p.frozen[t])) return;
     errors_.add(case_.parameters_place,
                 text("parameters: no triangle is left for design variables; ",
@@ -139,18 +141,37 @@ void ProblemBuilder::check_dof() {
 
 std::vector<char> ProblemBuilder::marked(const std::string& key, const std::vector<Reference>& names) {
     if (names.empty()) return {};
-    std::vector<char> marks(start_.mesh.num_triangles(), 0);
+    std::vector<char> marks(elastic().mesh.num_triangles(), 0);
     for (const Reference& name : names)
         for (const int t : region_or_patch(key, name)) marks[t] = 1;
     return marks;
 }
 
+std::vector<char> ProblemBuilder::marked_on_surface(const std::string& key, const std::vector<Reference>& names) {
+    if (names.empty()) return {};
+    std::vector<char> marks(start_.mesh.num_triangles(), 0);
+    for (const Reference& name : names)
+        for (const int t : region_or_patch_on_surface(key, name)) marks[t] = 1;
+    return marks;
+}
+
 std::vector<int> ProblemBuilder::region_or_patch(const std::string& key, const Reference& reference) {
-    if (const auto found = region_index_.find(reference.name); found != region_index_.end())
-        return out_.regions[found->second].triangles;
+    if (!wrap_) return region_or_patch_on_surface(key, reference);
+    if (region_index_.contains(reference.name)) return elastic_triangles(reference);
     try {
         const PatchPlace place = find_patch(out_.problem.tree, reference.name);
         return out_.problem.tree.levels[place.level].patches[place.id].triangles;
+    } catch (const InvalidInput&) {
+        return region_or_patch_on_surface(key, reference);  // says what is wrong
+    }
+}
+
+std::vector<int> ProblemBuilder::region_or_patch_on_surface(const std::string& key, const Reference& reference) {
+    if (const auto found = region_index_.find(reference.name); found != region_index_.end())
+        return out_.regions[found->second].triangles;
+    try {
+        const PatchPlace place = find_patch(tree_on_surface(), reference.name);
+        return tree_on_surface().levels[place.level].patches[place.id].triangles;
     } catch (const InvalidInput& e) {
         std::vector<std::string> names;
         for (const RegionTriangles& region : out_.regions) names.push_back(region.name);

@@ -5,10 +5,13 @@ namespace strake {
 
 BuiltProblem ProblemBuilder::build() {
     read_start();
+    make_wrap();
     at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
     read_stored();
     errors_.throw_if_any();
     evaluate_regions();
+    errors_.throw_if_any();
+    set_wrap();
     errors_.throw_if_any();
     Problem& problem = out_.problem;
     problem.name = case_.name;
@@ -40,9 +43,11 @@ BuiltProblem ProblemBuilder::build() {
 RegionGround ProblemBuilder::ground() {
     wants_patches_ = true;
     read_start();
+    make_wrap();
     at(case_.parameters_place, "parameters: ", [&] { build_tree(); });
     errors_.throw_if_any();
-    return {std::move(start_), std::move(out_.problem.tree), std::move(out_.notes), std::move(out_.warnings)};
+    PatchHierarchy tree = tree_on_surface();
+    return {std::move(start_), std::move(tree), std::move(out_.notes), std::move(out_.warnings)};
 }
 
 BuiltProblem build_problem(const Case& the_case, Purpose purpose) { return ProblemBuilder(the_case, purpose).build(); }

@@ -22,8 +22,9 @@ struct RegionTriangles {
 struct BuiltProblem {
     Problem problem;
     SurfaceFormat format = SurfaceFormat::stl_binary;  ///< of the surface file
-    bool is_prepared = false;                          ///< repair or remesh changed the surface of the file
-    std::string repairs_csv;                           ///< every single repair; empty without
+    std::string wrap;  ///< the wrap in use as a value of the key wrap, for any later build; empty: there is none
+    bool is_prepared = false;  ///< repair or remesh changed the surface of the file
+    std::string repairs_csv;   ///< every single repair; empty without
     std::vector<RegionTriangles> regions;
     std::vector<std::string> notes;  ///< results of repair and remesh
     std::vector<std::string> warnings;

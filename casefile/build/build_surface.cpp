@@ -4,6 +4,7 @@
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/patches/automatic.hpp"
+#include "core/patches/carried.hpp"
 #include "core/patches/mirrored.hpp"
 #include "core/patches/segmentation.hpp"
 #include "core/repair/checkup.hpp"
@@ -55,7 +56,7 @@ void ProblemBuilder::read_start() {
     start_.diagonal = box_diagonal(start_.mesh);
     check_symmetry_plane();
     errors_.throw_if_any();
-    SurfaceDemands demands{!case_.has_shell, case_.couple_nonmanifold, false, case_.symmetry};
+    SurfaceDemands demands{!case_.has_shell || case_.wrap, case_.couple_nonmanifold, false, case_.symmetry};
     if (purpose_ != Purpose::deform)
         for (const QuantityEntry& quantity : case_.quantities)
             demands.volume |= std::holds_alternative<VolumeEntry>(quantity.what);
@@ -98,11 +99,13 @@ Split ProblemBuilder::split() {
     if (entry.kind == SplitEntry::Kind::largest) return SplitLargest{entry.largest};
     if (entry.kind != SplitEntry::Kind::containing) return SplitAll{};  // by sensitivity: the run chooses among all
     SplitContaining containing;
-    const ClosestPointTree closest(start_.mesh);
+    const ClosestPointTree closest(elastic().mesh);
     for (const auto& [what, place] : entry.containing) {
         const int* number = std::get_if<int>(&what);
         const int t = number ? *number : closest.find(std::get<NearPoint>(what).point).triangle;
-        if (t < start_.mesh.num_triangles())
+        if (number && t < start_.mesh.num_triangles())
+            containing.triangles.push_back(wrap_ ? wrap_triangle_[static_cast<std::size_t>(t)] : t);
+        else if (!number)
             containing.triangles.push_back(t);
         else
             errors_.add(place, text("parameters.split.containing: triangle ", t, " must be below ",
@@ -127,8 +130,12 @@ void ProblemBuilder::read_stored() {
     try {
         auto design = std::make_shared<StoredDesign>(read_design(file));
         check_surface(*design, start_.mesh);
+        check_elastic(*design, elastic().mesh.num_triangles());
         stored_ = std::move(design);
-        if (!has_levels_of(out_.problem.tree, *stored_)) out_.problem.tree = stored_->tree;
+        if (!has_levels_of(out_.problem.tree, *stored_)) {
+            out_.problem.tree = stored_->tree;
+            if (wrap_) start_tree_ = carried(stored_->tree, wrap_triangle_, start_.mesh);
+        }
     } catch (const InputError& refused) {
         errors_.add(case_.start_place, text("optimize.start_from: ", refused.what()));
     } catch (const InvalidInput& refused) {
@@ -161,23 +168,24 @@ void ProblemBuilder::build_tree() {
         return;
     }
     if (!p.levels_deg.empty()) {
-        tree = segment(start_.mesh, start_.adjacent, p.levels_deg, {p.sharp_angle_deg, p.min_patch_percent, split()});
+        tree = segment(elastic().mesh, elastic().adjacent, p.levels_deg,
+                       {p.sharp_angle_deg, p.min_patch_percent, split()});
     } else {
         AutomaticLevels automatic;
         if (!p.patches_per_level.empty()) automatic.patches_per_level = p.patches_per_level;
         automatic.sharp_angle_deg = p.sharp_angle_deg;
         automatic.split = split();
-        tree = segment_automatically(start_.mesh, start_.adjacent, automatic);
+        tree = segment_automatically(elastic().mesh, elastic().adjacent, automatic);
     }
-    if (!p.mirror) return;
-    if (const auto plane = plane_of_symmetry(start_.mesh))
-        tree =
-            mirrored(tree, start_.mesh, start_.adjacent, *plane);  // without a plane `set_parameters` reports an error
+    if (p.mirror)
+        if (const auto plane = plane_of_symmetry(elastic().mesh))  // without one `set_parameters` reports an error
+            tree = mirrored(tree, elastic().mesh, elastic().adjacent, *plane);
+    if (wrap_) start_tree_ = carried(tree, wrap_triangle_, start_.mesh);
 }
 
 void ProblemBuilder::evaluate_regions() {
     const WingSetup setup{case_.planform, case_.aero.axes.value_or(BodyAxes{}), case_.symmetry};
-    RegionSets sets(case_.regions, start_, out_.problem.tree, &setup);
+    RegionSets sets(case_.regions, start_, tree_on_surface(), &setup);
     for (const WingEntry& entry : case_.planform)
         at(entry.place, text("planform.", entry.name, ": "), [&] { wings_[entry.name] = sets.wing(entry.name); });
     for (std::size_t k = 0; k < case_.regions.size(); ++k)

@@ -20,7 +20,7 @@ const Place& place_of(const UserVariableEntry& entry) { return entry.region ? en
 
 void ProblemBuilder::set_user_values() {
     for (const UserVariableEntry& entry : case_.parameters.user_variables) {
-        std::vector<int> where(start_.mesh.num_triangles());
+        std::vector<int> where(elastic().mesh.num_triangles());
         std::iota(where.begin(), where.end(), 0);
         if (entry.region) where = region_or_patch("parameters.given", *entry.region);
         if (where.empty() || !may_be_user_defined(entry, where)) continue;
@@ -34,6 +34,8 @@ void ProblemBuilder::set_user_values() {
         UserVariable v = entry.is_motion() ? user_motion(entry, where) : user_load(entry, where);
         v.name = entry.name;
         v.triangles = std::move(where);
+        if (entry.is_motion() && entry.region)
+            leave_to_motion(region_or_patch_on_surface("parameters.given", *entry.region));
         if (entry.max_displacement) v.max_displacement = entry.max_displacement->in(start_.diagonal) / start_.diagonal;
         out_.problem.parameters.user_variables.push_back(std::move(v));
     }
@@ -41,8 +43,8 @@ void ProblemBuilder::set_user_values() {
 
 /// Conflicts that names do not show: triangles that are held, frozen or follow another motion.
 bool ProblemBuilder::may_be_user_defined(const UserVariableEntry& entry, const std::vector<int>& where) {
-    std::vector<char> fixed(start_.mesh.num_triangles(), 0), held;
-    for (const int t : out_.problem.fixed) fixed[t] = 1;
+    std::vector<char> fixed(elastic().mesh.num_triangles(), 0), held;
+    for (const int t : held_triangles()) fixed[t] = 1;
     held = fixed;
     for (const PrescribedStrain& strain : out_.problem.strains)
         for (const int t : strain.triangles) held[t] = 1;
@@ -56,7 +58,7 @@ bool ProblemBuilder::may_be_user_defined(const UserVariableEntry& entry, const s
         return refuse(count, "are under parameters.frozen");
     if (!entry.is_motion()) return true;
     if (const int count = shared(where, held); count > 0) return refuse(count, "are also under fixed or strains");
-    std::vector<char> mine(start_.mesh.num_triangles(), 0);
+    std::vector<char> mine(elastic().mesh.num_triangles(), 0);
     for (const int t : where) mine[t] = 1;
     for (const Reference& name : case_.parameters.variables_on) {
         const std::vector<int> loaded = region_or_patch("parameters.variables_on", name);
@@ -78,7 +80,7 @@ UserVariable ProblemBuilder::user_load(const UserVariableEntry& entry, const std
     if (entry.kind == UserVariableEntry::Kind::load)
         v.traction.rowwise() += entry.direction.transpose();
     else
-        v.traction = triangle_normals(start_.mesh)(where, Eigen::all);
+        v.traction = triangle_normals(elastic().mesh)(where, Eigen::all);
     return v;
 }
 
@@ -86,7 +88,7 @@ UserVariable ProblemBuilder::user_motion(const UserVariableEntry& entry, const s
     UserVariable v;
     if (entry.kind == UserVariableEntry::Kind::translate) v.motion.translation = entry.direction;
     if (entry.kind == UserVariableEntry::Kind::rotate) v.motion.rotation = entry.direction;
-    v.motion.about = entry.about ? *entry.about : area_centroid(start_.mesh, where);
+    v.motion.about = entry.about ? *entry.about : area_centroid(elastic().mesh, where);
     if (entry.max_angle) v.unit = *entry.max_angle;
     // Of a realistic size: it tells whether the motion leaves the plane of symmetry.
     PrescribedStrain moved{where, v.motion};

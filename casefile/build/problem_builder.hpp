@@ -10,6 +10,7 @@
 namespace strake {
 
 struct ShellSetup;
+struct Wrap;
 struct ProgramPoints;
 struct StoredDesign;
 
@@ -26,6 +27,9 @@ private:
     Diagnostics errors_;
     bool wants_patches_ = false;  ///< though no region names one yet
     StartSurface start_;
+    std::optional<StartSurface> wrap_;  ///< what is elastic in its place
+    std::vector<int> wrap_triangle_;    ///< with a wrap, per triangle of `start_` the nearest of the wrap
+    PatchHierarchy start_tree_;         ///< with a wrap: the tree on `start_`
     BuiltProblem out_;
     std::map<std::string, int> region_index_;
     std::shared_ptr<const StoredDesign> stored_;  ///< that `start_from` names
@@ -44,6 +48,10 @@ private:
     const std::vector<int>& triangles(const Reference& region) const {
         return out_.regions[region_index_.at(region.name)].triangles;
     }
+    /// What the shell stands on: the wrap, or else the surface.
+    const StartSurface& elastic() const { return wrap_ ? *wrap_ : start_; }
+    /// The tree with its patches on the surface.
+    const PatchHierarchy& tree_on_surface() const { return wrap_ ? start_tree_ : out_.problem.tree; }
 
     // build_surface.cpp
     void read_start();
@@ -54,6 +62,16 @@ private:
     void read_stored();
     void read_designs();
     void evaluate_regions();
+    // build_wrap.cpp
+    void make_wrap();
+    void note_wrap(const Wrap& wrap);
+    void set_wrap();
+    void hold_wrap();
+    std::vector<int> elastic_triangles(const Reference& region) const;
+    const std::vector<int>& held_triangles() const;
+    /// Motions hold what they move; fields leave it to them. Triangles of `start_`.
+    void leave_to_motion(const std::vector<int>& where);
+    void leave_frozen();
     // build_shell.cpp
     void set_heights();
     void check_heights(const Eigen::VectorXd& height);
@@ -88,7 +106,10 @@ private:
     int support_near(const std::vector<int>& part) const;
     /// Per triangle: lies in one of these regions or patches; empty without names.
     std::vector<char> marked(const std::string& key, const std::vector<Reference>& names);
+    std::vector<char> marked_on_surface(const std::string& key, const std::vector<Reference>& names);
+    /// Of the elastic surface, and of the surface.
     std::vector<int> region_or_patch(const std::string& key, const Reference& reference);
+    std::vector<int> region_or_patch_on_surface(const std::string& key, const Reference& reference);
     // build_user_variables.cpp
     void set_user_values();
     void set_twists();

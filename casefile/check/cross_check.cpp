@@ -92,6 +92,21 @@ void check_without_shell(const Value& root, const Case& c, Diagnostics& errors) 
             "{fields: auto} or parameters.planform");
 }
 
+/// What stands on the body's own triangles is not for a wrap.
+void check_wrap(const Case& c, Diagnostics& errors) {
+    if (!c.wrap) return;
+    if (!c.has_shell)
+        errors.add(c.wrap->place,
+                   "wrap: with shell: none nothing is elastic that a wrap could take the place of; remove one of them");
+    if (!c.attach.empty())
+        errors.add(c.attach.front().part.place,
+                   "attach: the wrap carries all parts of the body, near ones with each other; remove attach or wrap");
+    if (c.invariance)
+        errors.add(c.invariance_place,
+                   "invariance: a wrap is no exactly extruded, revolved or cyclic surface; remove one of the two "
+                   "(fields alone keep the kind of shape: shell: none)");
+}
+
 void check_levels(const Value& parameters, const ParameterEntry& p, Diagnostics& errors) {
     if (const Value* levels = parameters.find("levels"))
         for (std::size_t k = 1; k < p.levels_deg.size(); ++k)
@@ -336,6 +351,7 @@ void cross_check(const Value& root, Purpose purpose, Case& the_case, Diagnostics
     check_loads(root.find("loads"), errors);
     check_thickness(the_case, errors);
     check_without_shell(root, the_case, errors);
+    check_wrap(the_case, errors);
     check_parameters(root.find("parameters"), the_case, errors);
     check_user_variables(the_case, errors);
     check_program_parameters(root, the_case, errors);

@@ -306,6 +306,12 @@ struct ConstraintEntry {
 enum class ParaView { every_accepted, best, none };
 enum class Keep { all, failed, best, none };
 
+/// What is elastic in the place of the body.
+struct WrapEntry {
+    std::optional<Length> alpha, offset, edge_length;  ///< without alpha: auto
+    Place place;
+};
+
 struct Case {
     std::filesystem::path file;  ///< the case file, as it was given
     std::string name;
@@ -331,6 +337,7 @@ struct Case {
     double spring = 0;      ///< lambda_A under loaded regions that state none
     bool has_shell = true;  ///< false: `shell: none`
     Place shell_place;
+    std::optional<WrapEntry> wrap;
     bool couple_nonmanifold = false;
     LinearSolver solver = LinearSolver::automatic;
     std::vector<LoadEntry> loads;

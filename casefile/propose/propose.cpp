@@ -272,6 +272,22 @@ std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::s
     return out;
 }
 
+/// Patches of a wrap, and fields on the body.
+std::string wrap_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason,
+                      const std::string& farthest) {
+    std::string out =
+        "\n# The elastic shell stands on an even, closed surface around the body, and carries the body as it is along."
+        "\n# See it with strake check --wrap FILE.vtp.\n";
+    if (!reason.empty()) out += "# " + reason + "\n";
+    out += padded("wrap: auto", "or {alpha: 2%}: slots and thicknesses below alpha move as one") + "parameters:\n";
+    out += padded("  fields: auto", "smooth motions of the whole body, and its thickness");
+    out += padded("  variables: [normal]", "then patches of the wrap, finer from level to level");
+    out += padded("  patches_per_level: [4, 12]", "approximate number, level by level");
+    out += farthest;
+    if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
+    return out;
+}
+
 std::vector<std::string> sentences(const RepairedSurface& surface, const std::vector<ProposedRegion>& regions,
                                    const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
                                    bool has_volume, ProposedHold hold) {
@@ -305,21 +321,34 @@ std::vector<std::string> sentences(const RepairedSurface& surface, const std::ve
 }
 
 std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
-                                             const std::optional<SymmetryPlane>& mirror, bool has_volume) {
+                                             const std::optional<SymmetryPlane>& mirror, bool has_volume,
+                                             bool by_wrap) {
+    const char* mover = by_wrap ? "wrap and fields" : "fields";
     std::vector<std::string> found;
     for (std::size_t i = 0; i < surface.keys.size(); ++i)
         found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
     if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
-    if (mirror) found.push_back("the body is symmetric; so are the fields");
-    found.push_back("nothing is held");
+    if (mirror) found.push_back(text("the body is symmetric; so are ", mover));
+    found.emplace_back(by_wrap ? "held: one triangle of the wrap, near the middle" : "nothing is held");
     if (has_slivers(surface.checkup))
-        found.push_back("note: 5 % of the triangles or more are slivers, which the fields carry along");
+        found.push_back(text("note: 5 % of the triangles or more are slivers, which the ", mover, " carry along"));
     const auto& pairs = surface.checkup.pairs;
     if (const std::size_t crossing = pairs ? pairs->apart.size() + pairs->adjacent.size() : 0; crossing > 0)
-        found.push_back(text("note: ", crossing, " pairs of triangles intersect; the fields move both of each alike"));
+        found.push_back(
+            text("note: ", crossing, " pairs of triangles intersect; the ", mover, " move both of each alike"));
     found.push_back(has_volume ? "objective: the volume; replace it"
                                : "objective: the area (the surface encloses no volume); replace it");
     return found;
+}
+
+}  // namespace
+
+namespace {
+
+/// A wrap is one part, whatever the body is.
+std::string hold_of(const ProposalOptions& options, const std::vector<ProposedRegion>& regions) {
+    if (options.way == ProposedWay::fields) return "";
+    return hold_text(options.way == ProposedWay::wrap ? ProposedHold::point : options.hold, regions);
 }
 
 }  // namespace
@@ -331,7 +360,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     check_coordinates(file, read.mesh);
     const std::optional<NearCut> cut = near_cut(read.mesh);
     if (cut) snap_open_edges(cut->plane, cut->percent / 100 * box_diagonal(read.mesh), read.mesh);
-    const bool by_fields = options.way == ProposedWay::fields;
+    const bool by_wrap = options.way == ProposedWay::wrap;
+    const bool by_fields = options.way == ProposedWay::fields || by_wrap;  // the surface as it is
     const RepairedSurface surface = by_fields ? as_it_is(std::move(read.mesh)) : repaired(file, std::move(read.mesh));
     const auto half = half_plane(surface.checkup);
     const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
@@ -346,7 +376,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const auto& pairs = surface.checkup.pairs;
     proposal.is_dirty = proposal.has_slivers || surface.couple || !pairs || !pairs->apart.empty();
     proposal.plane = half ? half : mirror;
-    proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume)
+    proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)
                                : sentences(surface, regions, half, mirror, proposal.has_volume, options.hold);
     if (cut)
         proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
@@ -363,11 +393,11 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
-        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") +
-        (by_fields ? "" : hold_text(options.hold, regions)) + (half ? symmetry_text(*half, cut) : "") +
-        axes_text(surface.checkup, proposal.plane, proposal.down) +
-        (by_fields ? fields_text(mirror, options.reason, farthest)
-                   : shell + parameters_text(surface, mirror, options.hold)) +
+        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") + hold_of(options, regions) +
+        (half ? symmetry_text(*half, cut) : "") + axes_text(surface.checkup, proposal.plane, proposal.down) +
+        (by_wrap     ? wrap_text(mirror, options.reason, farthest)
+         : by_fields ? fields_text(mirror, options.reason, farthest)
+                     : shell + parameters_text(surface, mirror, options.hold)) +
         goal_text(mean, proposal.has_volume) + "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
     return proposal;

@@ -21,12 +21,13 @@ enum class ProposedHold {
 enum class ProposedWay {
     shell,           ///< an elastic shell on the surface, mended where it must be
     remeshed_shell,  ///< the same on new triangles
+    wrap,            ///< patches of a wrap around the surface as it is, and displacement fields
     fields           ///< displacement fields alone (`shell: none`), on the surface as it is; nothing is held
 };
 
 struct ProposalOptions {
     int evaluations = 60;                    ///< budget, >= 1
-    ProposedHold hold = ProposedHold::band;  ///< not of `ProposedWay::fields`, which hold nothing
+    ProposedHold hold = ProposedHold::band;  ///< not of `wrap` and `fields`, on the surface as it is
     ProposedWay way = ProposedWay::shell;
     std::string reason;  ///< why this way, for the case and `found`; empty: nothing is said
 };

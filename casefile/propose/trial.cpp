@@ -13,7 +13,8 @@ constexpr int num_probes = 3;
 
 /// The first level that has variables of shape.
 DesignSpace first_space(const std::shared_ptr<const RestFacts>& rest) {
-    for (int level = coarsest_level(rest->parameters); level < static_cast<int>(rest->tree->levels.size()); ++level) {
+    const int first = rest->wrap ? 1 : coarsest_level(rest->parameters);  // fields beside a wrap are the safe part
+    for (int level = first; level < static_cast<int>(rest->tree->levels.size()); ++level) {
         DesignSpace space = design_space(rest, level);
         if (space.num_shape() > 0) return space;
     }
@@ -32,14 +33,18 @@ Trial try_deformations(Problem problem, double max_seconds) {
     try {
         const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
         const DesignSpace space = first_space(rest);
+        std::vector<int> probed;
+        for (int j = 0; j < space.num_shape(); ++j)
+            if (!rest->wrap || space.variables[static_cast<std::size_t>(j)].patch >= 0) probed.push_back(j);
+        if (probed.empty()) throw InvalidInput("no variable of a patch can move it");
         ShapeEvaluator evaluator(problem, rest, {});
         evaluator.keep_calls(nullptr, [&] { return seconds() > max_seconds; });
         evaluator.enter(space);
         for (int k = 0; k < 2 * num_probes; ++k) {
             if (seconds() > max_seconds) throw Interrupted{};
-            const int variable = (k / 2) * space.num_shape() / num_probes;
             Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
-            x[variable] = k % 2 == 0 ? probe_size : -probe_size;
+            x[probed[static_cast<std::size_t>(k / 2) * probed.size() / num_probes]] =
+                k % 2 == 0 ? probe_size : -probe_size;
             const ShapeEvaluation shape = evaluator.evaluate(x, k + 1);
             ++trial.tried;
             if (shape.status == EvaluationStatus::ok) continue;

@@ -14,10 +14,10 @@ struct Trial {
 };
 
 /// Moves the surface by six shapes: three variables of the first level with shape variables, far from each other in
-/// their list, each to x = 0.1 and -0.1, a tenth of the motion that one variable may make: a run begins with more. No
-/// quantity is asked. Ends with the failure that is one too many.
-/// A surface that cannot be deformed at all is a failure in words, not an exception. `max_seconds` is looked at between
-/// iterations; then what is not finished is not counted.
+/// their list, each to x = 0.1 and -0.1, a tenth of the motion that one variable may make: a run begins with more. With
+/// a wrap variables of patches. No quantity is asked. Ends with the failure that is one too many. A surface that cannot
+/// be deformed at all is a failure in words, not an exception. `max_seconds` is looked at between iterations; then what
+/// is not finished is not counted.
 Trial try_deformations(Problem problem, double max_seconds);
 
 }  // namespace strake

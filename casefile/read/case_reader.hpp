@@ -36,6 +36,7 @@ private:
     void read_axes(const Value& map);
     // read_shell.cpp
     void read_shell(const Value& map);
+    void read_wrap(const Value& value);
     void read_loads(const Value& list);
     void read_strains(const Value& list);
     void read_attach(const Value& list);

@@ -78,6 +78,7 @@ void CaseReader::read(const Value& root) {
     map("axes", &CaseReader::read_axes);
     entries("planform", &CaseReader::read_wing);
     map("shell", &CaseReader::read_shell);
+    map("wrap", &CaseReader::read_wrap);
     map("loads", &CaseReader::read_loads);
     map("strains", &CaseReader::read_strains);
     map("attach", &CaseReader::read_attach);

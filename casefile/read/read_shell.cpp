@@ -27,6 +27,18 @@ void CaseReader::read_shell(const Value& map) {
     }
 }
 
+void CaseReader::read_wrap(const Value& value) {
+    if (!value.accepted || (value.form == Value::Form::scalar && value.text == "none")) return;
+    WrapEntry wrap;
+    wrap.place = value.place;
+    if (value.form == Value::Form::map) {
+        if (const Value* alpha = value.find("alpha")) wrap.alpha = length_of(*alpha);
+        if (const Value* offset = value.find("offset")) wrap.offset = length_of(*offset);
+        if (const Value* edge = value.find("edge_length")) wrap.edge_length = length_of(*edge);
+    }
+    case_.wrap = wrap;
+}
+
 void CaseReader::read_loads(const Value& list) {
     for (const Entry& entry : list.entries) {
         const Value& map = entry.value;

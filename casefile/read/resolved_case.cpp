@@ -35,7 +35,8 @@ std::string rebased(const std::filesystem::path& path, const std::filesystem::pa
 /// Writes the checked tree as YAML; every scalar as it was written, except for paths.
 class Emitter {
 public:
-    Emitter(const Case& the_case, const std::filesystem::path& folder) : case_(the_case), folder_(folder) {}
+    Emitter(const Case& the_case, const std::filesystem::path& folder, std::string wrap)
+        : case_(the_case), folder_(folder), wrap_(std::move(wrap)) {}
 
     std::string flow(const Value& value, const std::string& path) const {
         if (value.form == Value::Form::scalar) return scalar(value, path);
@@ -59,6 +60,10 @@ public:
             const bool is_named_map = entry.key == "regions" || entry.key == "quantities" || entry.key == "variables" ||
                                       entry.key == "constraints" || entry.key == "optimize" ||
                                       entry.key == "parameters";
+            if (entry.key == "wrap" && !wrap_.empty() && entry.value.form == Value::Form::scalar) {
+                out += "wrap: " + wrap_ + "\n";
+                continue;
+            }
             if (!is_named_map || entry.value.entries.empty()) {
                 out += key(entry.key) + ": " + flow(entry.value, entry.key) + "\n";
                 continue;
@@ -75,6 +80,7 @@ public:
 private:
     const Case& case_;
     const std::filesystem::path& folder_;
+    std::string wrap_;
 
     /// Keys that a fit or a run does not use are refused: their defaults are not written.
     bool skipped(const std::string& path, const Value& value) const {
@@ -121,8 +127,16 @@ private:
 
 }  // namespace
 
-std::string resolved_case(const Case& the_case, const std::filesystem::path& folder) {
-    return Emitter(the_case, folder).block(the_case.source->root);
+std::string stated_wrap(const std::string& resolved) {
+    const std::string key = "\nwrap: {";
+    const std::size_t at = resolved.find(key);
+    if (at == std::string::npos) return "";
+    const std::size_t begin = at + key.size() - 1;
+    return resolved.substr(begin, resolved.find('\n', begin) - begin);
+}
+
+std::string resolved_case(const Case& the_case, const std::filesystem::path& folder, const std::string& wrap) {
+    return Emitter(the_case, folder, wrap).block(the_case.source->root);
 }
 
 }  // namespace strake

@@ -42,6 +42,29 @@ std::vector<Key> stiffness_keys() {
              "faster for a few solves on many triangles; auto: chosen by size and number of solves.",
          .fallback = "auto",
          .words = {"auto", "direct", "multigrid"}},
+        {.path = "wrap",
+         .type = Type::word,
+         .doc = "auto: the shell stands on a closed, even surface that is laid around the body, which may then be any "
+                "that can be read, and the body is carried along: patches, loads and strains act on the wrap, all else "
+                "is about the body. alpha is a fiftieth of the diagonal, and doubled where that gives no sound wrap or "
+                "takes longer than 20 s. none: the shell stands on the body.",
+         .fallback = "none",
+         .words = {"none", "auto"}},
+        {.path = "wrap", .doc = "A wrap of this fineness, and no other."},
+        {.path = "wrap.alpha",
+         .type = Type::length,
+         .doc = "Slots and thicknesses below about this are bridged or moved as one.",
+         .required = true,
+         .limits = positive},
+        {.path = "wrap.offset",
+         .type = Type::length,
+         .doc = "Distance of the wrap from the body; by default alpha / 2.5. Below alpha / 10 the wrap gets slow and "
+                "full of needles.",
+         .limits = positive},
+        {.path = "wrap.edge_length",
+         .type = Type::length,
+         .doc = "Of the wrap's triangles; by default 0.6 alpha.",
+         .limits = positive},
     };
 }
 

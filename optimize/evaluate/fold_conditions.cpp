@@ -90,7 +90,10 @@ FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, co
 
 }  // namespace
 
-bool may_fold(const DesignSpace& space) { return !space.rest->has_shell && space.rest->parameters.fields; }
+/// Of a surface in a wrap the part of the map that fields and planform are: the whole of it where patches do nothing.
+bool may_fold(const DesignSpace& space) {
+    return (!space.rest->has_shell || space.rest->wrap) && space.rest->parameters.fields;
+}
 
 bool is_folded(const DesignSpace& space, const Eigen::VectorXd& x, double determinant) {
     return may_fold(space) && std::ranges::any_of(maps_at(space, x), [&](const Eigen::Matrix3d& F) {

@@ -17,7 +17,7 @@ struct FoldConditions {
 /// steps aim at.
 inline constexpr double kept_determinant = 0.06, moved_determinant = 0.0601, wanted_determinant = 0.07;
 
-/// Fields move the surface, and no shell does.
+/// Fields move the surface, and no shell that stands on it does: there is none, or it stands on a wrap.
 bool may_fold(const DesignSpace& space);
 
 /// The map of x has less than this determinant at some triangle. False where it cannot fold.

@@ -40,6 +40,7 @@ planform:
          grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
   fin: {span: [0, 0, 1]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
+wrap: {alpha: 2%, offset: 1%, edge_length: 1%}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
   - {region: ball, displacement: 5%, direction: [0, 0, 1], spring: 2}

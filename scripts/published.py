@@ -180,9 +180,10 @@ PROBLEMS = {
     "karman": Problem("bumped_ogive", 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
     **{f"newton_{height}": Problem(f"frustum_{height}", 10000, newton_resistance, "Newton 1687", case="newton")
        for height in (0.4, 0.7, 1, 1.5, 2)},
-    "wing_body_1": Problem("bumped_spindle", 10000, wing_body(1.0), "area rule: see below", case="wing_body", beside="wing_panels"),
+    "wing_body_1": Problem("bumped_spindle", 10000, wing_body(1.0), "area rule: see below", case="wing_body", beside="wing_panels",
+                           is_slow=True),
     "wing_body_1.4": Problem("bumped_spindle", 10000, wing_body(1.4), "area rule: see below", case="wing_body", beside="wing_panels",
-                             settings=("quantities.drag.mach=1.4",)),
+                             settings=("quantities.drag.mach=1.4",), is_slow=True),
     "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=500),
     "twist_10": Problem("wing_10", 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
     "twist_6_12": Problem("wing_6_12", 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),

@@ -101,17 +101,13 @@ bool faces_outward(const TriMesh& mesh) {
     return volume > 0;
 }
 
-/// The surface, and behind its vertices and triangles those beside it, which face the same way.
-TriMesh joined(const TriMesh& surface, const TriMesh& beside, bool is_turned) {
+/// The surface, and behind its vertices and triangles those beside it.
+TriMesh joined(const TriMesh& surface, const TriMesh& beside) {
     TriMesh both;
     both.vertices.resize(surface.num_vertices() + beside.num_vertices(), 3);
     both.vertices << surface.vertices, beside.vertices;
     both.triangles.resize(surface.num_triangles() + beside.num_triangles(), 3);
     both.triangles << surface.triangles, (beside.triangles.array() + surface.num_vertices()).matrix();
-    if (is_turned)
-        both.triangles.bottomRows(beside.num_triangles())
-            .col(1)
-            .swap(both.triangles.bottomRows(beside.num_triangles()).col(2));
     return both;
 }
 
@@ -133,26 +129,52 @@ Eigen::MatrixXd eminton_matrix(const std::vector<double>& stations) {
     return P;
 }
 
+namespace {
+
+/// The cuts of all roll angles; marks of a base for all triangles of what is cut.
+std::vector<AreaCuts> complete_cuts(const WaveDrag& flow, const AreaForm& form, bool is_half) {
+    WaveDrag complete = flow;
+    std::vector<char>& base = complete.base;
+    if (!base.empty()) base.resize(base.size() + static_cast<std::size_t>(flow.beside.num_triangles()), 0);
+    std::vector<AreaCuts> all = cuts_of(complete, form);
+    if (is_half)
+        for (AreaCuts& cuts : all) cuts.excluded.insert(cuts.excluded.end(), base.begin(), base.end());
+    return all;
+}
+
+/// What is cut: the surface, what is beside it, and the mirror image of both.
+struct CutBody {
+    TriMesh beside;  ///< faces the same way as the surface
+    std::optional<SymmetryPlane> symmetry;
+
+    CutBody(const TriMesh& start, const WaveDrag& flow, const std::optional<SymmetryPlane>& plane)
+        : beside(flow.beside), symmetry(plane) {
+        if (beside.num_triangles() > 0 && faces_outward(start) != faces_outward(beside))
+            beside.triangles.col(1).swap(beside.triangles.col(2));
+    }
+    TriMesh of(const TriMesh& surface) const {
+        const TriMesh both = beside.num_triangles() > 0 ? joined(surface, beside) : surface;
+        return symmetry ? whole_of(both, *symmetry) : both;
+    }
+    /// Of the surface alone.
+    Points gradient(Points dJ_dv, int num_vertices) const {
+        if (symmetry) dJ_dv = folded(dJ_dv, *symmetry);
+        return dJ_dv.topRows(num_vertices);
+    }
+};
+
+}  // namespace
+
 Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag& flow,
                    const std::optional<SymmetryPlane>& symmetry) {
     check(name, start, flow, symmetry);
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     require_closed(name, start, symmetry);
-    const bool has_beside = flow.beside.num_triangles() > 0;
-    const bool is_turned = has_beside && faces_outward(start) != faces_outward(flow.beside);
-    WaveDrag all_flow = flow;
-    if (!flow.base.empty())
-        all_flow.base.resize(flow.base.size() + static_cast<std::size_t>(flow.beside.num_triangles()), 0);
     const auto form = std::make_shared<const AreaForm>(flow.stations, !flow.base.empty());
-    std::vector<AreaCuts> all = cuts_of(all_flow, *form);
-    if (symmetry)
-        for (AreaCuts& cuts : all)
-            cuts.excluded.insert(cuts.excluded.end(), all_flow.base.begin(), all_flow.base.end());
+    const std::vector<AreaCuts> all = complete_cuts(flow, *form, symmetry.has_value());
+    const CutBody body(start, flow, symmetry);
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
-        const TriMesh both = has_beside ? joined(request.surface, flow.beside, is_turned) : TriMesh();
-        const TriMesh& half = has_beside ? both : request.surface;
-        const TriMesh whole = symmetry ? whole_of(half, *symmetry) : TriMesh();
-        const TriMesh& mesh = symmetry ? whole : half;
+        const TriMesh mesh = body.of(request.surface);
         // Orientation does not matter: the drag is even in S.
         const double share = (symmetry ? 0.5 : 1) / flow.reference_area / static_cast<double>(all.size());
         double sum = 0;
@@ -166,8 +188,7 @@ Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag
             if (dJ_dv.rows() > 0)
                 add_area_gradient(mesh, cuts, at, share * by_area, -share * by_length, share * by_length, dJ_dv);
         }
-        if (symmetry && dJ_dv.rows() > 0) dJ_dv = folded(dJ_dv, *symmetry);
-        if (has_beside && dJ_dv.rows() > 0) dJ_dv.conservativeResize(request.surface.num_vertices(), 3);
+        if (dJ_dv.rows() > 0) dJ_dv = body.gradient(dJ_dv, request.surface.num_vertices());
         return one_value(sum, std::move(dJ_dv));
     });
 }

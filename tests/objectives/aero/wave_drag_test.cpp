@@ -181,7 +181,7 @@ TEST(WaveDrag, AHalfModelHasHalfOfItAndScales) {
 }
 
 TEST(WaveDrag, AreasOfASurfaceBesideAreAdded) {
-    const TriMesh body = ellipsoid({3, 0.4, 0.4}, 3), fin = moved(ellipsoid({0.8, 0.05, 0.5}, 2), 1, {0.7, 0, 1.2});
+    const TriMesh body = ellipsoid({3, 0.4, 0.4}, 3), fin = moved(ellipsoid({0.8, 0.05, 0.3}, 2), 1, {0.3, 0, 0.8});
     TriMesh turned = fin, both = body;
     turned.triangles.col(0).swap(turned.triangles.col(1));
     both.vertices.conservativeResize(body.num_vertices() + fin.num_vertices(), 3);
@@ -189,8 +189,9 @@ TEST(WaveDrag, AreasOfASurfaceBesideAreAdded) {
     both.triangles.conservativeResize(body.num_triangles() + fin.num_triangles(), 3);
     both.triangles.bottomRows(fin.num_triangles()) = fin.triangles.array() + body.num_vertices();
     WaveDrag flow, with_fin;
-    flow.stations = with_fin.stations = 16;
-    flow.mach = with_fin.mach = 1.3;
+    flow.stations = with_fin.stations = 12;
+    flow.mach = with_fin.mach = 1.7;
+    flow.angles = with_fin.angles = 3;
     with_fin.beside = fin;
     const double alone = value(wave_drag("w", body, flow), body), wanted = value(wave_drag("w", both, flow), both);
     const Quantity drag = wave_drag("w", body, with_fin);

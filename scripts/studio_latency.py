@@ -31,8 +31,10 @@ try:
         for k in range(moves + 1):  # the first one warms up
             if k == 1:
                 b.run("strakeStudio.feel.times = { preview: [], exact: [] }")
-            b.run(f"(() => {{ const i = document.querySelector('.slider input'); i.value = {0.1 * (k % 4 - 1)} * i.max; const t = performance.now(); i.dispatchEvent(new Event('input')); "
-                  "const v = strakeStudio.scene.viewer; v.afterDraw = () => {{ v.renderer.getContext().finish(); strakeStudio.feel.note('preview', performance.now() - t); }}; }})()")
+            share = 0.1 * (k % 4 - 1)
+            b.run("(() => { const i = document.querySelector('.slider input'), v = strakeStudio.scene.viewer, t = performance.now(); "
+                  f"i.value = {share} * i.max; i.dispatchEvent(new Event('input')); "
+                  "v.afterDraw = () => { v.renderer.getContext().finish(); strakeStudio.feel.note('preview', performance.now() - t); }; })()")
             time.sleep(0.05)
             b.until(f"{state}.felt.startsWith('ok') || {state}.felt === 'error'", 300)
         times = b.run("strakeStudio.feel.times")

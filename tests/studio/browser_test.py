@@ -255,10 +255,20 @@ class Page(unittest.TestCase):
             found = b.run("(() => { const f = strakeStudio.section.found.start; return [f.chord, f.thickness, f.radius, f.twist]; })()")
             self.assertAlmostEqual(found[0] / one["chord"], 1, delta=1e-4)
             self.assertAlmostEqual(found[1] / one["thickness_to_chord"], 1, delta=1e-3)
-            self.assertAlmostEqual(found[2] / one["leading_edge_radius"], 1, delta=0.02)
+            if one["leading_edge_radius"] is None:
+                self.assertIsNone(found[2], "the nose has too few points")
+            else:
+                self.assertAlmostEqual(found[2] / one["leading_edge_radius"], 1, delta=0.02)
             self.assertAlmostEqual(found[3], one["twist"], delta=1e-4)
         b.run("(() => { const i = strakeStudio.section.typed; i.value = 0.3; i.dispatchEvent(new Event('change')); })()")
         self.assertGreater(b.run("strakeStudio.section.found.start.chord") / inside[-1]["chord"], 1.2, "control: elsewhere it is another chord")
+        # The four-digit section 0012 of 400 points, nose up by 3 degrees: its radius is 1.1019 t^2.
+        known = b.run("""(() => { const line = [], c = Math.cos(Math.PI / 60), s = Math.sin(Math.PI / 60), n = 200;
+            for (let k = 0; k < 2 * n; ++k) { const a = Math.PI * k / n, x = 0.5 * (1 + Math.cos(a)), w = Math.sqrt(x);
+              const z = Math.sign(Math.sin(a)) * 0.6 * (0.2969 * w - 0.126 * x - 0.3516 * x ** 2 + 0.2843 * x ** 3 - 0.1036 * x ** 4); line.push([7 * (x * c + z * s), 7 * (z * c - x * s)]); }
+            line.push(line[0]); const f = strakeStudio.section.measured([line]); return [f.chord, f.thickness, f.radius, f.twist]; })()""")
+        for value, expected, miss in zip(known, (7, 0.12, 1.1019 * 0.0144, math.pi / 60), (0.01, 5e-4, 8e-4, 1e-3)):
+            self.assertAlmostEqual(value, expected, delta=miss)
         self.assertIn("leading-edge radius", self.text(".section-facts"))
         b.click("#cut")
         b.click("#measure")
@@ -341,6 +351,7 @@ class Page(unittest.TestCase):
         self.assertRegex(self.text("#panel-feel"), r"volume\s+[\d.]+\s+[\d.]+\s+[+\u2212]")
         self.assertTrue(b.run("strakeStudio.scene.model.p !== strakeStudio.scene.body.start"))
         b.until(f"{ROOT}.fetched > 0", 60)
+        time.sleep(1.6)  # moves of one slider within a moment are one change
         b.run("(() => { const i = document.querySelector('.slider input'); i.value = 0.3 * i.max; i.dispatchEvent(new Event('input')); })()")
         self.assertTrue(b.run("strakeStudio.scene.model.p === strakeStudio.feel.buffer"), "to first order, before the exact shape is there")
         miss = b.run("""(async () => { const p = strakeStudio.scene.model.p.slice(), s = strakeStudio.scene.body.start;

@@ -197,12 +197,13 @@ export class Feel {
       this.slope = null;
       if (found.slope && found.slope.has) await this.takeSlope(found.slope);
       else if (found.slope && this.shows === 'slope') this.studio.tell(found.slope.trouble || 'The case has no objective whose derivative needs no program.');
-      this.start = this.start || found.values;
+      if (x.every((v) => v === 0)) this.start = found.values;
+      const start = this.start || {};
       this.seconds = (performance.now() - begin) / 1000;
       this.verdict.replaceChildren(found.status === 'ok' ? h('span', { class: 'badge good' }, 'valid') : h('span', { class: 'badge bad' }, found.status.replace('_', ' ')),
         found.status === 'ok' ? ` A valid shape, in ${number(this.seconds, 2)} s` : ` ${found.reason}`);
       this.values.replaceChildren(Object.keys(found.values).length === 0 ? '' : table('Quantities', [['', false], ['start', true], ['now', true], ['change', true]],
-        Object.entries(found.values).map(([name, value]) => [name, number(this.start[name]), number(value), change(this.start[name], value)])));
+        Object.entries(found.values).map(([name, value]) => [name, number(start[name]), number(value), change(start[name], value)])));
       this.colour();
       document.documentElement.dataset.felt = `${found.status} ${this.x.filter((v) => v !== 0).length}`;
     } catch (error) { this.verdict.textContent = error.message; document.documentElement.dataset.felt = 'error'; }

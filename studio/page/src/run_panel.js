@@ -29,6 +29,7 @@ export class RunPanel {
     this.last = h('ol', { class: 'last', reversed: true });
     this.links = h('p', {});
     this.compare = new Compare(this.studio);
+    new ResizeObserver(() => { const width = this.plotPlace.clientWidth; if (this.plot && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: 230 }); }).observe(this.plotPlace);
     this.draw();
     return [h('div', { class: 'controls' }, this.start, h('label', { class: 'control' }, h('span', {}, 'evaluations'), this.evaluations), this.stop, this.resume),
       this.status, this.reason, this.links, this.plotPlace,

@@ -129,8 +129,11 @@ export class Section {
     this.draw(flat(start), changed ? flat(is) : null, right, up);
   }
 
+  /** Of lines in the plane: [x downstream, z up]. */
+  measured(lines) { return airfoilOf(lines); }
+
   draw(start, now, right, up) {
-    const one = start.length > 0 ? airfoilOf(start) : null, other = now && now.length > 0 ? airfoilOf(now) : null;
+    const one = start.length > 0 ? this.measured(start) : null, other = now && now.length > 0 ? this.measured(now) : null;
     this.found = { start: one, now: other };
     const scaled = this.byChord && one && (!now || other);
     const a = scaled ? one.lines : start, b = scaled ? other && other.lines : now;
@@ -148,7 +151,7 @@ export class Section {
       this.facts.replaceChildren(h('p', { class: 'hint' }, `${words(right)} to the right, ${words(up)} up: ${number(high[0] - low[0], 4)} × ${number(high[1] - low[1], 4)}${scaled ? ' chords' : ''}`));
       return;
     }
-    const degrees = (r) => `${number((r * 180) / Math.PI, 3)}°`, percent = (v) => (v === null ? '–' : `${number(100 * v, 4)} %`);
+    const degrees = (r) => `${number((r * 180) / Math.PI, 3)}°`, percent = (v) => (v === null ? '–' : `${number(Math.abs(v) < 1e-9 ? 0 : 100 * v, 4)} %`);
     const rows = [['chord', (f) => number(f.chord, 5)], ['twist, nose up', (f) => degrees(f.twist)], ['t/c', (f) => percent(f.thickness)], ['at', (f) => percent(f.at)], ['camber', (f) => percent(f.camber)], ['leading-edge radius / c', (f) => percent(f.radius)]];
     this.facts.replaceChildren(table('Section', [['', false], ['start', true], ...(other ? [['now', true]] : [])], rows.map(([name, of]) => [name, of(one), ...(other ? [of(other)] : [])])));
   }

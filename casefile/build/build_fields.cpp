@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <limits>
+#include <span>
 
 namespace strake {
 namespace {
@@ -15,6 +16,8 @@ constexpr double invariance_tolerance = 1e-6;  ///< of the start, in diagonals: 
 constexpr std::array automatic_steps{27, 60, 192};
 /// Of shapes that are the same around an axis: there are fewer of a degree.
 constexpr std::array steps_about_axis{12, 27, 60};
+/// Knots are halved from level to level.
+constexpr std::array spline_steps{12, 24, 48, 96, 192, 384};
 
 }  // namespace
 
@@ -113,11 +116,14 @@ void ProblemBuilder::set_fields() {
     if (case_.hold.by == HoldEntry::By::point)
         conditions.still = case_.hold.point.value_or(area_centroid(start_.mesh, out_.problem.supports));
     const bool is_about_axis = case_.invariance && case_.invariance->type != ShapeKind::Type::extruded;
-    const auto& automatic = is_about_axis ? steps_about_axis : automatic_steps;
+    const std::span<const int> automatic = entry.along == AlongAxis::splines ? std::span<const int>(spline_steps)
+                                           : is_about_axis                   ? std::span<const int>(steps_about_axis)
+                                                                             : std::span<const int>(automatic_steps);
     FieldOptions options;
     options.number = entry.number > 0 ? entry.number : automatic.back();
     options.axis = entry.axis;
     options.motions = entry.motions;
+    options.along = entry.along;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
         if (entry.number == 0)

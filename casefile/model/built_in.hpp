@@ -58,7 +58,7 @@ struct BuiltInEntry {
 
 /// Nothing for the types of other families. @param shown "quantities.aero".
 std::optional<BuiltInEntry> read_aero(const std::string& type, const Value& map, const std::string& shown,
-                                      const AeroGround& ground, Diagnostics& errors);
+                                      const std::filesystem::path& dir, const AeroGround& ground, Diagnostics& errors);
 
 std::optional<BuiltInEntry> read_geometry(const std::string& type, const Value& map, const std::string& shown,
                                           const std::filesystem::path& dir, Diagnostics& errors);

@@ -1,6 +1,7 @@
 #pragma once
 #include "casefile/model/built_in.hpp"
 #include "casefile/yaml/diagnostics.hpp"
+#include "core/fields/field_functions.hpp"
 #include "core/fields/invariance.hpp"
 #include "core/patches/hierarchy.hpp"
 #include "core/planform/planform_motion.hpp"
@@ -188,6 +189,7 @@ struct FieldsEntry {
     std::optional<Reference> on;
     std::optional<Eigen::Vector3d> axis;  ///< unit
     std::vector<std::string> motions;     ///< empty: all
+    AlongAxis along = AlongAxis::polynomials;
     Place place;
 };
 

@@ -1,5 +1,6 @@
 #include "casefile/model/built_in.hpp"
 #include "casefile/read/case_reader.hpp"
+#include "core/formats/io.hpp"
 #include "objectives/aero/friction.hpp"
 #include "objectives/aero/newtonian.hpp"
 #include "objectives/aero/projected_area.hpp"
@@ -32,6 +33,7 @@ bool contradicts(const Eigen::Vector3d& one, const Eigen::Vector3d& other) { ret
 struct AeroForm {
     const Value& map;
     const std::string& shown;
+    const std::filesystem::path& dir;
     const AeroGround& ground;
     Diagnostics& errors;
     BuiltInEntry made = {};
@@ -131,10 +133,13 @@ BuiltInEntry read_wave_drag(AeroForm& form) {
     set(flow.stations, map.find("stations"));
     set(flow.angles, map.find("angles"));
     if (const Value* v = map.find("base")) form.made.regions.push_back({v->text, v->place});
-    form.made.make = [flow, base = form.made.regions](const std::string& name, const QuantityContext& ground) {
-        WaveDrag with_base = flow;
-        if (!base.empty()) with_base.base = ground.marks(base.front());
-        return wave_drag(name, ground.start, with_base, ground.symmetry);
+    std::filesystem::path beside;
+    if (const Value* v = map.find("beside"); v && v->accepted) beside = form.dir / v->text;
+    form.made.make = [flow, beside, base = form.made.regions](const std::string& name, const QuantityContext& ground) {
+        WaveDrag complete = flow;
+        if (!base.empty()) complete.base = ground.marks(base.front());
+        if (!beside.empty()) complete.beside = read_surface(beside).mesh;
+        return wave_drag(name, ground.start, complete, ground.symmetry);
     };
     return form.made;
 }
@@ -166,8 +171,8 @@ BuiltInEntry read_projected_area(AeroForm& form) {
 }  // namespace
 
 std::optional<BuiltInEntry> read_aero(const std::string& type, const Value& map, const std::string& shown,
-                                      const AeroGround& ground, Diagnostics& errors) {
-    AeroForm form{map, shown, ground, errors};
+                                      const std::filesystem::path& dir, const AeroGround& ground, Diagnostics& errors) {
+    AeroForm form{map, shown, dir, ground, errors};
     if (type == "newtonian") return read_newtonian(form);
     if (type == "wave_drag") return read_wave_drag(form);
     if (type == "friction") return read_friction(form);

@@ -67,6 +67,8 @@ void CaseReader::read_fields(const Value& value) {
     if (const Value* on = value.find("on"); on && on->accepted) fields.on = Reference{on->text, on->place};
     fields.axis = axis_of(value.find("axis"), "parameters.fields.axis", errors_);
     fields.motions = texts(value.find("motions"));
+    if (const Value* along = value.find("along"); along && along->accepted)
+        fields.along = along->text == "splines" ? AlongAxis::splines : AlongAxis::polynomials;
 }
 
 }  // namespace strake

@@ -9,7 +9,7 @@ void CaseReader::read_built_in(const std::string& type, const Value& map, Quanti
     const Value* file = map.find("file");
     const std::filesystem::path path = file ? dir_ / file->text : "";
     const std::string shown = "quantities." + printable(quantity.name);
-    if (auto made = read_aero(type, map, shown, case_.aero, errors_)) quantity.what = std::move(*made);
+    if (auto made = read_aero(type, map, shown, dir_, case_.aero, errors_)) quantity.what = std::move(*made);
     if (auto made = read_geometry(type, map, shown, dir_, errors_)) quantity.what = std::move(*made);
     if (type == "area") quantity.what = AreaEntry{};
     if (type == "target_shape") {

@@ -103,6 +103,11 @@ std::vector<Key> drag_keys() {
          .type = Type::name,
          .doc = "Region of a blunt base; the body is continued downstream of it as a cylinder.",
          .when = "type=wave_drag"},
+        {.path = "quantities.*.beside",
+         .type = Type::file,
+         .doc = "A closed surface that stays where it is, apart from the body: wings, nacelles, stores. Its areas are "
+                "added to those of the surface.",
+         .when = "type=wave_drag"},
         {.path = "quantities.*.reynolds",
          .type = Type::number,
          .doc = "Reynolds number per unit length of the surface.",

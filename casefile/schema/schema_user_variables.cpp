@@ -54,6 +54,16 @@ std::vector<Key> field_keys() {
              "Default: all.",
          .words = field_motions(),
          .element = Type::word},
+        {.path = "parameters.fields.along",
+         .type = Type::word,
+         .doc =
+             "What the amounts along the axis of the sections are made of. polynomials: smooth over the whole length. "
+             "splines: polynomials of degree 3, then cubic splines whose knots are halved again and again; they are "
+             "local, and many of them take away a kink of the start, which polynomials keep. number: auto then means "
+             "12, "
+             "and 24, 48, 96, 192 and 384 on the next levels.",
+         .fallback = "polynomials",
+         .words = {"polynomials", "splines"}},
     };
 }
 

@@ -94,6 +94,38 @@ def judge(path, optimum, stations=2000, harmonics=200):
             "area_error": float(np.max(np.abs(S - best)) / best.max()), "stations": stations, "harmonics": harmonics}
 
 
+def oblique_areas(vertices, triangles, mach, roll, begin, end, stations):
+    """Areas along the stream of cuts by planes at the Mach angle, at stations of the axis from begin to end: those of straight cuts
+    after a shear."""
+    sheared = vertices.copy()
+    sheared[:, 0] -= np.sqrt(mach**2 - 1) * (vertices[:, 1] * np.cos(roll) + vertices[:, 2] * np.sin(roll))
+    if sheared[:, 0].min() < begin - 1e-3 * (end - begin) or sheared[:, 0].max() > end + 1e-3 * (end - begin):  # of blunt tips
+        raise ValueError("Mach cuts leave the length")
+    x = begin + (end - begin) * (1 - np.cos(np.linspace(0, np.pi, stations + 2))) / 2
+    corners = sheared[triangles]
+    return np.array([0.0] + [section_area(corners, at) for at in x[1:-1]] + [0.0])
+
+
+def judge_wing_body(body, wing, mach, stations=400, harmonics=150, rolls=16):
+    """Wave drag of a body of revolution beside a wing that stays, by the area rule, and the least one of all such bodies of the same
+    volume. S = S_f + S_w, and only S_w depends on the roll angle: the mean over it of a quadratic I is I[S_f + mean S_w] +
+    mean I[S_w - mean S_w]. The second term is the wing's, the first one is at least Sears and Haack's for the volume of both."""
+    body, wing = read_obj(body), read_obj(wing)
+    begin, end = body[0][:, 0].min(), body[0][:, 0].max()
+    t, length = np.linspace(0, np.pi, stations + 2), end - begin
+    angles = [0.0] if mach == 1 else 2 * np.pi * np.arange(rolls) / rolls
+    of_wing = np.array([oblique_areas(*wing, mach, roll, begin, end, stations) for roll in angles])
+    of_body = np.array([oblique_areas(*body, mach, roll, begin, end, stations) for roll in angles])
+    mean = of_wing.mean(0)
+    total = volume(*body) + volume(*wing)
+    drag = np.mean([wave_drag(t, S, length, harmonics) for S in of_wing + of_body])
+    of_differences = np.mean([wave_drag(t, S - mean, length, harmonics) for S in of_wing])
+    alone = wave_drag(t, sears_haack((1 - np.cos(t)) / 2, volume(*body), length) + mean, length, harmonics) + of_differences
+    least = 128 * total**2 / (np.pi * length**4) + of_differences
+    return {"drag": float(drag), "least": float(least), "share_of_wing": float(of_differences / least),
+            "sears_haack_beside_wing": float(alone / least), "stations": stations, "rolls": len(angles)}
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n")[0])
     parser.add_argument("surface", help="OBJ file")

@@ -1,5 +1,6 @@
 #!/usr/bin/python3
-"""Vortex lattice of half a wing: lattice.py START.obj REQUEST RESULT, as Strake calls it.
+"""Vortex lattice of half a wing: lattice.py START.obj REQUEST RESULT [CHORDWISE SPANWISE], as Strake calls it; the
+lattice has 4 x 24 rings unless the last two say otherwise.
 
 Values: lift and drag coefficients and span efficiency, lift^2 / (pi A drag); A and the reference area are those of START.
 START is the wing at rest, its root in the plane y = 0 and its sections across y. The lattice lies halfway between its two sides;
@@ -212,6 +213,8 @@ def evaluate(start, triangles, vertices, alpha, wants_gradients=True):
 def main():
     with open(sys.argv[2], encoding="utf-8") as file:
         request = json.load(file)
+    if len(sys.argv) > 4:
+        divide(int(sys.argv[4]), int(sys.argv[5]))
     start, triangles = read_obj(sys.argv[1])
     wanted = request["wanted"]
     values, gradients = evaluate(start, triangles, read_obj(request["surface"])[0], request["variables"]["alpha"],

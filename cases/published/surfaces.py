@@ -102,14 +102,32 @@ def slender(profile, triangles, base=False):
     return body_of_revolution(points, around)
 
 
-def rectangular_wing(span, triangles):
-    """The right half of a rectangular wing of chord 1, NACA 0012 with a sharp trailing edge, open at y = 0, with a flat tip."""
+def frustum(height, triangles):
+    """A cone cut at 0.3 of the radius: flat nose at x = -height, base at x = 0, whose polygon has the area of the unit circle. Rings
+    are finer at the nose, where a body of least resistance is round.
+    """
+    around = 4 * round(math.sqrt(triangles / 6) / 2)
+    radius = math.sqrt(2 * math.pi / (around * math.sin(2 * math.pi / around)))
+    flat = max(2, round(triangles / (2 * around) / 12))
+    side = max(8, round(triangles / (2 * around)) - 2 * flat)
+    points = [(-height, 0.3 * radius * j / flat) for j in range(flat)]
+    for k in range(side + 1):
+        s = (k / side) ** 1.5
+        points.append((height * (s - 1), radius * (0.3 + 0.7 * s)))
+    points += [(0.0, radius * (1 - j / flat)) for j in range(1, flat)] + [(0.0, 0.0)]
+    return body_of_revolution(points, around)
+
+
+def rectangular_wing(span, triangles, raised=0.0):
+    """The right half of a rectangular wing of chord 1, NACA 0012 with a sharp trailing edge, open at y = 0, with a flat tip. One whose
+    tip is raised along a parabola is half as thick, and open at the tip, too: lids of a sharp edge fold first when the wing is bent up.
+    """
     chordwise = max(6, round(math.sqrt(triangles / 6)))
     spanwise = max(6, round(triangles / (4 * chordwise)))
     surface = Surface()
 
     def height(x):
-        return 0.6 * (0.2969 * math.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
+        return (0.3 if raised else 0.6) * (0.2969 * math.sqrt(x) - 0.1260 * x - 0.3516 * x**2 + 0.2843 * x**3 - 0.1036 * x**4)
 
     rows = []
     for s in range(spanwise + 1):  # finer to the tip, where the load falls
@@ -119,17 +137,46 @@ def rectangular_wing(span, triangles):
             t = math.pi * k / chordwise
             x = (1 + math.cos(t)) / 2
             row.append(len(surface.vertices))
-            surface.vertices.append((x, y, 0.0 if k % chordwise == 0 else height(x) * (1 if k < chordwise else -1)))
+            z = 0.0 if k % chordwise == 0 else height(x) * (1 if k < chordwise else -1)
+            surface.vertices.append((x, y, z + raised * (2 * y / span) ** 2))
         rows.append(row)
     for a, b in zip(rows, rows[1:]):
         surface.strip(b, a)
     tip = rows[-1]
-    for k in range(chordwise):
+    for k in range(0 if raised else chordwise):
         upper, lower = tip[k:k + 2], [tip[-k], tip[-k - 1]]
         if k > 0:
             surface.triangles.append((upper[0], lower[0], upper[1]))
         if k < chordwise - 1:
             surface.triangles.append((upper[1], lower[0], lower[1]))
+    return surface
+
+
+def wing_panels(triangles):
+    """Two swept panels beside a body along x of length 1, each closed: biconvex sections 6 % thick."""
+    chordwise = max(6, 2 * round(math.sqrt(triangles / 48)))
+    spanwise = max(4, round(triangles / (8 * chordwise)))
+    surface = Surface()
+    for side in (1, -1):
+        rows = []
+        for s in range(spanwise + 1):
+            k = s / spanwise
+            y, front, chord = 0.07 + 0.18 * k, 0.30 + 0.22 * k, 0.30 - 0.18 * k
+            row = []
+            for j in range(2 * chordwise):
+                x = (1 + math.cos(math.pi * j / chordwise)) / 2
+                z = 0.12 * x * (1 - x) * (1 if 0 < j < chordwise else -1 if j > chordwise else 0)
+                row.append(len(surface.vertices))
+                surface.vertices.append((front + chord * x, side * y, chord * z))
+            rows.append(row if side > 0 else [row[0]] + row[:0:-1])
+        for a, b in zip(rows, rows[1:]):
+            surface.strip(b, a)
+        for row, at_tip in ((rows[0], False), (rows[-1], True)):
+            for j in range(chordwise):
+                upper, lower = row[j:j + 2], [row[-j], row[-j - 1]]
+                lid = [(upper[0], lower[0], upper[1])] if j > 0 else []
+                lid += [(upper[1], lower[0], lower[1])] if j < chordwise - 1 else []
+                surface.triangles += lid if at_tip else [(a, c, b) for a, b, c in lid]
     return surface
 
 
@@ -168,9 +215,12 @@ KINDS = {
     "bumped_spindle": lambda n: slender(bumped_spindle, n),
     "cone_and_cylinder": lambda n: slender(cone_and_cylinder, n, True),
     "bumped_ogive": lambda n: slender(bumped_ogive, n, True),
+    "wing_panels": wing_panels,
     "sphere": sphere,
+    **{f"frustum_{height}": lambda n, height=height: frustum(height, n) for height in (0.4, 0.7, 1, 1.5, 2)},
     "wing_6_12": lambda n: rectangular_wing(6.12, n),
     "wing_10": lambda n: rectangular_wing(10, n),
+    "wing_raised": lambda n: rectangular_wing(10, n, 0.2),
 }
 
 

@@ -1,8 +1,6 @@
 #include "core/fields/displacement_fields.hpp"
 
 #include "core/error.hpp"
-#include "core/fields/field_frame.hpp"
-#include "core/fields/field_functions.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
@@ -181,31 +179,14 @@ CutOff cut_off(const TriMesh& rest, const Points& centroid, const FieldCondition
     return cut;
 }
 
-/// The functions at the vertices, columns in the order of `powers`, times the cut-off.
-MatrixXd function_values(const FieldFrame& frame, const Points& x, const std::vector<Powers>& powers,
-                         const VectorXd& cut) {
-    std::array<int, 3> degree{0, 0, 0};
-    for (const Powers& p : powers)
-        for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
-    MatrixXd values(x.rows(), static_cast<Eigen::Index>(powers.size()));
-    for (Eigen::Index v = 0; v < x.rows(); ++v) {
-        const Vector3d at = frame.local(x.row(v));
-        const LegendreValues a(at[0], degree[0]), b(at[1], degree[1]), c(at[2], degree[2]);
-        for (std::size_t f = 0; f < powers.size(); ++f)
-            values(v, static_cast<Eigen::Index>(f)) =
-                cut[v] * a.value[powers[f][0]] * b.value[powers[f][1]] * c.value[powers[f][2]];
-    }
-    return values;
-}
-
-/// Legendre polynomials along the axes of the frame at one point; room for them is made once.
+/// Functions along the axes of the frame at one point; room for them is made once.
 class LocalFunctions {
 public:
-    LocalFunctions(const FieldFrame& frame, const std::vector<Powers>& powers) : frame_(frame) {
-        std::array<int, 3> degree{0, 0, 0};
+    LocalFunctions(const FieldFrame& frame, AlongAxis along, const std::vector<Powers>& powers) : frame_(frame) {
+        std::array<int, 3> last{0, 0, 0};
         for (const Powers& p : powers)
-            for (int k = 0; k < 3; ++k) degree[k] = std::max(degree[k], p[k]);
-        for (int k = 0; k < 3; ++k) along_[k] = LegendreValues(0, degree[k]);
+            for (int k = 0; k < 3; ++k) last[k] = std::max(last[k], p[k]);
+        for (int k = 0; k < 3; ++k) along_.emplace_back(k == 0 ? along : AlongAxis::polynomials, 0, last[k]);
     }
     void set(const Vector3d& x) {
         const Vector3d at = frame_.local(x);
@@ -223,8 +204,20 @@ public:
 
 private:
     const FieldFrame& frame_;
-    std::array<LegendreValues, 3> along_{LegendreValues(0, 0), LegendreValues(0, 0), LegendreValues(0, 0)};
+    std::vector<FunctionsAlong> along_;
 };
+
+/// The functions at the vertices, columns in the order of `powers`, times the cut-off.
+MatrixXd function_values(LocalFunctions functions, const Points& x, const std::vector<Powers>& powers,
+                         const VectorXd& cut) {
+    MatrixXd values(x.rows(), static_cast<Eigen::Index>(powers.size()));
+    for (Eigen::Index v = 0; v < x.rows(); ++v) {
+        functions.set(x.row(v));
+        for (std::size_t f = 0; f < powers.size(); ++f)
+            values(v, static_cast<Eigen::Index>(f)) = cut[v] * functions.value(powers[f]);
+    }
+    return values;
+}
 
 /// The field and its gradient at a point.
 struct PointValues {
@@ -301,12 +294,6 @@ private:
     std::vector<std::pair<Coefficients, Coefficients>> known_;
 };
 
-/// "scale" of section.scale_y.0, "out" of polynomial.out.r3.
-std::string motion_of(const FieldCandidate& candidate) {
-    const std::size_t begin = candidate.name.find('.') + 1;
-    return candidate.name.substr(begin, candidate.name.find_first_of("._", begin) - begin);
-}
-
 void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOptions& options) {
     if (options.number < 1 || options.number > max_number)
         throw InvalidInput(text("fields: number = ", options.number, " must be in [1, ", max_number, "]"));
@@ -331,7 +318,8 @@ const std::vector<std::string>& field_motions() {
 }
 
 DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldConditions& conditions,
-                                       const FieldOptions& options) {
+                                       const FieldOptions& options)
+    : along_(options.along) {
     check(surface, conditions, options);
     const TriMesh rest = with_loose_vertices_joined(surface);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
@@ -347,15 +335,12 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
         rigid = rigid_candidates(frame_, plane.has_value(), conditions.kind);
     int before = -1;  // twice as many that add nothing: the vertices have no more
     for (int tried = 2 * options.number + 20;; tried *= 2) {
-        std::vector<FieldCandidate> candidates = field_candidates(frame_, plane.has_value(), tried, conditions.kind);
+        const std::vector<FieldCandidate> candidates =
+            field_candidates(frame_, plane.has_value(), tried, conditions.kind, options.motions,
+                             along_ == AlongAxis::splines ? max_spline_number : max_polynomial_degree);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
-        if (!options.motions.empty())
-            std::erase_if(candidates, [&](const FieldCandidate& candidate) {
-                return std::ranges::find(options.motions, motion_of(candidate)) == options.motions.end();
-            });
         choose(rest, cut.at_vertices, rigid, candidates, options.number);
-        // Of chosen motions the next ones may be far down the list.
-        if (size() == options.number || are_all || (size() == before && options.motions.empty())) break;
+        if (size() == options.number || are_all || size() == before) break;
         before = size();
     }
     if (names_.empty()) throw InvalidInput("fields: nothing is left that could move");
@@ -377,7 +362,7 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
     };
     std::for_each(rigid.begin(), rigid.end(), list);
     std::for_each(candidates.begin(), candidates.end(), list);
-    values_ = function_values(frame_, rest.vertices, powers_, cut);
+    values_ = function_values(LocalFunctions(frame_, along_, powers_), rest.vertices, powers_, cut);
     const Eigen::HouseholderQR<MatrixXd> qr(vertex_areas(rest).cwiseSqrt().asDiagonal() * values_);
     const Eigen::Index rows = std::min(values_.rows(), values_.cols());
     Orthogonalization orthogonal(qr.matrixQR().topRows(rows).template triangularView<Eigen::Upper>());
@@ -406,7 +391,7 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
 
 /// Without the rigid motion that the field does at the point. The functions of first degree are among `powers_`.
 DisplacementFields::Coefficients DisplacementFields::still_at(const Vector3d& point, Coefficients motion) const {
-    LocalFunctions functions(frame_, powers_);
+    LocalFunctions functions(frame_, along_, powers_);
     const PointValues here(functions, powers_, motion, used_functions(motion), point);
     const Matrix3d gradient = here.by_local * frame_.axes.transpose();
     const Matrix3d spin = 0.5 * (gradient - gradient.transpose());
@@ -475,7 +460,7 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
 std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
     const Coefficients sum = combined(z);
     const std::vector<std::size_t> used = used_functions(sum);
-    LocalFunctions functions(frame_, powers_);
+    LocalFunctions functions(frame_, along_, powers_);
     std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
         const auto [u, by_local] = PointValues(functions, powers_, sum, used, centroid_.row(t));
@@ -488,7 +473,7 @@ std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
 VectorXd DisplacementFields::map_gradient(int triangle, const Matrix3d& dJ_dF) const {
     if (triangle < 0 || triangle >= centroid_.rows())
         throw InvalidInput(text("fields: triangle ", triangle, " is not in [0, ", centroid_.rows(), ")"));
-    LocalFunctions functions(frame_, powers_);
+    LocalFunctions functions(frame_, along_, powers_);
     functions.set(centroid_.row(triangle));
     const Vector3d by_value = dJ_dF * cut_off_gradient_.row(triangle).transpose();
     const Matrix3d by_slope = cut_off_[triangle] * dJ_dF * frame_.axes;

@@ -1,5 +1,6 @@
 #pragma once
 #include "core/fields/field_frame.hpp"
+#include "core/fields/field_functions.hpp"
 
 #include <Eigen/Geometry>
 #include <string>
@@ -9,15 +10,13 @@
 /// turned, scaled and sheared by amounts that are polynomials along the axis; polynomials of higher degree follow. They
 /// make what a shell resists: sweep, taper, thickening, flattening, swelling.
 ///
-///   u(x) = c(x) sum_ijk P_i(s) P_j(eta) P_k(zeta) C_ijk,   P Legendre polynomials, (s, eta, zeta) in [-1, 1]^3
+///   u(x) = c(x) sum_ijk B_i(s) P_j(eta) P_k(zeta) C_ijk,   P Legendre polynomials, (s, eta, zeta) in [-1, 1]^3
 ///
-/// along the axes of the frame, s along the longest. The cut-off c is a product: for each connected held part the
-/// distance from it over the largest distance of a vertex, one linear ramp over the whole body (short or smooth steps
-/// crease it). It is exactly zero on what is held. Of more than four parts the smaller ones count as one: a product of
-/// many ramps leaves no motion between them.
+/// along the axes of the frame, s along the longest; B are the same polynomials, or nested cubic splines. The cut-off c
+/// is a product: for each connected held part the distance from it over the largest distance of a vertex, one linear
+/// ramp over the whole body (short or smooth steps crease it). It is exactly zero on what is held. Of more than four
+/// parts the smaller ones count as one: a product of many ramps leaves no motion between them.
 namespace strake {
-
-struct FieldCandidate;
 
 /// What the fields have to respect.
 struct FieldConditions {
@@ -43,6 +42,7 @@ struct FieldOptions {
     /// Only these, by the first word of their names behind the dot ("scale" of section.scale_y.0); empty: all. The
     /// words are those of `field_motions()`.
     std::vector<std::string> motions{};
+    AlongAxis along = AlongAxis::polynomials;
 };
 
 /// move, scale, twist, tilt, shear, out, around: what a field does, as its name says it.
@@ -91,8 +91,9 @@ private:
     void keep_in_plane(const TriMesh& rest, const SymmetryPlane& plane);
 
     FieldFrame frame_;
+    AlongAxis along_;
     std::optional<Eigen::Vector3d> still_;
-    std::vector<std::array<int, 3>> powers_;  ///< of the functions: degrees along the axes of the frame
+    std::vector<Powers> powers_;              ///< of the functions
     Eigen::MatrixXd values_;                  ///< n x functions, cut-off included
     std::vector<Coefficients> coefficients_;  ///< per field
     std::vector<std::string> names_;

@@ -10,7 +10,7 @@
 namespace strake {
 namespace {
 
-constexpr int max_degree = 40;
+constexpr int max_degree = max_polynomial_degree;
 constexpr double first_nonlinear = 1;  ///< after the sections of degree two along the axis
 
 /// A component normal to the plane is odd across it, the others are even.
@@ -41,9 +41,20 @@ struct Ordered {
     FieldCandidate candidate;
 };
 
+/// Which motions are listed: how far along the axis, and what they may do (empty: anything).
+struct Wanted {
+    int last_along = max_degree;
+    std::vector<std::string> motions{};
+
+    bool has(const char* motion) const {
+        return motions.empty() || std::ranges::find(motions, motion) != motions.end();
+    }
+};
+
 class Listing {
 public:
-    Listing(const FieldFrame& frame, bool is_symmetric) : frame_(frame), is_symmetric_(is_symmetric) {
+    Listing(const FieldFrame& frame, bool is_symmetric, Wanted wanted)
+        : frame_(frame), is_symmetric_(is_symmetric), wanted_(std::move(wanted)) {
         for (int k = 1; k < 3; ++k)
             reach_[k] = frame.half[k] > 0 ? std::clamp(std::sqrt(frame.half[0] / frame.half[k]), 1.0, 6.0) : 1;
     }
@@ -52,10 +63,10 @@ public:
     std::vector<FieldCandidate> up_to(double last) {
         found_.clear();
         last_ = last;
-        for (int i = 0; i <= std::min<double>(last, max_degree); ++i) {
-            moves(i);
+        for (int i = 0; i <= std::min<double>(last, wanted_.last_along); ++i) {
+            if (wanted_.has("move")) moves(i);
             sections(i);
-            for (int j = 0; order_of({i, j, 0}) <= last && j <= max_degree; ++j)
+            for (int j = 0; wanted_.has("move") && order_of({i, j, 0}) <= last && j <= max_degree; ++j)
                 for (int k = std::max(0, 2 - j); order_of({i, j, k}) <= last && k <= max_degree; ++k)
                     polynomials({i, j, k});
         }
@@ -72,7 +83,7 @@ private:
     double order_of(const Powers& p) const { return first_nonlinear + p[0] + reach_[1] * p[1] + reach_[2] * p[2]; }
 
     void add(double order, int rank, FieldCandidate candidate) {
-        if (order > last_) return;
+        if (order > last_ || !wanted_.has(motion_of(candidate.name).c_str())) return;
         for (const FieldCandidate::Term& term : candidate.terms)
             if (!is_there(frame_, term.powers)) return;
         if (is_symmetric_ && !is_even(frame_, candidate)) return;
@@ -106,6 +117,7 @@ private:
 
     const FieldFrame& frame_;
     bool is_symmetric_;
+    Wanted wanted_;
     double last_ = 0;
     std::array<double, 3> reach_{1, 1, 1};
     std::vector<Ordered> found_;
@@ -150,15 +162,15 @@ std::vector<Complex> powers_of_w(int p, int q) {
 /// Motions about the first axis of the frame that are the same in every sector.
 class RotationalListing {
 public:
-    RotationalListing(const FieldFrame& frame, bool is_symmetric, const ShapeKind& kind)
-        : frame_(frame), is_symmetric_(is_symmetric), kind_(kind) {
+    RotationalListing(const FieldFrame& frame, bool is_symmetric, const ShapeKind& kind, Wanted wanted)
+        : frame_(frame), is_symmetric_(is_symmetric), kind_(kind), wanted_(std::move(wanted)) {
         if (frame.half[1] > 0) reach_ = std::clamp(std::sqrt(frame.half[0] / frame.half[1]), 1.0, 6.0);
     }
 
     std::vector<FieldCandidate> up_to(double last) {
         found_.clear();
         last_ = last;
-        for (int i = 0; i <= std::min<double>(last, max_degree); ++i)
+        for (int i = 0; i <= std::min<double>(last, wanted_.last_along); ++i)
             for (int p = 0; order_of(i, p) <= last && p <= max_degree; ++p)
                 for (int q = 0; order_of(i, p + q) <= last && p + q <= max_degree; ++q) both(i, p, q);
         std::stable_sort(found_.begin(), found_.end(), [](const Ordered& a, const Ordered& b) {
@@ -186,13 +198,14 @@ private:
     void both(int i, int p, int q) {
         const bool turns = kind_.type == ShapeKind::Type::cyclic;
         const std::string along = text("move_", frame_.letter[0]);
-        if (is_same(p - q) && p >= q) {
+        if (wanted_.has("move") && is_same(p - q) && p >= q) {
             add(i, p, q, 0, axial(i, p, q, false), name(along.c_str(), i, p, q));
             if (turns && p > q) add(i, p, q, 1, axial(i, p, q, true), name((along + "_sine").c_str(), i, p, q));
         }
         if (is_same(p - q - 1)) {
-            add(i, p, q, 2, across(i, p, q, Complex(1, 0)), name(p + q == 1 ? "scale" : "out", i, p, q));
-            if (turns) add(i, p, q, 3, across(i, p, q, Complex(0, 1)), name(p + q == 1 ? "twist" : "around", i, p, q));
+            const char *out = p + q == 1 ? "scale" : "out", *around = p + q == 1 ? "twist" : "around";
+            if (wanted_.has(out)) add(i, p, q, 2, across(i, p, q, Complex(1, 0)), name(out, i, p, q));
+            if (turns && wanted_.has(around)) add(i, p, q, 3, across(i, p, q, Complex(0, 1)), name(around, i, p, q));
         }
     }
 
@@ -241,15 +254,16 @@ private:
     const FieldFrame& frame_;
     bool is_symmetric_;
     ShapeKind kind_;
+    Wanted wanted_;
     double last_ = 0, reach_ = 1;
     std::vector<Ordered> found_;
 };
 
 /// At least `count`, unless there are no more.
 template <class List>
-std::vector<FieldCandidate> listed(List&& list, int count, bool is_flat) {
+std::vector<FieldCandidate> listed(List&& list, int count, bool is_flat, int last_along) {
     std::vector<FieldCandidate> candidates;
-    for (double last = 3; last <= max_degree; last *= 1.25) {
+    for (double last = 3; last <= last_along; last *= 1.25) {
         candidates = list.up_to(last);
         if (is_flat) std::erase_if(candidates, [](const FieldCandidate& c) { return !is_extruded(c); });
         if (static_cast<int>(candidates.size()) >= count) break;
@@ -260,10 +274,17 @@ std::vector<FieldCandidate> listed(List&& list, int count, bool is_flat) {
 }  // namespace
 
 std::vector<FieldCandidate> field_candidates(const FieldFrame& frame, bool is_symmetric, int count,
-                                             const std::optional<ShapeKind>& kind) {
+                                             const std::optional<ShapeKind>& kind,
+                                             const std::vector<std::string>& motions, int up_to) {
+    const Wanted wanted{up_to, motions};
     if (kind && kind->type != ShapeKind::Type::extruded)
-        return listed(RotationalListing(frame, is_symmetric, *kind), count, false);
-    return listed(Listing(frame, is_symmetric), count, kind.has_value());
+        return listed(RotationalListing(frame, is_symmetric, *kind, wanted), count, false, up_to);
+    return listed(Listing(frame, is_symmetric, wanted), count, kind.has_value(), up_to);
+}
+
+std::string motion_of(const std::string& name) {
+    const std::size_t begin = name.find('.') + 1;
+    return name.substr(begin, name.find_first_of("._", begin) - begin);
 }
 
 std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_symmetric,
@@ -289,15 +310,57 @@ std::vector<FieldCandidate> rigid_candidates(const FieldFrame& frame, bool is_sy
     return candidates;
 }
 
-LegendreValues::LegendreValues(double s, int degree) : value(degree + 1, 1), slope(degree + 1, 0) { set(s); }
+namespace {
 
-void LegendreValues::set(double s) {
-    const int degree = static_cast<int>(value.size()) - 1;
-    if (degree >= 1) value[1] = s, slope[1] = 1;
-    for (int n = 1; n < degree; ++n) {
+constexpr int first_spline = 4;  ///< those before it are polynomials
+
+void set_legendre(double s, int last, std::vector<double>& value, std::vector<double>& slope) {
+    if (last >= 1) value[1] = s, slope[1] = 1;
+    for (int n = 1; n < last; ++n) {
         value[n + 1] = ((2 * n + 1) * s * value[n] - n * value[n - 1]) / (n + 1);
         slope[n + 1] = slope[n - 1] + (2 * n + 1) * value[n];
     }
+}
+
+struct SplineValue {
+    double value, slope;
+};
+
+/// The cubic B-spline around 0 on knots at the whole numbers.
+SplineValue cubic_spline(double t) {
+    const double d = std::abs(t), sign = t < 0 ? -1 : 1;
+    if (d < 1) return {2.0 / 3 - d * d + d * d * d / 2, sign * (1.5 * d * d - 2 * d)};
+    if (d < 2) return {(2 - d) * (2 - d) * (2 - d) / 6, sign * -(2 - d) * (2 - d) / 2};
+    return {0, 0};
+}
+
+void set_splines(double s, std::vector<double>& value, std::vector<double>& slope) {
+    const std::size_t count = value.size();
+    std::size_t number = first_spline;
+    for (int intervals = 2; number < count; intervals *= 2) {
+        const double h = 2.0 / intervals;
+        for (int pair = 0; pair < std::max(1, intervals / 4) && number < count; ++pair) {
+            const double place = intervals == 2 ? 0 : (2 * pair + 1) * h;
+            const SplineValue right = cubic_spline((s - place) / h), left = cubic_spline((s + place) / h);
+            if (intervals > 2)
+                value[number] = right.value - left.value, slope[number++] = (right.slope - left.slope) / h;
+            if (number < count)
+                value[number] = right.value + left.value, slope[number++] = (right.slope + left.slope) / h;
+        }
+    }
+}
+
+}  // namespace
+
+FunctionsAlong::FunctionsAlong(AlongAxis kind, double s, int last)
+    : value(last + 1, 1), slope(last + 1, 0), kind_(kind) {
+    set(s);
+}
+
+void FunctionsAlong::set(double s) {
+    const int last = static_cast<int>(value.size()) - 1;
+    set_legendre(s, kind_ == AlongAxis::splines ? std::min(last, first_spline - 1) : last, value, slope);
+    if (kind_ == AlongAxis::splines) set_splines(s, value, slope);
 }
 
 }  // namespace strake

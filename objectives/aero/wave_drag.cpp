@@ -1,6 +1,7 @@
 #include "objectives/aero/wave_drag.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/geometry.hpp"
 #include "objectives/aero/area_distribution.hpp"
 #include "objectives/quantity/closed.hpp"
 #include "objectives/quantity/finite.hpp"
@@ -83,6 +84,35 @@ void check(const std::string& name, const TriMesh& start, const WaveDrag& flow,
     if (!flow.base.empty() && static_cast<int>(flow.base.size()) != start.num_triangles())
         refuse("marks of the base", static_cast<double>(flow.base.size()), "one for each triangle");
     require_along(name, "flow", flow.forward, symmetry);
+    if (flow.beside.num_triangles() == 0) return;
+    const std::string beside = text(name, ": the surface beside it");
+    if (const auto failure = vertices_finite(beside, flow.beside)) throw InvalidInput(failure->message);
+    require_closed(beside, flow.beside, symmetry);
+}
+
+/// Around a point of its own, so that a surface far from the origin keeps its sign.
+bool faces_outward(const TriMesh& mesh) {
+    const Eigen::RowVector3d middle = mesh.vertices.colwise().mean();
+    double volume = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const Vector3d a = mesh.vertices.row(mesh.triangles(t, 0)) - middle;
+        volume += a.dot(area_vector(mesh, t));
+    }
+    return volume > 0;
+}
+
+/// The surface, and behind its vertices and triangles those beside it, which face the same way.
+TriMesh joined(const TriMesh& surface, const TriMesh& beside, bool is_turned) {
+    TriMesh both;
+    both.vertices.resize(surface.num_vertices() + beside.num_vertices(), 3);
+    both.vertices << surface.vertices, beside.vertices;
+    both.triangles.resize(surface.num_triangles() + beside.num_triangles(), 3);
+    both.triangles << surface.triangles, (beside.triangles.array() + surface.num_vertices()).matrix();
+    if (is_turned)
+        both.triangles.bottomRows(beside.num_triangles())
+            .col(1)
+            .swap(both.triangles.bottomRows(beside.num_triangles()).col(2));
+    return both;
 }
 
 }  // namespace
@@ -108,13 +138,21 @@ Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag
     check(name, start, flow, symmetry);
     if (const auto failure = vertices_finite(name, start)) throw InvalidInput(failure->message);
     require_closed(name, start, symmetry);
+    const bool has_beside = flow.beside.num_triangles() > 0;
+    const bool is_turned = has_beside && faces_outward(start) != faces_outward(flow.beside);
+    WaveDrag all_flow = flow;
+    if (!flow.base.empty())
+        all_flow.base.resize(flow.base.size() + static_cast<std::size_t>(flow.beside.num_triangles()), 0);
     const auto form = std::make_shared<const AreaForm>(flow.stations, !flow.base.empty());
-    std::vector<AreaCuts> all = cuts_of(flow, *form);
+    std::vector<AreaCuts> all = cuts_of(all_flow, *form);
     if (symmetry)
-        for (AreaCuts& cuts : all) cuts.excluded.insert(cuts.excluded.end(), flow.base.begin(), flow.base.end());
+        for (AreaCuts& cuts : all)
+            cuts.excluded.insert(cuts.excluded.end(), all_flow.base.begin(), all_flow.base.end());
     return checked_quantity(name, {name}, start, [=](const QuantityRequest& request) {
-        const TriMesh whole = symmetry ? whole_of(request.surface, *symmetry) : TriMesh();
-        const TriMesh& mesh = symmetry ? whole : request.surface;
+        const TriMesh both = has_beside ? joined(request.surface, flow.beside, is_turned) : TriMesh();
+        const TriMesh& half = has_beside ? both : request.surface;
+        const TriMesh whole = symmetry ? whole_of(half, *symmetry) : TriMesh();
+        const TriMesh& mesh = symmetry ? whole : half;
         // Orientation does not matter: the drag is even in S.
         const double share = (symmetry ? 0.5 : 1) / flow.reference_area / static_cast<double>(all.size());
         double sum = 0;
@@ -129,6 +167,7 @@ Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag
                 add_area_gradient(mesh, cuts, at, share * by_area, -share * by_length, share * by_length, dJ_dv);
         }
         if (symmetry && dJ_dv.rows() > 0) dJ_dv = folded(dJ_dv, *symmetry);
+        if (has_beside && dJ_dv.rows() > 0) dJ_dv.conservativeResize(request.surface.num_vertices(), 3);
         return one_value(sum, std::move(dJ_dv));
     });
 }

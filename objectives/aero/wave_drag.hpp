@@ -13,6 +13,9 @@ struct WaveDrag {
     double reference_area = 1;  ///< > 0
     /// Per triangle: part of a base, which the wake or jet extends as a cylinder; empty: none.
     std::vector<char> base = {};
+    /// A closed surface that stays where it is; its areas are added to those of the surface. Empty: none. Where it lies
+    /// within the surface it counts twice. With `symmetry` the half of it, too.
+    TriMesh beside = {};
 };
 
 /// D / (q reference_area) by von Karman's slender-body integral
@@ -27,7 +30,8 @@ struct WaveDrag {
 /// radii; list its triangles in `base` to avoid this. Base drag is not included. With `symmetry`: half the drag of the
 /// whole body. Kinks: where another vertex becomes the first or last along m; a triangle parallel to a section makes S
 /// jump. Cost: one pass over the triangles for each roll angle.
-/// @throws InvalidInput: numbers outside their limits; an open surface; a flow that crosses the plane of symmetry.
+/// @throws InvalidInput: numbers outside their limits; an open surface, or one beside it; a flow that crosses the plane
+/// of symmetry.
 Quantity wave_drag(const std::string& name, const TriMesh& start, const WaveDrag& flow,
                    const std::optional<SymmetryPlane>& symmetry = {});
 

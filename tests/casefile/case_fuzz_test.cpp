@@ -161,7 +161,7 @@ regions:
   tip: {box: [[0.4, -1, -1], [3, 1, 1]]}
 fixed: [tip]
 shell: none
-parameters: {fields: {number: auto, axis: x, motions: [scale, move]}, variables: []}
+parameters: {fields: {number: auto, axis: x, motions: [scale, move], along: splines}, variables: []}
 objective: {minimize: area}
 )";
 

@@ -15,9 +15,11 @@ ROOT = sys.argv.pop(1)
 sys.path[:0] = [f"{ROOT}/{folder}" for folder in ("cases/published", "scripts")]
 import areas  # noqa: E402
 import lattice  # noqa: E402
+import newton  # noqa: E402
 import published  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
+import trefftz  # noqa: E402
 
 
 def arrays(surface):
@@ -73,6 +75,52 @@ class LeastWaveDrag(unittest.TestCase):
         around = int(np.sum(abs(vertices[:, 0] - vertices[1, 0]) < 1e-12))
         polygon = around / 2 * math.sin(2 * math.pi / around) * surfaces.RADIUS**2
         self.assertAlmostEqual(areas.section_area(vertices[triangles], 0.5), polygon, delta=1e-12)
+
+
+class Newton(unittest.TestCase):
+    def test_optimum(self):
+        for height, published_value, nose in ((0.4, 2.107369, 0.66640), (0.7, 1.568504, 0.48563), (1, 1.177519, 0.35094),
+                                              (1.5, 0.752592, 0.20373), (2, 0.503992, 0.12086)):
+            value, radius, _ = newton.least(height)
+            self.assertAlmostEqual(value, published_value, delta=1e-6)
+            self.assertAlmostEqual(radius, nose, delta=1e-5)
+            self.assertAlmostEqual(newton.lower_bound(height), value, delta=2e-5)  # 500 stations
+
+    def test_cone(self):
+        for height in (0.4, 2):
+            vertices, triangles = arrays(surfaces.KINDS[f"frustum_{height}"](10000))
+            rings = newton.profile(vertices)
+            slope = height / 0.7
+            self.assertAlmostEqual(rings[-1, 1], 1, delta=1e-12)
+            around = int(np.sum(abs(vertices[:, 0] + height) < 1e-12)) // (np.sum(rings[:, 0] == -height))
+            facet = slope / math.cos(math.pi / around) / math.sqrt(2 * math.pi / (around * math.sin(2 * math.pi / around)))
+            value, disc = newton.resistance(vertices, triangles)
+            self.assertAlmostEqual(disc, math.pi, delta=1e-12)
+            self.assertAlmostEqual(value, math.pi * (0.09 + 0.91 / (1 + facet**2)), delta=1e-12)
+            self.assertAlmostEqual(newton.resistance(vertices, triangles[:, ::-1])[0], value, delta=1e-12)
+            self.assertGreater(value, newton.least(height)[0] * 1.01)
+
+
+class Trefftz(unittest.TestCase):
+    def test_known_systems(self):
+        e = trefftz.systems(count=60)
+        for name, value, tolerance in (("plane", 1, 1e-9), ("dihedral", 1.0291, 2e-4), ("biplane", 1.3546, 1e-4), ("tip plates", 1.3819, 2e-4),
+                                       ("winglets", 1.4186, 1e-3), ("box", 1.4717, 1e-3)):
+            self.assertAlmostEqual(e[name], value, delta=tolerance, msg=name)
+        half = trefftz.least_of_half([(0, 0), (0.5, 0), (0.5, 0.2)], 200)
+        self.assertAlmostEqual(half, 1.4186, delta=3e-3)
+        self.assertAlmostEqual(trefftz.least_of_half([(0, 0), (2, 0)], 40), 1, delta=1e-9)
+
+
+class WingAndBody(unittest.TestCase):
+    def test_oblique_cuts(self):
+        sphere = arrays(surfaces.sphere(2000))
+        for roll in (0.3, 2):  # an ellipse of the same volume: area along the stream over the length of the cut
+            S = areas.oblique_areas(*sphere, 1.25, roll, -1.25, 1.25, 400)
+            x = -1.25 * np.cos(np.linspace(0, np.pi, 402))
+            length = math.hypot(1, 0.75)
+            self.assertLess(np.max(abs(S - np.pi / length * np.maximum(1 - (x / length) ** 2, 0))), 0.02)
+            self.assertAlmostEqual(float(np.sum((S[1:] + S[:-1]) / 2 * np.diff(x))) / areas.volume(*sphere), 1, delta=1e-3)
 
 
 class Stokes(unittest.TestCase):

@@ -82,6 +82,86 @@ TEST(DisplacementFields, TheGradientOfAMapIsTheTransposeOfTheMaps) {
     EXPECT_THROW(fields.map_gradient(-1, weight), InvalidInput);
 }
 
+/// Splines along the axis: as exact as polynomials.
+TEST(DisplacementFields, OfSplinesAreOrthogonalAndTheirMapsAreTheDerivatives) {
+    const HeldWing wing;
+    const DisplacementFields fields(
+        wing.mesh, wing.conditions,
+        {.number = 40, .axis = Vector3d::UnitY(), .motions = {"twist", "scale"}, .along = AlongAxis::splines});
+    ASSERT_EQ(fields.size(), 40);
+    Eigen::MatrixXd columns(3 * wing.mesh.num_vertices(), fields.size());
+    for (int b = 0; b < fields.size(); ++b) {
+        const Points u = vertex_areas(wing.mesh).cwiseSqrt().asDiagonal() * fields.field(b);
+        columns.col(b) = VectorXd::Map(u.data(), u.size()).normalized();
+        for (const int t : wing.conditions.held)
+            for (int k = 0; k < 3; ++k) EXPECT_TRUE(fields.field(b).row(wing.mesh.triangles(t, k)).isZero(0));
+    }
+    EXPECT_LT((columns.transpose() * columns - Eigen::MatrixXd::Identity(40, 40)).cwiseAbs().maxCoeff(), 1e-9);
+    // The first fields are those of fewer, so that finer levels keep the shape.
+    const DisplacementFields few(
+        wing.mesh, wing.conditions,
+        {.number = 9, .axis = Vector3d::UnitY(), .motions = {"twist", "scale"}, .along = AlongAxis::splines});
+    for (int b = 0; b < few.size(); ++b) EXPECT_LT((few.field(b) - fields.field(b)).cwiseAbs().maxCoeff(), 1e-9);
+}
+
+/// What polynomials cannot: a tent along the axis, wherever its kinks are.
+TEST(DisplacementFields, SplinesMakeAKink) {
+    const TriMesh body = capped_cylinder(16, 160, 0.2, 2);
+    const double middle = 0.5 * (body.vertices.col(2).maxCoeff() + body.vertices.col(2).minCoeff());
+    const Points tent = motion_of(body, [&](const Vector3d& x) {
+        return Vector3d(std::max(0.0, 0.5 - std::abs(x[2] - middle - 0.1234)) * Vector3d(x[0], x[1], 0));
+    });
+    std::vector<double> left;
+    for (const int number : {14, 35})
+        for (const AlongAxis along : {AlongAxis::polynomials, AlongAxis::splines}) {
+            const FieldOptions options{
+                .number = 2 * number, .axis = Vector3d::UnitZ(), .motions = {"scale"}, .along = along};
+            left.push_back(left_over(body, DisplacementFields(body, {}, options), tent));
+        }
+    EXPECT_LT(left[3], 0.3 * left[2]) << left[2];
+    EXPECT_LT(left[3], 0.1 * left[1]) << "more of them follow it closer";
+}
+
+TEST(FunctionsAlong, SplinesAreThoseOfAllKnotsSoFar) {
+    const int last = 18;  // four polynomials, and 15 splines around the knots of 16 intervals
+    const int samples = 401;
+    Eigen::MatrixXd values(samples, last + 1), powers(samples, 2);
+    for (int n = 0; n < samples; ++n) {
+        const double s = -1 + 2.0 * n / (samples - 1);
+        const FunctionsAlong at(AlongAxis::splines, s, last);
+        values.row(n) = VectorXd::Map(at.value.data(), last + 1).transpose();
+        powers(n, 0) = std::pow(std::max(0.0, s - 0.375), 3);   // a knot of sixteen
+        powers(n, 1) = std::pow(std::max(0.0, s - 0.4375), 3);  // of thirty-two
+    }
+    const auto rest = [&](int count, int k) {
+        const Eigen::MatrixXd some = values.leftCols(count);
+        return (some * some.colPivHouseholderQr().solve(powers.col(k)) - powers.col(k)).norm() / powers.col(k).norm();
+    };
+    EXPECT_EQ(values.colPivHouseholderQr().rank(), last + 1);
+    EXPECT_LT(rest(last + 1, 0), 1e-12);
+    EXPECT_GT(rest(last + 1, 1), 1e-5);
+    EXPECT_GT(rest(last, 0), 1e-5) << "the last one is needed";
+}
+
+TEST(FunctionsAlong, SlopesAreDerivativesAndEvenNumbersAreEven) {
+    for (const AlongAxis along : {AlongAxis::polynomials, AlongAxis::splines})
+        for (const double s : {-0.93, -0.31, 0.0, 0.2, 0.77}) {
+            const double h = 1e-5;
+            const int last = 70;
+            const FunctionsAlong at(along, s, last), image(along, -s, last), ahead(along, s + h, last),
+                behind(along, s - h, last);
+            for (int n = 0; n <= last; ++n) {
+                const double slope = (ahead.value[n] - behind.value[n]) / (2 * h);
+                EXPECT_NEAR(at.slope[n], slope, 1e-4 * (1 + std::abs(slope))) << n << " at " << s;
+                EXPECT_NEAR(image.value[n], (n % 2 == 0 ? 1 : -1) * at.value[n], 1e-13) << n << " at " << s;
+            }
+            FunctionsAlong reused(along, 0.5, last);
+            reused.set(s);
+            EXPECT_EQ(reused.value, at.value);
+            EXPECT_EQ(reused.slope, at.slope);
+        }
+}
+
 /// A file may keep points that are none of the surface, wherever they are.
 TEST(DisplacementFields, AreThoseOfTheSurfaceWithoutItsLooseVertices) {
     HeldWing wing;

@@ -180,6 +180,40 @@ TEST(WaveDrag, AHalfModelHasHalfOfItAndScales) {
     EXPECT_NEAR(value(wave_drag("w", large, flow), large), 1e4 * D, 1e-6 * 1e4 * D);
 }
 
+TEST(WaveDrag, AreasOfASurfaceBesideAreAdded) {
+    const TriMesh body = ellipsoid({3, 0.4, 0.4}, 3), fin = moved(ellipsoid({0.8, 0.05, 0.5}, 2), 1, {0.7, 0, 1.2});
+    TriMesh turned = fin, both = body;
+    turned.triangles.col(0).swap(turned.triangles.col(1));
+    both.vertices.conservativeResize(body.num_vertices() + fin.num_vertices(), 3);
+    both.vertices.bottomRows(fin.num_vertices()) = fin.vertices;
+    both.triangles.conservativeResize(body.num_triangles() + fin.num_triangles(), 3);
+    both.triangles.bottomRows(fin.num_triangles()) = fin.triangles.array() + body.num_vertices();
+    WaveDrag flow, with_fin;
+    flow.stations = with_fin.stations = 16;
+    flow.mach = with_fin.mach = 1.3;
+    with_fin.beside = fin;
+    const double alone = value(wave_drag("w", body, flow), body), wanted = value(wave_drag("w", both, flow), both);
+    const Quantity drag = wave_drag("w", body, with_fin);
+    EXPECT_NEAR(value(drag, body), wanted, 1e-12 * wanted);
+    EXPECT_GT(std::abs(wanted - alone), 0.01 * alone);
+    with_fin.beside = turned;  // whichever way its triangles run
+    EXPECT_NEAR(value(wave_drag("w", body, with_fin), body), wanted, 1e-12 * wanted);
+    EXPECT_NEAR(order(drag, body, 1, 0, 1e-4), 2, 0.15);
+    EXPECT_NEAR(order(drag, body, 1.1, 0, 1e-4), 1, 0.1);
+    // Half of both has half of the drag; marks of a base count triangles of the body alone.
+    const SymmetryPlane symmetry{Eigen::Vector3d::UnitY(), 0};
+    const TriMesh wavy = example::wavy_body(2000, {4, 0.4, 0.2, 1.5}), half = half_above(wavy);
+    const TriMesh store = moved(example::wavy_body(500, {2, 0.2, 0.1, 1.5}), 1, {0.5, 0, 1});
+    with_fin.beside = store;
+    const double whole = value(wave_drag("w", wavy, with_fin), wavy);
+    with_fin.beside = half_above(store);
+    EXPECT_NEAR(value(wave_drag("w", half, with_fin, symmetry), half), 0.5 * whole, 1e-9 * whole);
+    with_fin.base.assign(static_cast<std::size_t>(half.num_triangles()), 0);
+    EXPECT_NO_THROW(value(wave_drag("w", half, with_fin, symmetry), half));
+    with_fin.base.clear();
+    EXPECT_TRUE(has(refusal([&] { wave_drag("w", body, with_fin); }), "w: the surface beside it: the surface is open"));
+}
+
 TEST(WaveDrag, WhatCannotBeIsRefused) {
     const TriMesh mesh = icosphere(1);
     WaveDrag flow;

@@ -65,8 +65,9 @@ MethodChoice choose_method(const Problem& problem, int budget) {
     const double affordable = static_cast<double>(budget) / gradient;
     choice.by_differences = true;
     if (!problem.cheap_models.empty()) {  // only sqp knows how to use them
-        choice.words = text("method: auto chooses sqp with the cheap model, and differences where that is not enough: '",
-                            missing, "' has no gradient");
+        choice.words =
+            text("method: auto chooses sqp with the cheap model, and differences where that is not enough: '", missing,
+                 "' has no gradient");
         return choice;
     }
     const std::string why =

@@ -12,8 +12,8 @@ struct MethodChoice {
 };
 
 /// Where the objective and all constrained values have gradients, or the case asks for differences: sqp, and no words.
-/// Else sqp by differences; or, where there is no cheap model and the budget pays for fewer than `least_gradients` whole
-/// gradients of the first level, `model`.
+/// Else sqp by differences; or, where there is no cheap model and the budget pays for fewer than `least_gradients`
+/// whole gradients of the first level, `model`.
 /// @param budget of the whole run, evaluations
 /// @pre problem.optimize.chooses_method
 MethodChoice choose_method(const Problem& problem, int budget);

@@ -266,18 +266,24 @@ private:
         return probes;
     }
 
-    bool evaluate_probes(const Probes& probes) {
+    /// Downhill of the present design. Fewer than asked for where limits leave no room; the search may have ended.
+    std::vector<VectorXd> probe_points(const Probes& probes) {
         const VectorXd slope = composed().gradient;
         const double length =
             std::min(radius_, std::max(probe_length, program_.differences ? program_.differences->step : 0.0));
         std::vector<VectorXd> points;
-        for (Index k = 0; k < probes.directions.cols(); ++k) {
+        for (Index k = 0; k < probes.directions.cols() && guard_.cause == StopCause::none; ++k) {
             const VectorXd d = length * probes.directions.col(k);
             const VectorXd there = now_.x + (slope.dot(d) > 0 ? -d : d);
             const VectorXd point = guard_.inside(there.cwiseMax(program_.lower).cwiseMin(program_.upper));
-            if (guard_.cause != StopCause::none) return end_as(LowFidelityEnd::Why::ended);
             if (metric_norm(program_, point - now_.x) > 0.1 * length) points.push_back(point);
         }
+        return points;
+    }
+
+    bool evaluate_probes(const Probes& probes) {
+        const std::vector<VectorXd> points = probe_points(probes);
+        if (guard_.cause != StopCause::none) return end_as(LowFidelityEnd::Why::ended);
         if (points.empty()) return end_as(LowFidelityEnd::Why::exhausted);
         guard_.report_event(text("cheap model: ", points.size(), points.size() == 1 ? " design" : " designs",
                                  " next to the present one tell what it does not know"));

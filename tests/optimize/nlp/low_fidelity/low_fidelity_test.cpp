@@ -18,11 +18,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Like the wave drag of a body: a quadratic form about its best shape, that bends upward far from it.
-struct Body {
+struct DragModel {
     MatrixXd stiffness;
     VectorXd best;
 
-    Body(int n, unsigned seed) {
+    DragModel(int n, unsigned seed) {
         const VectorXd entries = random_vector(n * n, seed);
         const MatrixXd across =
             Eigen::HouseholderQR<MatrixXd>(Eigen::Map<const MatrixXd>(entries.data(), n, n)).householderQ();
@@ -43,7 +43,7 @@ struct Body {
 
 /// What a solver says of the same body: another scale, and what the cheap model does not see.
 struct Solver {
-    Body body;
+    DragModel body;
     VectorXd tilt;
     double scale = 0.7, size;  ///< of the residual
 
@@ -60,7 +60,7 @@ enum class Cheap { none, good, flipped, constant, another };
 
 struct Case {
     Solver solver;
-    Body another;
+    DragModel another;
     bool is_constrained;
     int evaluations = 0, cheap_evaluations = 0;
     std::vector<double> feasible;  ///< lowest so far, per evaluation
@@ -151,7 +151,7 @@ bool holds(const std::vector<std::string>& events, const std::string& words) {
 
 TEST(ResidualModel, FindsScaleAndResidualAndTheirGradient) {
     const int n = 5;
-    const Body body(n, 3);
+    const DragModel body(n, 3);
     const VectorXd tilt = random_vector(n, 4);
     const auto f = [&](const VectorXd& x) { return -2.5 * body.drag(x) + 0.1 * tilt.dot(x); };
     const MatrixXd metric = MatrixXd::Identity(n, n) + 0.3 * MatrixXd::Ones(n, n);
@@ -191,8 +191,8 @@ TEST(ResidualModel, KnownSlopesAreItsSlopes) {
 
 TEST(ResidualModel, AWrongCheapModelLosesItsWeight) {
     const int n = 5;
-    const Body body(n, 3), another(n, 77);
-    const auto weight = [&](const Body& cheap) {
+    const DragModel body(n, 3), another(n, 77);
+    const auto weight = [&](const DragModel& cheap) {
         ResidualModel model(MatrixXd::Identity(n, n), {LowFidelityValue::approximate}, vec({1}));
         std::vector<VectorXd> at{VectorXd::Zero(n)};
         for (unsigned k = 0; k < 15; ++k) at.push_back(0.3 * random_vector(n, 50 + k));

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-struct TestBody {
+struct BodyOfTest {
     const char* name;
     TriMesh (*make)();
 };
@@ -25,7 +25,7 @@ TriMesh centred_box() {
     return box;
 }
 
-const TestBody bodies[] = {{"ellipsoid",
+const BodyOfTest bodies[] = {{"ellipsoid",
                             [] {
                                 return ellipsoid({1, 0.6, 0.4}, 2);
                             }},
@@ -97,7 +97,7 @@ std::vector<NamedFault> all_faults() {
     };
 }
 
-Problem problem_of(const TestBody& body, int levels, const Fault& fault) {
+Problem problem_of(const BodyOfTest& body, int levels, const Fault& fault) {
     Problem problem;
     problem.name = body.name;
     problem.surface = body.make();
@@ -151,7 +151,7 @@ constexpr double converged_slope = 0.05;
 TEST_P(WrongGradients, NoRunConvergesByOne) {
     const NamedFault fault = all_faults()[static_cast<std::size_t>(GetParam())];
     int accused = 0, converged = 0;
-    for (const TestBody& body : bodies)
+    for (const BodyOfTest& body : bodies)
         for (const int levels : {1, 2, 3}) {
             SCOPED_TRACE(std::string(fault.name) + " " + body.name + " " + std::to_string(levels));
             const Problem problem = problem_of(body, levels, fault.apply);

@@ -1,6 +1,8 @@
 #include "core/fields/displacement_fields.hpp"
 #include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
+#include "core/wrap/halves.hpp"
+#include "core/wrap/wrap_map.hpp"
 #include "evaluated.hpp"
 #include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/space/field_conditions.hpp"
@@ -92,6 +94,55 @@ TEST(KeptSectionsRun, GradientsAreExact) {
                 EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
             }
         }
+}
+
+/// The same wing carried by a wrap around it, half an ellipsoid that ends on the plane of symmetry: loads act on the
+/// wrap, what it makes of the wing keeps the edges, and fields and planform act on the wing itself.
+KeptRun wrapped_run() {
+    KeptRun run = kept_run(true, true);
+    Problem& problem = run.problem;
+    const Eigen::RowVector3d low = problem.surface.vertices.colwise().minCoeff(),
+                             high = problem.surface.vertices.colwise().maxCoeff();
+    TriMesh around = ellipsoid({0.8 * (high[0] - low[0]), 1.25 * high[1], 0.8 * (high[2] - low[2]) + 0.1}, 2);
+    around.vertices.col(0).array() += 0.5 * (low[0] + high[0]);
+    around.vertices.col(2).array() += 0.5 * (low[2] + high[2]);
+    WrapMapOptions options;
+    options.plane = problem.symmetry, options.is_half = true;
+    options.held.assign(static_cast<std::size_t>(problem.surface.num_vertices()), 0);
+    for (const int t : problem.fixed)
+        for (const int v : problem.surface.triangles.row(t)) options.held[static_cast<std::size_t>(v)] = 1;
+    around = clipped(around, *problem.symmetry, 1e-9);
+    problem.wrap = std::make_shared<const WrapMap>(around, problem.surface, options);
+    const Points c = triangle_centroids(around);
+    for (int t = 0; t < around.num_triangles(); ++t)
+        if (c(t, 1) < 0.75) problem.supports.push_back(t);
+    problem.tree = octants(around, 1);
+    problem.prism_height = Eigen::VectorXd::Constant(around.num_vertices(), 0.02 * box_diagonal(around));
+    add_fields(problem.parameters, std::make_shared<const DisplacementFields>(
+                                       problem.surface, field_conditions(problem), FieldOptions{12, {}}));
+    return run;
+}
+
+TEST(KeptSectionsRun, GradientsThroughAWrapAreExact) {
+    const KeptRun run = wrapped_run();
+    Evaluated e(run.problem);
+    const Eigen::VectorXd x = 0.1 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+    ShapeEvaluation here = e.evaluator.evaluate(x, 1);
+    ASSERT_EQ(here.status, EvaluationStatus::ok) << here.reason;
+    e.evaluator.differentiate(here);
+    for (int i = 0; i < 2; ++i) {
+        const Eigen::VectorXd g = here.gradients.row(i);
+        const auto J = [&](const Eigen::VectorXd& y) { return e.evaluator.evaluate(y, 1).values.at(i); };
+        EXPECT_NEAR(taylor_order(J, x, g, p, 1e-2), 2, 0.15) << i;
+        EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
+    }
+    // Without changes of the planform every shape keeps the edges.
+    Eigen::VectorXd kept = x;
+    for (int j = 0; j < e.space.size(); ++j)
+        if (e.space.variables[static_cast<std::size_t>(j)].name.find("delta_") != std::string::npos) kept[j] = 0;
+    const std::array<double, 2> worst = off(run, e.evaluator.evaluate(kept, 1).vertices);
+    EXPECT_LT(worst[0], 1e-4);
+    EXPECT_LT(worst[1], 0.02);
 }
 
 TEST(KeptSectionsRun, EdgesStayInEveryShapeAndRunsGain) {

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::VectorXd;
 
-struct Body {
+struct BodyOfTest {
     const char* name;
     TriMesh (*make)();
 };
@@ -25,14 +25,14 @@ TriMesh centred_box() {
     return box;
 }
 
-const Body bodies[] = {{"ellipsoid",
-                        [] {
-                            return ellipsoid({1, 0.6, 0.4}, 2);
-                        }},
-                       {"box", centred_box},
-                       {"blade", [] {
-                            return ellipsoid({1, 0.5, 0.1}, 2);
-                        }}};
+const BodyOfTest bodies[] = {{"ellipsoid",
+                            [] {
+                                return ellipsoid({1, 0.6, 0.4}, 2);
+                            }},
+                           {"box", centred_box},
+                           {"blade", [] {
+                                return ellipsoid({1, 0.5, 0.1}, 2);
+                            }}};
 
 /// The mean square distance of the vertices to where they shall be, over the square of the diagonal.
 Quantity mismatch(const TriMesh& start) {
@@ -97,7 +97,7 @@ std::vector<NamedFault> all_faults() {
     };
 }
 
-Problem problem_of(const Body& body, int levels, const Fault& fault) {
+Problem problem_of(const BodyOfTest& body, int levels, const Fault& fault) {
     Problem problem;
     problem.name = body.name;
     problem.surface = body.make();
@@ -151,7 +151,7 @@ constexpr double converged_slope = 0.05;
 TEST_P(WrongGradients, NoRunConvergesByOne) {
     const NamedFault fault = all_faults()[static_cast<std::size_t>(GetParam())];
     int accused = 0, converged = 0;
-    for (const Body& body : bodies)
+    for (const BodyOfTest& body : bodies)
         for (const int levels : {1, 2, 3}) {
             SCOPED_TRACE(std::string(fault.name) + " " + body.name + " " + std::to_string(levels));
             const Problem problem = problem_of(body, levels, fault.apply);

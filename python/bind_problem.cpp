@@ -261,11 +261,14 @@ void set_options(PythonProblem& p, const std::optional<int>& evaluations, const 
     if (seconds && !(*seconds >= 0))
         throw InvalidInput(text("Problem.options: max_seconds = ", *seconds, " must be >= 0"));
     if (evaluations) p.problem.optimize.max_evaluations = *evaluations;
-    if (method) {
+    if (method && *method == "auto") {
+        p.problem.optimize.method = Method::sqp;
+        p.problem.optimize.chooses_method = true;
+    } else if (method) {
         const MethodFacts* facts = method_named(current_name(*method, "slsqp", "sqp", "Problem.options: method"));
         if (!facts) {
-            std::string list;
-            for (const MethodFacts& one : all_methods()) list += text(list.empty() ? "" : ", ", one.name);
+            std::string list = "auto";
+            for (const MethodFacts& one : all_methods()) list += text(", ", one.name);
             throw InvalidInput("Problem.options: method '" + *method + "' is none of " + list);
         }
         p.problem.optimize.method = facts->method;
@@ -394,7 +397,8 @@ Defaults are those of a case file, and the same problem gives the same bits eith
 Search options; None leaves an option unchanged.
 
 `max_evaluations`: of the whole run, an int (60 at first). `method`: its name as in a case file, such as sqp (at first)
-or cobyla, which needs no gradients. `max_seconds`: of the whole run, a float; 0: no limit.
+or cobyla, which needs no gradients; auto chooses, by the budget where a value has no gradient. `max_seconds`: of the
+whole run, a float; 0: no limit.
 `seed`: an int, for everything random.)")
         .def(
             "__repr__",

@@ -20,6 +20,11 @@ const QuantityEntry* quantity_of(const Case& c, const std::string& value) {
     return nullptr;
 }
 
+/// Volume and area have no entry before they are used.
+bool is_value(const Case& c, const std::string& name) {
+    return name == "volume" || name == "area" || quantity_of(c, name);
+}
+
 /// The quantities that a value is made of, formulas and their parts.
 void add_parts(const Case& c, const std::string& value, std::set<const QuantityEntry*>& parts) {
     const QuantityEntry* quantity = quantity_of(c, value);
@@ -34,6 +39,8 @@ public:
         : case_(c), quantity_(quantity), program_(program), errors_(errors) {}
 
     void add_to(std::vector<CheapModel>& models) {
+        if (program_.low_fidelity.empty())
+            refuse(program_.low_fidelity_place, "names nothing; write a quantity, or a map of outputs to values");
         for (const auto& [output, low] : program_.low_fidelity) {
             if (output.name.empty())
                 add_all(low, models);
@@ -57,7 +64,7 @@ private:
         const auto is_named = [&](const QuantityEntry& q) { return q.name == low.name; };
         const auto named = std::find_if(case_.quantities.begin(), case_.quantities.end(), is_named);
         if (named == case_.quantities.end()) {
-            if (quantity_of(case_, low.name))
+            if (is_value(case_, low.name))
                 return refuse(low.place,
                               text("'", low.name, "' is one value, and the program has ", program_.outputs.size(),
                                    ": write a map, for example {", program_.outputs[0], ": ", low.name, "}"));
@@ -73,11 +80,11 @@ private:
         if (!any)
             refuse(low.place,
                    text("'", low.name, "' has no value of the same name as one of ", joined(program_.outputs),
-                        ": write a map, for example {", program_.outputs[0], ": ", low.name, "}"));
+                        ": write a map, for example {", program_.outputs[0], ": ", named->value_names()[0], "}"));
     }
 
     void add(const std::string& value, const Reference& low, std::vector<CheapModel>& models) {
-        if (!quantity_of(case_, low.name)) return unknown(low);
+        if (!is_value(case_, low.name)) return unknown(low);
         std::set<const QuantityEntry*> parts;
         add_parts(case_, low.name, parts);
         if (parts.count(&quantity_))
@@ -88,7 +95,9 @@ private:
 
     void unknown(const Reference& low) {
         const Names known = known_values(case_);
-        const std::string near = nearest(low.name, known);
+        Names candidates = known;  // a whole quantity may be meant, too
+        for (const QuantityEntry& quantity : case_.quantities) candidates.push_back(quantity.name);
+        const std::string near = nearest(low.name, candidates);
         refuse(low.place, text("quantity '", printable(low.name), "' is not known",
                                near.empty() ? "" : text("; did you mean '", near, "'?"), near.empty() ? "; q" : " Q",
                                "uantities: ", joined(known)));
@@ -106,7 +115,7 @@ std::vector<CheapModel> cheap_models(const Case& c, Diagnostics& errors) {
     std::vector<CheapModel> models;
     for (const QuantityEntry& quantity : c.quantities) {
         const auto* program = std::get_if<ExternalEntry>(&quantity.what);
-        if (!program || program->low_fidelity.empty()) continue;
+        if (!program || program->low_fidelity_place.line == 0) continue;
         if (!c.fit.empty())
             errors.add(program->low_fidelity_place, "low_fidelity is not used by fit");
         else if (c.optimize.method != Method::sqp)

@@ -19,7 +19,8 @@ const Quantity* quantity_of(const std::vector<Quantity>& quantities, const std::
     return nullptr;
 }
 
-/// Nothing of it comes from a program.
+}  // namespace
+
 bool is_cheap(const Problem& problem, const std::string& value) {
     const Quantity* quantity = quantity_of(problem.quantities, value);
     if (!quantity) return true;  // a parameter
@@ -27,8 +28,6 @@ bool is_cheap(const Problem& problem, const std::string& value) {
     const auto& parts = quantity->combination->of;
     return std::all_of(parts.begin(), parts.end(), [&](const std::string& part) { return is_cheap(problem, part); });
 }
-
-}  // namespace
 
 /// Puts together the quantities of the cheap problem, parts before what is made of them.
 class CheapProgram::Maker {

@@ -6,6 +6,9 @@
 /// The values of a problem as its cheap models give them, for designs that are never evaluated. Internal.
 namespace strake {
 
+/// Nothing of the value comes from a program.
+bool is_cheap(const Problem& problem, const std::string& value);
+
 /// A problem with cheap models, as a nonlinear program in the variables of a level. Shapes are made by an evaluator of
 /// its own: they follow each other, and nothing of them reaches the records of the run.
 class CheapProgram {

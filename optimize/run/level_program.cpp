@@ -46,6 +46,20 @@ bool needs_narrow_bounds(const OptimizeOptions& options) {
     return options.starts > 1 || method.is_global || (method.needs_gradients && method.method != Method::sqp);
 }
 
+/// A cheap program is worth its place: it stands for values of programs, or tells a search by models which designs meet
+/// a constraint. Functions without gradients that are no programs may be expensive, too: they are called for
+/// evaluations only.
+bool uses_cheap_program(const Problem& problem) {
+    if (problem.optimize.method == Method::sqp) return !problem.cheap_models.empty();
+    if (problem.optimize.method != Method::model) return false;
+    const auto is_unknown = [](const Quantity& quantity) {
+        return quantity.program.empty() && !quantity.combination && !quantity.has_sensitivities;
+    };
+    return std::none_of(problem.quantities.begin(), problem.quantities.end(), is_unknown) &&
+           std::any_of(problem.constraints.begin(), problem.constraints.end(),
+                       [&](const Constraint& c) { return is_cheap(problem, c.quantity); });
+}
+
 /// Sum of weight * sensitivities, over those that count for design variables.
 ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, const Eigen::VectorXd& weight) {
     ShellSensitivities sum = all[0];
@@ -157,7 +171,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
 }
 
 void LevelProgram::add_cheap_program() {
-    if (state_.problem.cheap_models.empty() || state_.problem.optimize.method != Method::sqp) return;
+    if (!uses_cheap_program(state_.problem)) return;
     if (!cheap_)
         cheap_ =
             std::make_unique<CheapProgram>(state_.problem, state_.rest, state_.journal(), state_.events.stop_wanted);

@@ -32,6 +32,7 @@ TEST_F(CheapModels, AreReadAsAQuantityOrByValue) {
     EXPECT_EQ(models(with("{drag: half}")), (Words{"flow.drag by half"}));
     EXPECT_EQ(models(with("{drag: wave, lift: newton.lift}")),
               (Words{"flow.drag by wave", "flow.lift by newton.lift"}));
+    EXPECT_EQ(models(with("{drag: area}")), (Words{"flow.drag by area"})) << "has no entry";
     const std::string coarse = "  coarse: {command: [sh, -c, exit], outputs: [drag], gradients: false}\n";
     EXPECT_EQ(models(with("coarse", coarse)), (Words{"flow.drag by coarse.drag"}));
     const BuiltProblem built = build(with("coarse", coarse));
@@ -44,6 +45,8 @@ TEST_F(CheapModels, WhatIsNoneIsRefusedWithItsPlace) {
     EXPECT_TRUE(contains(error(with("newtn")), "quantities.flow.low_fidelity: quantity 'newtn' is not known"))
         << error(with("newtn"));
     EXPECT_TRUE(contains(error(with("{drag: wavy}")), "did you mean 'wave'?")) << error(with("{drag: wavy}"));
+    EXPECT_TRUE(contains(error(with("newtn")), "did you mean 'newton'?")) << error(with("newtn"));
+    EXPECT_TRUE(contains(error(with("{}")), "low_fidelity: names nothing")) << error(with("{}"));
     EXPECT_TRUE(contains(error(with("{drgg: wave}")), "the program has no output 'drgg'; outputs: drag, lift"))
         << error(with("{drgg: wave}"));
     EXPECT_TRUE(contains(error(with("wave")), "'wave' has no value of the same name as one of drag, lift"))

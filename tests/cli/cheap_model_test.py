@@ -15,7 +15,8 @@ import json, math, os, sys
 kind, request_file, result_file = sys.argv[1:]
 request = json.load(open(request_file))
 with open(os.path.join(os.path.dirname(os.path.abspath(__file__)), kind + "-calls"), "a") as calls:
-    calls.write("%s %d\\n" % (os.path.basename(os.path.dirname(os.path.dirname(os.path.abspath(result_file)))), request["evaluation"]))
+    place = "low_fidelity" if "low_fidelity" in result_file.split(os.sep) else "evaluations"
+    calls.write("%s %d\\n" % (place, request["evaluation"]))
 points, drag, area = [], 0.0, 0.0
 for line in open(request["surface"]):
     words = line.split()
@@ -40,7 +41,7 @@ regions: {nose: {box: [[-1, -9, -9], [0.8, 9, 9]]}, base: {plane: {normal: [1, 0
 fixed: [nose, base]
 parameters: {levels: auto, patches_per_level: [6], variables: [normal], max_displacement: 3%}
 quantities:
-  fine: {command: ["PYTHON", ./solver.py, fine, "{request}", "{result}"], outputs: [drag], format: obj, gradients: false, parallel: 1, low_fidelity: LOW}
+  fine: {command: ["PYTHON", SOLVER_FILE, fine, "{request}", "{result}"], outputs: [drag], format: obj, gradients: false, parallel: 1, low_fidelity: LOW}
   newton: {type: newtonian, cp_max: 2, shadows: false}
 MORE
 objective: {minimize: fine.drag}
@@ -48,7 +49,7 @@ constraints: {volume: {min: 1, relative: true}}
 optimize: {finite_differences: true, budget: {evaluations: 10}}
 output: {report: false, paraview: none}
 """.replace("PYTHON", sys.executable)
-COARSE = """  coarse: {command: ["PYTHON", ./solver.py, coarse, "{request}", "{result}"], outputs: [drag], format: obj, gradients: false, parallel: 2}
+COARSE = """  coarse: {command: ["PYTHON", SOLVER_FILE, coarse, "{request}", "{result}"], outputs: [drag], format: obj, gradients: false, parallel: 2}
 """.replace("PYTHON", sys.executable)
 
 
@@ -60,7 +61,7 @@ def strake(*arguments, status=0):
 
 
 def write(name, low, more="", **changes):
-    text = CASE.replace("LOW", low).replace("MORE", more)
+    text = CASE.replace("LOW", low).replace("MORE", more).replace("SOLVER_FILE", str(FOLDER / "solver.py"))
     for old, new in changes.items():
         assert old in text
         text = text.replace(old, new)
@@ -99,7 +100,7 @@ def setUpModule():
     global FOLDER, TEMPORARY
     TEMPORARY = tempfile.TemporaryDirectory()
     FOLDER = pathlib.Path(TEMPORARY.name)
-    subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1200", "-o", "body.obj"], cwd=FOLDER, check=True,
+    subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1500", "-o", "body.obj"], cwd=FOLDER, check=True,
                    stdout=subprocess.DEVNULL)
     (FOLDER / "solver.py").write_text(SOLVER)
 

@@ -26,13 +26,13 @@ TriMesh centred_box() {
 }
 
 const BodyOfTest bodies[] = {{"ellipsoid",
-                            [] {
-                                return ellipsoid({1, 0.6, 0.4}, 2);
-                            }},
-                           {"box", centred_box},
-                           {"blade", [] {
-                                return ellipsoid({1, 0.5, 0.1}, 2);
-                            }}};
+                              [] {
+                                  return ellipsoid({1, 0.6, 0.4}, 2);
+                              }},
+                             {"box", centred_box},
+                             {"blade", [] {
+                                  return ellipsoid({1, 0.5, 0.1}, 2);
+                              }}};
 
 /// The mean square distance of the vertices to where they shall be, over the square of the diagonal.
 Quantity mismatch(const TriMesh& start) {

@@ -266,12 +266,25 @@ def test_a_function_of_other_arguments_is_refused_when_it_is_added(body):
     problem.add_quantity("r", max)  # a built-in one does not say what it takes
 
 
+def test_auto_takes_a_method_that_needs_no_gradients(body):
+    def run(method):
+        problem = problem_of(body)
+        problem.add_quantity("height", lambda surface, want_gradient: float(np.ptp(surface.vertices[:, 2])), gradient=False)
+        problem.minimize("height")
+        problem.options(method=method, max_evaluations=12)
+        return strake.run(problem)
+
+    chosen = run("auto")
+    assert chosen.objective < chosen.objective_start
+    assert np.array_equal(chosen.surface.vertices, run("model").surface.vertices)
+
+
 def test_what_there_is_is_listed(body):
     problem = problem_of(body)
     problem.add_quantity("mine", lambda surface, want_gradient: 1.0)
     with pytest.raises(strake.InvalidInput, match="no quantity 'drag'; there are: volume, area, mine; others are added by add_quantity"):
         problem.minimize("drag")
-    with pytest.raises(strake.InvalidInput, match="'bfgs' is none of sqp, mma, .*cobyla"):
+    with pytest.raises(strake.InvalidInput, match="'bfgs' is none of auto, sqp, mma, .*cobyla"):
         problem.options(method="bfgs")
     problem.add_quantity("many", lambda surface, want_gradient: [1.0, np.zeros((100, 3))])
     problem.minimize("many")

@@ -39,18 +39,18 @@ struct Correction {
     }
 };
 
-VectorXd with_row(const VectorXd& v, Index at, double value) {
-    VectorXd all(v.size() + 1);
-    all << v.head(at), value, v.tail(v.size() - at);
+VectorXd with_rows(const VectorXd& v, Index at, const VectorXd& rows) {
+    VectorXd all(v.size() + rows.size());
+    all << v.head(at), rows, v.tail(v.size() - at);
     return all;
 }
 
 /// The Hessian of the Lagrangian without what the multiplier of the trust region adds, where the rest is positive
 /// definite.
-MatrixXd without_trust_region(const Guard& guard, const MatrixXd& hessian, double radius) {
+MatrixXd without_trust_region(const Guard& guard, const MatrixXd& hessian, Index row, double radius) {
     const NonlinearProgram& p = guard.program;
     if (guard.best.gradient.size() == 0 || hessian.size() == 0) return hessian;
-    const double multiplier = multipliers(p, guard.best_x, guard.best)[p.num_inequalities - 1];
+    const double multiplier = multipliers(p, guard.best_x, guard.best)[row];
     double part = std::max(multiplier, 0.0) * 2 / (radius * radius);
     for (int k = 0; k < 5 && part > 0; ++k, part /= 2) {
         const MatrixXd rest = hessian - part * p.metric;
@@ -68,20 +68,24 @@ VectorXd corrected_values(const ResidualModel& model, const LowFidelityPoint& fr
 }
 
 NonlinearProgram corrected_program(const LowFidelity& low, const ResidualModel& model, const LowFidelityPoint& from,
-                                   const MatrixXd& metric, double radius) {
+                                   const MatrixXd& metric, double radius, const std::optional<FailureCut>& cut) {
     const NonlinearProgram& cheap = *low.program;
     NonlinearProgram p = cheap;
     const Index row = cheap.num_inequalities;
     p.start = from.x;
     p.metric = metric;
-    p.num_inequalities = cheap.num_inequalities + 1;
+    const Index more = cut ? 2 : 1;
+    p.num_inequalities = cheap.num_inequalities + static_cast<int>(more);
     const auto correction = std::make_shared<const Correction>(model, from);
     p.evaluate = [=, evaluate = cheap.evaluate](const VectorXd& x) {
         Evaluation s = evaluate(x);
         if (!s.failure.empty()) return s;
         const VectorXd all = correction->at(x, values_of(s)), d = x - correction->x;
         s.objective = all[0];
-        s.constraints = with_row(all.tail(all.size() - 1), row, d.dot(metric * d) / (radius * radius) - 1);
+        VectorXd limits(more);
+        limits[0] = d.dot(metric * d) / (radius * radius) - 1;
+        if (cut) limits[1] = (cut->normal.dot(x) - cut->limit) / radius;
+        s.constraints = with_rows(all.tail(all.size() - 1), row, limits);
         return s;
     };
     if (cheap.differentiate)
@@ -95,6 +99,8 @@ NonlinearProgram corrected_program(const LowFidelity& low, const ResidualModel& 
             for (Index i = 0, from_row = 0; i < all.rows(); ++i) {
                 if (i == row)
                     all.row(i) = 2 * (metric * (x - correction->x)).transpose() / (radius * radius);
+                else if (i > row && i < row + more)
+                    all.row(i) = cut->normal.transpose() / radius;
                 else
                     all.row(i) =
                         correction->gradient(1 + from_row, x, s.jacobian.row(from_row).transpose()).transpose(),
@@ -102,12 +108,13 @@ NonlinearProgram corrected_program(const LowFidelity& low, const ResidualModel& 
             }
             s.jacobian = all;
         };
-    if (p.differences && !p.differences->rows.empty()) p.differences->rows.insert(p.differences->rows.begin() + row, 0);
+    if (p.differences && !p.differences->rows.empty())
+        p.differences->rows.insert(p.differences->rows.begin() + row, static_cast<std::size_t>(more), 0);
     return p;
 }
 
-CorrectedOptimum minimize_corrected(NonlinearProgram program, const MinimizeOptions& outer, const MatrixXd& hessian,
-                                    double radius) {
+CorrectedOptimum minimize_corrected(NonlinearProgram program, int num_inequalities, const MinimizeOptions& outer,
+                                    const MatrixXd& hessian, double radius) {
     program.hessian = hessian;
     MinimizeOptions options;
     options.objective_tolerance = tolerance;
@@ -120,19 +127,19 @@ CorrectedOptimum minimize_corrected(NonlinearProgram program, const MinimizeOpti
         max_evaluations + (program.differences ? gradients_by_differences * static_cast<int>(program.start.size()) : 0);
     Guard guard(program, options);
     CorrectedOptimum found;
+    const Index row = num_inequalities, more = program.num_inequalities - row;
     Evaluation start;
     if (guard.try_at(program.start, true, start)) {
         const SqpEnd end = minimize_by_sqp(guard);
-        found.hessian = without_trust_region(guard, end.hessian, radius);
+        found.hessian = without_trust_region(guard, end.hessian, row, radius);
         found.is_found = true;
     }
     if (guard.exception) std::rethrow_exception(guard.exception);
     if (!found.is_found) return found;
     found.x = guard.best_x;
     const VectorXd& c = guard.best.constraints;
-    const Index row = program.num_inequalities - 1;
-    found.values.resize(c.size());
-    found.values << guard.best.objective, c.head(row), c.tail(c.size() - row - 1);
+    found.values.resize(1 + c.size() - more);
+    found.values << guard.best.objective, c.head(row), c.tail(c.size() - row - more);
     found.is_limited = metric_norm(program, found.x - program.start) > at_the_border * radius;
     return found;
 }

@@ -127,8 +127,9 @@ private:
         if (bad_ > 0 && low_.values[0] == LowFidelityValue::approximate && model_.share(0) < min_share)
             return leave("it says too little of how the objective changes");
         raise_penalty();
-        const NonlinearProgram corrected = corrected_program(low_, model_, now_, metric_, radius_);
-        const CorrectedOptimum next = minimize_corrected(corrected, guard_.options, hessian_, radius_);
+        const NonlinearProgram corrected = corrected_program(low_, model_, now_, metric_, radius_, border_cut());
+        const CorrectedOptimum next =
+            minimize_corrected(corrected, low_.program->num_inequalities, guard_.options, hessian_, radius_);
         if (!next.is_found) return leave("its correction has no value here");
         hessian_ = next.hessian;
         const double predicted = decrease_to(next.values);
@@ -156,8 +157,7 @@ private:
         if (!guard_.try_at(x, false, trial)) {
             if (guard_.cause != StopCause::failure) return end_as(LowFidelityEnd::Why::ended);
             guard_.cause = StopCause::none;
-            radius_ = failure_cut * std::min(radius_, length);
-            hessian_.resize(0, 0);
+            failed_at(x, length);
             return ++failures_in_row_ < max_failures || leave("evaluations fail where it leads");
         }
         failures_in_row_ = 0;
@@ -179,6 +179,23 @@ private:
             return leave("it has no value at a design that was tried");
         }
         return count(is_better && ratio > poor);
+    }
+
+    /// Where enough is known of a border of failures, the next step keeps to this side of it; else it is shorter.
+    void failed_at(const VectorXd& x, double length) {
+        hessian_.resize(0, 0);
+        const std::optional<FailureCut> cut = border_cut();
+        const bool is_beyond = cut && cut->normal.dot(x) > cut->limit;
+        if (!is_beyond) radius_ = failure_cut * std::min(radius_, length);
+        guard_.report_event(text("cheap model: no value where it leads (evaluation ", guard_.evaluations, "): ",
+                                 is_beyond ? "steps keep to this side of the plane between what failed and what did not"
+                                           : text("the largest step is cut to ", rounded(radius_))));
+    }
+
+    std::optional<FailureCut> border_cut() const {
+        const std::optional<FailureClassifier> classifier = guard_.border.classifier(now_.x, metric_);
+        if (!classifier) return {};
+        return classifier->cut(now_.x, 0);
     }
 
     bool gradient_failed() {

@@ -11,8 +11,9 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr int max_evaluations = 60;  ///< of the models
-constexpr double tolerance = 1e-5;   ///< of the decrease, and of steps over the radius
+constexpr int max_evaluations = 60;            ///< of the models
+constexpr double tolerance = 1e-5;             ///< of the decrease, and of steps over the radius
+constexpr double constraint_tolerance = 1e-7;  ///< so that what meets the models' constraints meets the program's
 
 /// The models as a nonlinear program in the free variables. Rows: the program's inequalities, the radius, the border
 /// of failures; then equalities.
@@ -58,7 +59,8 @@ private:
         if (deviations_ > 0) at.objective -= deviations_ * std::sqrt(models_[0].variance(z) + floor());
         at.constraints.resize(models_.size() - 1 + more());
         for (Eigen::Index i = 0; i + 1 < models_.size(); ++i)
-            at.constraints[row_of(i)] = models_[i + 1].mean(z) + (i < inequalities ? region_.margin[i] : 0.0);
+            at.constraints[row_of(i)] =
+                models_[i + 1].mean(z) + region_.offset[i] + (i < inequalities ? region_.margin[i] : 0.0);
         at.constraints[inequalities] = 0.5 * (step.squaredNorm() / (region_.radius * region_.radius) - 1);
         if (region_.cut)
             at.constraints[inequalities + 1] = (region_.cut->normal.dot(x) - region_.cut->limit) / region_.radius;
@@ -96,6 +98,7 @@ VectorXd model_minimum(const NonlinearProgram& program, const SampledPoints& poi
     const NonlinearProgram p = modelled.as_program(from);
     MinimizeOptions how;
     how.max_evaluations = max_evaluations;
+    how.constraint_tolerance = constraint_tolerance;
     how.confirm = false;
     how.first_step = 0.5 * region.radius;
     how.objective_tolerance = tolerance;

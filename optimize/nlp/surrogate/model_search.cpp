@@ -30,6 +30,7 @@ constexpr double least_distance = 1e-6;   ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
+constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
 constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
 
 /// A point of a batch, and what the models expect there.
@@ -43,6 +44,10 @@ class ModelSearch {
 public:
     explicit ModelSearch(Guard& guard) : guard_(guard), points_(guard), radius_(guard.options.first_step) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
+        region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
+        if (const auto& low = guard.program.low_fidelity)
+            for (Eigen::Index i = 0; i < region_.offset.size(); ++i)
+                if (low->values[static_cast<std::size_t>(i) + 1] == LowFidelityValue::same) exact_rows_.push_back(i);
     }
 
     ModelEnd run() {
@@ -158,6 +163,8 @@ private:
         LocalModels models = *models_;
         std::vector<Proposal> batch;
         const int minima = exploiting();
+        const bool is_last = guard_.limit - guard_.evaluations <= guard_.options.batch;
+        const VectorXd margin = region_.margin;
         for (int k = 0; k < places() && guard_.cause == StopCause::none; ++k) {
             const bool exploits = k < minima;
             region_.radius =
@@ -165,13 +172,48 @@ private:
                                     : exploring_radius);
             const VectorXd c = region_.centre;
             const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
-            const VectorXd z = model_minimum(program(), points_, models, region_, exploits ? 0 : confidence, from);
+            const VectorXd z = minimum(models, exploits ? 0 : confidence, from);
             const std::size_t before = batch.size();
             add(batch, z, region_.radius);
             if (batch.size() == before) add(batch, c + exploring_radius * radius_ * next_direction(), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
+            if (is_last) keep_distance(batch);
         }
+        region_.margin = margin;
         return batch;
+    }
+
+    /// What is known exactly holds exactly: there the models serve for their slopes.
+    VectorXd minimum(const LocalModels& models, double deviations, const VectorXd& from) {
+        region_.offset.setZero();
+        VectorXd z = model_minimum(program(), points_, models, region_, deviations, from);
+        for (int round = 0; round < exact_rounds && !exact_rows_.empty(); ++round) {
+            const VectorXd x = guard_.inside(points_.variables(z));
+            if (guard_.cause != StopCause::none) break;
+            const Evaluation at = program().low_fidelity->program->evaluate(x);
+            if (!at.failure.empty() || !at.constraints.allFinite()) break;
+            double missed = 0;
+            for (const Eigen::Index i : exact_rows_) {
+                const double c = at.constraints[i];
+                const double expected = models[i + 1].mean(points_.whitened(x)) + region_.offset[i];
+                missed = std::max(missed, i < program().num_inequalities ? std::max(c, 0.0) : std::abs(c));
+                region_.offset[i] += c - expected;
+            }
+            if (missed <= 0.5 * guard_.options.constraint_tolerance) break;
+            z = model_minimum(program(), points_, models, region_, deviations, z);
+        }
+        return z;
+    }
+
+    /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
+    /// keeps farther from what only models tell.
+    void keep_distance(const std::vector<Proposal>& batch) {
+        if (batch.empty()) return;
+        for (Eigen::Index i = 0; i < program().num_inequalities; ++i) {
+            if (std::ranges::find(exact_rows_, i) != exact_rows_.end()) continue;
+            const double deviation = std::sqrt((*models_)[i + 1].variance(batch[0].z));
+            region_.margin[i] += std::max(deviation, guard_.options.constraint_tolerance);
+        }
     }
 
     /// Where it is evaluated, unless that is known.
@@ -309,6 +351,7 @@ private:
     SampledPoints points_;
     double radius_;  ///< in z
     ProposalRegion region_;
+    std::vector<Eigen::Index> exact_rows_;  ///< constraints that the program tells without an evaluation
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;

@@ -64,6 +64,8 @@ struct Case {
     bool is_constrained;
     int evaluations = 0, cheap_evaluations = 0;
     std::vector<double> feasible;  ///< lowest so far, per evaluation
+    std::function<bool(const VectorXd&)> fails;
+    int failures = 0;
     std::vector<std::string> events;
 
     Case(int n, unsigned seed, double residual, bool constrained)
@@ -92,6 +94,14 @@ struct Case {
         differences.step = 1e-3;
         if (is_constrained) differences.rows = {0};
         p.differences = differences;
+        if (fails)
+            p.evaluate = [this, inner = p.evaluate](const VectorXd& x) {
+                if (!fails(x)) return inner(x);
+                Evaluation none;
+                none.failure = "no steady flow";
+                ++failures;
+                return none;
+            };
         if (cheap == Cheap::none) return p;
         LowFidelity low;
         low.values = {LowFidelityValue::approximate};
@@ -124,7 +134,7 @@ struct Case {
         return all;
     }
     MinimizeResult run(Cheap cheap, int max_evaluations) {
-        evaluations = cheap_evaluations = 0;
+        evaluations = cheap_evaluations = failures = 0;
         feasible.clear();
         events.clear();
         MinimizeOptions how;
@@ -286,6 +296,30 @@ TEST_P(WithACheapModel, SaysWhatItIsWorthAndGivesTheSameBitsTwice) {
     EXPECT_NEAR(first.low_fidelity_scale[0], c.solver.scale, 0.3);
     c.run(Cheap::constant, 20);
     EXPECT_TRUE(holds(c.events, "it does not change with any variable"));
+}
+
+/// The optimum of the cheap model is beyond a border that the solver does not cross: the search goes along it instead
+/// of spending its trust region on failures.
+TEST_P(WithACheapModel, GoesAlongABorderOfFailures) {
+    Case c = make(0.1);
+    const VectorXd normal = c.solver.body.best.normalized();
+    c.fails = [&](const VectorXd& x) { return normal.dot(x) > 0.3; };
+    const double lowest = c.run(Cheap::none, 3000).best.objective;
+    c.run(Cheap::good, 20);
+    EXPECT_LT(c.feasible.back() - lowest, 0.1 * (c.feasible[0] - lowest)) << c.failures << " failures";
+    EXPECT_LE(c.failures, 14);
+}
+
+/// A solver that fails now and then, whatever it is asked.
+TEST_P(WithACheapModel, ChanceFailuresDoNotEndIt) {
+    Case c = make(0.3);
+    const double lowest = c.run(Cheap::none, 3000).best.objective;
+    int calls = 0;
+    c.fails = [&](const VectorXd& x) { return x.norm() > 0 && ++calls % 3 == 1; };
+    c.run(Cheap::good, 40);
+    EXPECT_FALSE(holds(c.events, "evaluations fail where it leads"));
+    EXPECT_GE(c.failures, 1);
+    EXPECT_LT(c.feasible.back() - lowest, 0.05 * (c.feasible[0] - lowest)) << c.failures << " failures";
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, WithACheapModel,

@@ -151,6 +151,57 @@ TEST(ModelSearch, GoesAlongABorderOfFailures) {
     EXPECT_LT(r.failures, r.evaluations / 2);
 }
 
+/// Far from linear, and to be met to 1e-6: its model alone never gets there.
+TEST(ModelSearch, WhatIsKnownExactlyIsMet) {
+    NonlinearProgram p = long_bowl(6);
+    p.num_equalities = 1;
+    const auto with_volume = [](Evaluation at, const VectorXd& x) {
+        at.constraints = vec({0.1 * x.sum() + 0.3 * x.squaredNorm() + 0.2 * std::sin(2 * x[0])});
+        return at;
+    };
+    int cheap_evaluations = 0;
+    p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return with_volume(inner(x), x); };
+    const double start = p.evaluate(p.start).objective;
+    EXPECT_DOUBLE_EQ(minimize(p, few(30)).best.objective, start) << "else it shows nothing";
+    NonlinearProgram cheap = p;
+    cheap.evaluate = [&](const VectorXd& x) {
+        ++cheap_evaluations;
+        Evaluation none;
+        none.objective = 0;
+        return with_volume(none, x);
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    const MinimizeResult r = minimize(p, few(30));
+    EXPECT_TRUE(r.is_feasible);
+    EXPECT_LT(r.best.objective, 0.7 * start) << start;
+    EXPECT_EQ(r.evaluations, 30);
+    EXPECT_GT(cheap_evaluations, 0);
+    p.low_fidelity->values[1] = LowFidelityValue::approximate;
+    EXPECT_DOUBLE_EQ(minimize(p, few(30)).best.objective, start) << "another value is none that is known";
+}
+
+/// The last batch keeps its distance from an inequality that only a model tells.
+TEST(ModelSearch, TheLastBatchMeetsAConstraintThatModelsTell) {
+    for (const int evaluations : {17, 25, 33}) {
+        NonlinearProgram p = long_bowl(4);
+        p.num_inequalities = 1;
+        double lowest = 1e300;
+        int calls = 0;
+        bool is_met_at_the_end = false;
+        p.evaluate = [&, inner = long_bowl(4).evaluate](const VectorXd& x) {
+            Evaluation at = inner(x);
+            at.constraints = vec({0.4 * x[0] - 0.3 * x[1] + 0.3 * x.squaredNorm() + 0.1 * std::sin(5 * x[2]) - 0.1});
+            const bool is_met = at.constraints[0] <= 1e-6;
+            if (is_met) lowest = std::min(lowest, at.objective);
+            if (++calls > evaluations - 8) is_met_at_the_end |= is_met;
+            return at;
+        };
+        minimize(p, few(evaluations));
+        EXPECT_TRUE(is_met_at_the_end) << evaluations;
+    }
+}
+
 TEST(ModelSearch, FewerEvaluationsThanVariablesStillGain) {
     const NonlinearProgram p = long_bowl(40);
     const double start = p.evaluate(p.start).objective;

@@ -1,3 +1,4 @@
+#include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
@@ -133,6 +134,37 @@ TEST(KeptSectionsRun, EdgesStayInEveryShapeAndRunsGain) {
         problem.optimize.max_evaluations = 14;
         expect_run_is_stored(problem, 0.02, 1e-8);
     }
+}
+
+/// A design is what it is by what its wing keeps: it neither starts nor is mixed with one that keeps something else.
+TEST(KeptSectionsRun, DesignsOfOtherRulesAreRefused) {
+    const auto design_of = [](Problem& problem) {
+        std::shared_ptr<const StoredDesign> best;
+        RunEvents events;
+        events.accepted = [&](const AcceptedDesign& design) {
+            best = std::make_shared<const StoredDesign>(stored_design(design));
+        };
+        maximize_volume(problem, 1.02);
+        problem.optimize.max_evaluations = 4;
+        optimize(problem, events);
+        return best;
+    };
+    Problem kept = kept_run(false, false).problem, free = kept_run(false, false, false).problem;
+    const auto a = design_of(kept), b = design_of(free);
+    ASSERT_TRUE(a && b);
+    EXPECT_EQ(mixed_design({kept, a}, {kept_run(false, false).problem, a}, 0.5).defect, "");
+    const auto words_of = [](const auto& act) -> std::string {
+        try {
+            act();
+        } catch (const InvalidInput& error) {
+            return error.what();
+        }
+        return "";
+    };
+    EXPECT_NE(words_of([&] { mixed_design({kept, a}, {free, b}, 0.5); }).find("planform: keep"), std::string::npos);
+    Problem from = kept;
+    start_from(from, b);
+    EXPECT_NE(words_of([&] { optimize(from); }).find("planform: keep"), std::string::npos);
 }
 
 TEST(KeptSectionsRun, TheMetricIsThatOfWhatIsKept) {

@@ -11,6 +11,7 @@ import signal
 import statistics
 import subprocess
 import sys
+import tempfile
 import time
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
@@ -19,7 +20,8 @@ from browser import Browser  # noqa: E402
 strake, case = sys.argv[1], pathlib.Path(sys.argv[2]).resolve()
 moves = int(sys.argv[3]) if len(sys.argv) > 3 else 15
 state = "document.documentElement.dataset"
-os.environ["XDG_CACHE_HOME"] = "/nowhere"
+cache = tempfile.TemporaryDirectory()
+os.environ["XDG_CACHE_HOME"] = cache.name
 studio = subprocess.Popen([strake, "studio", case.name, "--no-browser"], cwd=case.parent, stdout=subprocess.PIPE, text=True)
 try:
     with Browser(1280, 860) as b:
@@ -49,3 +51,4 @@ try:
 finally:
     studio.send_signal(signal.SIGTERM)
     studio.communicate()
+    cache.cleanup()

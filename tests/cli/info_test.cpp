@@ -47,7 +47,8 @@ TEST(Info, ThePlanformIsListedBesideThatOfTheStart) {
     const auto wing = nlohmann::json::parse(run.out).at("planform");
     for (const int k : {0, 1}) {
         const auto &after = wing.at("stations")[k], &before = wing.at("start").at("stations")[k];
-        EXPECT_NEAR(after.at("chord").get<double>() / before.at("chord").get<double>(), 1.1, 2e-4);
+        // Sections of a few straight pieces find the leading edge to 3e-4 of the chord.
+        EXPECT_NEAR(after.at("chord").get<double>() / before.at("chord").get<double>(), 1.1, 5e-4);
         EXPECT_NEAR(after.at("thickness_to_chord").get<double>() * 1.1, before.at("thickness_to_chord"), 5e-4);
     }
     const ProgramRun words = run_strake(drawn);

@@ -4,6 +4,8 @@
 #include "core/error.hpp"
 #include "report/recorded_run.hpp"
 
+#include <fstream>
+
 namespace strake::cli {
 namespace {
 
@@ -34,13 +36,21 @@ int last_accepted(const Journal& journal) {
 
 }  // namespace
 
-void keep_meaning(Case& the_case, const JournalFacts& facts) {
+void keep_meaning(Case& the_case, int meaning) {
     constexpr int since_shapes_are_limited = 2, since_outlines_are_kept = 3;
     for (WingEntry& wing : the_case.planform)
-        wing.keeps_outline = wing.keeps_outline && facts.meaning >= since_outlines_are_kept;
-    the_case.parameters.limits_variables = facts.meaning < since_shapes_are_limited;
-    the_case.optimize.is_relative_to_objective = facts.meaning < since_shapes_are_limited;
-    the_case.optimize.shares_with_all_levels = facts.meaning < since_shapes_are_limited;
+        wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
+    the_case.parameters.limits_variables = meaning < since_shapes_are_limited;
+    the_case.optimize.is_relative_to_objective = meaning < since_shapes_are_limited;
+    the_case.optimize.shares_with_all_levels = meaning < since_shapes_are_limited;
+}
+
+int written_meaning(const std::filesystem::path& dir) {
+    std::ifstream yaml(dir / "case.yaml");
+    std::string line;
+    for (int k = 0; k < 2 && std::getline(yaml, line); ++k)
+        if (line.starts_with(meaning_note)) return meaning_of(line.substr(std::string(meaning_note).size()));
+    return 0;
 }
 
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir) {

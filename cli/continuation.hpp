@@ -9,8 +9,10 @@ struct Continuation {
     bool is_changed = false, has_new_budget = false;
 };
 
-/// What keys meant when the run began is what they mean when it goes on.
-void keep_meaning(Case& the_case, const JournalFacts& facts);
+/// What keys meant when the run began is what they mean when it goes on. @param meaning `JournalFacts::meaning`
+void keep_meaning(Case& the_case, int meaning);
+/// That number, as case.yaml of the run folder says; 0: it does not.
+int written_meaning(const std::filesystem::path& dir);
 
 /// @throws InvalidInput naming what differs from the case that the run started with.
 Continuation continuation(const Case& the_case, const JournalFacts& facts, const std::filesystem::path& dir);

@@ -234,7 +234,7 @@ void deform_case(const DeformArguments& args) {
     setup.options.expected_solves = 1;
     for (const std::vector<std::string>* list : {&built.warnings, &std::as_const(setup).warnings})
         for (const std::string& warning : *list) fmt::print(stderr, "warning: {}\n", warning);
-    if (the_case.loads.empty() && the_case.strains.empty())
+    if (built.problem.has_shell && the_case.loads.empty() && the_case.strains.empty())
         fmt::print(stderr,
                    "warning: {}: nothing moves: the case has neither loads nor strains (strake explain loads)\n",
                    printable(args.case_file, 400));

@@ -1,6 +1,7 @@
 #include "casefile/build/build_problem.hpp"
 #include "casefile/load_case.hpp"
 #include "cli/commands.hpp"
+#include "cli/continuation.hpp"
 #include "cli/designs.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
@@ -38,7 +39,9 @@ struct Mixed {
 };
 
 DesignOfRun design_of(const fs::path& run) {
-    return {build_problem(load_case(run / "case.yaml")).problem,
+    Case the_case = load_case(run / "case.yaml");
+    keep_meaning(the_case, std::max(1, written_meaning(run)));
+    return {build_problem(the_case).problem,
             std::make_shared<const StoredDesign>(read_design(run / "levels/best.design"))};
 }
 

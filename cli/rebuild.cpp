@@ -2,6 +2,7 @@
 
 #include "casefile/load_case.hpp"
 #include "casefile/read/resolved_case.hpp"
+#include "cli/continuation.hpp"
 #include "cli/say.hpp"
 #include "core/error.hpp"
 #include "core/text/file.hpp"
@@ -12,7 +13,6 @@
 
 #include <algorithm>
 #include <optional>
-#include <sstream>
 
 namespace strake::cli {
 namespace {
@@ -49,22 +49,13 @@ std::optional<Beginning> beginning_in(const fs::path& dir) {
     return {};
 }
 
-/// What the keys of the case meant to the run (`JournalFacts::meaning`), as its case.yaml says; 0: it does not.
-int meaning_in(const fs::path& dir) {
-    std::istringstream yaml(text_of(dir / "case.yaml"));
-    std::string line;
-    for (int k = 0; k < 2 && std::getline(yaml, line); ++k)
-        if (line.starts_with(meaning_note)) return meaning_of(line.substr(std::string(meaning_note).size()));
-    return 0;
-}
-
 JournalFacts facts_from(const Case& the_case, const Beginning& began, const fs::path& dir) {
     JournalFacts facts;
     facts.case_yaml = resolved_case(the_case, dir);
     facts.case_dir = began.case_dir;
     facts.is_fit = began.is_fit;
     facts.host = host_name();
-    facts.meaning = meaning_in(dir);
+    facts.meaning = written_meaning(dir);
     if (facts.meaning == 0) {
         facts.meaning = 1;
         say("note: {} does not say which version of Strake began the run: it goes on as before 0.2, where "

@@ -27,7 +27,7 @@ ReportSubject subject_of(const fs::path& folder, const JournalFacts& facts) {
         Case the_case = load_case(folder / "case.yaml", purpose, facts.case_dir);
         the_case.output.dir = folder;
         the_case.output.is_resumed = true;
-        keep_meaning(the_case, facts);
+        keep_meaning(the_case, facts.meaning);
         subject = report_subject(the_case, nullptr);
         if (has_shapes(folder)) return subject;
         const BuiltProblem built = build_problem(the_case, purpose);

@@ -131,7 +131,7 @@ void resume(const ResumeArguments& args) {
     request.is_fit = facts.is_fit;
     if (!has("case.yaml")) request.folder->write_case(facts.case_yaml);
     load(request, dir, facts.case_dir);
-    keep_meaning(request.the_case, facts);
+    keep_meaning(request.the_case, facts.meaning);
     const Continuation now = continuation(request.the_case, facts, dir);
     const RunLimits limits = new_limits(args, journal.limits(), request.the_case, now.has_new_budget);
     begin_again(request, now, limits);

@@ -35,7 +35,7 @@ void step(const SessionArguments& args) {
     if (request.journal->facts().is_fit)
         throw InvalidInput(text(dir.string(), ": is the folder of a fit; `strake step` needs a run"));
     const Continuation now = continuation(the_case, request.journal->facts(), dir);
-    keep_meaning(the_case, request.journal->facts());
+    keep_meaning(the_case, request.journal->facts().meaning);
     const RunLimits before = request.journal->limits();
     begin_again(
         request, now,

@@ -1,10 +1,12 @@
 #include "studio/studio.hpp"
 
+#include "casefile/load_case.hpp"
 #include "cli/commands.hpp"
 #include "cli/say.hpp"
 #include "cli/signals.hpp"
 #include "cli/studio_session.hpp"
 #include "core/error.hpp"
+#include "report/run_folder.hpp"
 #include "report/run_lock.hpp"
 
 #include <fmt/core.h>
@@ -14,6 +16,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <system_error>
 #include <thread>
 
@@ -79,18 +82,27 @@ void run_in_studio(const SessionArguments& args) {
     watch_signals();
     StudioOptions options;
     options.target = args.case_file;
+    Case the_case = load_case(args.case_file, Purpose::run, args.settings);  // its errors are told here, without a page
+    set_output_folder(the_case, args.out);
+    check_run_folder(the_case.output.dir);
     Studio at_work(options);
-    at_work.run(args.case_file, args.out, args.settings);
+    at_work.run(args.case_file, the_case.output.dir, args.settings);
     announce(at_work, false);
     const auto pause = [] { std::this_thread::sleep_for(std::chrono::milliseconds(100)); };
-    while (!stop_wanted() && !at_work.run_status()) pause();
-    at_work.interrupt_run();
-    while (!at_work.run_status()) pause();
-    const int status = *at_work.run_status();
+    std::optional<int> status;
+    while (!stop_wanted() && !(status = at_work.run_status())) pause();
+    const bool is_stopped = !status;
+    if (is_stopped) at_work.interrupt_run();
+    while (!status) {
+        pause();
+        status = at_work.run_status();
+    }
     if (const std::string words = at_work.run_messages(); !words.empty()) say("{}", words);
-    say("strake: studio: the run has ended; the page stays until Ctrl-C\n");
-    while (!stop_wanted()) pause();
-    if (status != 0) throw ExitStatus{status};
+    if (!is_stopped) {
+        say("strake: studio: the run has ended; the page stays until Ctrl-C\n");
+        while (!stop_wanted()) pause();
+    }
+    if (*status != 0) throw ExitStatus{*status};
 }
 
 void add_studio(CLI::App& app) {

@@ -66,9 +66,7 @@ def result_of(run):
     if os.path.exists(best):
         with open(best, encoding="utf-8", newline="") as file:
             for row in csv.DictReader(file):
-                name = row.get("variable") or row.get("name") or ""
-                is_patch = re.search(r"(load|normal|strain|rotation|translation)", name) is not None
-                patches |= is_patch and abs(float(row.get("x") or 0)) > 1e-6
+                patches |= int(row["patch"]) >= 0 and abs(float(row["x"])) > 1e-6  # fields have no patch
     gain = 100 * abs(end - start) / abs(start) if start and end is not None else 0
     return {"gain": gain, "designs": len(rows), "failed": failed, "patches": patches, "verdict": result["status"]}
 

@@ -35,8 +35,8 @@ def shot(browser, name):
     print(out / f"studio-{name}.png")
 
 
-os.environ["XDG_CACHE_HOME"] = "/nowhere"  # the address is kept nowhere
-with tempfile.TemporaryDirectory() as folder:
+with tempfile.TemporaryDirectory() as folder, tempfile.TemporaryDirectory() as cache:
+    os.environ["XDG_CACHE_HOME"] = cache
     shutil.copy(surface, folder)
     studio = subprocess.Popen([strake, "studio", surface.name, "--no-browser"], cwd=folder, stdout=subprocess.PIPE, text=True)
     with Browser(1280, 860) as b:

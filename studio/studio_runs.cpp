@@ -228,11 +228,16 @@ Studio::Impl::Json Studio::Impl::designs() {
     Json list = Json::array();
     std::vector<fs::path> folders;
     std::error_code ignored;
-    if (run) folders.push_back(run->folder());
+    std::shared_ptr<RunWatch> watch;
+    {
+        const std::lock_guard lock(busy);
+        watch = run;
+    }
+    if (watch) folders.push_back(watch->folder());
     for (const auto& entry : fs::directory_iterator(folder / "runs", ignored))
-        if (fs::exists(entry.path() / "journal.sqlite", ignored) && (!run || entry.path() != run->folder()))
+        if (fs::exists(entry.path() / "journal.sqlite", ignored) && (!watch || entry.path() != watch->folder()))
             folders.push_back(entry.path());
-    if (folders.size() > 1) std::sort(folders.begin() + (run ? 1 : 0), folders.end());
+    if (folders.size() > 1) std::sort(folders.begin() + (watch ? 1 : 0), folders.end());
     for (const fs::path& one : folders) {
         const std::string name = fs::relative(one, folder, ignored).string();
         list.push_back({{"run", name}, {"evaluation", 0}});

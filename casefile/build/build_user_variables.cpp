@@ -88,7 +88,10 @@ UserVariable ProblemBuilder::user_motion(const UserVariableEntry& entry, const s
     UserVariable v;
     if (entry.kind == UserVariableEntry::Kind::translate) v.motion.translation = entry.direction;
     if (entry.kind == UserVariableEntry::Kind::rotate) v.motion.rotation = entry.direction;
-    v.motion.about = entry.about ? *entry.about : area_centroid(elastic().mesh, where);
+    const bool is_region = entry.region && region_index_.contains(entry.region->name);  // of the body, not of its wrap
+    v.motion.about = entry.about ? *entry.about
+                     : is_region ? area_centroid(start_.mesh, triangles(*entry.region))
+                                 : area_centroid(elastic().mesh, where);
     if (entry.max_angle) v.unit = *entry.max_angle;
     // Of a realistic size: it tells whether the motion leaves the plane of symmetry.
     PrescribedStrain moved{where, v.motion};

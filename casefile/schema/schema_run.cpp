@@ -13,7 +13,7 @@ std::vector<std::string> method_words() {
 }
 
 std::vector<std::string> nlopt_words() {
-    std::vector<std::string> words;
+    std::vector<std::string> words{"auto"};  // each stands for the word of the same place
     for (const MethodFacts& method : all_methods()) words.push_back(method.algorithm);
     return words;
 }

@@ -17,7 +17,8 @@ namespace strake {
 /// S takes out what goes across the sections, so that these stay in their planes. B a moves each section by a map
 /// w -> alpha(s) (1 - zeta) + beta(s) zeta of its complex plane, zeta = 0 at the leading and 1 at the trailing edge: a
 /// rotation, a scaling and a translation. alpha and beta are piecewise linear along the span, with knots at the rows
-/// of vertices of each edge, at most 64 over the semispan, and a their values, found by Newton's method. A motion that
+/// of vertices of each edge, at most 64 over the semispan, fewer where an irregular mesh could not bring the edges back
+/// there, and a their values, found by Newton's method. A motion that
 /// turns, scales and moves the sections in their planes is taken out whole.
 ///
 /// What is fixed stays fixed: towards it B fades to zero, over a quarter of the root chord. Where the wing shares
@@ -86,8 +87,9 @@ private:
         Eigen::PartialPivLU<Eigen::MatrixXd> by_knots;
     };
 
-    void add_side(const std::shared_ptr<const Wing>& wing, int side);
-    void add_knots(Side& of, int edge);
+    void lay_out(const std::vector<std::shared_ptr<const Wing>>& wings, const std::vector<int>& fixed, double gap);
+    void add_side(const std::shared_ptr<const Wing>& wing, int side, double gap);
+    void add_knots(Side& of, int edge, double gap);
     void share_centre();
     void add_sections(const Side& of);
     void place_vertices(const std::vector<int>& fixed);

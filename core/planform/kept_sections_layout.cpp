@@ -18,6 +18,8 @@ using Eigen::Vector3d;
 
 constexpr int table_rows = 48;         ///< of the table of edges
 constexpr double min_gap = 1.0 / 64;   ///< of the semispan, between knots
+constexpr double widest_gap = 0.3;     ///< likewise, beyond which a wing has too few to be kept
+constexpr double largest_return = 50;  ///< of what edges are off, by which vertices move
 constexpr double edge_share = 0.05;    ///< of the chord: vertices that tell where rows are
 constexpr double fixed_reach = 0.25;   ///< of the root chord
 constexpr double body_reach = 0.5;     ///< likewise
@@ -113,11 +115,32 @@ void each_near_root(const TriMesh& mesh, const std::vector<int>& wing, double re
 
 KeptSections::KeptSections(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
                            const std::vector<int>& fixed)
-    : start_(start),
-      shares_(static_cast<std::size_t>(start.num_vertices())),
-      across_(Points::Zero(start.num_vertices(), 3)) {
+    : start_(start) {
+    // Knots that are closer than what a mesh has there are taken back by each other alone, with amounts that grow from
+    // one to the next.
+    for (double gap = min_gap; gap < widest_gap; gap *= 2) {
+        lay_out(wings, fixed, gap);
+        if (num_knots_ == 0) return;
+        Eigen::VectorXd reach(2 * num_knots_);  // how far a knot moves vertices: less beside what is fixed
+        for (int k = 0; k < reach.size(); ++k) reach[k] = Eigen::VectorXd(by_knots_.col(k)).cwiseAbs().maxCoeff();
+        const Eigen::MatrixXd back = reach.asDiagonal() * at_start_->by_knots.inverse();
+        if (back.allFinite() && back.cwiseAbs().rowwise().sum().maxCoeff() < largest_return) return;
+    }
+    throw InvalidInput(text("wing '", wings.front()->declaration().name,
+                            "': the mesh is too coarse or too irregular along its edges to bring them back"));
+}
+
+void KeptSections::lay_out(const std::vector<std::shared_ptr<const Wing>>& wings, const std::vector<int>& fixed,
+                           double knot_gap) {
+    sides_.clear();
+    sections_.clear();
+    num_knots_ = 0;
+    shares_.assign(static_cast<std::size_t>(num_vertices()), {});
+    across_ = Points::Zero(num_vertices(), 3);
+    at_start_.reset();
+    latest_.reset();
     for (const auto& wing : wings)
-        for (int s = 0; s < wing->num_sides(); ++s) add_side(wing, s);
+        for (int s = 0; s < wing->num_sides(); ++s) add_side(wing, s, knot_gap);
     share_centre();
     for (const Side& side : sides_) add_sections(side);
     place_vertices(fixed);
@@ -137,7 +160,7 @@ KeptSections::KeptSections(const TriMesh& start, const std::vector<std::shared_p
     at_start_ = tangent_at(start_.vertices, true);
 }
 
-void KeptSections::add_side(const std::shared_ptr<const Wing>& wing, int number) {
+void KeptSections::add_side(const std::shared_ptr<const Wing>& wing, int number, double knot_gap) {
     Side side;
     side.wing = wing;
     side.side = number;
@@ -156,12 +179,12 @@ void KeptSections::add_side(const std::shared_ptr<const Wing>& wing, int number)
     }
     if (side.places.size() < 2)
         throw InvalidInput(text("wing '", wing->declaration().name, "' has no sections whose edges could be kept"));
-    for (const int edge : {0, 1}) add_knots(side, edge);
+    for (const int edge : {0, 1}) add_knots(side, edge, knot_gap);
     sides_.push_back(std::move(side));
 }
 
 /// At rows of vertices near the edge: between two of them nothing could bring it back.
-void KeptSections::add_knots(Side& of, int edge) {
+void KeptSections::add_knots(Side& of, int edge, double gap) {
     std::vector<double> rows;
     Complex chord;
     for (const int v : of.wing->vertices(of.side)) {
@@ -174,8 +197,8 @@ void KeptSections::add_knots(Side& of, int edge) {
     std::vector<double>& knots = of.knots[edge];
     knots = {of.places.front()};
     for (const double row : rows)
-        if (row >= knots.back() + min_gap - same_place && row < last) knots.push_back(row);
-    if (last > knots.back() + 0.5 * min_gap)
+        if (row >= knots.back() + gap - same_place && row < last) knots.push_back(row);
+    if (last > knots.back() + 0.5 * gap)
         knots.push_back(last);
     else if (knots.size() > 1)
         knots.back() = last;

@@ -20,10 +20,11 @@ constexpr double cambered_from = 5e-3;  ///< of the chord: height of a mean line
 constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two more humps
 constexpr double min_share = -0.9;      ///< of span, chord, t/c: nothing is left below
 constexpr double steepest = 80 * std::numbers::pi / 180;
-constexpr double probe = 1e-2;     ///< change for which sections are measured
-constexpr double max_cut = 0.25;   ///< of a change: a section that shows less of it is not understood
-constexpr int num_noses = 32;      ///< sections along the span whose noses are measured
-constexpr double map_step = 1e-6;  ///< of the semispan
+constexpr double probe = 1e-2;         ///< change for which sections are measured
+constexpr double hardly_shown = 1e-3;  ///< of a change: a station that moves nothing
+constexpr double max_cut = 0.25;       ///< of a change: a section that shows less of it is not understood
+constexpr int num_noses = 32;          ///< sections along the span whose noses are measured
+constexpr double map_step = 1e-6;      ///< of the semispan
 
 /// Mean line of the four-digit series, 1 at its top.
 double four_digit_line(double xi) {
@@ -272,8 +273,16 @@ void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& ran
         shares = shown_by.transpose().partialPivLu().solve(shares).eval();
     for (Eigen::Index k = 0; k < count; ++k) {
         const double station = free[static_cast<std::size_t>(k)];
-        if (range.only.empty() || std::find(range.only.begin(), range.only.end(), station) != range.only.end())
-            add_variable(range, station, shares.row(k));
+        const bool is_named = std::find(range.only.begin(), range.only.end(), station) != range.only.end();
+        if (!range.only.empty() && !is_named) continue;
+        if (std::abs(shown_by(k, k)) < hardly_shown) {  // a pointed tip: no vertex but its point
+            if (is_named)
+                throw InvalidInput(text(shown, station_word(station),
+                                        ": no vertex of the wing moves with this station, "
+                                        "as at a tip that is a point; leave it out"));
+            continue;
+        }
+        add_variable(range, station, shares.row(k));
     }
 }
 

@@ -143,15 +143,44 @@ std::vector<Remedy> remedies(const std::shared_ptr<const RestFacts>& rest, const
     return all;
 }
 
-/// Stiffness moves nothing at rest, and parameters nothing at all.
-MatrixXd columns_of(const DesignSpace& space) { return responses_at_rest(space).samples.leftCols(space.num_shape()); }
+/// What the variables of a level can make.
+struct Columns {
+    MatrixXd all;
+    MatrixXd of_planform;  ///< those of `all` that change wings
+};
 
-std::vector<MatrixXd> columns_by_level(const std::shared_ptr<const RestFacts>& rest, const FieldConditions& conditions,
-                                       const CapabilityOptions& options, Capability& found,
-                                       std::optional<DesignSpace>& first) {
+/// Stiffness moves nothing at rest, and parameters nothing at all.
+Columns columns_of(const DesignSpace& space) {
+    const MatrixXd all = responses_at_rest(space).samples.leftCols(space.num_shape());
+    std::vector<int> of_planform;
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) of_planform.push_back(j);
+    return {all, all(Eigen::all, of_planform)};
+}
+
+/// A motion as it is asked for, and what of it edges of wings allow that stay. All else that loads and fields do along
+/// it, between the edges, is no part of it: sections that bulge are no sweep.
+struct WantedMotion {
+    VectorXd whole, allowed;
+
+    WantedMotion(const RestFacts& rest, const Points& motion)
+        : whole(sampled_motion(rest, motion)),
+          allowed(rest.parameters.kept_sections ? sampled_motion(rest, kept_rates(rest, motion, nullptr)) : whole) {}
+
+    double made_by(const Columns& columns) const {
+        const double size = whole.squaredNorm();
+        if (!(size > 0)) return 0;
+        const double part = std::min(1.0, allowed.squaredNorm() / size);
+        return std::max(part * share_made(columns.all, allowed), share_made(columns.of_planform, whole));
+    }
+};
+
+std::vector<Columns> columns_by_level(const std::shared_ptr<const RestFacts>& rest, const FieldConditions& conditions,
+                                      const CapabilityOptions& options, Capability& found,
+                                      std::optional<DesignSpace>& first) {
     const MatrixXd rigid = conditions.held.empty() ? rigid_columns(*rest, conditions) : MatrixXd();
     const int finest = static_cast<int>(rest->tree->levels.size()) - 1;
-    std::vector<MatrixXd> columns;
+    std::vector<Columns> columns;
     for (int level = rest->parameters.fields ? 0 : std::min(1, finest); level <= finest; ++level) {
         const DesignSpace space = design_space(rest, level);
         if (space.num_shape() > options.max_variables) {
@@ -161,16 +190,17 @@ std::vector<MatrixXd> columns_by_level(const std::shared_ptr<const RestFacts>& r
         if (!first) first = space;
         found.levels.push_back(level);
         found.variables.push_back(space.num_shape());
-        columns.push_back(joined(columns_of(space), rigid));
+        columns.push_back(columns_of(space));
+        columns.back().all = joined(columns.back().all, rigid);
     }
     return columns;
 }
 
 /// The first line of the case with which nothing is missing, else the one that adds most.
-void add_remedy(const std::vector<Remedy>& possible, const MatrixXd& present, const VectorXd& wanted, double enough,
+void add_remedy(const std::vector<Remedy>& possible, const Columns& present, const WantedMotion& wanted, double enough,
                 MotionShare& share) {
     for (const Remedy& remedy : possible) {
-        const double with = share_made(joined(present, remedy.columns), wanted);
+        const double with = wanted.made_by({joined(present.all, remedy.columns), present.of_planform});
         if (with < std::max(share.by_level.back(), share.with_remedy) + worth_a_word) continue;
         share.remedy = remedy.line;
         share.with_remedy = with;
@@ -199,15 +229,15 @@ Capability capability(const std::shared_ptr<const RestFacts>& rest, const FieldC
         asked.axis = Eigen::Vector3d(rest->parameters.fields->frame().axes.col(0));
     const int finest = static_cast<int>(rest->tree->levels.size()) - 1;
     std::optional<DesignSpace> first;
-    const std::vector<MatrixXd> columns = columns_by_level(rest, conditions, asked, found, first);
+    const std::vector<Columns> columns = columns_by_level(rest, conditions, asked, found, first);
     std::vector<TypicalMotion> motions = typical_motions(rest->surface, conditions, asked.axis);
     if (first && asked.soft_modes > 0)
         for (TypicalMotion& mode : soft_modes(*first, asked.soft_modes)) motions.push_back(std::move(mode));
     std::optional<std::vector<Remedy>> possible;
     for (const TypicalMotion& motion : motions) {
-        const VectorXd wanted = sampled_motion(*rest, motion.displacement);
+        const WantedMotion wanted(*rest, motion.displacement);
         MotionShare share{motion.name, {}, "", 0};
-        for (const MatrixXd& level : columns) share.by_level.push_back(share_made(level, wanted));
+        for (const Columns& level : columns) share.by_level.push_back(wanted.made_by(level));
         if (!share.by_level.empty() && share.by_level.back() < asked.enough) {
             if (!possible) possible = remedies(rest, conditions, asked, finest);
             add_remedy(*possible, columns.back(), wanted, asked.enough, share);

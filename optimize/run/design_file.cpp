@@ -112,17 +112,22 @@ Named named_of(const Json& pairs) {
     return values;
 }
 
+/// Triangles of what is elastic: the surface's, or those of the wrap around it.
+int elastic_triangles(const StoredDesign& d) { return static_cast<int>(d.tree.levels.front().label.size()); }
+
 void read_tree(const Json& j, Reader& read, StoredDesign& d) {
+    const int count = j.value("elastic_triangles", d.surface.triangles);
+    if (count < 0) throw InvalidInput("a negative count");
     for (const Json& level : j.at("tree")) {
-        std::vector<int> label = read.ints(d.surface.triangles, 0, static_cast<int>(level.at("names").size()));
+        std::vector<int> label = read.ints(count, 0, static_cast<int>(level.at("names").size()));
         d.tree.levels.push_back(level_of(level, label, d.tree.levels.empty() ? nullptr : &d.tree.levels.back()));
     }
     if (d.tree.levels.empty()) throw InvalidInput("it has no patches");
 }
 
-/// The patches of the design; together they cover the surface.
+/// The patches of the design; together they cover what is elastic.
 void read_front(const Json& j, StoredDesign& d) {
-    std::vector<char> covered(d.surface.triangles, 0);
+    std::vector<char> covered(static_cast<std::size_t>(elastic_triangles(d)), 0);
     for (const Json& patch : j.at("front")) {
         d.front.emplace_back(patch.at(0), patch.at(1));
         for (const int t : d.tree.levels.at(d.front.back().first).patches.at(d.front.back().second).triangles)
@@ -141,12 +146,12 @@ void read_demand(const Json& j, Reader& read, StoredDesign& d) {
     d.given = named_of(j.at("given"));
     d.parameters = named_of(j.at("variables"));
     d.at_rest = named_of(j.at("at_rest"));
-    if (!d.carried_motion.empty()) d.core = read.ints(d.surface.triangles, -1, static_cast<int>(d.front.size()));
+    if (!d.carried_motion.empty()) d.core = read.ints(elastic_triangles(d), -1, static_cast<int>(d.front.size()));
     if (!d.core.empty() && d.carried_motion.size() != d.front.size()) throw InvalidInput("a patch has no motion");
 }
 
 void read_shape(const Json& j, Reader& read, StoredDesign& d) {
-    const int n = d.surface.vertices, m = d.surface.triangles;
+    const int n = d.surface.vertices, m = elastic_triangles(d);
     if (j.value("shell", true)) {
         d.poses.displacement = read.points(m);
         const std::vector<double> q = read.doubles(4 * static_cast<std::size_t>(m));
@@ -197,6 +202,7 @@ std::string design_bytes(const StoredDesign& d) {
     j["carried_traction"] = d.carried_traction.rows() > 0;
     j["carried_log_height"] = d.carried_log_height.size() > 0;
     if (d.poses.rotation.empty()) j["shell"] = false;
+    if (elastic_triangles(d) != d.surface.triangles) j["elastic_triangles"] = elastic_triangles(d);
     std::string bytes = first_line + j.dump() + "\n";
     for (const PatchLevel& level : d.tree.levels) put_ints(bytes, level.label);
     put_ints(bytes, d.core);

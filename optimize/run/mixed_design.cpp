@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
+#include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
@@ -60,6 +61,16 @@ bool same_planform(const RestFacts& a, const RestFacts& b) {
     return one->displacement(z) == other->displacement(z);
 }
 
+/// By what is left of the triangles' normals at the vertices: any difference shows.
+bool same_kept_sections(const RestFacts& a, const RestFacts& b) {
+    const KeptSections *one = a.parameters.kept_sections.get(), *other = b.parameters.kept_sections.get();
+    if (!one || !other || one == other) return one == other;
+    Points motion = Points::Zero(a.surface.num_vertices(), 3);
+    for (int t = 0; t < a.surface.num_triangles(); ++t)
+        for (const int v : a.surface.triangles.row(t)) motion.row(v) += a.normal.row(t);
+    return one->num_knots() == other->num_knots() && one->rate(nullptr, motion) == other->rate(nullptr, motion);
+}
+
 /// What two designs must share to be mixed.
 void check_alike(const Demand& a, const Demand& b) {
     const auto refuse = [](const std::string& what) {
@@ -87,6 +98,7 @@ void check_alike(const Demand& a, const Demand& b) {
         return all;
     };
     if (!same_planform(*a.rest, *b.rest)) refuse("different changes of wings (parameters.planform)");
+    if (!same_kept_sections(*a.rest, *b.rest)) refuse("wings whose edges stay in one of them only (planform: keep)");
     if (names(a) != names(b)) refuse("different displacement fields");
     if (!same_fields(*a.rest, *b.rest))
         refuse(

@@ -234,7 +234,8 @@ InheritedSpace enter_stored(ShapeEvaluator& evaluator, std::shared_ptr<const Res
         throw InvalidInput(
             text("start_from: the loads of that run do not give its shape here (",
                  reason.empty() ? text("it is ", off / diagonal, " diagonals off") : reason,
-                 "): fixed, symmetry, shell, loads, strains and parameters.fields have to be those of that run"));
+                 "): fixed, symmetry, shell, loads, strains, parameters.fields and what wings keep (planform: keep) "
+                 "have to be those of that run"));
     return inherited;
 }
 

@@ -282,7 +282,7 @@ TEST_F(CaseErrors, ProgramsWithoutGradientsNeedAMethodWithoutOrDifferences) {
               "esch)");
     EXPECT_EQ(errors(yaml + "optimize: {method: sqp, finite_differences: true}\n"), "");
     EXPECT_EQ(errors(yaml + "optimize: {method: model, batch: 4}\n"), "");
-    EXPECT_EQ(errors(yaml + "optimize: {batch: 0}\n"), "case.yaml:5:12: optimize.batch = 0 must be >= 1");
+    EXPECT_EQ(errors(yaml + "optimize: {batch: 0}\n"), "case.yaml:5:19: optimize.batch = 0 must be >= 1");
     EXPECT_EQ(errors(yaml + "optimize: {method: GN_CRS2_LM}\n"), "");
     EXPECT_EQ(errors(yaml + "optimize: {method: LN_COBYLA}\n"), "");
 }

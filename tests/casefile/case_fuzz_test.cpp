@@ -40,7 +40,6 @@ planform:
          grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
   fin: {span: [0, 0, 1]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
-wrap: {alpha: 2%, offset: 1%, edge_length: 1%}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
   - {region: ball, displacement: 5%, direction: [0, 0, 1], spring: 2}
@@ -76,6 +75,7 @@ regions:
   flap: {component: 1}
 fixed: [nose]
 shell: {thickness: 3%}
+wrap: {alpha: 2%, offset: 1%, edge_length: 1%}
 loads: [{region: base, force: [0, 0, 1]}]
 parameters:
   levels: auto
@@ -144,7 +144,7 @@ quantities:
   aero: {type: newtonian, mach: 6, alpha: {variable: alpha}, beta: 2deg, leeward: prandtl_meyer, moment_center: [0, 0, 1],
          gamma: 1.3, shadows: false, up: [0, 0, 1], reference_area: 2, reference_length: 3}
   blunt: {type: newtonian, cp_max: 2}
-  wave: {type: wave_drag, mach: 1.4, stations: 12, angles: 3, base: nose, forward: [1, 0, 0]}
+  wave: {type: wave_drag, mach: 1.4, stations: 12, angles: 3, base: nose, beside: wing.obj, forward: [1, 0, 0]}
   skin: {type: friction, reynolds: 1e6, boundary_layer: laminar, wall_temperature: 2, temperature: 220}
   span: {type: extent, direction: [0, 1, 0], smoothing: 1%}
   wall: {type: wall_thickness, region: nose, sharpness: 20}

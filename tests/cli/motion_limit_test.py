@@ -1,5 +1,5 @@
 """The motion limit on the files: scripts/check_motion.py measures a run, a run of before is resumed with the old meaning,
-limits by region, warnings. Arguments: the programs strake and make_surface."""
+limits by region, warnings; wings of before. Arguments: the programs strake and make_surface."""
 import json
 import pathlib
 import sqlite3
@@ -19,6 +19,21 @@ parameters: {levels: auto, patches_per_level: [4], variables: [load], LIMIT}
 quantities: {high: {type: extent, direction: [0, 0, 1], smoothing: 5%}, keep: {command: [sh, -c, "echo '{\\"value\\": 1}' > {result}"], format: obj, gradients: false}}
 objective: {maximize: high.max}
 optimize: {budget: {evaluations: 8}}
+output: {report: false}
+"""
+
+WING = """
+case: wing
+surface: {file: wing.obj}
+symmetry: {plane: y, at: 0}
+regions: {root: {box: [[-9, -9, -9], [9, 0.1, 9]]}}
+fixed: [root]
+planform: {wing: {on: all - root, span: y KEEP}}
+shell: none
+parameters: {fields: 12, max_displacement: 2%}
+objective: {maximize: volume}
+constraints: {area: {max: 1, relative: true}}
+optimize: {budget: {evaluations: 3}}
 output: {report: false}
 """
 
@@ -79,6 +94,37 @@ class MotionLimit(unittest.TestCase):
         measured = subprocess.run([CHECK, "old", "--strake", STRAKE, "--limit", "0.005"], cwd=FOLDER.name,
                                   capture_output=True, text=True, timeout=120, check=False)
         self.assertEqual(measured.returncode, 1, measured.stdout + measured.stderr)  # variables add up
+
+    def test_a_wing_of_before_lets_its_edges_go(self):
+        """A run from when wings kept nothing goes on, and is mixed, as one that says `keep: none`."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", "wing.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        for name in ("before", "none"):
+            (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
+            strake("run", "wing.yaml", "--out", name, "-q")
+        case = (folder / "before/case.yaml").read_text()
+        for old, new in ((", keep: none, ", ", "), ("keys: 3", "keys: 2")):
+            self.assertEqual(case.count(old), 1, case)
+            case = case.replace(old, new)
+        (folder / "before/case.yaml").write_text(case)
+        with sqlite3.connect(folder / "before/journal.sqlite") as journal:
+            journal.execute("UPDATE facts SET value = replace(value, ', keep: none, ', ', ') WHERE name = 'case'")
+            journal.execute("UPDATE facts SET value = '2' WHERE name = 'meaning'")
+            journal.execute("DELETE FROM facts WHERE name = 'hash'")
+        journal.close()
+        (folder / "kept.yaml").write_text(WING.replace("KEEP", ""))
+        strake("run", "kept.yaml", "--out", "kept", "-q")
+        self.assertIn("planform: keep", strake("mix", "kept", "before", "-o", "m.obj", status=2).stderr)
+        for name in ("before", "none"):
+            strake("resume", name, "--evaluations", "6", "-q")
+        best = [(folder / name / "best.obj").read_bytes() for name in ("before", "none", "kept")]
+        self.assertEqual(best[0], best[1])
+        self.assertNotEqual(best[0], best[2])
+        strake("run", "wing.yaml", "--out", "less", "-q")
+        for name in ("before", "none"):
+            strake("mix", name, "less", "-o", f"{name}.obj")
+        self.assertEqual((folder / "before.obj").read_bytes(), (folder / "none.obj").read_bytes())
 
     def test_regions_have_limits_of_their_own(self):
         write("regions.yaml", "max_displacement: {default: 0.5%, tail: {inward: 0, outward: 0.1%}}")

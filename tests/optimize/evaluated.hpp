@@ -1,4 +1,6 @@
 #pragma once
+#include "core/mesh/temp_folder.hpp"
+#include "core/text/file.hpp"
 #include "optimize/evaluate/evaluation.hpp"
 #include "optimize/problem/problem.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
@@ -44,7 +46,11 @@ private:
 inline void expect_run_is_stored(Problem problem, double gain, double rounding) {
     std::optional<StoredDesign> best;
     RunEvents events;
-    events.accepted = [&](const AcceptedDesign& design) { best = stored_design(design); };
+    const TempFolder folder;
+    events.accepted = [&](const AcceptedDesign& design) {
+        write_atomically(folder / "best.design", design_bytes(stored_design(design)));
+        best = read_design(folder / "best.design");
+    };
     const RunResult r = optimize(problem, events);
     EXPECT_TRUE(r.is_done()) << r.status << ": " << r.reason;
     EXPECT_GT(r.objective, (1 + gain) * r.objective_start);

@@ -20,8 +20,8 @@ STRAKE, MAKE_SURFACE = sys.argv[1:3]
 class Studio:
     """A studio at work in a folder."""
 
-    def __init__(self, folder, *arguments, environment=None):
-        self.process = subprocess.Popen([STRAKE, "studio", *arguments, "--no-browser"], cwd=folder, text=True,
+    def __init__(self, folder, *arguments, environment=None, command=None):
+        self.process = subprocess.Popen(command or [STRAKE, "studio", *arguments, "--no-browser"], cwd=folder, text=True,
                                         stdout=subprocess.PIPE, stderr=subprocess.PIPE, env=environment)
         self.url = self.process.stdout.readline()
         found = re.fullmatch(r"http://127\.0\.0\.1:(\d+)/([0-9a-f]{32})/\n", self.url)
@@ -451,6 +451,44 @@ class Server(unittest.TestCase):
             third.until(lambda s: s["run"]["status"] == "running" and len(s["run"]["rows"]) > len(stopped["run"]["rows"]))
             third.post("stop")
             third.until(lambda s: s["run"]["status"] == "interrupted")
+
+    def test_run_shows_itself(self):
+        case = self.folder / "shown.yaml"
+        case.write_text("surface: {file: body.stl}\nregions: {root: {plane: {normal: [1, 0, 0], at: 0.8}, side: below}}\nfixed: [root]\n"
+                        "objective: {maximize: volume}\nconstraints: {area: {max: 1.03, relative: true}}\n"
+                        "parameters: {levels: auto, variables: [normal], max_displacement: 4%}\noptimize: {budget: {evaluations: 4000}}\n"
+                        "output: {dir: in_the_case}\n")
+        self.addCleanup(case.unlink)
+        environment = {name: value for name, value in os.environ.items() if name not in ("DISPLAY", "WAYLAND_DISPLAY")}
+        few = ["--set", "optimize.budget.evaluations=6"]
+
+        def run(*arguments):
+            studio = Studio(self.folder, command=[STRAKE, "run", "shown.yaml", *arguments, "--studio"], environment=environment)
+            self.addCleanup(studio.process.stdout.close)
+            self.addCleanup(studio.process.stderr.close)
+            return studio
+        alone = subprocess.run([STRAKE, "run", "shown.yaml", *few, "--out", "alone", "-q"], cwd=self.folder, capture_output=True, check=False)
+        shown = run(*few, "--out", "beside")
+        seen = shown.until(lambda s: s["run"] and s["run"]["status"] not in ("running", "starting"))
+        self.assertEqual(len(seen["run"]["rows"]), 6)
+        self.assertEqual(pathlib.Path(seen["run"]["folder"]), (self.folder / "beside").resolve())
+        self.assertIsNone(shown.process.poll(), "the page stays")
+        code, _, err = shown.end(signal.SIGINT)
+        self.assertEqual(code, alone.returncode, err)
+        self.assertIn("the run has ended", err)
+        self.assertEqual((self.folder / "beside/best.stl").read_bytes(), (self.folder / "alone/best.stl").read_bytes(), "the same bits")
+        stopped = run()
+        stopped.until(lambda s: s["run"] and len(s["run"]["rows"]) >= 2)
+        code, _, err = stopped.end(signal.SIGINT)
+        self.assertNotEqual(code, 0, err)
+        status = subprocess.run([STRAKE, "status", "in_the_case", "--json"], cwd=self.folder, capture_output=True, text=True, check=False)
+        self.assertEqual(json.loads(status.stdout)["status"], "interrupted", "in the case's own folder, and it can be resumed")
+        for arguments, words in ((["--set", "optimize.budget.evaluation=3"], "evaluation"), ([], "in_the_case"), (["--json"], "--json")):
+            ended = subprocess.run([STRAKE, "run", "shown.yaml", *arguments, "--studio"], cwd=self.folder, capture_output=True, text=True, timeout=30,
+                                   env=environment, check=False)
+            self.assertNotEqual(ended.returncode, 0, words)
+            self.assertEqual(ended.stdout, "", "no page")
+            self.assertIn(words, ended.stderr)
 
     def test_ends_in_order_and_is_quiet(self):
         self.opened()

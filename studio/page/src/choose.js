@@ -179,23 +179,35 @@ export class Choosing {
         slider('at', { min: 0, max: 1000, step: 1, value: 1000 * this.plane.share, id: 'plane-at' }, (v) => { this.plane.share = v / 1000; this.plane.typed = undefined; typed.value = Number(this.at().toPrecision(4)); this.update(); }).label, typed,
         h('p', { class: 'hint' }, 'Drag the slider, type, or click the surface where the plane is to be.'));
     }
-    if (this.tool === 'box') {
-      parts.push(...axes.map((a, c) => h('span', { class: 'control' }, h('span', {}, a), ...[0, 1].map((k) => this.numberBox(`${a} ${k ? 'to' : 'from'}`, Number(this.corners[k][c].toPrecision(6)), (v) => {
-        this.corners[k][c] = v;
-        if (this.corners[0][c] > this.corners[1][c]) this.corners[1 - k][c] = v;
-        this.options(); this.update();
-      })))), ...axes.flatMap((a, c) => [0, 1].map((k) => slider(`${a} ${k ? 'to' : 'from'}`, { min: 0, max: 1000, step: 1, id: `box-${a}-${k}`,
-        value: 1000 * (this.corners[k][c] - body.facts.low[c]) / (body.size[c] || 1) }, (v) => {
-        this.corners[k][c] = Number((body.facts.low[c] + (v / 1000) * body.size[c]).toPrecision(5));
-        if (this.corners[0][c] > this.corners[1][c]) this.corners[1 - k][c] = this.corners[k][c];
-        this.update();
-      }).label)));
-    }
+    if (this.tool === 'box') parts.push(...this.boxOptions());
     if (['rectangle', 'lasso'].includes(this.tool)) parts.push(tick('through the body', this.through, (v) => { this.through = v; }), h('p', { class: 'hint' }, `Drag a ${this.tool} over the surface; with Shift the view turns instead.`));
     if (this.tool === 'wing') parts.push(...this.wingOptions());
     if (['plane', 'box'].includes(this.tool)) parts.push(h('p', { class: 'hint' }, 'The dots on the surface can be dragged.'));
     if (['plane', 'box', 'wing'].includes(this.tool)) parts.push(h('button', { type: 'button', onclick: () => { const step = this.dragged(); this.tool = 'patch'; this.toolChoice.querySelector('select').value = 'patch'; this.options(); this.push(step); } }, 'Keep it, and go on with patches'));
     this.place.replaceChildren(...parts);
+  }
+
+  /** A row for each end of the box along each axis: slider and number, which follow each other. */
+  boxOptions() {
+    const { body } = this.scene, rows = [];
+    const show = () => rows.forEach(({ a, k, typed, drawn }) => {
+      typed.value = String(Number(this.corners[k][a].toPrecision(6)));
+      drawn.input.value = String(1000 * (this.corners[k][a] - body.facts.low[a]) / (body.size[a] || 1));
+    });
+    const set = (a, k, value) => {
+      this.corners[k][a] = value;
+      if (this.corners[0][a] > this.corners[1][a]) this.corners[1 - k][a] = value;
+      show();
+      this.update();
+    };
+    for (let a = 0; a < 3; ++a)
+      for (let k = 0; k < 2; ++k) {
+        const label = `${axes[a]} ${k ? 'to' : 'from'}`;
+        const drawn = slider(label, { min: 0, max: 1000, step: 1, id: `box-${axes[a]}-${k}`, value: 0 }, (v) => set(a, k, Number((body.facts.low[a] + (v / 1000) * body.size[a]).toPrecision(5))));
+        rows.push({ a, k, drawn, typed: this.numberBox(label, 0, (v) => set(a, k, v)) });
+      }
+    show();
+    return rows.map(({ drawn, typed }) => h('div', { class: 'end' }, drawn.label, typed));
   }
 
   /** Of a wing that the case declares, or of the one that was found. */

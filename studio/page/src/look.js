@@ -52,7 +52,7 @@ export function lookPanel(scene, editor, next) {
       [`size x × y × z${unit}`, size],
       ['from', facts.low.map((v) => number(v)).join(', ')], ['to', facts.high.map((v) => number(v)).join(', ')],
       ['diagonal', number(facts.diagonal)], ['area', number(facts.area)],
-      ['volume', facts.volume === null ? 'none: it is open' : number(facts.volume)],
+      ['volume', facts.volume === null ? 'none: it is open' : facts.volume < 0 ? `${number(-facts.volume)}, triangles face inward` : number(facts.volume)],
       ['triangles, vertices', `${facts.triangles}, ${facts.vertices}`], ['connected parts', String(facts.components)]]),
     unitQuestion(facts, editor),
     facts.is_prepared ? h('p', {}, 'Shown as the case repairs and remeshes it.') : '',

@@ -33,6 +33,8 @@ class Studio {
     this.view = h('div', { class: 'controls toolbar' });
     this.pointer = h('output', { class: 'pointer' }, ' ');
     this.legend = h('div', { class: 'legend', hidden: true });
+    this.marks = Object.fromEntries([['chosen', 'chosen'], ['held', 'fixed'], ['region', 'other regions']].map(([kind, words]) => [kind, h('span', { hidden: true }, h('span', { class: `swatch ${kind}` }), words)]));
+    this.key = h('p', { class: 'hint key' }, Object.values(this.marks));
     this.undo = h('button', { type: 'button', id: 'undo', disabled: true, 'aria-label': 'Undo', onclick: () => this.history.undo() }, '↶ Undo');
     this.redo = h('button', { type: 'button', id: 'redo', disabled: true, 'aria-label': 'Redo', onclick: () => this.history.redo() }, '↷');
     this.theme = h('button', { type: 'button', id: 'theme', 'aria-label': 'Light or dark', title: 'Light or dark', onclick: () => this.turnTheme() }, '◐');
@@ -41,7 +43,7 @@ class Studio {
     this.bar = h('div', { role: 'tablist', 'aria-label': 'Steps', class: 'tabs', onkeydown: (e) => this.keys(e) }, Object.values(this.buttons));
     place.append(h('header', {}, h('h1', {}, h('span', { class: 'mark', 'aria-hidden': 'true' }), 'Strake studio'), this.folder, this.files, h('span', { class: 'right-end' }, this.undo, this.redo, this.theme)), this.message,
       h('div', { class: 'columns' }, h('div', { class: 'left' }, this.view, h('div', { class: 'frame' }, this.stage, this.legend), this.section.element, this.pointer,
-        h('p', { class: 'hint key' }, h('span', { class: 'swatch chosen' }), 'chosen ', h('span', { class: 'swatch held' }), 'fixed ', h('span', { class: 'swatch region' }), 'other regions shown'),
+        this.key,
         h('p', { class: 'hint', id: 'view-keys' }, 'Drag to turn, scroll or pinch to zoom, right button to pan. Keyboard: arrow keys turn, + and \u2212 zoom, Home resets, Enter chooses what is in the middle.')),
       h('div', { class: 'right' }, this.bar, Object.values(this.panels))));
     this.panels.case.append(...this.editor.panel());
@@ -230,10 +232,11 @@ class Studio {
     this.stage.replaceChildren(this.canvas, labels, this.band);
     this.scene = new Scene3D(this.canvas, labels, body);
     this.scene.onfield = (field) => this.showLegend(field);
+    this.scene.onmarks = (shown) => { for (const kind in this.marks) this.marks[kind].hidden = !(shown[kind] && shown[kind].includes(1)); };
     this.scene.onshape = () => this.section.update();
     this.showLegend(null);
     this.ruler = this.stageTool = null;
-    if (before && up === [this.scene.viewer.up, this.scene.viewer.isDown].join()) { this.scene.viewer.camera.position.copy(before); this.scene.viewer.controls.update(); this.scene.viewer.fit(); this.scene.viewer.draw(); }
+    if (before && up === [this.scene.viewer.up, this.scene.viewer.isDown].join()) { this.scene.viewer.lookAs(was, before); }
     this.choosing = new Choosing(this);
     this.panels.look.replaceChildren(...lookPanel(this.scene, this.editor, this.nextStep()).flat(4));
     this.toolButtons = { cut: h('button', { type: 'button', id: 'cut', 'aria-pressed': String(this.section.isOn), onclick: () => this.section.toggle() }, '✂ Section'),

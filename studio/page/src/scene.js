@@ -2,7 +2,7 @@
 
 import {
   ArrowHelper, BufferAttribute, BufferGeometry, CanvasTexture, Color, DoubleSide, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Vector3,
+  MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Vector3, WebGLRenderTarget,
 } from 'three';
 import { h } from '../../../viewer/page/src/dom.js';
 import { Viewer, likelyUp } from '../../../viewer/page/src/viewer.js';
@@ -41,8 +41,6 @@ export class Scene3D {
     this.viewer = new Viewer(canvas, body);
     this.viewer.both = false;
     this.viewer.margin = 1.12;
-    const half = body.size.map((s) => s / 2), long = 0.1 * body.diagonal;  // the box, with room for the arrows
-    this.viewer.around = Float32Array.from([0, 1, 2, 3, 4, 5, 6, 7].flatMap((k) => half.map((s, c) => ((k >> c) & 1 ? 1 : -1) * (s + (c === 2 ? long : 0)))));
     this.model = this.viewer.design;
     this.extras = new Group();
     this.hints = new Group();
@@ -56,6 +54,7 @@ export class Scene3D {
     this.words = [];
     this.viewer.onrender = () => { this.placeLabels(); const { afterDraw } = this.viewer; this.viewer.afterDraw = null; if (afterDraw) afterDraw(); };
     this.arrows();
+    this.viewer.around = this.outline();
     this.creases();
     const { axes } = body.facts;
     if (axes) {
@@ -148,13 +147,20 @@ export class Scene3D {
 
   label(text, at, kind) { this.words.push({ at, element: h('span', { class: kind }, text) }); }
 
+  /** What the view is to hold: the body, by some thousand of its vertices, and the arrows with their words. */
+  outline() {
+    const { start } = this.body, step = 3 * Math.ceil(start.length / 9000), points = [];
+    for (let v = 0; v < start.length; v += step) points.push(start[v], start[v + 1], start[v + 2]);
+    return Float32Array.from([...points, ...this.words.flatMap((word) => word.at)]);
+  }
+
   /** Coordinate axes at the corner of the box, stream and up before and above the body, the plane of symmetry. */
   arrows() {
     const { body } = this, half = body.size.map((s) => s / 2), long = 0.14 * body.diagonal;
-    const arrow = (direction, from, color, words, kind) => {
+    const arrow = (direction, from, color, words, kind, share = 1.12) => {  // share: where along it the words stand
       const d = new Vector3(...direction).normalize(), o = new Vector3(...from);
       this.extras.add(new ArrowHelper(d, o, long, color, 0.22 * long, 0.12 * long));
-      this.label(words, o.clone().addScaledVector(d, 1.12 * long).toArray(), kind);
+      this.label(words, o.clone().addScaledVector(d, share * long).toArray(), kind);
     };
     const corner = half.map((s) => -s);
     for (let c = 0; c < 3; ++c) arrow([0, 1, 2].map((k) => (k === c ? 1 : 0)), corner, [0xc0392b, 0x2e7d32, 0x1f5fbf][c], names[c], 'axis');
@@ -162,7 +168,7 @@ export class Scene3D {
     if (axes) {
       const reach = (d) => half.reduce((sum, s, c) => sum + s * Math.abs(d[c]), 0);
       const guess = axes.is_stated ? '' : ' (guess)';
-      arrow(axes.downstream, axes.downstream.map((v) => -v * (reach(axes.downstream) + 1.25 * long)), 0x0072b2, `stream${guess}`, 'stream');
+      arrow(axes.downstream, axes.downstream.map((v) => -v * (reach(axes.downstream) + 1.25 * long)), 0x0072b2, `stream${guess}`, 'stream', -0.12);
       arrow(axes.up, axes.up.map((v) => v * (reach(axes.up) + 0.1 * long)), 0xd55e00, `up${guess}`, 'up');
     }
     if (symmetry) this.extras.add(...this.planeOf(symmetry.normal, symmetry.offset, 0x7b3fa0, 0.06, symmetry.is_half ? 'plane of symmetry (half a body)' : 'plane of symmetry'));
@@ -305,7 +311,8 @@ export class Scene3D {
   }
 
   paint() {
-    if (this.field) return this.paintField();
+    if (this.field) { if (this.onmarks) this.onmarks({}); return this.paintField(); }
+    if (this.onmarks) this.onmarks({ chosen: this.chosen, held: this.held, region: this.shown });
     const shown = this.labelling(), isMarked = this.chosen || this.held || this.shown;
     let colors = null;
     if (shown) {
@@ -387,9 +394,12 @@ export class Scene3D {
     this.model.mesh.material = flat;
     this.model.scene.background = new Color(0x000000);
     for (const one of hidden) one.visible = false;
+    const w = Math.floor(width * ratio), hgt = Math.floor(height * ratio), pixels = new Uint8Array(4 * w * hgt), target = new WebGLRenderTarget(w, hgt);
+    renderer.setRenderTarget(target);  // edges are not smoothed there: a mix of two numbers is a third triangle's
     renderer.render(this.model.scene, camera);
-    const gl = renderer.getContext(), w = Math.floor(width * ratio), hgt = Math.floor(height * ratio), pixels = new Uint8Array(4 * w * hgt);
-    gl.readPixels(0, 0, w, hgt, gl.RGBA, gl.UNSIGNED_BYTE, pixels);
+    renderer.readRenderTargetPixels(target, 0, 0, w, hgt, pixels);
+    renderer.setRenderTarget(null);
+    target.dispose();
     for (let k = 0; k < pixels.length; k += 4) visible.add(pixels[k] + 256 * pixels[k + 1] + 65536 * pixels[k + 2] - 1);
     this.model.mesh.material = material;
     this.model.scene.background = background;

@@ -151,8 +151,8 @@ export class Section {
       this.facts.replaceChildren(h('p', { class: 'hint' }, `${words(right)} to the right, ${words(up)} up: ${number(high[0] - low[0], 4)} × ${number(high[1] - low[1], 4)}${scaled ? ' chords' : ''}`));
       return;
     }
-    const degrees = (r) => `${number((r * 180) / Math.PI, 3)}°`, percent = (v) => (v === null ? '–' : `${number(Math.abs(v) < 1e-9 ? 0 : 100 * v, 4)} %`);
-    const rows = [['chord', (f) => number(f.chord, 5)], ['twist, nose up', (f) => degrees(f.twist)], ['t/c', (f) => percent(f.thickness)], ['at', (f) => percent(f.at)], ['camber', (f) => percent(f.camber)], ['leading-edge radius / c', (f) => percent(f.radius)]];
+    const degrees = (r) => `${number(Math.abs(r) < 1e-8 ? 0 : (r * 180) / Math.PI, 3)}°`, percent = (v) => (v === null ? '–' : `${number(Math.abs(v) < 1e-9 ? 0 : 100 * v, 4)} %`);
+    const rows = [['chord', (f) => number(f.chord, 5)], ['twist, nose up', (f) => degrees(f.twist)], ['t/c', (f) => percent(f.thickness)], ['thickest at', (f) => percent(f.at)], ['camber', (f) => percent(f.camber)], ['leading-edge radius / c', (f) => percent(f.radius)]];
     this.facts.replaceChildren(table('Section', [['', false], ['start', true], ...(other ? [['now', true]] : [])], rows.map(([name, of]) => [name, of(one), ...(other ? [of(other)] : [])])));
   }
 }

@@ -61,6 +61,22 @@ TEST_F(CaseWithWrap, StandsOnTheWrapAndMeasuresTheBody) {
     EXPECT_TRUE(contains(built.notes.back(), "wrap: ")) << built.notes.back();
 }
 
+TEST_F(CaseWithWrap, MotionsTurnAboutTheBodysRegion) {
+    const TriMesh mesh = example::dirty_body("wing_through_body");
+    surface(mesh);
+    const BuiltProblem built =
+        build(held + "wrap: {alpha: 4%}\n" +
+              "parameters: {levels: auto, patches_per_level: [4], variables: [normal], "
+              "given: [{name: tilt, region: tail, rotate: [0, 1, 0]}]}\nobjective: {maximize: volume}\n");
+    ASSERT_EQ(built.problem.parameters.user_variables.size(), 1u);
+    const Eigen::Vector3d about = built.problem.parameters.user_variables[0].motion.about,
+                          of_body = area_centroid(mesh, region(built, "tail")),
+                          of_wrap = area_centroid(elastic_surface(built.problem),
+                                                  built.problem.parameters.user_variables[0].triangles);
+    EXPECT_EQ(about, of_body);
+    EXPECT_GT((of_wrap - of_body).norm(), 1e-3) << "the test can fail";
+}
+
 TEST_F(CaseWithWrap, IsStatedForRunsThatGoOn) {
     surface(example::dirty_body("crossing_boxes"));
     const std::string rest =

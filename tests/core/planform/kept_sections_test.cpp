@@ -1,10 +1,12 @@
 #include "core/planform/kept_sections.hpp"
 
 #include "core/error.hpp"
+#include "core/formats/io.hpp"
 #include "derivatives.hpp"
 #include "wing_bodies.hpp"
 
 #include <gtest/gtest.h>
+#include <cstdlib>
 
 namespace strake {
 namespace {
@@ -59,6 +61,20 @@ TEST(KeptSections, EdgesAndTwistStayWhereSectionsChange) {
         EXPECT_LT(after[1], 0.02);
         EXPECT_GT(motion.rowwise().norm().maxCoeff(), 0.01) << "sections change";
     }
+}
+
+/// A mesh without rows along the span (STRAKE_DATA): with knots at all its vertices amounts grew without limit.
+TEST(KeptSections, AnIrregularMeshHasFewerKnots) {
+    const char* folder = std::getenv("STRAKE_DATA");
+    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";
+    const TriMesh mesh = read_surface(std::string(folder) + "/three_element_wing_cpanel.tri").mesh;
+    const KeptSections kept(mesh, {std::make_shared<const Wing>(mesh, WingDeclaration{})}, {});
+    EXPECT_GT(kept.num_knots(), 10);
+    const Points motion = motion_of(mesh, 0.2), u = kept.kept(motion);
+    EXPECT_LT(u.rowwise().norm().maxCoeff(), motion.rowwise().norm().maxCoeff());
+    const Points w = motion_of(mesh, 1).cwiseAbs();
+    EXPECT_NEAR(kept.rate(nullptr, motion).cwiseProduct(w).sum(),
+                kept.pulled_back(nullptr, w).cwiseProduct(motion).sum(), 1e-9 * motion.norm() * w.norm());
 }
 
 TEST(KeptSections, MotionsOfTheSectionsInTheirPlanesAreTakenOutWhole) {

@@ -1,6 +1,8 @@
 #include "core/planform/planform_motion.hpp"
 
+#include "cases/geometry/dirty_body.hpp"
 #include "core/error.hpp"
+#include "core/mesh/adjacency.hpp"
 #include "derivatives.hpp"
 #include "wing_bodies.hpp"
 
@@ -283,6 +285,37 @@ TriMesh rounded_behind(double radius) {
 }
 
 /// Its trailing edge was one corner of the circle or another: camber by -1 % moved it by 2e-3 of the chord.
+/// Its vertices beyond the last row but one are a point, which no change of a section moves: a variable of that
+/// station would be a direction of nothing, with a slope of rounding errors.
+TEST(PlanformMotion, StationsOfAPointedTipAreNoVariables) {
+    const TriMesh mesh = example::dirty_body("wing_through_body", 7);
+    WingDeclaration declared;
+    declared.stations = {0.3, 0.6, 0.95, 1};
+    const std::vector<int> part = edge_components(mesh, adjacency(mesh));
+    int tip = 0;
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (mesh.vertices(mesh.triangles(t, 0), 1) > mesh.vertices(mesh.triangles(tip, 0), 1)) tip = t;
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        if (part[static_cast<std::size_t>(t)] == part[static_cast<std::size_t>(tip)]) declared.triangles.push_back(t);
+    const auto wing = std::make_shared<const Wing>(mesh, declared);
+    PlanformRange twist{.change = PlanformChange::twist, .by_station = true, .lower = -0.05, .upper = 0.05};
+    const PlanformMotion motion(mesh, {wing}, {twist});
+    ASSERT_EQ(motion.size(), 3);
+    for (int j = 0; j < 3; ++j) {
+        EXPECT_EQ(motion.variables()[static_cast<std::size_t>(j)].station,
+                  declared.stations[static_cast<std::size_t>(j)]);
+        EXPECT_GT(motion.displacement(0.05 * VectorXd::Unit(3, j)).cwiseAbs().maxCoeff(), 1e-4) << j;
+    }
+    twist.only = {1};
+    try {
+        PlanformMotion(mesh, {wing}, {twist});
+        ADD_FAILURE() << "taken";
+    } catch (const InvalidInput& refused) {
+        EXPECT_NE(std::string(refused.what()).find("@1: no vertex of the wing moves"), std::string::npos)
+            << refused.what();
+    }
+}
+
 TEST(PlanformMotion, EdgesOfARoundedWingDoNotJump) {
     const TriMesh mesh = rounded_behind(0.002);
     WingDeclaration half;

@@ -1,11 +1,14 @@
 #include "optimize/check/capability.hpp"
 
 #include "core/fields/typical_motions.hpp"
+#include "core/planform/kept_sections.hpp"
+#include "core/planform/planform_motion.hpp"
 #include "optimize/check/border_turn.hpp"
 #include "optimize/space/field_conditions.hpp"
 #include "optimize/space/response_metric.hpp"
 #include "optimize/space/rest_facts.hpp"
 #include "problems.hpp"
+#include "tests/core/planform/lofted_wing.hpp"
 
 #include <gtest/gtest.h>
 
@@ -49,6 +52,42 @@ TEST(Capability, FieldsMakeWhatAShellResists) {
     EXPECT_EQ(flatten.remedy, "parameters.fields: auto");
     EXPECT_GT(flatten.with_remedy, 0.95);
     EXPECT_TRUE(share_of(fields, "flatten").remedy.empty());
+}
+
+/// Where edges of a wing stay, fields make no change of its planform, whatever sections do between them along it;
+/// changes of the wing do.
+TEST(Capability, EdgesThatStayLeaveThePlanform) {
+    Loft loft;
+    loft.cells = 12;
+    Problem problem;
+    problem.surface = lofted(loft);
+    problem.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
+    problem.has_shell = false;
+    problem.tree = octants(problem.surface, 0);
+    problem.parameters.kinds.clear();
+    WingDeclaration declared;
+    declared.symmetry = problem.symmetry;
+    for (int t = 0; t < problem.surface.num_triangles(); ++t) {
+        const bool is_root = problem.surface.vertices(problem.surface.triangles(t, 0), 1) < 0.5;
+        (is_root ? problem.fixed : declared.triangles).push_back(t);
+    }
+    const auto wing = std::make_shared<const Wing>(problem.surface, declared);
+    add_fields(problem.parameters, std::make_shared<const DisplacementFields>(
+                                       problem.surface, field_conditions(problem), FieldOptions{36, {}}));
+    const Capability free = asked(problem);
+    problem.parameters.kept_sections =
+        std::make_shared<const KeptSections>(problem.surface, std::vector{wing}, problem.fixed);
+    const Capability kept = asked(problem);
+    for (const char* name : {"bend", "sweep", "twist", "taper"}) {
+        EXPECT_GT(share_of(free, name).by_level.back(), 0.8) << name;
+        EXPECT_LT(share_of(kept, name).by_level.back(), 0.05) << name;
+        EXPECT_EQ(share_of(kept, name).remedy, "") << name;
+    }
+    EXPECT_GT(share_of(kept, "thicken").by_level.back(), 0.2);
+    const PlanformRange sweep{.change = PlanformChange::sweep, .lower = -0.1, .upper = 0.1};
+    add_planform(problem.parameters,
+                 std::make_shared<const PlanformMotion>(problem.surface, std::vector{wing}, std::vector{sweep}));
+    EXPECT_GT(share_of(asked(problem), "sweep").by_level.back(), 0.8);
 }
 
 TEST(Capability, LoadsMakeTheSoftestModes) {

@@ -186,6 +186,17 @@ export class Viewer {
     this.controls.update();
   }
 
+  /** From where another view of the same box looked, its camera at `position`. */
+  lookAs(other, position) {
+    this.controls.target.copy(other.controls.target);
+    this.camera.position.copy(position);
+    this.camera.up.copy(other.camera.up);
+    this.camera.zoom = other.camera.zoom;
+    this.span = other.span;
+    this.controls.update();
+    this.draw();
+  }
+
   /** Length per pixel at which the start fits into a pane. */
   lengthPerPixel(w, h) { return this.margin * Math.max((2.3 * this.span[1]) / h, (2.15 * this.span[0]) / w); }
 

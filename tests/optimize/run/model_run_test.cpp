@@ -121,6 +121,34 @@ TEST(ModelRun, AutomaticChangesNothingElse) {
     EXPECT_TRUE(choose_method(stated, 12).words.empty());
 }
 
+/// The volume is computed here: every proposal can have the one that is asked for.
+TEST(ModelRun, MeetsExactlyWhatNoProgramTells) {
+    Problem problem = ellipsoid_problem(2, 1);
+    problem.parameters.kinds = {VariableKind::load};
+    problem.parameters.max_displacement = 0.03;
+    Quantity solver;
+    solver.names = {"flow"};
+    solver.program = "solver";
+    solver.has_sensitivities = false;
+    solver.evaluate = [](const QuantityRequest& request) {
+        QuantityResult result;
+        result.values = {triangle_areas(request.surface).sum()};
+        return result;
+    };
+    problem.quantities.push_back(solver);
+    problem.objective = "flow";
+    Constraint same_volume;
+    same_volume.quantity = "volume";
+    same_volume.equals = 1;
+    same_volume.relative = true;
+    problem.constraints = {same_volume};
+    problem.optimize.method = Method::model;
+    problem.optimize.max_evaluations = 24;
+    const Told told = run(problem);
+    EXPECT_LE(told.result.max_violation, problem.optimize.constraint_tolerance);
+    EXPECT_LT(told.result.objective, 0.999 * told.result.objective_start);
+}
+
 TEST(ModelRun, AVariableWithoutEffectAndAConstantObjectiveAreTold) {
     Problem problem = values_only(40, 1);
     problem.constraints.clear();

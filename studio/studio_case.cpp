@@ -202,9 +202,17 @@ Studio::Impl::Json Studio::Impl::put_region(const Asked& asked) {
     const ChoiceGround ground = ground_for(*shown, the_case);
     const Description words = described(ground, steps, chosen(ground, steps), name, list_file);
     for (const RegionText& region : words.regions) yaml = with_region(yaml, region);
-    if (asked.value("fix", false)) yaml = with_fixed(yaml, name);
+    std::string taken_out;
+    if (asked.value("fix", false)) {
+        yaml = with_fixed(yaml, name);
+        // Of a proposal for a body without a held part; the two exclude each other.
+        if (const auto hold = entry_span(yaml, "hold")) {
+            taken_out = "hold: " + hold->words;
+            yaml = with_value(yaml, "hold", "");
+        }
+    }
     write_list(list_file, words.numbers, asked_text);
-    return {{"text", yaml}, {"kind", words.kind}};
+    return {{"text", yaml}, {"kind", words.kind}, {"taken_out", taken_out}};
 }
 
 Studio::Impl::Json Studio::Impl::form(const Asked& asked) { return case_form(text_in(asked, "text")); }

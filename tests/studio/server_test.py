@@ -410,6 +410,23 @@ class Server(unittest.TestCase):
         self.assertEqual(count, seen["triangles"], checked.stdout[:500])
         self.assertGreater(count, 200)
 
+    def test_a_fixed_region_takes_the_place_of_hold(self):
+        self.opened()
+        yaml = ("surface: {file: body.stl}\nhold: point      # or a place\nobjective: {maximize: volume}\n"
+                "parameters: {levels: auto, variables: [normal], max_displacement: 4%}\n")
+        steps = [{"op": "+", "plane": {"normal": [1, 0, 0], "at": 0.8, "above": False}}]
+        moving = self.studio.post("region", text=yaml, name="tip", steps=steps, fix=False)[1]
+        self.assertIn("hold: point", moving["text"])
+        status, made = self.studio.post("region", text=yaml, name="root", steps=steps, fix=True)
+        self.assertEqual((status, made["taken_out"]), (200, "hold: point"), made)
+        self.assertNotIn("hold:", made["text"])
+        file = self.folder / "held.yaml"
+        self.addCleanup(file.unlink)
+        for words, code in ((made["text"], 0), (made["text"] + "hold: point\n", 2)):
+            file.write_text(words)
+            checked = subprocess.run([STRAKE, "check", "held.yaml", "--quick"], cwd=self.folder, capture_output=True, text=True, check=False)
+            self.assertEqual(checked.returncode == 0, code == 0, checked.stderr)
+
     def test_read_only(self):
         with Studio(self.folder, "body.stl", "--read-only") as studio:
             studio.until(lambda s: not s["is_opening"])
@@ -472,10 +489,14 @@ class Server(unittest.TestCase):
         seen = shown.until(lambda s: s["run"] and s["run"]["status"] not in ("running", "starting"))
         self.assertEqual(len(seen["run"]["rows"]), 6)
         self.assertEqual(pathlib.Path(seen["run"]["folder"]), (self.folder / "beside").resolve())
+        told = ""
+        while "the run has ended" not in told:  # its last evaluation is not yet its end
+            line = shown.process.stderr.readline()
+            self.assertTrue(line, told)
+            told += line
         self.assertIsNone(shown.process.poll(), "the page stays")
         code, _, err = shown.end(signal.SIGINT)
-        self.assertEqual(code, alone.returncode, err)
-        self.assertIn("the run has ended", err)
+        self.assertEqual(code, alone.returncode, told + err)
         self.assertEqual((self.folder / "beside/best.stl").read_bytes(), (self.folder / "alone/best.stl").read_bytes(), "the same bits")
         stopped = run()
         stopped.until(lambda s: s["run"] and len(s["run"]["rows"]) >= 2)

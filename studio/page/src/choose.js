@@ -264,7 +264,7 @@ export class Choosing {
       this.tool = 'patch';
       this.setTool('patch');
       this.toolChoice.querySelector('select').value = 'patch';
-      this.told(`The case has the region ${put} now, as ${made.kind}${replaced}. Save it under Case.`);
+      this.told(`The case has the region ${put} now, as ${made.kind}${replaced}.${made.taken_out ? ` \`${made.taken_out}\` is taken out: what is fixed holds the body now.` : ''} Save it under Case.`);
     } catch (error) { this.told(error.message); }
   }
 }

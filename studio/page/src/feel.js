@@ -92,6 +92,7 @@ export class Feel {
     } catch (error) {
       this.text = null;
       this.verdict.textContent = error.message;
+      document.documentElement.dataset.felt = 'error';
     }
   }
 

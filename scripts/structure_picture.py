@@ -19,7 +19,7 @@ ROOF = {"cli": "the program", "python": "the module", "bench": "benchmarks",
         "cases": "examples and their surfaces"}  # nobody below includes from these; drawn in one row
 INCLUDE = re.compile(r'^\s*#\s*include\s+"([^"]+)"', re.M)
 INK, FAINT, WRONG, ROOM, FLOOR = "#22303c", "#5d7183", "#c62828", "#ffffff", "#e8eef3"
-LEFT, GAP, BOX_HEIGHT, WIDTH = 150, 16, 40, 1010
+LEFT, GAP, BOX_HEIGHT, WIDTH = 150, 16, 40, 1110
 
 
 def read_sources():

@@ -78,7 +78,7 @@ if shutil.which("man"):
 
 keys = [row["key"] for row in json.loads(said("explain", "--json").stdout)]
 expect("optimize.method" in keys and len(keys) > 150, "keys: %d" % len(keys))
-for wanted, has in (("optimize.method", "default  sqp"), ("regions.tip.box", "Two opposite corners"),
+for wanted, has in (("optimize.method", "default  auto"), ("regions.tip.box", "Two opposite corners"),
                     ("loads[0].region", "the key is required"), ("budget.evaluations", "optimize.budget.evaluations"),
                     ("cobyla", "is a value of optimize.method"), ("repair.holes", "all"),
                     ("wave_drag", "stations        Number of interior sections. [40]"), ("friction", "reynolds"),

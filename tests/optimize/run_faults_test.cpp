@@ -105,10 +105,14 @@ TEST_P(EveryMethodInARun, RightOptimumOrAClearVerdictWithinTheBudget) {
     Log log;
     const RunResult r = logged(problem, log);
     EXPECT_LE(r.evaluations, budget);
-    EXPECT_EQ(log.failed(), struck);
-    ASSERT_GT(struck.size(), 0u);
-    EXPECT_NE(log.records[struck[0] - 1].reason.find(words_of(fault)), std::string::npos)
-        << log.records[struck[0] - 1].reason;
+    const std::vector<int> failed = log.failed();
+    ASSERT_GT(failed.size(), 0u);
+    if (method.method == Method::model)  // asks what constraints need of designs that it does not evaluate, too
+        for (const int number : failed) EXPECT_NE(std::find(struck.begin(), struck.end(), number), struck.end());
+    else
+        EXPECT_EQ(failed, struck);
+    EXPECT_NE(log.records[failed[0] - 1].reason.find(words_of(fault)), std::string::npos)
+        << log.records[failed[0] - 1].reason;
     // The result is the best of what was seen.
     double best = 0;
     for (const EvaluationRecord& record : log.records)

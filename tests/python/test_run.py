@@ -276,7 +276,7 @@ def test_auto_takes_a_method_that_needs_no_gradients(body):
 
     chosen = run("auto")
     assert chosen.objective < chosen.objective_start
-    assert np.array_equal(chosen.surface.vertices, run("model").surface.vertices)
+    assert np.array_equal(chosen.vertices, run("model").vertices)
 
 
 def test_what_there_is_is_listed(body):

@@ -199,15 +199,29 @@ export class Feel {
       if (found.slope && found.slope.has) await this.takeSlope(found.slope);
       else if (found.slope && this.shows === 'slope') this.studio.tell(found.slope.trouble || 'The case has no objective whose derivative needs no program.');
       if (x.every((v) => v === 0)) this.start = found.values;
-      const start = this.start || {};
       this.seconds = (performance.now() - begin) / 1000;
       this.verdict.replaceChildren(found.status === 'ok' ? h('span', { class: 'badge good' }, 'valid') : h('span', { class: 'badge bad' }, found.status.replace('_', ' ')),
         found.status === 'ok' ? ` A valid shape, in ${number(this.seconds, 2)} s` : ` ${found.reason}`);
-      this.values.replaceChildren(Object.keys(found.values).length === 0 ? '' : table('Quantities', [['', false], ['start', true], ['now', true], ['change', true]],
-        Object.entries(found.values).map(([name, value]) => [name, number(start[name]), number(value), change(start[name], value)])));
+      this.listValues(found.values);
       this.colour();
       document.documentElement.dataset.felt = `${found.status} ${this.x.filter((v) => v !== 0).length}`;
+      if (!this.start && x.every((v, k) => v === this.x[k])) await this.askStart(found.values);
     } catch (error) { this.verdict.textContent = error.message; document.documentElement.dataset.felt = 'error'; }
+  }
+
+  listValues(values) {
+    const start = this.start || {};
+    this.values.replaceChildren(Object.keys(values).length === 0 ? '' : table('Quantities', [['', false], ['start', true], ['now', true], ['change', true]],
+      Object.entries(values).map(([name, value]) => [name, number(start[name]), number(value), change(start[name], value)])));
+  }
+
+  /** A slider was moved before the start shape was answered: its values, while nothing else is asked. */
+  async askStart(shown) {
+    const text = this.text, level = this.level;
+    const found = await this.wish({ level, x: this.x.map(() => 0), slope: false });
+    if (!found || found.error || this.text !== text || this.level !== level) return;
+    this.start = found.values;
+    this.listValues(shown);
   }
 
   /** Where the surface is to go: outward or inward, per area; and the slope along each variable. */

@@ -44,6 +44,19 @@ nlohmann::ordered_json station_json(const StationFacts& at) {
     return one;
 }
 
+/// What the wing as a whole is, and its stations, behind what `wing` has.
+void add_facts(const WingFacts& f, const std::vector<StationFacts>& stations, nlohmann::ordered_json& wing) {
+    wing["span"] = f.span.value;
+    wing["area"] = f.area.value;
+    wing["aspect_ratio"] = f.aspect_ratio.value;
+    wing["taper"] = f.taper.value;
+    wing["mean_chord"] = f.mean_chord.value;
+    wing["sweep"] = f.sweep.value;
+    wing["dihedral"] = f.dihedral.value;
+    wing["stations"] = nlohmann::ordered_json::array();
+    for (const StationFacts& at : stations) wing["stations"].push_back(station_json(at));
+}
+
 }  // namespace
 
 std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations,
@@ -129,32 +142,13 @@ std::string planform_words(const std::string& file, const std::optional<Planform
 nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet) {
     if (!sheet) return nullptr;
     const WingDeclaration& declared = sheet->found.declaration;
-    const WingFacts& f = sheet->facts;
     nlohmann::ordered_json wing{{"downstream", point_json(declared.downstream)},
                                 {"up", point_json(declared.up)},
                                 {"span_direction", point_json(declared.span)},
                                 {"sides", sheet->is_half ? 1 : 2},
-                                {"has_body", sheet->found.has_body},
-                                {"span", f.span.value},
-                                {"area", f.area.value},
-                                {"aspect_ratio", f.aspect_ratio.value},
-                                {"taper", f.taper.value},
-                                {"mean_chord", f.mean_chord.value},
-                                {"sweep", f.sweep.value},
-                                {"dihedral", f.dihedral.value},
-                                {"stations", nlohmann::ordered_json::array()}};
-    for (const StationFacts& at : sheet->stations) wing["stations"].push_back(station_json(at));
-    if (!sheet->start) return wing;
-    const WingFacts& was = *sheet->start;
-    wing["start"] = {{"span", was.span.value},
-                     {"area", was.area.value},
-                     {"aspect_ratio", was.aspect_ratio.value},
-                     {"taper", was.taper.value},
-                     {"mean_chord", was.mean_chord.value},
-                     {"sweep", was.sweep.value},
-                     {"dihedral", was.dihedral.value},
-                     {"stations", nlohmann::ordered_json::array()}};
-    for (const StationFacts& at : sheet->start_stations) wing["start"]["stations"].push_back(station_json(at));
+                                {"has_body", sheet->found.has_body}};
+    add_facts(sheet->facts, sheet->stations, wing);
+    if (sheet->start) add_facts(*sheet->start, sheet->start_stations, wing["start"]);
     return wing;
 }
 

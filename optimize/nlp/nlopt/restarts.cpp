@@ -180,26 +180,10 @@ SearchEnd run_with_restarts(Guard& guard, const MethodFacts& method, const Lagra
 SearchEnd end_by_cause(const Guard& guard) {
     SearchEnd end;
     end.x = guard.best_x;
-    switch (guard.cause) {
-        case StopCause::evaluations:
-            end.stop = MinimizeStop::evaluations;
-            end.reason = guard.limit_words();
-            end.is_final = guard.limit >= guard.options.max_evaluations;
-            break;
-        case StopCause::time:
-            end.stop = MinimizeStop::time;
-            end.reason = "the time limit is reached";
-            break;
-        case StopCause::stopped:
-            end.stop = MinimizeStop::stopped;
-            end.reason = "stopped on request";
-            break;
-        case StopCause::fatal:
-            end.reason = guard.failure;
-            break;
-        default:
-            end.reason = guard.failure.empty() ? "the algorithm failed" : guard.failure;
-    }
+    const GuardEnd found = guard.end_by_cause();
+    end.stop = found.stop;
+    end.reason = found.reason.empty() ? "the algorithm failed" : found.reason;
+    if (guard.cause == StopCause::evaluations) end.is_final = guard.limit >= guard.options.max_evaluations;
     return end;
 }
 

@@ -190,6 +190,19 @@ std::string Guard::limit_words() const {
                 evaluations < all ? text(evaluations, " of ", all) : text(all), ")");
 }
 
+GuardEnd Guard::end_by_cause() const {
+    switch (cause) {
+        case StopCause::evaluations:
+            return {MinimizeStop::evaluations, limit_words()};
+        case StopCause::time:
+            return {MinimizeStop::time, "the time limit is reached"};
+        case StopCause::stopped:
+            return {MinimizeStop::stopped, "stopped on request"};
+        default:
+            return {MinimizeStop::failed, failure};
+    }
+}
+
 int Guard::reserve() const {
     const bool is_wanted = !may_use_reserve && limit == options.max_evaluations && limit >= least_budget &&
                            !options.is_relative_to_objective && has_own_gradients() && evidence.is_contradicted();

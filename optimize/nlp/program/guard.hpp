@@ -25,6 +25,12 @@ enum class StopCause {
     exception
 };
 
+/// How a search ends that its guard has ended.
+struct GuardEnd {
+    MinimizeStop stop;
+    std::string reason;
+};
+
 /// The guard stops a search by throwing nlopt::forced_stop; callers meet no other type of exception.
 class Guard {
 public:
@@ -66,6 +72,8 @@ public:
 
     /// "the limit of evaluations is reached (9)", with `MinimizeOptions::scope`.
     std::string limit_words() const;
+    /// For `cause`; what is neither a limit nor a wish is a failure. @pre cause is not none
+    GuardEnd end_by_cause() const;
 
     void report_event(const std::string& words) const {
         if (options.on_event) options.on_event(words);

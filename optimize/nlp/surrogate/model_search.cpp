@@ -330,16 +330,8 @@ private:
     }
 
     bool end_by_guard() {
-        switch (guard_.cause) {
-            case StopCause::evaluations:
-                return end(MinimizeStop::evaluations, guard_.limit_words());
-            case StopCause::time:
-                return end(MinimizeStop::time, "the time limit is reached");
-            case StopCause::stopped:
-                return end(MinimizeStop::stopped, "stopped on request");
-            default:
-                return end(MinimizeStop::failed, guard_.failure);
-        }
+        const GuardEnd found = guard_.end_by_cause();
+        return end(found.stop, found.reason);
     }
     bool end(MinimizeStop stop, const std::string& reason) {
         end_.stop = stop;

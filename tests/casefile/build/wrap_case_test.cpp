@@ -16,7 +16,8 @@ namespace {
 class CaseWithWrap : public BuildProblem {
 protected:
     void SetUp() override {
-        if (!has_alpha_wrap()) GTEST_SKIP() << "built without the alpha wrap (-DSTRAKE_GPL=OFF)";
+        if (!has_alpha_wrap())
+            GTEST_SKIP() << "built without the alpha wrap (-DSTRAKE_GPL=OFF)";  // it is CGAL's, under the GPL
     }
 };
 
@@ -139,7 +140,7 @@ TEST_F(CaseWithWrap, SaysWhereTheBodyIsThin) {
 }
 
 TEST(CaseWithoutGpl, SaysSoAndWhatToDo) {
-    if (has_alpha_wrap()) GTEST_SKIP() << "built with the alpha wrap";
+    if (has_alpha_wrap()) GTEST_SKIP() << "built with the alpha wrap";  // about the other build
     EXPECT_THROW(wrap_around(icosphere(2)), InvalidInput);
 }
 

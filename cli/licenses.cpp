@@ -29,7 +29,7 @@ constexpr std::array parts{
     Part{"oneTBB, by Embree", "Apache-2.0"},
     Part{"SQLite", "blessing (public domain)"},
     Part{"zlib", "Zlib"},
-    Part{"three.js, uPlot (report and studio)", "MIT"},
+    Part{"three.js, uPlot, CodeMirror (report and studio)", "MIT"},
     Part{"cpp-httplib", "MIT"},
     Part{"OpenSSL, by cpp-httplib", "Apache-2.0"},
     Part{"Brotli, by cpp-httplib", "MIT"},

@@ -41,24 +41,17 @@ std::string cut(const std::string& words, std::size_t most) {
     return words.size() > most ? words.substr(0, most) + " …" : words;
 }
 
-Json row_of(const std::string& yaml, const std::string& path) {
-    Json row{{"path", path}, {"value", ""}, {"line", 0}, {"comment", ""}};
-    if (const auto span = entry_span(yaml, path)) {
-        row["value"] = span->words;
-        row["line"] = span->line;
-        row["comment"] = span->comment;
-    }
+/// {doc, form, limits, default, words, is_flag, is_list} of rows with one path.
+void describe(Json& row, const std::vector<const Key*>& keys) {
     Json words = Json::array();
     std::string doc, form, limits;
-    const auto found = schema_index().rows.find(path);
-    if (found == schema_index().rows.end()) return row;
-    for (const Key* key : found->second) {
+    for (const Key* key : keys) {
         for (const std::string& word : key->words) words.push_back(word);
         doc += (doc.empty() ? "" : " ") + key->doc;
         form += (form.empty() ? "" : "; ") + without_quotes(shape_of(*key));
         limits += limits_of(*key);
     }
-    const Key& first = *found->second.front();
+    const Key& first = *keys.front();
     row["doc"] = without_quotes(doc);
     row["form"] = form;
     row["limits"] = limits;
@@ -66,6 +59,17 @@ Json row_of(const std::string& yaml, const std::string& path) {
     row["words"] = words;
     row["is_flag"] = first.type == Type::flag;
     row["is_list"] = first.type == Type::list && first.element == Type::word;
+}
+
+Json row_of(const std::string& yaml, const std::string& path) {
+    Json row{{"path", path}, {"value", ""}, {"line", 0}, {"comment", ""}};
+    if (const auto span = entry_span(yaml, path)) {
+        row["value"] = span->words;
+        row["line"] = span->line;
+        row["comment"] = span->comment;
+    }
+    const auto found = schema_index().rows.find(path);
+    if (found != schema_index().rows.end()) describe(row, found->second);
     return row;
 }
 
@@ -168,6 +172,16 @@ Json case_form(const std::string& yaml) {
         if (type.word != "volume" && type.word != "area")
             form["types"].push_back({{"name", type.word}, {"doc", type.doc}});
     return form;
+}
+
+Json case_keys() {
+    Json list = Json::array();
+    for (const auto& [path, keys] : schema_index().rows) {
+        Json row{{"path", path}};
+        describe(row, keys);
+        list.push_back(std::move(row));
+    }
+    return list;
 }
 
 }  // namespace strake

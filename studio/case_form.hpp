@@ -12,4 +12,7 @@ namespace strake {
 /// may be objectives as they are, `types` need an entry under `quantities`. {broken: message, line}: it is no YAML.
 nlohmann::ordered_json case_form(const std::string& yaml);
 
+/// [{path, doc, form, limits, default, words, is_flag, is_list}] of every key of the schema, "regions.*.box".
+nlohmann::ordered_json case_keys();
+
 }  // namespace strake

@@ -1,5 +1,7 @@
 #include "studio/run_watch.hpp"
 
+#include "casefile/load_case.hpp"
+#include "core/error.hpp"
 #include "report/json_number.hpp"
 #include "report/run_status.hpp"
 
@@ -17,7 +19,28 @@ std::chrono::nanoseconds time_spent() {
 
 }  // namespace
 
+/// A run's case does not change but for its budget.
+void RunWatch::read_convergence_keys() {
+    std::error_code missing;
+    if (convergence_ || !std::filesystem::exists(folder_ / "case.yaml", missing)) return;
+    convergence_.emplace();
+    try {
+        for (const QuantityEntry& entry : load_case(folder_ / "case.yaml").quantities)
+            if (const auto* program = std::get_if<ExternalEntry>(&entry.what); program && !program->convergence.empty())
+                convergence_->emplace(entry.name, program->convergence);
+    } catch (const std::exception&) {
+        convergence_->clear();  // the run itself says what is wrong with its case
+    }
+}
+
+std::map<std::string, std::filesystem::path> RunWatch::convergence_of() {
+    const std::lock_guard lock(busy_);
+    read_convergence_keys();
+    return convergence_.value_or(std::map<std::string, std::filesystem::path>());
+}
+
 void RunWatch::refresh() {
+    read_convergence_keys();
     const RunStatus status = run_status(folder_);
     facts_ = {{"folder", folder_.string()},
               {"status", status.status},
@@ -30,6 +53,7 @@ void RunWatch::refresh() {
               {"max_violation", json_number(status.max_violation)},
               {"best_evaluation", status.best_evaluation},
               {"has_report", std::filesystem::exists(folder_ / "report.html")},
+              {"has_convergence", convergence_ && !convergence_->empty()},
               {"holder", nullptr}};
     if (status.holder) facts_["holder"] = status.holder->words();
     rows_ = nlohmann::ordered_json::array();

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/text/hash.hpp"
+#include "studio/case_form.hpp"
 #include "studio/kept_address.hpp"
 #include "studio/studio_impl.hpp"
 #include "studio/studio_page.hpp"
@@ -109,6 +110,8 @@ WebAnswer Studio::Impl::get(const WebRequest& request) {
             {{"name", case_file.filename().string()}, {"text", case_text}, {"mark", content_mark(case_text)}});
     }
     if (request.path == "/api/best") return best_shape();
+    if (request.path == "/api/keys") return json_answer(case_keys());
+    if (request.path == "/api/convergence") return json_answer(convergence(request));
     if (request.path == "/api/designs") return json_answer(designs());
     if (request.path == "/api/design") return design(request);
     if (request.path == "/api/felt_state") return json_answer(felt_state());

@@ -3,6 +3,7 @@
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
 #include "core/text/file.hpp"
+#include "studio/file_places.hpp"
 #include "studio/studio_impl.hpp"
 
 #include <algorithm>
@@ -30,10 +31,6 @@ bool is_run(const fs::path& folder) {
     return fs::is_directory(folder, ignored) && fs::exists(folder / "journal.sqlite", ignored);
 }
 
-bool is_below(const fs::path& path, const fs::path& folder) {
-    return std::mismatch(folder.begin(), folder.end(), path.begin(), path.end()).first == folder.end();
-}
-
 }  // namespace
 
 /// What a name of the page means, links followed. @throws InvalidInput: it is not in the folder.
@@ -41,7 +38,7 @@ fs::path Studio::Impl::inside(const std::string& name) const {
     std::error_code error;
     if (name.empty() || name.size() > 1000 || name.find('\0') != std::string::npos) throw InvalidInput("no such file");
     const fs::path path = fs::weakly_canonical(folder / name, error);
-    if (error || !is_below(path, folder)) throw InvalidInput("that is outside of the folder of this studio");
+    if (error || !lies_in(path, folder)) throw InvalidInput("that is outside of the folder of this studio");
     return path;
 }
 
@@ -51,7 +48,7 @@ Studio::Impl::Json Studio::Impl::files() const {
     std::error_code ignored;
     for (const auto& entry : fs::directory_iterator(folder, ignored)) paths.push_back(entry.path());
     for (const auto& entry : fs::directory_iterator(folder / "runs", ignored))
-        if (is_run(entry.path())) paths.push_back(entry.path());
+        if (is_run(entry.path()) && lies_in(entry.path(), folder)) paths.push_back(entry.path());
     std::sort(paths.begin(), paths.end());
     for (const fs::path& path : paths) {
         const std::string name = fs::relative(path, folder, ignored).string();
@@ -150,7 +147,7 @@ Studio::Impl::Json Studio::Impl::save(const Asked& asked) {
     }
     const bool is_new = asked.contains("name");
     if (is_new) file = inside(text_in(asked, "name"));
-    if (file.empty() || !is_case(file) || !is_below(file, folder)) throw InvalidInput("a case's name ends in .yaml");
+    if (file.empty() || !is_case(file) || !lies_in(file, folder)) throw InvalidInput("a case's name ends in .yaml");
     std::error_code ignored;
     const bool exists = fs::exists(fs::symlink_status(file, ignored));
     if (exists) {

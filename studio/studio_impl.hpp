@@ -94,6 +94,7 @@ struct Studio::Impl {
     Json attach(const Asked& asked);
     WebAnswer report();
     WebAnswer best_shape();
+    Json convergence(const WebRequest& request);
     Json designs();
     WebAnswer design(const WebRequest& request);
     WebAnswer shape_answer(const std::filesystem::path& file, const Subject& shown);

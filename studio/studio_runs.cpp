@@ -2,7 +2,10 @@
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
 #include "core/text/file.hpp"
+#include "report/json_number.hpp"
 #include "report/run_lock.hpp"
+#include "studio/convergence.hpp"
+#include "studio/file_places.hpp"
 #include "studio/studio_impl.hpp"
 
 #include <algorithm>
@@ -194,9 +197,19 @@ WebAnswer Studio::Impl::report() {
         watch = run;
     }
     std::error_code ignored;
-    if (!watch || !fs::exists(watch->folder() / "report.html", ignored))
+    if (!watch || !fs::is_regular_file(watch->folder() / "report.html", ignored) ||
+        !lies_in(watch->folder() / "report.html", watch->folder()))
         return {404, "text/plain", "there is no report yet: it is written when the run ends\n"};
     return {200, "text/html; charset=utf-8", read_bytes(watch->folder() / "report.html"), true};
+}
+
+/// Of a run; empty: there is none.
+static fs::path best_file(const fs::path& run) {
+    std::error_code ignored;
+    for (const auto& entry : fs::directory_iterator(run, ignored))
+        if (entry.path().stem() == "best" && entry.is_regular_file(ignored) && lies_in(entry.path(), run))
+            return entry.path();
+    return {};
 }
 
 /// Positions of the best shape so far, as those of /api/surface: n x 3 numbers relative to its middle.
@@ -208,10 +221,9 @@ WebAnswer Studio::Impl::best_shape() {
         watch = run;
     }
     if (!watch) return {404, "text/plain", "no run is open\n"};
-    std::error_code ignored;
-    for (const auto& entry : fs::directory_iterator(watch->folder(), ignored))
-        if (entry.path().stem() == "best" && entry.is_regular_file(ignored)) return shape_answer(entry.path(), *shown);
-    return {404, "text/plain", "there is no best shape yet\n"};
+    const fs::path best = best_file(watch->folder());
+    if (best.empty()) return {404, "text/plain", "there is no best shape yet\n"};
+    return shape_answer(best, *shown);
 }
 
 WebAnswer Studio::Impl::shape_answer(const fs::path& file, const Subject& shown) {
@@ -235,7 +247,8 @@ Studio::Impl::Json Studio::Impl::designs() {
     }
     if (watch) folders.push_back(watch->folder());
     for (const auto& entry : fs::directory_iterator(folder / "runs", ignored))
-        if (fs::exists(entry.path() / "journal.sqlite", ignored) && (!watch || entry.path() != watch->folder()))
+        if (fs::exists(entry.path() / "journal.sqlite", ignored) && lies_in(entry.path(), folder) &&
+            (!watch || entry.path() != watch->folder()))
             folders.push_back(entry.path());
     if (folders.size() > 1) std::sort(folders.begin() + (watch ? 1 : 0), folders.end());
     for (const fs::path& one : folders) {
@@ -257,6 +270,38 @@ Studio::Impl::Json Studio::Impl::designs() {
     return {{"designs", std::move(list)}};
 }
 
+/// {files: [{name, evaluation, program}] newest first, shown, names, columns}: how the solver of one evaluation
+/// converges, of the newest one unless the request names another.
+Studio::Impl::Json Studio::Impl::convergence(const WebRequest& request) {
+    std::shared_ptr<RunWatch> watch;
+    {
+        const std::lock_guard lock(busy);
+        watch = run;
+    }
+    Json answer{{"files", Json::array()}, {"shown", ""}, {"names", Json::array()}, {"columns", Json::array()}};
+    if (!watch) return answer;
+    const auto files = convergence_files(watch->folder(), watch->convergence_of());
+    if (files.empty()) return answer;
+    const auto asked = request.query.find("name");
+    const ConvergenceFile* shown = &files.front();
+    for (const ConvergenceFile& one : files) {
+        answer["files"].push_back({{"name", one.name}, {"evaluation", one.evaluation}, {"program", one.program}});
+        if (asked != request.query.end() && asked->second == one.name) shown = &one;
+    }
+    constexpr std::uintmax_t max_bytes = 64 << 20;
+    std::error_code gone;
+    if (fs::file_size(shown->file, gone) > max_bytes || gone) return answer;
+    const ConvergenceTable table = read_convergence(read_bytes(shown->file));
+    answer["shown"] = shown->name;
+    answer["names"] = table.names;
+    for (const std::vector<double>& column : table.columns) {
+        Json values = Json::array();
+        for (const double value : column) values.push_back(json_number(value));
+        answer["columns"].push_back(std::move(values));
+    }
+    return answer;
+}
+
 /// One of them, as positions of /api/surface.
 WebAnswer Studio::Impl::design(const WebRequest& request) {
     const auto shown = need_subject();
@@ -271,10 +316,9 @@ WebAnswer Studio::Impl::design(const WebRequest& request) {
     std::string digits = std::to_string(number);
     if (digits.size() < 6) digits.insert(0, 6 - digits.size(), '0');
     fs::path file = from / "series" / ("design_" + digits + ".vtp");
-    if (number == 0)
-        for (const auto& entry : fs::directory_iterator(from, ignored))
-            if (entry.path().stem() == "best" && entry.is_regular_file(ignored)) file = entry.path();
-    if (!fs::is_regular_file(file, ignored)) return {404, "text/plain", "that shape was not kept\n"};
+    if (number == 0) file = best_file(from);
+    if (!fs::is_regular_file(file, ignored) || !lies_in(file, from))
+        return {404, "text/plain", "that shape was not kept\n"};
     return shape_answer(file, *shown);
 }
 

@@ -277,6 +277,7 @@ struct ExternalEntry {
     double queue_s = 7 * 86400.0, poll_s = 2;
     std::filesystem::path cache;  ///< empty: none
     std::vector<std::filesystem::path> cache_files;
+    std::filesystem::path convergence;  ///< in the folder of each call; empty: none
     Place low_fidelity_place;
     /// Cheap values beside its own: output (empty: all, those of the same names) and value.
     std::vector<std::pair<Reference, Reference>> low_fidelity;

@@ -92,6 +92,13 @@ ExternalEntry CaseReader::read_external(const Value& map, const std::string& nam
     if (const Value* v = map.find("timeout")) external.timeout_s = v->number;
     if (const Value* v = map.find("format")) external.format = v->text;
     if (const Value* v = map.find("gradients")) external.has_gradients = v->number != 0;
+    if (const Value* v = map.find("convergence")) {
+        external.convergence = std::filesystem::path(v->text).lexically_normal();
+        if (external.convergence.is_absolute() || external.convergence.filename().empty() ||
+            *external.convergence.begin() == ".." || *external.convergence.begin() == ".")
+            errors_.add(v->place, text("quantities.", printable(name), ".convergence: '", printable(v->text),
+                                       "' must be a file in the program's folder, for example history.csv"));
+    }
     if (const Value* v = map.find("retries")) external.retries = static_cast<int>(v->number);
     if (const Value* v = map.find("on_failure")) read_on_failure(*v, name, external);
     if (const Value* v = map.find("depends_on")) external.depends_on = references(v);

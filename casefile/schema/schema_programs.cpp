@@ -27,6 +27,11 @@ std::vector<Key> command_keys() {
          .words = {"stl", "stl-ascii", "obj", "ply", "ply-ascii", "off", "tri", "vtk", "vtp", "su2", "su2-positions",
                    "msh", "nastran"},
          .when = "command"},
+        {.path = "quantities.*.convergence",
+         .type = Type::text,
+         .doc = "A file that the program writes into its folder while it iterates: a table (SU2's history.csv, "
+                "OpenFOAM's solverInfo.dat) or OpenFOAM's log. The studio draws it.",
+         .when = "command"},
         {.path = "quantities.*.gradient_command",
          .type = Type::list,
          .doc = "Run after `command`, in the same folder, when gradients are requested; {request} and {result} are "

@@ -50,7 +50,7 @@ parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], outputs: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
-         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, support_radius: 50%,
+         gradient_command: [sh, "-c", "true"], gradient_timeout: 3h, gradient_points: wing.obj, support_radius: 50%, convergence: log/history.csv,
          parallel: 4, cache: answers, cache_files: [wing.obj]}
   lib: {plugin: {library: flap.txt, options: a b}, outputs: [x, y], on_failure: shrink_step}
 objective: {minimize: aero.drag}

@@ -301,6 +301,18 @@ class Page(unittest.TestCase):
         self.assertIn("did you mean 'fixed'", self.text(".errors"))
         b.run("(() => { const t = strakeStudio.editor.area; t.value = t.value.replace('fixedd:', 'fixed:'); t.dispatchEvent(new Event('input')); })()")
         b.until(f"{ROOT}.errors === '0'", 20)
+        # The editor's own errors, keys of the schema as completions and as explanations; the policy refuses no style.
+        shadow = "document.querySelector('#case-text').shadowRoot"
+        self.assertTrue(b.run(f"getComputedStyle({shadow}.querySelector('.cm-gutters')).display === 'flex'"))
+        editor = "strakeStudio.editor.area"
+        b.until(f"{editor}.keys.length > 100", 20)
+        b.run(f"(() => {{ const e = {editor}; e.value += 'optimize: {{budget: {{ev'; e.view.dispatch({{ selection: {{ anchor: e.value.length }} }}); }})()")
+        offered = f"{editor}.complete({{ explicit: true, pos: {editor}.value.length, state: {editor}.view.state, matchBefore: (r) => ({{ from: {editor}.value.length - 2, to: {editor}.value.length, text: 'ev' }}) }})"
+        self.assertIn("evaluations", b.run(f"{offered}.options.map((o) => o.label)"))
+        b.run(f"(() => {{ const e = {editor}; e.value = e.value.replace(/optimize: .*$/, ''); }})()")
+        b.until(f"{ROOT}.errors === '0'", 20)
+        explained = f"(() => {{ const e = {editor}; return e.explain(e.value.search(/^fixed:/m) + 2).create().dom.textContent; }})()"
+        self.assertTrue(b.run(explained).startswith("fixed ("))
         b.click("#save")
         b.until("!strakeStudio.editor.isChanged", 20)
         found = subprocess.run([STRAKE, "check", "case.yaml", "--quick"], cwd=self.folder, capture_output=True, text=True, check=False)

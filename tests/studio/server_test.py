@@ -6,6 +6,7 @@ import json
 import os
 import pathlib
 import re
+import shutil
 import signal
 import socket
 import subprocess
@@ -468,6 +469,61 @@ class Server(unittest.TestCase):
             third.until(lambda s: s["run"]["status"] == "running" and len(s["run"]["rows"]) > len(stopped["run"]["rows"]))
             third.post("stop")
             third.until(lambda s: s["run"]["status"] == "interrupted")
+
+    def test_shows_how_the_solver_converges(self):
+        self.opened()
+        solver = ("import json, pathlib, time\nh = pathlib.Path('history.csv')\nwords = 'Iteration,rms[Rho]\\n'\n"
+                  "for k in range(5):\n    words += f'{k},{-k / 2}\\n'\n    h.write_text(words)\n    time.sleep(0.1)\n"
+                  "json.dump({'value': 1.0}, open('result.json', 'w'))\n")
+        (self.folder / "solver.py").write_text(solver)
+        (self.folder / "solved.yaml").write_text(
+            "surface: {file: body.stl}\nregions: {root: {plane: {normal: [1, 0, 0], at: 0.8}, side: below}}\nfixed: [root]\n"
+            "quantities: {drag: {command: [python3, '{case_dir}/solver.py'], gradients: false, convergence: history.csv}}\n"
+            "objective: {minimize: drag}\nparameters: {levels: auto, patches_per_level: [4], variables: [normal], max_displacement: 1%}\n"
+            "optimize: {method: cobyla, budget: {evaluations: 2}}\n")
+        self.assertEqual(self.studio.post("open", name="solved.yaml")[0], 200)
+        self.studio.until(lambda s: s["case"] == "solved.yaml" and not s["is_opening"])
+        status, made = self.studio.post("run")
+        self.assertEqual(status, 200, made)
+        at_work = self.studio.until(lambda s: s["run"] and s["run"].get("has_convergence"))
+        self.assertTrue(at_work["run"]["has_convergence"])
+        def table(query=""):
+            return json.loads(self.studio.request(f"api/convergence{query}")[1])
+        end = time.monotonic() + 30
+        while not table()["names"] and time.monotonic() < end:
+            time.sleep(0.02)
+        self.studio.until(lambda s: s["run"]["status"] not in ("running", "starting"))
+        found = table()
+        self.assertEqual([f["evaluation"] for f in found["files"]], [2, 1])
+        self.assertEqual((found["shown"], found["names"]), ("000002/history.csv", ["Iteration", "rms[Rho]"]))
+        self.assertEqual(found["columns"], [[0, 1, 2, 3, 4], [0, -0.5, -1, -1.5, -2]])
+        self.assertEqual(table("?name=000001/history.csv")["shown"], "000001/history.csv")
+        self.assertEqual(table("?name=../../secret.yaml")["shown"], "000002/history.csv", "only names of its own list")
+        run = self.folder / made["folder"]
+        (run / "evaluations/000002/history.csv").unlink()
+        os.symlink(self.outside / "secret.yaml", run / "evaluations/000002/history.csv")
+        self.assertEqual([f["evaluation"] for f in table()["files"]], [1], "a link out of the folder is not followed")
+        # A run that lies elsewhere, a shape and a report that do.
+        elsewhere = self.outside / "elsewhere"
+        shutil.copytree(run, elsewhere)
+        os.symlink(elsewhere, self.folder / "runs" / "linked")
+        self.addCleanup((self.folder / "runs" / "linked").unlink)
+        self.assertNotIn("runs/linked", json.loads(self.studio.request("api/files")[1])["runs"])
+        self.assertNotIn("runs/linked", [d["run"] for d in json.loads(self.studio.request("api/designs")[1])["designs"]])
+        for name in ("report.html", "best.stl"):
+            (run / name).unlink(missing_ok=True)
+            os.symlink(self.outside / "secret.stl", run / name)
+        self.assertEqual(self.studio.request("report")[0], 404)
+        self.assertEqual(self.studio.request("api/best")[0], 404)
+
+    def test_knows_every_key_of_a_case(self):
+        status, body = self.studio.request("api/keys")
+        self.assertEqual(status, 200)
+        keys = {key["path"]: key for key in json.loads(body)}
+        self.assertIn("sqp", keys["optimize.method"]["words"])
+        self.assertTrue(keys["optimize.finite_differences"]["is_flag"])
+        self.assertIn("regions.*.box", keys)
+        self.assertTrue(all(key["doc"] and key["form"] for path, key in keys.items() if path != ""), [p for p, k in keys.items() if not k["doc"]][:5])
 
     def test_run_shows_itself(self):
         case = self.folder / "shown.yaml"

@@ -4,6 +4,7 @@ import { h, tick } from '../../../viewer/page/src/dom.js';
 import { number } from '../../../viewer/page/src/format.js';
 import { get, post, marksOf, newest } from './api.js';
 import { Form } from './form.js';
+import { YamlEditor } from './yaml_editor.js';
 
 export class Editor {
   constructor(studio) {
@@ -15,13 +16,13 @@ export class Editor {
     this.form = new Form(this);
     this.shownRegions = new Set();
     this.regions = [];
-    this.area = h('textarea', { id: 'case-text', spellcheck: 'false', autocomplete: 'off', wrap: 'off', rows: 24, 'aria-label': 'Case file, YAML', oninput: () => this.typed() });
-    this.numbers = h('pre', { class: 'lines', 'aria-hidden': 'true' });
-    this.area.addEventListener('scroll', () => { this.numbers.scrollTop = this.area.scrollTop; });
+    this.area = new YamlEditor('Case file, YAML. Ctrl+Space completes, Escape then Tab leaves.');
+    this.area.addEventListener('input', () => this.typed());
+    this.area.names = () => ({ regions: this.regions.map((r) => r.name), quantities: (this.form.facts ? this.form.facts.quantities : []).map((q) => q.name) });
+    get('api/keys').then((keys) => { this.area.keys = keys.map((key) => ({ ...key, steps: key.path.split('.') })); }, () => {});
     this.errors = h('div', { class: 'errors', 'aria-live': 'polite' });
     this.list = h('div', { class: 'regions' });
     this.check = newest(() => this.ask());
-    this.badLines = new Set();
   }
 
   get text() { return this.area.value; }
@@ -32,12 +33,11 @@ export class Editor {
     if (this.isChanged && name === this.name && mark === this.mark) { this.changed(); return; }  // what is typed stays
     this.name = name;
     this.mark = mark;
-    this.saved = text;
     if (this.area.value !== text) {
       if (this.area.value.trim()) this.remember(this.area.value, text, `${name || 'no case'} opened`);
       this.area.value = text;
     }
-    this.lastText = text;
+    this.saved = this.lastText = this.text;
     this.changed();
   }
 
@@ -63,16 +63,9 @@ export class Editor {
   }
 
   changed() {
-    this.number();
     this.status();
     clearTimeout(this.timer);
     this.timer = setTimeout(() => { this.check(); this.form.refresh(); }, 200);
-  }
-
-  number() {
-    const count = this.text.split('\n').length;
-    this.numbers.replaceChildren(...Array.from({ length: count }, (_, k) => h('span', { class: this.badLines.has(k + 1) && 'bad' }, `${k + 1}\n`)));
-    this.numbers.scrollTop = this.area.scrollTop;
   }
 
   status() {
@@ -80,27 +73,21 @@ export class Editor {
     this.state.textContent = this.name ? `${this.name}${this.isChanged ? ', not saved' : ''}` : (this.text ? 'a new case, not saved' : 'no case yet');
   }
 
-  goTo(line) {
-    const lines = this.text.split('\n'), from = lines.slice(0, line - 1).reduce((sum, l) => sum + l.length + 1, 0);
-    this.area.focus();
-    this.area.setSelectionRange(from, from + (lines[line - 1] || '').length);
-    this.area.scrollTop = (line - 5) * (this.area.scrollHeight / lines.length);
-  }
+  goTo(line) { this.area.goTo(line); }
 
   async ask() {
-    if (!this.text.trim()) { this.found = []; this.errors.replaceChildren(); this.list.replaceChildren(); this.regions = []; this.show(); return; }
+    if (!this.text.trim()) { this.found = []; this.area.errors = []; this.errors.replaceChildren(); this.list.replaceChildren(); this.regions = []; this.show(); return; }
     try {
       const found = await post('check', { text: this.text });
       this.found = found.errors;
       this.form.errors();
-      this.badLines = new Set(found.errors.map((e) => e.line));
+      this.area.errors = found.errors;
       this.errors.replaceChildren(found.errors.length === 0 ? h('p', { class: 'good' }, 'No errors in the text and its regions.')
         : h('ul', {}, found.errors.map((e) => h('li', {}, h('button', { type: 'button', onclick: () => this.goTo(e.line) }, `line ${e.line}`), ` ${e.message}`))),
       found.ground_changed && found.errors.length === 0 ? h('p', { class: 'hint' }, 'The surface, its repairs or its patches will be prepared anew when this is saved.') : '');
       this.regions = found.regions;
       document.documentElement.dataset.errors = String(found.errors.length);
     } catch (error) { this.errors.replaceChildren(h('p', { class: 'problem' }, error.message)); }
-    this.number();
     this.listRegions();
     this.show();
   }
@@ -161,7 +148,7 @@ export class Editor {
     return [this.state, this.fresh, this.other,
       h('div', { class: 'controls' }, h('button', { type: 'button', id: 'save', class: 'main', onclick: () => this.save() }, 'Save'),
         h('button', { type: 'button', onclick: () => post('full_check').then(() => this.studio.tell('strake check is at work …'), (e) => this.studio.tell(e.message)) }, 'Check all of the saved case')),
-      this.errors, this.form.element, h('details', { class: 'yaml', open: true }, h('summary', {}, 'The file itself (YAML)'), h('div', { class: 'editor' }, this.numbers, this.area)),
+      this.errors, this.form.element, h('details', { class: 'yaml', open: true }, h('summary', {}, 'The file itself (YAML)'), this.area.element),
       h('h3', {}, 'Regions'), this.list, this.form.reasons];
   }
 }

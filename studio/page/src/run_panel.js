@@ -6,6 +6,7 @@ import { h, tick } from '../../../viewer/page/src/dom.js';
 import { number, duration } from '../../../viewer/page/src/format.js';
 import { post, bytes, newest } from './api.js';
 import { Compare } from './compare.js';
+import { Convergence } from './convergence.js';
 
 export class RunPanel {
   constructor(studio) {
@@ -29,10 +30,11 @@ export class RunPanel {
     this.last = h('ol', { class: 'last', reversed: true });
     this.links = h('p', {});
     this.compare = new Compare(this.studio);
+    this.convergence = new Convergence();
     new ResizeObserver(() => { const width = this.plotPlace.clientWidth; if (this.plot && width > 0 && width !== this.plot.width) this.plot.setSize({ width, height: 230 }); }).observe(this.plotPlace);
     this.draw();
     return [h('div', { class: 'controls' }, this.start, h('label', { class: 'control' }, h('span', {}, 'evaluations'), this.evaluations), this.stop, this.resume),
-      this.status, this.reason, this.links, this.plotPlace,
+      this.status, this.reason, this.links, this.plotPlace, this.convergence.element,
       this.followTick = tick('show the best shape as it comes', this.follows, (v) => { this.follows = v; this.best = 0; if (!v) this.studio.scene.setPositions(this.studio.scene.body.start); else if (this.facts) this.show(this.facts); }),
       this.compare.element, h('h3', {}, 'Latest evaluations'), this.last];
   }
@@ -41,7 +43,7 @@ export class RunPanel {
   followAgain() { this.follows = this.followTick.querySelector('input').checked; this.best = 0; }
 
   /** In the colours of another theme. */
-  redraw() { if (this.plot) { this.plot.destroy(); this.plot = null; } this.draw(); }
+  redraw() { this.convergence.redraw(); if (this.plot) { this.plot.destroy(); this.plot = null; } this.draw(); }
 
   limit() { const n = this.evaluations.valueAsNumber; return Number.isInteger(n) && n > 0 ? { evaluations: n } : {}; }
 
@@ -71,6 +73,7 @@ export class RunPanel {
     document.documentElement.dataset.run = run.status;
     document.documentElement.dataset.rows = String(this.rows.length);
     if (this.rows.length !== this.drawn) this.draw();
+    this.convergence.follow(run);
     if (this.follows && run.best_evaluation > 0 && run.best_evaluation !== this.best) { this.best = run.best_evaluation; this.fetchBest(); }
   }
 

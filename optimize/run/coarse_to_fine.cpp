@@ -46,6 +46,7 @@ public:
 private:
     void walk() {
         state_.evaluator.limit_motion();
+        note_short_budget();
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -81,6 +82,17 @@ private:
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
                       state_.run_best.feasible, state_.can_refine(), refining_is_idle_, state_.problem.objective,
                       state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
+    }
+
+    /// The first batch of a search by models only looks around, unless designs are known.
+    void note_short_budget() const {
+        const OptimizeOptions& options = state_.problem.optimize;
+        const int budget = state_.limits().evaluations;
+        if (options.method != Method::model || budget > 1 + options.batch || state_.problem.table) return;
+        state_.note(text("method model learns from whole batches, and a budget of ", budget,
+                         " evaluations ends with the first (the start, and a batch of ", options.batch,
+                         "): raise optimize.budget.evaluations to ", 1 + 2 * options.batch,
+                         " or more, or lower optimize.batch to ", std::max(1, (budget - 1) / 2)));
     }
 
     /// What the folder of `start_from` has paid for counts: designs of its best one's level, as steps from that one.

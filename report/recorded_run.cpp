@@ -5,6 +5,7 @@
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/design_table.hpp"
 #include "optimize/run/fit.hpp"
+#include "optimize/run/known_designs.hpp"
 #include "optimize/run/samples.hpp"
 #include "optimize/space/parameters.hpp"
 #include "report/report_subject.hpp"
@@ -154,6 +155,9 @@ std::vector<std::string> value_names(const Problem& problem) {
 std::map<std::string, std::string> file_hashes(const Case& the_case) {
     std::map<std::string, std::string> hashes;
     for (const auto& [key, file] : files_of(the_case)) hashes[key] = content_hash(read_bytes(file));
+    if (the_case.start_from && the_case.fit.empty() && !the_case.sample)
+        if (const std::string known = known_designs_hash(*the_case.start_from); !known.empty())
+            hashes[known_designs_key] = known;
     return hashes;
 }
 

@@ -1,5 +1,5 @@
 #include "casefile/build/problem_builder.hpp"
-#include "optimize/run/stored_design.hpp"
+#include "optimize/run/known_designs.hpp"
 
 namespace strake {
 
@@ -37,6 +37,11 @@ BuiltProblem ProblemBuilder::build() {
     problem.surface = std::move(start_.mesh);
     if (stored_) at(case_.start_place, "optimize.start_from: ", [&] { start_from(problem, stored_); });
     errors_.throw_if_any();
+    if (stored_ && case_.fit.empty() && !case_.sample) {
+        KnownDesigns known = known_designs(problem, *case_.start_from);
+        problem.table = std::move(known.table);
+        if (!known.why.empty()) out_.notes.push_back(known.why);
+    }
     return std::move(out_);
 }
 

@@ -33,6 +33,14 @@ void add_parts(const Case& c, const std::string& value, std::set<const QuantityE
         for (const std::string& part : formula->of) add_parts(c, part, parts);
 }
 
+/// The quantities that objective and constraints take.
+std::set<const QuantityEntry*> asked_for(const Case& c) {
+    std::set<const QuantityEntry*> asked;
+    add_parts(c, c.objective.name, asked);
+    for (const ConstraintEntry& constraint : c.constraints) add_parts(c, constraint.constraint.quantity, asked);
+    return asked;
+}
+
 class Reader {
 public:
     Reader(const Case& c, const QuantityEntry& quantity, const ExternalEntry& program, Diagnostics& errors)
@@ -109,10 +117,37 @@ private:
     Diagnostics& errors_;
 };
 
+/// A cheap model of what nobody asks for would be ignored; so would that of a cheap model.
+void refuse_unused(const Case& c, const std::vector<CheapModel>& models, const std::vector<const QuantityEntry*>& of,
+                   Diagnostics& errors) {
+    if (c.objective.name.empty()) return;
+    const std::set<const QuantityEntry*> asked = asked_for(c);
+    for (const QuantityEntry* quantity : of) {
+        if (asked.contains(quantity)) continue;
+        const auto stands_in = std::ranges::find_if(models, [&](const CheapModel& model) {
+            std::set<const QuantityEntry*> parts;
+            add_parts(c, model.low, parts);
+            return parts.contains(quantity);
+        });
+        const std::string shown = text("quantities.", printable(quantity->name), ".low_fidelity: ");
+        const Place& place = std::get<ExternalEntry>(quantity->what).low_fidelity_place;
+        if (stands_in != models.end())
+            errors.add(place,
+                       text(shown, "'", printable(quantity->name), "' is itself the cheap model of '", stands_in->value,
+                            "', and a chain of cheap models is not used; remove this one, or "
+                            "name it in place of '",
+                            printable(quantity->name), "'"));
+        else
+            errors.add(place, text(shown, "neither the objective nor a constraint takes '", printable(quantity->name),
+                                   "'; remove low_fidelity, or state it for the program that they take"));
+    }
+}
+
 }  // namespace
 
 std::vector<CheapModel> cheap_models(const Case& c, Diagnostics& errors) {
     std::vector<CheapModel> models;
+    std::vector<const QuantityEntry*> have_models;
     for (const QuantityEntry& quantity : c.quantities) {
         const auto* program = std::get_if<ExternalEntry>(&quantity.what);
         if (!program || program->low_fidelity_place.line == 0) continue;
@@ -122,7 +157,9 @@ std::vector<CheapModel> cheap_models(const Case& c, Diagnostics& errors) {
             errors.add(program->low_fidelity_place, text("low_fidelity needs optimize.method: sqp; ",
                                                          method_facts(c.optimize.method).name, " does not use it"));
         Reader(c, quantity, *program, errors).add_to(models);
+        have_models.push_back(&quantity);
     }
+    refuse_unused(c, models, have_models, errors);
     return models;
 }
 

@@ -4,6 +4,7 @@
 #include "optimize/nlp/program/first_order.hpp"
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
+#include "optimize/run/known_designs.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
@@ -45,6 +46,7 @@ public:
 private:
     void walk() {
         state_.evaluator.limit_motion();
+        note_short_budget();
         Eigen::VectorXd x;
         MinimizeResult level;
         level.stop = MinimizeStop::converged;
@@ -53,6 +55,7 @@ private:
             const Eigen::VectorXd parent = x;
             x = state_.next_level(x, next ? &*next : nullptr);
             program_.carry_designs(parent, x, state_.prolongation);
+            if (state_.result.levels.size() == 1 && state_.problem.table) learn_from_table(x);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
@@ -79,6 +82,54 @@ private:
                      {level, program_.rows(), program_.quantity_failed(), program_.last_failed_in_quantity(),
                       state_.run_best.feasible, state_.can_refine(), refining_is_idle_, state_.problem.objective,
                       state_.problem.maximize, state_.limits().evaluations, state_.level_best_evaluation});
+    }
+
+    /// The first batch of a search by models only looks around, unless designs are known.
+    void note_short_budget() const {
+        const OptimizeOptions& options = state_.problem.optimize;
+        const int budget = state_.limits().evaluations;
+        if (options.method != Method::model || budget > 1 + options.batch || state_.problem.table) return;
+        state_.note(text("method model learns from whole batches, and a budget of ", budget,
+                         " evaluations ends with the first (the start, and a batch of ", options.batch,
+                         "): raise optimize.budget.evaluations to ", 1 + 2 * options.batch,
+                         " or more, or lower optimize.batch to ", std::max(1, (budget - 1) / 2)));
+    }
+
+    /// What the folder of `start_from` has paid for counts: designs of its best one's level, as steps from that one.
+    void learn_from_table(const Eigen::VectorXd& start) {
+        if (state_.problem.optimize.method != Method::model) return;
+        const DesignTable& table = *state_.problem.table;
+        const auto& variables = state_.space.variables;
+        std::vector<LevelProgram::SeenDesign> designs;
+        int others = 0;
+        std::string missing;
+        for (int row = 0; row < table.rows(); ++row) {
+            LevelProgram::SeenDesign design{start, {}};
+            bool is_here = true;
+            for (std::size_t j = 0; j < table.variables.size(); ++j) {
+                const auto c = static_cast<Eigen::Index>(j);
+                const double step = table.designs(row, c) - table.designs(0, c);
+                const auto at = std::ranges::find(variables, table.variables[j], &Variable::name);
+                if (at != variables.end())
+                    design.x[at - variables.begin()] += step / at->unit;
+                else if (step != 0)
+                    is_here = false, missing = table.variables[j];
+            }
+            if (!is_here) {
+                ++others;
+                continue;
+            }
+            for (Eigen::Index k = 0; k < table.given.cols() && table.status[static_cast<std::size_t>(row)] == "ok"; ++k)
+                design.values.push_back(table.given(row, k));
+            designs.push_back(std::move(design));
+        }
+        state_.note(text(designs.size(), " designs of ", table.name, " are known and not paid again",
+                         others > 0 ? text("; ", others,
+                                           " more are not used: they differ in variables that this run "
+                                           "does not have (",
+                                           missing, " for one); keep parameters as they were there to use them")
+                                    : ""));
+        program_.learn(std::move(designs));
     }
 
     /// True: on to this level. A level that was left for details that turn out to be worth nothing is finished first.
@@ -408,9 +459,7 @@ private:
     bool is_last_ = false;          ///< the present level goes on to its end
 };
 
-}  // namespace
-
-RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
+RunResult search(const Problem& problem, const RunEvents& events, Journal* journal) {
     if (!problem.optimize.chooses_method) return Optimization(problem, events, journal).run();
     const int budget = journal ? journal->limits_after(0).evaluations : problem.optimize.max_evaluations;
     const MethodChoice choice = choose_method(problem, budget);
@@ -420,6 +469,18 @@ RunResult optimize(const Problem& problem, const RunEvents& events, Journal* jou
     chosen.optimize.method = choice.method;
     chosen.optimize.finite_differences = choice.method == Method::sqp;
     return Optimization(chosen, events, journal).run();
+}
+
+}  // namespace
+
+RunResult optimize(const Problem& problem, const RunEvents& events, Journal* journal) {
+    if (!problem.start || !problem.table) return search(problem, events, journal);
+    Problem with_known = problem;
+    if (journal && !journal->facts().files.contains(known_designs_key))
+        with_known.table.reset();  // the run began without them
+    else
+        answer_start(with_known);
+    return search(with_known, events, journal);
 }
 
 }  // namespace strake

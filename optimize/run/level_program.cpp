@@ -37,6 +37,8 @@ constexpr double near_limit = 0.6;
 /// Determinants of triangles that a step may fold.
 constexpr double nearly_folded = 0.6;
 
+constexpr double same_value = 1e-6;  ///< of the largest: computed on the same shape
+
 constexpr double motion_step = 1e-3;  ///< diagonals, whose price is told
 
 /// Methods that know nothing of the limit but that points beyond it are moved inside: they search where one variable
@@ -223,7 +225,35 @@ void LevelProgram::carry_designs(const Eigen::VectorXd& parent, const Eigen::Vec
     for (SeenDesign& design : seen_) design.x = start + prolongation * (design.x - parent);
 }
 
-std::vector<KnownPoint> LevelProgram::known_points() const {
+/// Empty: the values that the run computes itself are at the start what they were there. Else which one is not.
+std::string LevelProgram::contradiction(const std::vector<double>& at_start) const {
+    std::size_t i = 0;
+    for (const Quantity& quantity : state_.problem.quantities)
+        for (std::size_t k = 0; k < quantity.names.size(); ++k, ++i) {
+            if (!quantity.program.empty()) continue;
+            const double was = learned_.front().values[i], is = at_start[i];
+            double largest = std::abs(is);
+            for (const SeenDesign& design : learned_)
+                if (!design.values.empty()) largest = std::max(largest, std::abs(design.values[i]));
+            if (std::abs(is - was) > same_value * largest)
+                return text("at the same shape '", quantity.names[k], "' was ", was, " there and is ", is,
+                            " here; it is another quantity");
+        }
+    return "";
+}
+
+void LevelProgram::use_learned() {
+    const std::vector<double>& at_start = seen_.front().values;
+    const std::string why = at_start.empty() ? "the start fails" : contradiction(at_start);
+    if (!why.empty())
+        state_.note(text("the designs that are known are not used: ", why));
+    else
+        seen_.insert(seen_.end(), learned_.begin() + 1, learned_.end());
+    learned_.clear();
+}
+
+std::vector<KnownPoint> LevelProgram::known_points() {
+    if (!learned_.empty() && !seen_.empty()) use_learned();
     std::vector<KnownPoint> points;
     for (const SeenDesign& design : seen_)
         points.push_back({design.x.cwiseProduct(weight_), from_values(design.values)});

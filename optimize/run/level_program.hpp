@@ -20,6 +20,12 @@ struct KnownDesign {
 
 class LevelProgram {
 public:
+    /// A design of the level and what it gave; no values: it failed.
+    struct SeenDesign {
+        Eigen::VectorXd x;
+        std::vector<double> values;
+    };
+
     /// @throws InvalidInput: no objective, unknown names, contradicting limits, a method that needs gradients of a
     /// value that has none.
     LevelProgram(RunState& state);
@@ -37,6 +43,9 @@ public:
     /// d(parent's x)
     void carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,
                        const Eigen::MatrixXd& prolongation);
+    /// Designs of the first level that an earlier run has paid for, the first of them where this one starts. Before the
+    /// level is entered.
+    void learn(std::vector<SeenDesign> designs) { learned_ = std::move(designs); }
     const ShapeEvaluation& current() const { return current_; }  ///< the last evaluation
 
     const KnownDesign& known() const { return known_; }  ///< without sensitivities where nothing was differentiated
@@ -61,7 +70,9 @@ private:
     void limit_motion();
     void add_cheap_program();
     bool learns() const { return state_.problem.optimize.method == Method::model; }
-    std::vector<KnownPoint> known_points() const;
+    std::vector<KnownPoint> known_points();
+    void use_learned();
+    std::string contradiction(const std::vector<double>& at_start) const;
     Evaluation from_values(const std::vector<double>& values) const;
     void keep_slack();
     void narrow_bounds();
@@ -80,12 +91,8 @@ private:
     double difference_step_ = 0;  ///< that the noise of the values asks for; 0: that of the case
     double slack_ = 0;  ///< share of the motion limit that designs keep, so that what is next to them is within, too
     std::unique_ptr<CheapProgram> cheap_;  ///< null: the problem has no cheap models, or the method does not use them
-    /// A design of this level and what it gave; no values: it failed.
-    struct SeenDesign {
-        Eigen::VectorXd x;
-        std::vector<double> values;
-    };
-    std::vector<SeenDesign> seen_;  ///< of method model
+    std::vector<SeenDesign> seen_;         ///< of method model
+    std::vector<SeenDesign> learned_;      ///< the first is that of the start; until the start has been evaluated
     ShapeEvaluation current_;
     Eigen::VectorXd current_x_;
     Rank current_rank_;

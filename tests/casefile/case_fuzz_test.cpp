@@ -154,7 +154,7 @@ quantities:
   cfd: {command: [sh, run.sh], outputs: [drag, lift], gradients: false, low_fidelity: aero}
   heat: {command: [sh, run.sh], outputs: [peak, mean], low_fidelity: {peak: blunt.drag, mean: ld}}
   ld: {expression: 'aero.lift / (aero.drag + skin) ^ 2 - softmin(0.1, wave, alpha)'}
-objective: {maximize: 'ld - 2 * min(wave, keep)'}
+objective: {maximize: 'ld - 2 * min(wave, keep) - cfd.drag - heat.peak - heat.mean'}
 constraints:
   ld: {min: 1}
   span.length: {equals: 1, relative: true}

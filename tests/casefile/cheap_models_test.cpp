@@ -41,6 +41,23 @@ TEST_F(CheapModels, AreReadAsAQuantityOrByValue) {
     EXPECT_TRUE(build(with("newton")).problem.cheap_programs.empty());
 }
 
+/// Neither would be used.
+TEST_F(CheapModels, AChainAndOneThatNobodyAsksForAreRefused) {
+    const std::string coarse =
+        "  coarse: {command: [sh, -c, exit], outputs: [drag], gradients: false, low_fidelity: {drag: wave}}\n";
+    const std::string chain = error(with("coarse", coarse));
+    EXPECT_TRUE(contains(chain,
+                         "quantities.coarse.low_fidelity: 'coarse' is itself the cheap model of 'flow.drag', and "
+                         "a chain of cheap models is not used; remove this one"))
+        << chain;
+    const std::string idle = error(with("newton", coarse));
+    EXPECT_TRUE(contains(idle, "quantities.coarse.low_fidelity: neither the objective nor a constraint takes 'coarse'"))
+        << idle;
+    EXPECT_EQ(error(with("newton", coarse + "  both: {expression: flow.drag + coarse.drag}\n") +
+                    "constraints: {both: {max: 3}}\n"),
+              "");
+}
+
 TEST_F(CheapModels, WhatIsNoneIsRefusedWithItsPlace) {
     EXPECT_TRUE(contains(error(with("newtn")), "quantities.flow.low_fidelity: quantity 'newtn' is not known"))
         << error(with("newtn"));

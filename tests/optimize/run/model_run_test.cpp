@@ -107,6 +107,15 @@ TEST(ModelRun, AShortBudgetChoosesItAndALongOneDifferences) {
     EXPECT_EQ(told.result.vertices, run(stated).result.vertices);
 }
 
+TEST(ModelRun, ABudgetThatEndsWithTheFirstBatchIsTold) {
+    EXPECT_NE(run(values_only(9))
+                  .notes.find("a budget of 9 evaluations ends with the first (the start, and a batch of "
+                              "8): raise optimize.budget.evaluations to 17 or more, or lower "
+                              "optimize.batch to 4"),
+              std::string::npos);
+    EXPECT_EQ(run(values_only(10)).notes.find("ends with the first"), std::string::npos);
+}
+
 /// What says nothing and has gradients, or states differences, is left alone.
 TEST(ModelRun, AutomaticChangesNothingElse) {
     Problem problem = automatic(12);

@@ -34,6 +34,19 @@ double hat(const std::vector<double>& places, std::size_t k, double s) {
     return 1;
 }
 
+/// What a change is about, as a section or a panel shows it; of angles of panels the tangent.
+double shown_value(const Wing& wing, PlanformChange change, const TriMesh& surface, double station) {
+    if (has_panels(change)) {
+        const PanelFacts at = wing.panel(surface, station);
+        return std::tan(change == PlanformChange::sweep ? at.sweep.value : at.dihedral.value);
+    }
+    const StationFacts at = wing.station(surface, station);
+    return change == PlanformChange::chord       ? at.chord.value
+           : change == PlanformChange::twist     ? at.twist.value
+           : change == PlanformChange::thickness ? at.thickness_to_chord.value
+                                                 : at.camber.value;
+}
+
 /// What triangles make of each unit, set right: they cut the corner at a station between two rows of vertices.
 void set_right(const Eigen::MatrixXd& shown_by, Eigen::MatrixXd& shares) {
     const auto one = Eigen::MatrixXd::Identity(shown_by.rows(), shown_by.cols());
@@ -64,17 +77,6 @@ Eigen::MatrixXd PlanformMotion::measured(const TriMesh& start, const PlanformRan
                                          const std::vector<double>& stations, const Eigen::MatrixXd& shares,
                                          const std::vector<double>& angles) {
     const Wing& wing = *wings_[static_cast<std::size_t>(range.wing)].wing;
-    const auto value = [&](const TriMesh& surface, double station) {
-        if (has_panels(range.change)) {
-            const PanelFacts at = wing.panel(surface, station);
-            return std::tan(range.change == PlanformChange::sweep ? at.sweep.value : at.dihedral.value);
-        }
-        const StationFacts at = wing.station(surface, station);
-        return range.change == PlanformChange::chord       ? at.chord.value
-               : range.change == PlanformChange::twist     ? at.twist.value
-               : range.change == PlanformChange::thickness ? at.thickness_to_chord.value
-                                                           : at.camber.value;
-    };
     const bool is_share = range.change == PlanformChange::chord || range.change == PlanformChange::thickness;
     const auto count = static_cast<Eigen::Index>(stations.size());
     Eigen::MatrixXd result(count, count);
@@ -88,8 +90,8 @@ Eigen::MatrixXd PlanformMotion::measured(const TriMesh& start, const PlanformRan
             has_panels(range.change) ? std::tan(angle + z[size() - 1]) - std::tan(angle) : z[size() - 1];
         const TriMesh moved = with_vertices(start, start.vertices + displacement(z));
         for (Eigen::Index i = 0; i < count; ++i) {
-            const double before = value(start, stations[static_cast<std::size_t>(i)]);
-            const double after = value(moved, stations[static_cast<std::size_t>(i)]);
+            const double before = shown_value(wing, range.change, start, stations[static_cast<std::size_t>(i)]);
+            const double after = shown_value(wing, range.change, moved, stations[static_cast<std::size_t>(i)]);
             result(i, j) = (after - before) / (change * (is_share ? before : 1));
         }
         variables_.pop_back();

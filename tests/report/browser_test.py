@@ -56,7 +56,7 @@ def canvas(browser):
 
 
 WING = """
-case: a wing
+case: wing
 surface: {file: wing.obj, units: m}
 symmetry: {plane: y, at: 0}
 planform: {wing: {span: y, stations: [0, 0.5, 1]}}

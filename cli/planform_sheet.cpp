@@ -27,36 +27,6 @@ nlohmann::ordered_json point_json(const Eigen::Vector3d& p) { return {p[0], p[1]
 
 std::string in_percent(double fraction) { return fmt::format("{:.2f}", 100 * fraction); }
 
-nlohmann::ordered_json station_json(const StationFacts& at) {
-    nlohmann::ordered_json one{{"station", at.station},
-                               {"leading_edge", point_json(at.leading_edge)},
-                               {"trailing_edge", point_json(at.trailing_edge)},
-                               {"chord", at.chord.value},
-                               {"twist", at.twist.value},
-                               {"thickness_to_chord", at.thickness_to_chord.value},
-                               {"thickness_at", at.thickness_at},
-                               {"camber", at.camber.value},
-                               {"camber_at", at.camber_at},
-                               {"leading_edge_radius", nullptr},
-                               {"trailing_edge_angle", at.trailing_edge_angle.value},
-                               {"trailing_edge_thickness", at.trailing_edge_thickness.value}};
-    if (at.leading_edge_radius) one["leading_edge_radius"] = at.leading_edge_radius->value;
-    return one;
-}
-
-/// What the wing as a whole is, and its stations, behind what `wing` has.
-void add_facts(const WingFacts& f, const std::vector<StationFacts>& stations, nlohmann::ordered_json& wing) {
-    wing["span"] = f.span.value;
-    wing["area"] = f.area.value;
-    wing["aspect_ratio"] = f.aspect_ratio.value;
-    wing["taper"] = f.taper.value;
-    wing["mean_chord"] = f.mean_chord.value;
-    wing["sweep"] = f.sweep.value;
-    wing["dihedral"] = f.dihedral.value;
-    wing["stations"] = nlohmann::ordered_json::array();
-    for (const StationFacts& at : stations) wing["stations"].push_back(station_json(at));
-}
-
 }  // namespace
 
 std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations,
@@ -69,20 +39,12 @@ std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vect
     auto found = find_wing(start ? *start : mesh);
     if (!found) return {};
     found->declaration.stations = stations;
-    PlanformSheet sheet{*found, false, {}, {}, {}, {}, {}, {}};
+    PlanformSheet sheet;
+    sheet.found = *found;
     const Wing wing(start ? *start : mesh, found->declaration);
-    const auto measure = [&](const TriMesh& surface, std::vector<StationFacts>& at, std::vector<StationFacts>& curve) {
-        for (const double s : wing.stations()) at.push_back(wing.station(surface, s));
-        for (int k = 0; k <= 20; ++k) try {
-                curve.push_back(wing.station(surface, k / 20.0));
-            } catch (const InvalidInput&) {  // a chart may have gaps
-                continue;
-            }
-        return wing.facts(surface);
-    };
     sheet.is_half = wing.num_sides() == 1;
-    sheet.facts = measure(mesh, sheet.stations, sheet.curve);
-    if (start) sheet.start = measure(*start, sheet.start_stations, sheet.start_curve);
+    sheet.now = wing_sheet(wing, mesh);
+    if (start) sheet.start = wing_sheet(wing, *start);
     return sheet;
 }
 
@@ -96,6 +58,11 @@ std::string station_line(const std::string& name, const StationFacts& at) {
                        in_degrees(at.trailing_edge_angle.value), at.trailing_edge_thickness.value);
 }
 
+std::string panel_line(const std::string& name, const PanelFacts& panel) {
+    return fmt::format("{:<20} {:>9.5g} {:>9.3f} {:>10.3f}\n", name, panel.width.value, in_degrees(panel.sweep.value),
+                       in_degrees(panel.dihedral.value));
+}
+
 }  // namespace
 
 std::string planform_words(const std::string& file, const std::optional<PlanformSheet>& sheet) {
@@ -105,14 +72,14 @@ std::string planform_words(const std::string& file, const std::optional<Planform
                "  A wing is followed from its tip along one of the coordinates, by sections thinner than 30 % of the\n"
                "  chord. Declare it in a case (planform) if it lies otherwise.\n";
     const WingDeclaration& declared = sheet->found.declaration;
-    const WingFacts& f = sheet->facts;
+    const WingFacts& f = sheet->now.facts;
     std::string out = printable(file) + "\n";
     const auto line = [&](const char* name, const std::string& value) {
         out += fmt::format("{:<16}{}\n", name, value);
     };
     const std::string whole = sheet->is_half ? ", of both sides; the file holds one" : "";
     const auto before = [&](const Varying WingFacts::*value, double unit = 1) {
-        return sheet->start ? fmt::format(" (start {:.6g})", unit * ((*sheet->start).*value).value) : std::string();
+        return sheet->start ? fmt::format(" (start {:.6g})", unit * (sheet->start->facts.*value).value) : std::string();
     };
     constexpr double degree = std::numbers::pi / 180;
     line("wing", text(sheet->found.has_body ? "beside a body" : "without body", ", ", sheet->found.why));
@@ -131,10 +98,17 @@ std::string planform_words(const std::string& file, const std::optional<Planform
     out +=
         "\nstation            chord    twist    t/c   at   camber   at    LE radius   TE angle   TE thickness\n"
         "of semispan                   deg      %     %    %        %     % chord     deg\n";
-    for (std::size_t k = 0; k < sheet->stations.size(); ++k) {
-        const std::string name = fmt::format("{:.3f}", sheet->stations[k].station);
-        if (sheet->start) out += station_line(name + " start", sheet->start_stations[k]);
-        out += station_line(sheet->start ? name + " now" : name, sheet->stations[k]);
+    for (std::size_t k = 0; k < sheet->now.stations.size(); ++k) {
+        const std::string name = fmt::format("{:.3f}", sheet->now.stations[k].station);
+        if (sheet->start) out += station_line(name + " start", sheet->start->stations[k]);
+        out += station_line(sheet->start ? name + " now" : name, sheet->now.stations[k]);
+    }
+    out +=
+        "\npanel                    width     sweep   dihedral\nof semispan                         deg        deg\n";
+    for (std::size_t k = 0; k < sheet->now.panels.size(); ++k) {
+        const std::string name = fmt::format("{:.3f}-{:.3f}", sheet->now.panels[k].from, sheet->now.panels[k].to);
+        if (sheet->start) out += panel_line(name + " start", sheet->start->panels[k]);
+        out += panel_line(sheet->start ? name + " now" : name, sheet->now.panels[k]);
     }
     return out;
 }
@@ -147,14 +121,14 @@ nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet) 
                                 {"span_direction", point_json(declared.span)},
                                 {"sides", sheet->is_half ? 1 : 2},
                                 {"has_body", sheet->found.has_body}};
-    add_facts(sheet->facts, sheet->stations, wing);
-    if (sheet->start) add_facts(*sheet->start, sheet->start_stations, wing["start"]);
+    add_json(sheet->now, wing);
+    if (sheet->start) add_json(*sheet->start, wing["start"]);
     return wing;
 }
 
 std::string sections_csv(const PlanformSheet& sheet) {
     std::string out = "station,outline,x,z\n";
-    for (const StationFacts& at : sheet.stations)
+    for (const StationFacts& at : sheet.now.stations)
         for (std::size_t o = 0; o < at.outline.size(); ++o)
             for (const auto& [x, z] : at.outline[o])
                 out += fmt::format("{:.6g},{},{:.12g},{:.12g}\n", at.station, o, x, z);
@@ -167,7 +141,8 @@ namespace {
 std::string chart(const PlanformSheet& sheet, const char* title, const std::function<double(const StationFacts&)>& of,
                   double left, double top, double width, double height) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const auto* curve : {&sheet.curve, &sheet.start_curve})
+    const std::vector<StationFacts> none, &before = sheet.start ? sheet.start->curve : none;
+    for (const auto* curve : {&sheet.now.curve, &before})
         for (const StationFacts& at : *curve) low = std::min(low, of(at)), high = std::max(high, of(at));
     if (!(high - low > 1e-9 * std::max(1.0, std::abs(high)))) low -= 0.5, high += 0.5;
     std::string out = fmt::format(
@@ -175,7 +150,7 @@ std::string chart(const PlanformSheet& sheet, const char* title, const std::func
         "height=\"{5:.1f}\" fill=\"none\" stroke=\"#bbb\"/>\n<text x=\"{0:.1f}\" y=\"{6:.1f}\" font-size=\"10\">{7:.4g}"
         "</text>\n<text x=\"{0:.1f}\" y=\"{8:.1f}\" font-size=\"10\">{9:.4g}</text>\n",
         left, top - 6, title, top, width, height, top + 11, high, top + height - 3, low);
-    for (const auto& [curve, colour] : {std::pair(&sheet.start_curve, "#999"), std::pair(&sheet.curve, "#14508c")}) {
+    for (const auto& [curve, colour] : {std::pair(&before, "#999"), std::pair(&sheet.now.curve, "#14508c")}) {
         if (curve->empty()) continue;
         out += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" points=\"", colour);
         for (const StationFacts& at : *curve)
@@ -217,22 +192,22 @@ std::string outline_lines(const StationFacts& at, const char* colour, double lef
 std::string sections_svg(const PlanformSheet& sheet) {
     constexpr double width = 800, margin = 40, step = 170, chart_height = 110;
     const double first = 2 * margin + chart_height;
-    const double height = first + margin + step * static_cast<double>(sheet.stations.size());
+    const double height = first + margin + step * static_cast<double>(sheet.now.stations.size());
     std::string out = fmt::format(
         "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
         "font-family=\"sans-serif\" font-size=\"13\">\n<rect width=\"100%\" height=\"100%\" fill=\"white\"/>\n",
         width, height);
     const double chord = width - 2 * margin;
     out += charts(sheet, margin, margin, chord, chart_height);
-    for (std::size_t k = 0; k < sheet.stations.size(); ++k) {
-        const StationFacts& at = sheet.stations[k];
+    for (std::size_t k = 0; k < sheet.now.stations.size(); ++k) {
+        const StationFacts& at = sheet.now.stations[k];
         const double base = first + step * (static_cast<double>(k) + 0.6);
         out += fmt::format(
             "<text x=\"{}\" y=\"{:.1f}\">{:.1f} % of the semispan: chord {:.5g}, twist {:.2f} deg, t/c {:.2f} "
             "%</text>\n<line x1=\"{}\" y1=\"{:.1f}\" x2=\"{}\" y2=\"{:.1f}\" stroke=\"#bbb\"/>\n",
             margin, base - 0.5 * step, 100 * at.station, at.chord.value, in_degrees(at.twist.value),
             100 * at.thickness_to_chord.value, margin, base, margin + chord, base);
-        if (sheet.start) out += outline_lines(sheet.start_stations[k], "#999", margin, base, chord);
+        if (sheet.start) out += outline_lines(sheet.start->stations[k], "#999", margin, base, chord);
         out += outline_lines(at, "#14508c", margin, base, chord);
     }
     return out + "</svg>\n";

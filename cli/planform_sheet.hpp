@@ -1,5 +1,6 @@
 #pragma once
 #include "core/planform/find_wings.hpp"
+#include "report/wing_sheet.hpp"
 
 #include <filesystem>
 #include <nlohmann/json.hpp>
@@ -10,12 +11,8 @@ namespace strake::cli {
 struct PlanformSheet {
     FoundWing found;
     bool is_half = false;  ///< measured on one side
-    WingFacts facts;
-    std::vector<StationFacts> stations;
-    std::vector<StationFacts> curve;  ///< at 21 places, for charts
-    /// Of the surface that this one is compared to: the same; empty without one.
-    std::optional<WingFacts> start;
-    std::vector<StationFacts> start_stations, start_curve;
+    WingSheet now;
+    std::optional<WingSheet> start;  ///< of the surface that this one is compared to
 };
 
 /// The wing of the surface, or nothing. @param stations fractions of the semispan; empty: at kinks.

@@ -29,7 +29,7 @@ ReportSubject subject_of(const fs::path& folder, const JournalFacts& facts) {
         the_case.output.is_resumed = true;
         keep_meaning(the_case, facts.meaning);
         subject = report_subject(the_case, nullptr);
-        if (has_shapes(folder)) return subject;
+        if (has_shapes(folder) && the_case.planform.empty()) return subject;
         const BuiltProblem built = build_problem(the_case, purpose);
         subject = report_subject(the_case, &built);
     } catch (const std::exception& error) {

@@ -49,6 +49,9 @@ Json shapes_json(const RunFiles& run, const ReportSubject& subject, Blobs& blobs
 /// [{title, words, image}, ...]: the start, and the best design in the colours of its displacement, as data URLs.
 /// @param best its vertices; empty: there is none
 Json pictures_json(const TriMesh& start, const Points& best, const ReportSubject& subject);
+/// [{name, axis, start, best}, ...]: the sheets of the declared wings; best is null where there is none. A wing that
+/// cannot be measured costs a note. @param best vertices; empty: there is no best design
+Json wings_json(const ReportSubject& subject, const Points& best, std::vector<std::string>& notes);
 /// Of levels/best.design; empty without it. @throws InputError: damaged.
 Points best_vertices(const std::filesystem::path& folder);
 

@@ -84,6 +84,8 @@ std::string report_html(const fs::path& folder, const ReportSubject& subject) {
         data["shapes"] = nullptr;
         notes.push_back(text("The shapes are not shown: ", printable(error.what())));
     }
+    data["wings"] =
+        subject.wings.empty() ? Json::array() : page::wings_json(subject, page::best_vertices(folder), notes);
     data["notes"] = notes;
     return page::html(subject.title, data, blobs);
 }

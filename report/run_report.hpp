@@ -1,9 +1,11 @@
 #pragma once
 #include "core/mesh/symmetry_plane.hpp"
 #include "core/patches/hierarchy.hpp"
+#include "core/planform/wing.hpp"
 
 #include <filesystem>
 #include <map>
+#include <memory>
 #include <optional>
 
 /// report.html: a run as one self-contained page, made from the run folder.
@@ -28,6 +30,7 @@ struct ReportSubject {
     std::vector<int> wrap_triangle;  ///< with a wrap, per triangle of the surface: the nearest of the wrap
     std::optional<Eigen::Vector3d> downstream = {}, up = {};  ///< the body's axes where the case states them, unit
     std::optional<SymmetryPlane> symmetry = {};               ///< of a half model
+    std::vector<std::shared_ptr<const Wing>> wings = {};      ///< that the case declares, of `surface`
     bool is_over = false;                                     ///< written by the run itself at its end
     std::vector<std::string> notes;                           ///< what is missing on the page, and why
 };

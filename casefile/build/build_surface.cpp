@@ -187,7 +187,10 @@ void ProblemBuilder::evaluate_regions() {
     const WingSetup setup{case_.planform, case_.aero.axes.value_or(BodyAxes{}), case_.symmetry};
     RegionSets sets(case_.regions, start_, tree_on_surface(), &setup);
     for (const WingEntry& entry : case_.planform)
-        at(entry.place, text("planform.", entry.name, ": "), [&] { wings_[entry.name] = sets.wing(entry.name); });
+        at(entry.place, text("planform.", entry.name, ": "), [&] {
+            wings_[entry.name] = sets.wing(entry.name);
+            out_.wings.push_back(wings_[entry.name]);
+        });
     for (std::size_t k = 0; k < case_.regions.size(); ++k)
         at(case_.regions[k].shape_place, "", [&] {
             const Region& region = case_.regions[k];

@@ -7,7 +7,8 @@ std::vector<Key> planform_keys() {
         {.path = "planform",
          .doc = "Wings. Their values (area, span, aspect_ratio, taper, sweep, dihedral, mean_chord, box_volume; chord, "
                 "twist, thickness_to_chord, camber, leading_edge_radius, trailing_edge_angle, trailing_edge_thickness "
-                "at a fraction of the semispan, for example wing.twist@0.37; thickness at fractions of semispan and "
+                "at a fraction of the semispan, for example wing.twist@0.37; sweep and dihedral there of the panel "
+                "between two stations; thickness at fractions of semispan and "
                 "chord, wing.thickness@0.37@0.15) are quantities: docs/planform.md.",
          .may_be_empty = true},
         {.path = "planform.*", .doc = "A wing, by its name."},

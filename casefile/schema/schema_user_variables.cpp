@@ -71,9 +71,10 @@ std::vector<Key> planform_range_keys() {
     return {
         {.path = "parameters.planform",
          .doc =
-             "What of the wings under planform may change: wing.span, wing.sweep, wing.dihedral (of the whole wing), "
-             "wing.chord, wing.twist, wing.thickness, wing.camber (of all sections or by station), or one station, "
-             "wing.twist@0.37. What is not listed stays. The variables are the changes, wing.delta_twist@0.37, 0 at "
+             "What of the wings under planform may change: wing.span, wing.sweep, wing.dihedral (of the whole axis or "
+             "by the panels between stations), wing.chord, wing.twist, wing.thickness, wing.camber (of all sections or "
+             "by station), or one station, wing.twist@0.37. What is not listed stays. The variables are the changes, "
+             "wing.delta_twist@0.37, 0 at "
              "the start: docs/planform.md.",
          .may_be_empty = true},
         {.path = "parameters.planform.*", .doc = "A change of a wing."},
@@ -88,13 +89,15 @@ std::vector<Key> planform_range_keys() {
          .count = 2},
         {.path = "parameters.planform.*.by",
          .type = Type::word,
-         .doc = "station: one variable for each station of the wing, with straight edges between; wing: one for all "
-                "sections.",
+         .doc =
+             "station: one variable for each station of the wing, with straight edges between; of sweep and dihedral "
+             "one for each panel, named by the station where it begins. wing: one for all.",
          .fallback = "wing",
          .words = {"wing", "station"}},
         {.path = "parameters.planform.*.root",
          .type = Type::word,
-         .doc = "held: by station, the section at the root keeps its value; needed where the wing is joined to a body.",
+         .doc = "held: by station, the section at the root (of sweep and dihedral the panel there) keeps its value; "
+                "of sections needed where the wing is joined to a body.",
          .fallback = "free",
          .words = {"free", "held"}},
         {.path = "parameters.planform.*.thickness",

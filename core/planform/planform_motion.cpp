@@ -19,12 +19,8 @@ constexpr double blunt_from = 5e-4;     ///< of the chord: thickness of a blunt 
 constexpr double cambered_from = 5e-3;  ///< of the chord: height of a mean line that is more than rounding
 constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two more humps
 constexpr double min_share = -0.9;      ///< of span, chord, t/c: nothing is left below
-constexpr double steepest = 80 * std::numbers::pi / 180;
-constexpr double probe = 1e-2;         ///< change for which sections are measured
-constexpr double hardly_shown = 1e-3;  ///< of a change: a station that moves nothing
-constexpr double max_cut = 0.25;       ///< of a change: a section that shows less of it is not understood
-constexpr int num_noses = 32;          ///< sections along the span whose noses are measured
-constexpr double map_step = 1e-6;      ///< of the semispan
+constexpr int num_noses = 32;           ///< sections along the span whose noses are measured
+constexpr double map_step = 1e-6;       ///< of the semispan
 
 /// Mean line of the four-digit series, 1 at its top.
 double four_digit_line(double xi) {
@@ -61,22 +57,6 @@ VectorXd fitted_mean_line(const Airfoil& airfoil) {
     }
     if (found.empty()) return VectorXd::Zero(mean_line_terms);
     return terms.colPivHouseholderQr().solve(heights);
-}
-
-std::string station_word(double station) { return text("@", station); }
-
-void check_station(const std::vector<double>& stations, double wanted, const std::string& shown) {
-    if (std::find(stations.begin(), stations.end(), wanted) != stations.end()) return;
-    std::string all;
-    for (const double s : stations) all += text(all.empty() ? "" : ", ", s);
-    throw InvalidInput(text(shown, "@", wanted, ": there is no such station; stations: ", all));
-}
-
-/// 1 at place k, 0 at those beside it, straight between, constant beyond the first and the last.
-double hat(const std::vector<double>& places, std::size_t k, double s) {
-    if (k > 0 && s < places[k]) return std::max(0.0, (s - places[k - 1]) / (places[k] - places[k - 1]));
-    if (k + 1 < places.size() && s > places[k]) return std::max(0.0, (places[k + 1] - s) / (places[k + 1] - places[k]));
-    return 1;
 }
 
 double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
@@ -159,23 +139,8 @@ void PlanformMotion::add_wing(const TriMesh& start, const std::shared_ptr<const 
     wings_.push_back(std::move(moved));
 }
 
-void PlanformMotion::add_variable(const PlanformRange& range, double station, VectorXd shares) {
-    const std::string& wing = wings_[static_cast<std::size_t>(range.wing)].wing->declaration().name;
-    const std::string& word = planform_changes()[static_cast<std::size_t>(range.change)];
-    variables_.push_back({text(wing, ".delta_", word, station < 0 ? "" : station_word(station)), range.change,
-                          range.wing, station, range.lower, range.upper});
-    shares_.push_back(std::move(shares));
-}
-
-void PlanformMotion::check_angle(const PlanformRange& range, const MovedWing& moved,
-                                 const std::function<void(const std::string&)>& refuse) {
-    if (!is_angle(range.change)) return;
-    const double now = range.change == PlanformChange::sweep      ? moved.sweep
-                       : range.change == PlanformChange::dihedral ? moved.dihedral
-                                                                  : 0;
-    for (const double end : {now + range.lower, now + range.upper})
-        if (std::abs(end) > steepest)
-            refuse(text(" would reach ", end * 180 / std::numbers::pi, " degrees; it must stay within 80"));
+double PlanformMotion::angle_of(const MovedWing& moved, PlanformChange change) {
+    return change == PlanformChange::sweep ? moved.sweep : change == PlanformChange::dihedral ? moved.dihedral : 0;
 }
 
 void PlanformMotion::check_range(const PlanformRange& range, const std::string& shown) const {
@@ -193,7 +158,7 @@ void PlanformMotion::check_range(const PlanformRange& range, const std::string& 
             (other.station < 0 || range.only.empty() ||
              std::find(range.only.begin(), range.only.end(), other.station) != range.only.end()))
             refuse(" has a range already");
-    check_angle(range, moved, refuse);
+    if (!has_panels(range.change) || !range.by_station) check_angle(range, angle_of(moved, range.change), shown);
 }
 
 void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
@@ -204,86 +169,21 @@ void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
         text(moved.wing->declaration().name, ".", planform_changes()[static_cast<std::size_t>(range.change)]);
     check_range(range, shown);
     const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
-    if (!has_stations(range.change)) return add_variable(range, -1, {});
+    if (!range.by_station && range.root_held) refuse(": root: held belongs to by: station");
+    const bool is_of_axis = range.change == PlanformChange::span || has_panels(range.change);
+    if (is_of_axis && !range.by_station) return add_variable(range, -1, {}, angle_of(moved, range.change));
     const bool is_joined = moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1);
     const bool is_root_held = range.root_held || (!range.only.empty() && std::find(range.only.begin(), range.only.end(),
                                                                                    0.0) == range.only.end());
+    if (has_panels(range.change)) return add_panels(start, range, is_root_held, shown);
     if (is_joined && !(range.by_station && is_root_held))
         refuse(
             ": the wing is joined to other triangles at its root, which cannot change with it; write by: station, "
             "root: held");
-    if (!range.by_station && range.root_held) refuse(": root: held belongs to by: station");
     moved.keeps_thickness = moved.keeps_thickness || range.keeps_thickness;
     if (!range.by_station)
         return add_variable(range, -1, VectorXd::Ones(static_cast<Eigen::Index>(moved.nodes.size())));
     add_stations(start, range, is_root_held, shown);
-}
-
-Eigen::MatrixXd PlanformMotion::measured(const TriMesh& start, const PlanformRange& range,
-                                         const std::vector<double>& stations, const Eigen::MatrixXd& shares) {
-    const Wing& wing = *wings_[static_cast<std::size_t>(range.wing)].wing;
-    const auto value = [&](const TriMesh& surface, double station) {
-        const StationFacts at = wing.station(surface, station);
-        return range.change == PlanformChange::chord       ? at.chord.value
-               : range.change == PlanformChange::twist     ? at.twist.value
-               : range.change == PlanformChange::thickness ? at.thickness_to_chord.value
-                                                           : at.camber.value;
-    };
-    const bool is_share = range.change == PlanformChange::chord || range.change == PlanformChange::thickness;
-    const auto count = static_cast<Eigen::Index>(stations.size());
-    Eigen::MatrixXd result(count, count);
-    for (Eigen::Index j = 0; j < count; ++j) {
-        PlanformRange alone = range;
-        add_variable(alone, -1, shares.row(j));  // for this measurement
-        VectorXd z = VectorXd::Zero(size());
-        z[size() - 1] = (range.upper > 0 ? 1 : -1) * probe;
-        const TriMesh moved = with_vertices(start, start.vertices + displacement(z));
-        for (Eigen::Index i = 0; i < count; ++i) {
-            const double before = value(start, stations[static_cast<std::size_t>(i)]);
-            const double after = value(moved, stations[static_cast<std::size_t>(i)]);
-            result(i, j) = (after - before) / (z[size() - 1] * (is_share ? before : 1));
-        }
-        variables_.pop_back();
-        shares_.pop_back();
-    }
-    return result;
-}
-
-/// One variable each, with hats between the stations: kinks between two have what a straight line through both has.
-void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held,
-                                  const std::string& shown) {
-    const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
-    std::vector<double> stations = moved.wing->stations();
-    for (const double wanted : range.only) check_station(stations, wanted, shown);
-    if (is_root_held && stations.front() > 0) stations.insert(stations.begin(), 0.0);
-    const std::size_t first = is_root_held ? 1 : 0;
-    if (stations.size() == first) throw InvalidInput(shown + ": no station is left where it could change");
-    std::vector<double> places;
-    for (const double station : stations) places.push_back(moved.wing->place(0, station));
-    const std::vector<double> free(stations.begin() + static_cast<std::ptrdiff_t>(first), stations.end());
-    const auto count = static_cast<Eigen::Index>(free.size());
-    Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(moved.nodes.size()));
-    for (std::size_t k = first; k < stations.size(); ++k)
-        for (std::size_t n = 0; n < moved.nodes.size(); ++n)
-            shares(static_cast<Eigen::Index>(k - first), static_cast<Eigen::Index>(n)) =
-                hat(places, k, moved.nodes[n].place);
-    // Triangles cut the corner at a station between two rows of vertices.
-    const Eigen::MatrixXd shown_by = measured(start, range, free, shares);
-    if ((shown_by - Eigen::MatrixXd::Identity(count, count)).cwiseAbs().maxCoeff() < max_cut)
-        shares = shown_by.transpose().partialPivLu().solve(shares).eval();
-    for (Eigen::Index k = 0; k < count; ++k) {
-        const double station = free[static_cast<std::size_t>(k)];
-        const bool is_named = std::find(range.only.begin(), range.only.end(), station) != range.only.end();
-        if (!range.only.empty() && !is_named) continue;
-        if (std::abs(shown_by(k, k)) < hardly_shown) {  // a pointed tip: no vertex but its point
-            if (is_named)
-                throw InvalidInput(text(shown, station_word(station),
-                                        ": no vertex of the wing moves with this station, "
-                                        "as at a tip that is a point; leave it out"));
-            continue;
-        }
-        add_variable(range, station, shares.row(k));
-    }
 }
 
 PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3d& x) const {
@@ -299,6 +199,7 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     const Node &a = moved.nodes[at.node], &b = moved.nodes[at.node + 1];
     const double straight = (s - a.place) / (b.place - a.place);
     at.ratio = std::clamp(straight, 0.0, 1.0);
+    at.straight = straight;
     at.e = a.chord + at.ratio * (b.chord - a.chord);
     const Vector3d axis = a.axis + straight * (b.axis - a.axis);
     at.up = of.up_at(side, s);
@@ -393,8 +294,8 @@ void PlanformMotion::check_size(const VectorXd& z) const {
 
 PlanformMotion::Changes PlanformMotion::zero(int wing) const {
     const std::size_t count = wings_[static_cast<std::size_t>(wing)].nodes.size();
-    return {std::vector<Complex>(count), std::vector<double>(count), std::vector<double>(count),
-            std::vector<double>(count)};
+    const std::vector<double> none(count);
+    return {std::vector<Complex>(count), none, none, none, none, none};
 }
 
 PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) const {
@@ -405,17 +306,25 @@ PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) 
     for (int j = 0; j < size(); ++j) {
         const Variable& v = variables_[static_cast<std::size_t>(j)];
         if (v.wing != wing || z[j] == 0) continue;
-        const VectorXd change = z[j] * shares_[static_cast<std::size_t>(j)];
+        const VectorXd& shares = shares_[static_cast<std::size_t>(j)];
+        const double angle = angles_[static_cast<std::size_t>(j)];
+        const VectorXd change = (has_panels(v.change) ? std::tan(angle + z[j]) - std::tan(angle) : z[j]) * shares;
         const auto add_to = [&](std::vector<double>& all) { Eigen::Map<VectorXd>(all.data(), count) += change; };
         switch (v.change) {
             case PlanformChange::span:
                 now.stretch = 0.5 * z[j] * moved.span / moved.reach.front();
                 break;
             case PlanformChange::sweep:
-                now.sweep = std::tan(moved.sweep + z[j]) - std::tan(moved.sweep);
+                if (shares.size() > 0)
+                    add_to(now.aft);
+                else
+                    now.sweep = std::tan(angle + z[j]) - std::tan(angle);
                 break;
             case PlanformChange::dihedral:
-                now.dihedral = std::tan(moved.dihedral + z[j]) - std::tan(moved.dihedral);
+                if (shares.size() > 0)
+                    add_to(now.rise);
+                else
+                    now.dihedral = std::tan(angle + z[j]) - std::tan(angle);
                 break;
             case PlanformChange::chord:
                 chord += change;
@@ -453,10 +362,10 @@ PlanformMotion::Changes PlanformMotion::rates(const Changes& now, int j, const V
     const MovedWing& moved = wings_[static_cast<std::size_t>(v.wing)];
     const VectorXd& shares = shares_[static_cast<std::size_t>(j)];
     Changes rate = zero(v.wing);
-    const auto slope = [](double angle) { return 1 / (std::cos(angle) * std::cos(angle)); };
+    const double cosine = std::cos(angles_[static_cast<std::size_t>(j)] + z[j]), slope = 1 / (cosine * cosine);
     if (v.change == PlanformChange::span) rate.stretch = 0.5 * moved.span / moved.reach.front();
-    if (v.change == PlanformChange::sweep) rate.sweep = slope(moved.sweep + z[j]);
-    if (v.change == PlanformChange::dihedral) rate.dihedral = slope(moved.dihedral + z[j]);
+    if (v.change == PlanformChange::sweep && shares.size() == 0) rate.sweep = slope;
+    if (v.change == PlanformChange::dihedral && shares.size() == 0) rate.dihedral = slope;
     for (Eigen::Index n = 0; n < shares.size(); ++n) {
         const auto k = static_cast<std::size_t>(n);
         const Complex factor = 1.0 + now.factor[k];
@@ -467,6 +376,8 @@ PlanformMotion::Changes PlanformMotion::rates(const Changes& now, int j, const V
         if (v.change == PlanformChange::twist) rate.factor[k] = shares[n] * Complex(0, -1) * factor;
         if (v.change == PlanformChange::thickness) rate.thickness[k] = shares[n];
         if (v.change == PlanformChange::camber) rate.camber[k] = shares[n];
+        if (v.change == PlanformChange::sweep) rate.aft[k] = slope * shares[n];
+        if (v.change == PlanformChange::dihedral) rate.rise[k] = slope * shares[n];
     }
     return rate;
 }
@@ -507,10 +418,15 @@ Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Ch
                                      : change.factor * (at.zeta + h) + (1.0 + now.factor) * h_rate;
     const double stretch = is_whole ? rate.stretch : by.stretch;
     Vector3d axis = rate.stretch * at.arm;
-    for (const int c : {1, 2}) {
-        const double slope = c == 1 ? rate.sweep : rate.dihedral, slope_now = c == 1 ? by.sweep : by.dihedral;
-        axis[c] += slope * at.arm[0] * (1 + stretch);
-        if (!is_whole) axis[c] += slope_now * at.arm[0] * rate.stretch;
+    const auto sheared = [&](const Changes& of, double slope, const std::vector<double>& panels) {
+        if (of.factor.empty()) return 0.0;
+        return slope * at.arm[0] + blend(panels[at.node], panels[at.node + 1], at.straight);
+    };
+    axis[1] += sheared(rate, rate.sweep, rate.aft) * (1 + stretch);
+    axis[2] += sheared(rate, rate.dihedral, rate.rise) * (1 + stretch);
+    if (!is_whole) {
+        axis[1] += sheared(by, by.sweep, by.aft) * rate.stretch;
+        axis[2] += sheared(by, by.dihedral, by.rise) * rate.stretch;
     }
     return in_space(at, axis, section * at.e);
 }

@@ -8,11 +8,11 @@
 /// Design variables of a wing designer: the exact motion of a surface by changes of the planforms of its wings.
 namespace strake {
 
-/// What of a wing varies. Values are changes; the first three are of the whole wing.
+/// What of a wing varies. Values are changes; span is of the whole wing.
 enum class PlanformChange {
     span,       ///< from tip to tip, as a share of it; sweep and dihedral angles stay
-    sweep,      ///< of the wing's axis, radians, tip aft
-    dihedral,   ///< likewise, tip up
+    sweep,      ///< of the wing's axis, radians, tip aft; by station, of the panel from there to the next
+    dihedral,   ///< likewise, tip up; not of a panel that is upright
     chord,      ///< as a share of it; t/c stays, or the thickness where `keeps_thickness`
     twist,      ///< radians, nose up, about the wing's axis
     thickness,  ///< t/c, as a share of it; the mean line and the thickness of the trailing edge stay
@@ -24,14 +24,18 @@ const std::vector<std::string>& planform_changes();
 inline bool is_angle(PlanformChange change) {
     return change == PlanformChange::sweep || change == PlanformChange::dihedral || change == PlanformChange::twist;
 }
-inline bool has_stations(PlanformChange change) { return change >= PlanformChange::chord; }
+inline bool has_stations(PlanformChange change) { return change != PlanformChange::span; }
+/// Of the axis, by panels between the stations; others are of the sections at them.
+inline bool has_panels(PlanformChange change) {
+    return change == PlanformChange::sweep || change == PlanformChange::dihedral;
+}
 
 /// What the user gives a range to.
 struct PlanformRange {
     int wing = 0;  ///< number of the wing
     PlanformChange change = PlanformChange::span;
-    bool by_station = false;  ///< one variable for each station of the wing, instead of one for all sections
-    bool root_held = false;   ///< by station: the section at the root keeps its value, also where it is no station
+    bool by_station = false;  ///< one variable for each station (panel) of the wing, instead of one for all sections
+    bool root_held = false;   ///< by station: section or panel at the root keeps its value, also where it is no station
     std::vector<double> only = {};  ///< by station: of these alone; the others keep their values. Empty: all
     bool keeps_thickness = false;   ///< `chord`
     double lower = 0, upper = 0;    ///< of the change, lower <= 0 <= upper, lower < upper
@@ -44,7 +48,8 @@ struct PlanformRange {
 ///   u(s, w) = a(s) + [(M(s) - 1) zeta + M(s) H(s, zeta)] e(s),   M = m exp(-i theta)
 ///   H = i h - (1 - xi - i eta) l,   h = (q (1 + t (1 - b(xi))) - 1) (eta - mean line) + k B(xi)
 ///
-/// a is the motion of the axis (stretched by the span, sheared by sweep and dihedral), m the factor on the chord, theta
+/// a is the motion of the axis (stretched by the span, sheared by sweep and dihedral; a panel between two stations by
+/// itself, what is outboard of it moves as far as its outer end), m the factor on the chord, theta
 /// the change of twist, t that of t/c, k that of camber; q = 1/m where the chord keeps the thickness, else 1; B the
 /// mean line of NACA's four digits with its top at that of the section; b = xi^8 where the trailing edge is blunt,
 /// which keeps its thickness, else 0; l is what h does to the leading edge, to first order, so that this stays where a
@@ -111,15 +116,18 @@ private:
         std::size_t node = 0;  ///< before it
         double ratio = 0;      ///< between that and the next, in [0, 1]
         Complex zeta, e;
+        double straight = 0;                        ///< likewise, beyond the first and the last node outside of [0, 1]
         Eigen::Vector3d arm;                        ///< of the axis from that at the root: outboard, downstream, up
         Eigen::Vector3d up;                         ///< of its section
         double height, bump, kept;                  ///< eta - mean line, B, 1 - b
         Complex lead_by_thickness, lead_by_camber;  ///< where a unit of eta - mean line, and of B, takes the nose
     };
-    /// What a wing moves by, or rates of it. At the nodes: M, t, q, k; of the axis: share of the semispan, slopes.
+    /// What a wing moves by, or rates of it. At the nodes: M, t, q, k, and how far panels take the axis; of the whole
+    /// axis: share of the semispan, slopes.
     struct Changes {
         std::vector<Complex> factor;                  ///< less 1
         std::vector<double> thickness, kept, camber;  ///< kept: q - 1
+        std::vector<double> aft, rise;                ///< lengths
         double stretch = 0, sweep = 0, dihedral = 0;
     };
     struct MovedWing {
@@ -134,14 +142,17 @@ private:
     };
 
     void add_wing(const TriMesh& start, const std::shared_ptr<const Wing>& wing);
+    // planform_stations.cpp
     void add_stations(const TriMesh& start, const PlanformRange& range, bool is_root_held, const std::string& shown);
+    void add_panels(const TriMesh& start, const PlanformRange& range, bool is_root_held, const std::string& shown);
     /// What a unit of each row's shares changes at each of the stations, as a section of the moved surface has it.
+    /// @param angles of the panels at the start; empty for changes of sections
     Eigen::MatrixXd measured(const TriMesh& start, const PlanformRange& range, const std::vector<double>& stations,
-                             const Eigen::MatrixXd& shares);
+                             const Eigen::MatrixXd& shares, const std::vector<double>& angles = {});
     void check_range(const PlanformRange& range, const std::string& shown) const;
-    static void check_angle(const PlanformRange& range, const MovedWing& moved,
-                            const std::function<void(const std::string&)>& refuse);
-    void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares);
+    static double angle_of(const MovedWing& moved, PlanformChange change);  ///< of the whole wing at the start
+    static void check_angle(const PlanformRange& range, double now, const std::string& shown);
+    void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares, double angle = 0);
     void place_vertices(const TriMesh& start);
     void measure_noses(const TriMesh& start, int wing);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
@@ -161,9 +172,11 @@ private:
     Triangles triangles_;
     std::vector<MovedWing> wings_;
     std::vector<Variable> variables_;
-    std::vector<Eigen::VectorXd> shares_;  ///< per variable: what the nodes have of it; empty for the whole wing's
-    std::vector<int> vertices_;            ///< that move
-    std::vector<Place> places_;            ///< of them
+    /// Per variable: what the nodes have of it, of panels per unit of slope; empty for the whole axis.
+    std::vector<Eigen::VectorXd> shares_;
+    std::vector<double> angles_;  ///< per variable: sweep or dihedral at the start
+    std::vector<int> vertices_;   ///< that move
+    std::vector<Place> places_;   ///< of them
 };
 
 }  // namespace strake

@@ -45,6 +45,16 @@ struct WingFacts {
     Varying mean_chord;    ///< mean aerodynamic chord, integral of c^2 over that of c
 };
 
+/// The axis between two neighbouring stations, root and tip among them. Both sides count half each.
+struct PanelFacts {
+    double from = 0, to = 1;  ///< stations
+    bool is_upright = false;  ///< more than 45 degrees of dihedral at the start
+    /// Distance of both ends across the stream: along the span, of an upright one seen from the front.
+    Varying width;
+    Varying sweep;     ///< of the straight line between the ends: atan of how far it goes aft, over the width; tip aft
+    Varying dihedral;  ///< of that line seen from the front, against the span; tip up
+};
+
 /// Those of the vertices, at these positions (one row each), that are farthest along n, within 1e-6 of `scale`.
 std::vector<int> outermost(const Points& positions, const std::vector<int>& vertices, const Eigen::Vector3d& n,
                            double scale);
@@ -73,6 +83,10 @@ public:
     /// `surface` has the start's triangles. @throws InvalidInput (with the station) where a section does not exist.
     WingFacts facts(const TriMesh& surface, bool sensitivities = false) const;
     StationFacts station(const TriMesh& surface, double station, bool sensitivities = false) const;
+    /// The ends of panels: the stations, root and tip.
+    std::vector<double> panel_ends() const;
+    /// The panel from a station outward, or in which it lies; of the tip the last.
+    PanelFacts panel(const TriMesh& surface, double station, bool sensitivities = false) const;
     /// The sections at a station, one a side.
     std::vector<Airfoil> sections(const TriMesh& surface, double station, bool sensitivities = false) const;
     /// The same with where they are, in space.
@@ -171,7 +185,11 @@ private:
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                    const std::vector<int>* triangles = nullptr) const;
     Airfoil needed(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
-    double along(const Side& side, double reach, const Eigen::Vector3d& x) const;  // wing_places.cpp
+    // wing_places.cpp
+    double along(const Side& side, double reach, const Eigen::Vector3d& x) const;
+    // wing_panels.cpp
+    std::array<Varying, 3> axis_at(const TriMesh& surface, const Side& side, double station, bool sensitivities) const;
+    bool is_upright(double from, double to) const;
     static double place_of(const Side& side, double station);
     static Eigen::Vector3d in_space(const Plane& plane, const PlanePoint& point);
 };

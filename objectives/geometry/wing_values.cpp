@@ -30,6 +30,8 @@ public:
         }
         if (word == "twist_step") return at_station("twist", *value.second) - at_station("twist", *value.station);
         if (word == "chord_step") return at_station("chord", *value.second) - at_station("chord", *value.station);
+        if (word == "sweep" && value.station) return panel_at(*value.station).sweep;
+        if (word == "dihedral" && value.station) return panel_at(*value.station).dihedral;
         if (word == "spar_offset") return spar_offset(*value.station, *value.chord);
         return value.station ? at_station(word, *value.station) : of_wing(word);
     }
@@ -53,6 +55,12 @@ private:
         };
         const double ratio = wing_.place(0, station) / wing_.place(0, 1);
         return spar(station) - ((1 - ratio) * spar(0) + ratio * spar(1));
+    }
+    const PanelFacts& panel_at(double station) {
+        auto known = panels_.find(station);
+        if (known == panels_.end())
+            known = panels_.emplace(station, wing_.panel(surface_, station, sensitivities_)).first;
+        return known->second;
     }
     const StationFacts& facts_at(double station) {
         auto known = stations_.find(station);
@@ -81,6 +89,7 @@ private:
     bool sensitivities_;
     std::optional<WingFacts> facts_;
     std::map<double, StationFacts> stations_;
+    std::map<double, PanelFacts> panels_;
 };
 
 Points dense(const Varying& value, int num_vertices) {
@@ -111,8 +120,8 @@ const std::vector<WingWord>& wing_words() {
         {"area", "of the exposed wing, both sides", 0, false},
         {"aspect_ratio", "square of the exposed span over the area", 0, false},
         {"taper", "last chord over first chord", 0, false},
-        {"sweep", "of the axis, tip aft", 0, true},
-        {"dihedral", "of the axis, tip up", 0, true},
+        {"sweep", "of the axis, tip aft; at a fraction, of the panel between two stations", 1, true, false, true},
+        {"dihedral", "of the axis, tip up; at a fraction, of the panel between two stations", 1, true, false, true},
         {"mean_chord", "mean aerodynamic chord", 0, false},
         {"box_volume", "volume between two spars, both sides", 0, false},
         {"chord", "chord", 1, false},
@@ -155,6 +164,7 @@ WingValue parse_wing_value(const std::string& name) {
             parts.back() += c;
     const WingWord* known = word_named(parts[0]);
     if (!known) refuse_word(parts[0]);
+    if (known->is_also_whole && parts.size() == 1) return {known->word, {}, {}, {}};
     if (static_cast<int>(parts.size()) - 1 != known->places) {
         if (known->is_step)
             throw InvalidInput(

@@ -21,9 +21,10 @@ struct WingValue {
 };
 struct WingWord {
     std::string word, doc;
-    int places = 0;         ///< fractions behind it: 1 of the semispan, 2 of the semispan and of the chord
-    bool is_angle = false;  ///< radians
-    bool is_step = false;   ///< both places are of the semispan
+    int places = 0;              ///< fractions behind it: 1 of the semispan, 2 of the semispan and of the chord
+    bool is_angle = false;       ///< radians
+    bool is_step = false;        ///< both places are of the semispan
+    bool is_also_whole = false;  ///< without a fraction: of the whole wing
 };
 const std::vector<WingWord>& wing_words();
 

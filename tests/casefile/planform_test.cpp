@@ -160,6 +160,16 @@ TEST_F(Planform, RangesAreVariables) {
                                     "objective: {maximize: volume}\n");
     ASSERT_EQ(both.problem.parameters.user_variables.size(), 7U);
     EXPECT_EQ(both.problem.parameters.user_variables[0].planform, 0);
+    const BuiltProblem panels =
+        build(wing +
+              "parameters:\n  planform:\n    wing.sweep: {by: station, range: [-5deg, 5deg], root: held}\n"
+              "    wing.dihedral: {by: station, range: [-3deg, 3deg]}\n"
+              "objective: {maximize: wing.sweep@0.2}\nconstraints: {wing.dihedral_grid: {max: 9deg}}\n");
+    ASSERT_EQ(panels.problem.parameters.planform->size(), 3);
+    EXPECT_EQ(panels.problem.parameters.planform->variables()[0].name, "wing.delta_sweep@0.5");
+    EXPECT_EQ(panels.problem.parameters.planform->variables()[1].name, "wing.delta_dihedral@0");
+    EXPECT_EQ(panels.problem.constraints.size(), 5U) << "the panels at five places";
+    EXPECT_EQ(panels.wings.size(), 1U);
 }
 
 TEST_F(Planform, BadRangesAreRefused) {
@@ -182,6 +192,9 @@ TEST_F(Planform, BadRangesAreRefused) {
              {"wing.twist@0.4: {range: [-1deg, 1deg]}", "there is no such station; stations: 0, 0.5, 1"},
              {"wing.twist@2: {range: [-1deg, 1deg]}", "there is no such station"},
              {"wing.twist@0.5: {range: [-1deg, 1deg]}, wing.twist: {range: [-1deg, 1deg]}", "has a range already"},
+             {"wing.sweep@1: {range: [-1deg, 1deg]}", "no panel that begins there; panels: 0, 0.5"},
+             {"wing.sweep@0: {range: [-1deg, 1deg]}, wing.sweep: {range: [-1deg, 1deg]}", "has a range already"},
+             {"wing.dihedral: {root: held, range: [-1deg, 1deg]}", "belongs to by: station"},
              {"wing.twist: {root: held, range: [-1deg, 1deg]}", "belongs to by: station"},
              {"wing.twist: {thickness: kept, range: [-1deg, 1deg]}", "belongs to chord"}}) {
         const std::string found = said(range);

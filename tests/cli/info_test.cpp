@@ -51,9 +51,12 @@ TEST(Info, ThePlanformIsListedBesideThatOfTheStart) {
         EXPECT_NEAR(after.at("chord").get<double>() / before.at("chord").get<double>(), 1.1, 5e-4);
         EXPECT_NEAR(after.at("thickness_to_chord").get<double>() * 1.1, before.at("thickness_to_chord"), 5e-4);
     }
+    EXPECT_NEAR(wing.at("panels")[0].at("width").get<double>(), 1.5, 1e-6);
+    EXPECT_NEAR(std::tan(wing.at("panels")[1].at("sweep").get<double>()),
+                1.1 * std::tan(wing.at("start").at("panels")[1].at("sweep").get<double>()), 1e-3);
     const ProgramRun words = run_strake(drawn);
     ASSERT_EQ(words.status, 0) << words.err;
-    for (const char* part : {"0.500 start", "0.500 now", "(start "})
+    for (const char* part : {"0.500 start", "0.500 now", "(start ", "0.000-0.500 start", "0.500-1.000 now"})
         EXPECT_NE(words.out.find(part), std::string::npos) << words.out;
     const std::string picture = bytes_of(folder / "both.svg");
     EXPECT_NE(picture.find("LE radius"), std::string::npos);

@@ -55,6 +55,46 @@ def canvas(browser):
     return browser.run("document.querySelector('canvas.view').toDataURL()")
 
 
+WING = """
+case: wing
+surface: {file: wing.obj, units: m}
+symmetry: {plane: y, at: 0}
+planform: {wing: {span: y, stations: [0, 0.5, 1]}}
+shell: none
+parameters:
+  planform: {wing.sweep: {by: station, range: [-5deg, 5deg]}, wing.thickness: {by: station, range: [-5%, 5%]}}
+objective: {maximize: volume}
+constraints: {area: {max: 1.001, relative: true}, wing.sweep@0.5: {min: 31deg}}
+optimize: {budget: {evaluations: 8}}
+"""
+
+
+class WingPage(unittest.TestCase):
+    def test_sheet_charts_and_airfoils(self):
+        with tempfile.TemporaryDirectory() as folder, Browser(1100, 800) as b:
+            here = pathlib.Path(folder)
+            subprocess.run([MAKE_SURFACE, "wing", "--triangles", "3000", "-o", here / "wing.obj"], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            (here / "wing.yaml").write_text(WING)
+            subprocess.run([STRAKE, "run", here / "wing.yaml", "--out", here / "run", "-q"], check=True, capture_output=True)
+            b.open(here / "run/report.html")
+            self.assertEqual(b.until("document.documentElement.dataset.ready"), "shapes")
+            b.settle()
+            self.assertEqual(b.errors, [])
+            words = b.run("document.querySelector('#wings').innerText")
+            for bad in ("NaN", "undefined", "null", "Infinity", "[object"):
+                self.assertNotIn(bad, words)
+            for good in ("aspect ratio", "By station", "By panel", "0.5 – 1", "t/c, %", "50 % of the semispan"):
+                self.assertIn(good, words)
+            self.assertEqual(b.run("document.querySelectorAll('#wings .chart canvas').length"), 5)
+            self.assertEqual(b.run("document.querySelectorAll('#wings svg.airfoil .start').length"), 3)
+            self.assertEqual(b.run("document.querySelectorAll('#wings svg.airfoil .design').length"), 3)
+            self.assertEqual(b.run("document.querySelectorAll('nav a[href=\"#wings\"]').length"), 1)
+            b.resize(390, 844)
+            b.settle()
+            self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390)
+
+
 class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

@@ -1,4 +1,5 @@
 #include "cli/program_case.hpp"
+#include "tests/core/planform/lofted_wing.hpp"
 
 /// `strake report` and `output: {report: true}`, without a browser (browser_test.py has one).
 namespace strake {
@@ -46,6 +47,36 @@ TEST_F(Report, IsWrittenAtTheEndAndTellsTheRun) {
     EXPECT_GE(data["shapes"]["tree"].size(), 2U);
     EXPECT_NE(std::find(end["files"].begin(), end["files"].end(), path("run/report.html")), end["files"].end());
     EXPECT_EQ(html.find("NaN,"), std::string::npos);
+}
+
+TEST_F(Report, HasTheSheetOfADeclaredWing) {
+    Loft loft;
+    loft.cells = 10;
+    loft.panels = 24;
+    write_surface(folder / "wing.ply", lofted(loft), SurfaceFormat::ply_binary);
+    const std::string yaml =
+        "case: wing\nsurface: {file: wing.ply, units: m}\nsymmetry: {plane: y, at: 0}\n"
+        "planform: {wing: {span: y, stations: [0, 0.5, 1]}}\nshell: none\n"
+        "parameters: {planform: {wing.sweep@0.5: {range: [-5deg, 5deg]}, wing.thickness: {range: [-5%, 5%]}}}\n"
+        "objective: {maximize: volume}\nconstraints: {wing.sweep@0.5: {equals: 24deg}}\n"
+        "optimize: {budget: {evaluations: 8}}\n";
+    const ProgramRun run =
+        run_strake({"run", folder.write("wing.yaml", yaml).string(), "--out", path("run"), "--json", "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Json wings = data_of(bytes_of(path("run/report.html")))["wings"];
+    ASSERT_EQ(wings.size(), 1U);
+    const Json &start = wings[0]["start"], &best = wings[0]["best"];
+    constexpr double degree = std::numbers::pi / 180;
+    EXPECT_NEAR(start["panels"][1]["sweep"].get<double>(), std::atan(0.4), 1e-3);
+    EXPECT_NEAR(best["panels"][1]["sweep"].get<double>(), 24 * degree, 0.01 * degree);
+    EXPECT_NEAR(best["panels"][0]["sweep"], start["panels"][0]["sweep"], 0.01 * degree);
+    EXPECT_NEAR(best["stations"][1]["thickness_to_chord"].get<double>() /
+                    start["stations"][1]["thickness_to_chord"].get<double>(),
+                1.05, 1e-3);
+    EXPECT_GE(best["curve"].size(), 20U);
+    EXPECT_GE(best["stations"][2]["outlines"][0].size(), 90U);
+    ASSERT_EQ(run_strake({"report", path("run"), "-o", path("again.html")}).status, 0);
+    EXPECT_EQ(data_of(bytes_of(path("again.html")))["wings"], wings);
 }
 
 TEST_F(Report, OfAFinishedRunIsTheSameBytes) {

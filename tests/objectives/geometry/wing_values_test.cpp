@@ -39,7 +39,9 @@ const std::vector<std::string> all{"area",
                                    "thickness@0.37@0.25",
                                    "twist_step@0.2@0.6",
                                    "chord_step@0.2@0.6",
-                                   "spar_offset@0.4@0.15"};
+                                   "spar_offset@0.4@0.15",
+                                   "sweep@0.2",
+                                   "dihedral@0.2"};
 
 }  // namespace
 
@@ -56,6 +58,8 @@ TEST(WingValues, AreNamedAndOfTheWholeWing) {
     EXPECT_NEAR(a.values[16], -0.032, 1e-4) << "twist falls by 0.08 from root to tip";
     EXPECT_NEAR(a.values[17], -0.2, 1e-3);
     EXPECT_NEAR(a.values[18], 0, 1e-3) << "the edges are straight";
+    EXPECT_NEAR(a.values[19], std::atan(1.2 / 3), 1e-4) << "the quarter chord of the only panel";
+    EXPECT_NEAR(a.values[20], std::atan(0.3 / 3), 1e-4);
 }
 
 TEST(WingValues, ASparIsStraightWhereNoKinkBendsIt) {
@@ -113,7 +117,9 @@ TEST(WingValues, WhatIsNoValueIsRefusedInWords) {
     EXPECT_TRUE(has(refused("thickness@0.5"), "fractions of the semispan and of the chord"));
     EXPECT_TRUE(has(refused("twist_step@0.5"), "write 'twist_step@0.2@0.5' with two fractions of the semispan"));
     EXPECT_TRUE(is_angle(parse_wing_value("twist_step@0.1@0.2")));
+    EXPECT_TRUE(has(refused("sweep@0.1@0.2"), "write 'sweep@0.5' with a fraction of the semispan"));
     EXPECT_TRUE(is_angle(parse_wing_value("sweep")));
+    EXPECT_TRUE(is_angle(parse_wing_value("dihedral@0.3")));
     EXPECT_FALSE(is_angle(parse_wing_value("chord@0")));
     // A surface without the wing: a failure, not a number.
     const TriMesh mesh = small_wing();

@@ -152,7 +152,8 @@ def test_help_reads_well():
     assert "_core" not in text.split("DATA")[0].split("PACKAGE CONTENTS")[-1].replace("\n    _core\n", "\n")
     assert not re.findall(r"(?<![_\w])(?!add_note|with_traceback)[a-z]\w*\(\.\.\.\)", text)  # signatures that cannot be shown
     assert "PyCapsule" not in text and "    run(problem, callback=None, output=None)\n" in text
-    assert "solve(self, force=None, spring=None, motions=(), *, min_step=1e-09, max_iterations=60)" in text
+    on_one_line = re.sub(r"[\s|]+", " ", text).replace("( ", "(").replace(" )", ")")  # Python 3.13 breaks long signatures
+    assert "solve(self, force=None, spring=None, motions=(), *, min_step=1e-09, max_iterations=60)" in on_one_line
     assert strake.__version__[0].isdigit()
 
 

@@ -1,9 +1,5 @@
 #pragma once
-#if defined(__x86_64__)
-#include <xmmintrin.h>
-#else
 #include <cfenv>
-#endif
 
 namespace strake {
 
@@ -14,10 +10,10 @@ public:
     KeepFloatingPointMode(const KeepFloatingPointMode&) = delete;
     KeepFloatingPointMode& operator=(const KeepFloatingPointMode&) = delete;
 #if defined(__x86_64__)
-    ~KeepFloatingPointMode() { _mm_setcsr(mode_); }
+    ~KeepFloatingPointMode() { __builtin_ia32_ldmxcsr(mode_); }
 
 private:
-    unsigned mode_ = _mm_getcsr();
+    unsigned mode_ = __builtin_ia32_stmxcsr();
 #else
     ~KeepFloatingPointMode() { std::fesetenv(&mode_); }
 

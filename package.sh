@@ -20,7 +20,9 @@ work=$root/build/package
 rm -rf "$work"
 mkdir -p "$work"
 trap 'rm -rf "$work"' EXIT
-SOURCE_DATE_EPOCH=$(git log -1 --format=%ct)
+# What is made is this commit, also where others follow meanwhile.
+commit=$(git rev-parse HEAD)
+SOURCE_DATE_EPOCH=$(git log -1 --format=%ct "$commit")
 export SOURCE_DATE_EPOCH
 tarball=$dist/strake-$version.tar.xz
 made=()
@@ -36,8 +38,8 @@ done
 # The committed sources, and what npm makes of the pages of report and studio.
 make_source() {
     mkdir -p "$work/strake-$version/viewer/page/bundle"
-    git archive HEAD | tar -x -C "$work/strake-$version"
-    git rev-parse HEAD >"$work/strake-$version/.commit"
+    git archive "$commit" | tar -x -C "$work/strake-$version"
+    echo "$commit" >"$work/strake-$version/.commit"
     cmake -S "$work/strake-$version" -B "$work/page" -G Ninja -DSTRAKE_TESTS=OFF -DSTRAKE_REPORT_PAGE=ON >"$work/page.log" 2>&1 &&
         ninja -C "$work/page" strake_pages >>"$work/page.log" 2>&1 || { tail "$work/page.log" >&2; return 1; }
     cp "$work/page/viewer/page/"{report,studio}.{js,css} "$work/strake-$version/viewer/page/bundle"
@@ -51,7 +53,7 @@ unpacked() { # FOLDER
 }
 
 # What the packages in dist/ were made from.
-built_from() { echo "$(git rev-parse HEAD) ${STRAKE_GPL:-ON}"; }
+built_from() { echo "$commit ${STRAKE_GPL:-ON}"; }
 deb_of() { echo "$dist/${1}_${version}_$(dpkg --print-architecture).deb"; } # PACKAGE
 make_deb() {
     local sources=$work/deb/strake-$version
@@ -95,7 +97,7 @@ make_image() {
     made+=("$dist/strake-$version.oci.tar")
 }
 
-if has source || [ ! -e "$tarball" ] || [ "$(tar -xJOf "$tarball" "strake-$version/.commit" 2>/dev/null)" != "$(git rev-parse HEAD)" ]; then
+if has source || [ ! -e "$tarball" ] || [ "$(tar -xJOf "$tarball" "strake-$version/.commit" 2>/dev/null)" != "$commit" ]; then
     make_source
 fi
 for kind in deb wheel tarball image; do

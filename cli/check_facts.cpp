@@ -96,7 +96,7 @@ double evaluate_start(const Problem& problem, const std::shared_ptr<const RestFa
 }
 
 void add_border(const RestFacts& rest, const std::vector<char>& held, const Variable& variable, const Points& dv,
-                CheckFacts::Border& border) {
+                BorderFacts& border) {
     const double turn = border_turn(rest, held, dv, border.move * rest.diagonal).degrees;
     if (turn > std::max(border.by_fields, border.by_patches)) border.variable = variable.name;
     double& most = variable.kind == VariableKind::field ? border.by_fields : border.by_patches;

@@ -24,20 +24,22 @@ struct RunCost {
     double memory_bytes = 0;            ///< of Strake itself, estimated
 };
 
+/// How normals turn beside what is held.
+struct BorderFacts {
+    double move = 0.1;                     ///< diagonals
+    double by_fields = 0, by_patches = 0;  ///< turn of normals beside what is held, degrees
+    std::string variable;                  ///< that turns them most
+    bool is_smooth = false;                ///< `parameters.keep: smooth_border`
+};
+
 struct CheckFacts {
     Checkup health;
     std::vector<HeldPart> parts;
     std::optional<SpaceFacts> space;     ///< none: no shape variables, or not requested
     std::optional<Capability> can_make;  ///< the same
-    struct Border {
-        double move = 0.1;                     ///< diagonals
-        double by_fields = 0, by_patches = 0;  ///< turn of normals beside what is held, degrees
-        std::string variable;                  ///< that turns them most
-        bool is_smooth = false;                ///< `parameters.keep: smooth_border`
-    };
-    std::optional<Border> border;      ///< none: nothing is held, or no variables
-    std::optional<StartAnswer> start;  ///< without the quantities of programs
-    std::vector<std::string> unknown;  ///< constraints on program values, not known yet
+    std::optional<BorderFacts> border;   ///< none: nothing is held, or no variables
+    std::optional<StartAnswer> start;    ///< without the quantities of programs
+    std::vector<std::string> unknown;    ///< constraints on program values, not known yet
     std::optional<RunCost> cost;
 };
 

@@ -96,7 +96,7 @@ void print_capability(const Capability& can) {
 }
 
 void print_border(const CheckFacts& facts) {
-    const CheckFacts::Border& border = *facts.border;
+    const BorderFacts& border = *facts.border;
     if (border.variable.empty()) return;
     fmt::print(
         "border      normals beside what is held turn by up to {:.2g} degrees at a move of {:.0f} % of the diagonal "

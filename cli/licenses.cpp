@@ -17,7 +17,7 @@ constexpr std::array parts{
     Part{"Strake", "Apache-2.0"},
     Part{"Eigen", "MPL-2.0"},
     Part{"CGAL (exact predicates)", "LGPL-3.0-or-later"},
-    Part{"GMP, by CGAL", "LGPL-3.0-or-later"},
+    Part{"GMP, MPFR, by CGAL", "LGPL-3.0-or-later"},
     Part{"METIS", "Apache-2.0"},
     Part{"OpenBLAS", "BSD-3-Clause"},
     Part{"NLopt", "MIT, LGPL-2.1-or-later"},
@@ -43,7 +43,9 @@ constexpr std::array more_parts{
     Part{"CHOLMOD (Supernodal, Modify)", "GPL-2.0-or-later"},
     Part{"SPQR, by Ceres", "GPL-2.0-or-later"},
     Part{"CXSparse, by Ceres", "LGPL-2.1-or-later"},
-    Part{"AMD, COLAMD, by CHOLMOD", "BSD-3-Clause"},
+    Part{"AMD, CAMD, COLAMD, CCOLAMD, by CHOLMOD", "BSD-3-Clause"},
+    Part{"libunwind, by glog", "MIT"},
+    Part{"liblzma, by libunwind", "public domain"},
     Part{"CGAL alpha wrap", "GPL-3.0-or-later"},
 };
 constexpr const char* terms =

@@ -3,7 +3,8 @@
 
 INSTALLED is the prefix of an installation (bin/strake, lib/python3/dist-packages/strake). The wheel has the module, its types,
 the program as `strake` on the PATH and by `python -m strake`, and every shared library that is not of glibc, in strake.libs,
-found by a run path relative to each file. Fails if a library is missing or needs a newer glibc than Debian 12's.
+found by a run path relative to each file. Fails if a library is missing or needs a newer glibc than Debian 12's. The wheel is
+for the Python that the module was built for, which must be the one that runs this.
 """
 import base64
 import csv
@@ -93,19 +94,31 @@ if __name__ == "__main__":
 '''
 
 
-def numpy_of(work):
+def python_of(package):
+    """(major, minor) of the Python that the module is for: the one that runs this."""
+    module = next(package.glob("_core.cpython-*.so"), None)
+    if module is None:
+        raise SystemExit(f"make_wheel.py: {package} has no module")
+    digits = re.match(r"_core\.cpython-(\d)(\d+)", module.name)
+    version = (int(digits[1]), int(digits[2]))
+    if version != sys.version_info[:2]:
+        raise SystemExit("make_wheel.py: the module is for Python {}.{}, this is {}.{}".format(*version, *sys.version_info[:2]))
+    return version
+
+
+def numpy_of(package):
     """The versions of NumPy that the module works with: pybind11 before 2.12 does not know NumPy 2."""
-    asked = f"import sys; sys.path.insert(0, {str(work)!r}); import strake; print(strake._core.numpy_2)"
-    return ">=1.24" if run("/usr/bin/python3", "-B", "-c", asked).strip() == "True" else ">=1.24,<2"
+    asked = f"import sys; sys.path.insert(0, {str(package)!r}); import _core; print(_core.numpy_2)"
+    return ">=1.24" if run(sys.executable, "-B", "-c", asked).strip() == "True" else ">=1.24,<2"
 
 
-def metadata(version, readme, licenses, numpy):
+def metadata(version, readme, licenses, python, numpy):
     permissive = "no part under the GPL" in licenses
     return (f"Metadata-Version: 2.1\nName: strake\nVersion: {version}\n"
             "Summary: Shape optimization of triangulated surfaces without CAD\n"
             f"License: {'Apache-2.0; libraries: see strake --licenses' if permissive else 'GPL-3.0-or-later'}\n"
             "Classifier: Programming Language :: C++\nClassifier: Topic :: Scientific/Engineering\nClassifier: Typing :: Typed\n"
-            f"Requires-Python: >=3.11,<3.12\nRequires-Dist: numpy{numpy}\n"
+            f"Requires-Python: >={python[0]}.{python[1]},<{python[0]}.{python[1] + 1}\nRequires-Dist: numpy{numpy}\n"
             f"Description-Content-Type: text/markdown\n\n{readme}")
 
 
@@ -130,8 +143,8 @@ def write(folder, info, tag, target):
         add(f"{info}/RECORD", record.getvalue(), 0o644)
 
 
-def main():
-    version, installed, work, dist = sys.argv[1], *map(pathlib.Path, sys.argv[2:])
+def make(version, installed, work, dist):
+    """@return the wheel's path"""
     root = pathlib.Path(__file__).resolve().parents[1]
     shutil.rmtree(work, ignore_errors=True)
     package = work / "strake"
@@ -140,17 +153,21 @@ def main():
     for name in PROGRAMS:
         shutil.copy(installed / "bin" / name, package / "bin" / name)
     (package / "__main__.py").write_text(MAIN)
+    python = python_of(package)
     bundle(package, work / "strake.libs")
     info = f"strake-{version}.dist-info"
     (work / info).mkdir()
     (work / info / "METADATA").write_text(metadata(
-        version, (root / "README.md").read_text(encoding="utf-8"), run(package / "bin/strake", "--licenses"), numpy_of(work)), encoding="utf-8")
+        version, (root / "README.md").read_text(encoding="utf-8"), run(package / "bin/strake", "--licenses"), python, numpy_of(package)),
+        encoding="utf-8")
     (work / info / "entry_points.txt").write_text("[console_scripts]\nstrake = strake.__main__:main\nmake_surface = strake.__main__:make_surface\n")
     shutil.copy(root / "LICENSE", work / info / "LICENSE")
     machine = sysconfig.get_platform().replace("-", "_").replace(".", "_").replace("linux", "manylinux_{}_{}".format(*MAX_GLIBC))
-    tag = f"cp311-cp311-{machine}"
-    write(work, info, tag, dist / f"strake-{version}-{tag}.whl")
+    tag = "cp{0}{1}-cp{0}{1}-{2}".format(*python, machine)
+    target = dist / f"strake-{version}-{tag}.whl"
+    write(work, info, tag, target)
+    return target
 
 
 if __name__ == "__main__":
-    main()
+    make(sys.argv[1], *map(pathlib.Path, sys.argv[2:]))

@@ -46,11 +46,17 @@ std::vector<int> marked(const py::array& mask, const TriMesh& surface, const std
     return chosen;
 }
 
+/// NumPy 2 calls a number np.float64(0.5), which NumPy 1 and messages call 0.5.
+bool is_number_of_numpy(const py::handle& thing) {
+    const py::object dimensions = py::getattr(thing, "ndim", py::none());
+    return py::hasattr(thing, "dtype") && py::isinstance<py::int_>(dimensions) && PyLong_AsLong(dimensions.ptr()) == 0;
+}
+
 }  // namespace
 
 std::string shown(const py::handle& thing) {
     constexpr std::size_t enough = 60;
-    PyObject* words = PyObject_Repr(thing.ptr());
+    PyObject* words = is_number_of_numpy(thing) ? PyObject_Str(thing.ptr()) : PyObject_Repr(thing.ptr());
     if (!words) {  // an int of more than 4300 digits has none
         PyErr_Clear();
         return "an unprintable value";

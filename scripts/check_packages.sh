@@ -214,7 +214,7 @@ check_image() {
     root=$(mktemp -d "$roots/in.XXXXXX")
     chmod 755 "$root"
     if tar -tf "$image" | grep -qx oci-layout; then
-        tell image "an OCI archive of $(du -m "$image" | cut -f1) MB"
+        tell image "an OCI archive of $(du -B MB "$image" | cut -f1)"
         local layer
         mkdir "$root.oci"
         tar -xf "$image" -C "$root.oci"
@@ -235,11 +235,11 @@ PYTHON
         for one in $layer; do tar -xf "$one" -C "$root"; done
         rm -r "$root.oci"
     else
-        tell image "no OCI archive but the root itself (this machine makes no images), of $(du -m "$image" | cut -f1) MB"
+        tell image "no OCI archive but the root itself (this machine makes no images), of $(du -B MB "$image" | cut -f1)"
         tar -xf "$image" -C "$root"
     fi
     local size
-    size=$(du -smx "$root" | cut -f1)
+    size=$(du -B 1000000 -sx "$root" | cut -f1)
     [ "$size" -lt 200 ] || fail "the image's root has $size MB, 200 are allowed"
     mount -t proc proc "$root/proc"
     local mounted=/work  # the folder that users mount

@@ -8,6 +8,7 @@
   page's folder; other ones that begin with a key of a case are held against `strake schema --json`, where python3-yaml
   and python3-jsonschema are installed.
 - ```python blocks of a page run as one program after its other blocks, where BIN/python holds the Python module.
+- Blocks that wrap a dirty body are skipped, and counted, where the program has no alpha wrap (-DSTRAKE_GPL=OFF).
 Other fences (text, console, cpp) are output or code for reading. Exit status 1 if anything fails.
 """
 import json
@@ -66,6 +67,11 @@ def run(command, where, folder, environment, failures, text=None):
         failures.append(f"{where}: exit status {done.returncode}\n    {tail}")
 
 
+def has_wrap(bin_folder):
+    licenses = subprocess.run([str(bin_folder / "strake"), "--licenses"], check=True, text=True, stdout=subprocess.PIPE).stdout
+    return "no part under the GPL" not in licenses
+
+
 def fragment_checker(bin_folder):
     """What is wrong with a part of a case, by its JSON Schema: keys may be missing, but none may be unknown or mistaken."""
     try:
@@ -96,7 +102,8 @@ def main():
         sys.exit(__doc__)
     bin_folder = pathlib.Path(sys.argv[1]).resolve()
     environment = dict(os.environ, PATH=f"{bin_folder}{os.pathsep}{os.environ['PATH']}")
-    failures, counts = [], {"sh": 0, "yaml": 0, "python": 0}
+    failures, counts, skipped = [], {"sh": 0, "yaml": 0, "python": 0}, []
+    can_wrap = has_wrap(bin_folder)
     wrong_in = fragment_checker(bin_folder)
     module = bin_folder / "python"
     has_module = any(module.glob("strake/_core*"))
@@ -110,6 +117,9 @@ def main():
             program = []
             for line, kind, code in blocks(page):
                 where = f"{page.relative_to(ROOT)}:{line}"
+                if not can_wrap and kind == "sh" and re.search(r"^wrap:", code, re.M):
+                    skipped.append(where)
+                    continue
                 if kind in ("sh", "bash", "shell"):
                     counts["sh"] += 1
                     code = split_covered(code, where, failures)
@@ -131,6 +141,8 @@ def main():
                     dict(environment, PYTHONPATH=str(module)), failures, "\n".join(program))
     print(f"{counts['sh']} shell blocks, {counts['yaml']} cases and {counts['python']} blocks of Python"
           f"{'' if has_module else ' (not run: BIN/python has no module)'} in the documentation, {len(failures)} failures")
+    if skipped:
+        print(f"{len(skipped)} skipped, this build has no alpha wrap: {', '.join(skipped)}")
     print(*failures, sep="\n")
     if not counts["sh"]:
         failures.append("no shell block found")

@@ -1,5 +1,7 @@
 #include "casefile/schema/scalars.hpp"
 
+#include "core/text/windows_path.hpp"
+
 #include <algorithm>
 #include <charconv>
 #include <cmath>
@@ -145,7 +147,7 @@ std::string check_file(const std::string& name, const std::filesystem::path& cas
     const auto status = std::filesystem::status(path, error);
     if (status.type() == std::filesystem::file_type::not_found)
         return text("does not exist", path == name ? "" : " (" + printable(path.string(), 300) + ")",
-                    similar_file(path));
+                    windows_path_hint(name), similar_file(path));
     if (error) return text("cannot be read: ", error.message());
     if (!std::filesystem::is_regular_file(status)) return "is not a regular file";
     return "";

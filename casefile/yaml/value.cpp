@@ -1,6 +1,7 @@
 #include "casefile/yaml/value.hpp"
 
 #include "core/text/utf8.hpp"
+#include "core/text/windows_path.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -236,7 +237,10 @@ std::string read_case_file(const std::string& path) {
     const auto refuse = [&](const std::string& why) { fail(path, {}, {0, 0}, why); };
     // Not blocking on a FIFO; what is not a regular file is refused before anything is read.
     const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
-    if (descriptor < 0) refuse(text("cannot be read: ", std::strerror(errno)));
+    if (descriptor < 0) {
+        const int cause = errno;
+        refuse(text("cannot be read: ", std::strerror(cause), cause == ENOENT ? windows_path_hint(path) : ""));
+    }
     struct Closer {
         int fd;
         ~Closer() { ::close(fd); }

@@ -1,23 +1,17 @@
 #include "core/mesh/closest_point.hpp"
 
 #include "core/error.hpp"
+#include "core/floating_point_mode.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/point_triangle.hpp"
 
 #include <embree3/rtcore.h>
-#include <xmmintrin.h>
 
 #include <cmath>
 #include <limits>
 
 namespace strake {
 namespace {
-
-/// Embree recommends flushing subnormal numbers to zero; restores the mode for our own arithmetic.
-struct KeepFloatingPointMode {
-    unsigned mode = _mm_getcsr();
-    ~KeepFloatingPointMode() { _mm_setcsr(mode); }
-};
 
 float step(float x, float towards) { return std::nextafter(std::nextafter(x, towards), towards); }
 float rounded_down(double x) { return step(static_cast<float>(x), -std::numeric_limits<float>::infinity()); }
@@ -42,7 +36,7 @@ struct ClosestPointTree::Impl {
         centre = box.min + 0.5 * (box.max - box.min);
         const double size = 0.5 * (box.max - box.min).maxCoeff();
         if (size > 0) scale = std::ldexp(1.0, -std::ilogb(size));
-        const KeepFloatingPointMode keep;
+        const KeepFloatingPointMode keep;  // Embree recommends flushing subnormal numbers to zero
         device = rtcNewDevice("threads=1,user_threads=1,set_affinity=0");
         if (!device) throw SolverError("closest-point tree: the Embree library cannot be started");
         build();

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/text/utf8.hpp"
+#include "core/text/windows_path.hpp"
 
 #include <fcntl.h>
 #include <sys/stat.h>
@@ -82,7 +83,11 @@ std::string read_bytes(const std::filesystem::path& file) {
     // O_NONBLOCK: opening a pipe that nobody writes to must not wait.
     const Descriptor d{::open(file.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC | O_NOCTTY)};
     struct stat st;
-    if (d.fd < 0 || ::fstat(d.fd, &st) != 0) throw InputError(text(name, ": cannot read: ", std::strerror(errno)));
+    if (d.fd < 0 || ::fstat(d.fd, &st) != 0) {
+        const int cause = errno;
+        throw InputError(text(name, ": cannot read: ", std::strerror(cause),
+                              cause == ENOENT ? windows_path_hint(file.native()) : ""));
+    }
     if (!S_ISREG(st.st_mode))
         throw InputError(text(name, ": cannot read: is ", kind_of(st.st_mode), ", not a regular file"));
     try {

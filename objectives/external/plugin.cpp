@@ -1,6 +1,7 @@
 #include "objectives/external/plugin.hpp"
 
 #include "core/error.hpp"
+#include "core/floating_point_mode.hpp"
 #include "core/text/file.hpp"
 #include "objectives/external/running_plugin.hpp"
 #include "objectives/external/shared_library.hpp"
@@ -10,7 +11,6 @@
 #include <dlfcn.h>
 #include <fcntl.h>
 #include <unistd.h>
-#include <xmmintrin.h>
 
 #include <algorithm>
 #include <array>
@@ -50,12 +50,6 @@ struct KeepWorkingDirectory {
     }
 };
 
-/// Loading libraries built with -ffast-math disables subnormal numbers: restores our setting.
-struct KeepFloatingPointMode {
-    unsigned mode = _mm_getcsr();
-    ~KeepFloatingPointMode() { _mm_setcsr(mode); }
-};
-
 using ErrorText = std::array<char, 2048>;
 std::string words(ErrorText& error) {
     error.back() = '\0';
@@ -67,7 +61,7 @@ class Library {
 public:
     explicit Library(const PluginLibrary& plugin)
         : shown_(text(plugin.name, ": ", printable(plugin.library.string()))) {
-        const KeepFloatingPointMode keep;
+        const KeepFloatingPointMode keep;  // loading a library built with -ffast-math disables subnormal numbers
         const KeepWorkingDirectory stay;
         const Running now(shown_);
         const std::string file = std::filesystem::absolute(plugin.library).string();  // else PATH-like search

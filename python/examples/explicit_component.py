@@ -1,5 +1,5 @@
 """A design space as an explicit component of OpenMDAO: inputs x, outputs vertices, and products with the Jacobian in both
-directions, never the matrix. Without OpenMDAO a stand-in takes its place, with the two methods that are called here.
+directions, never the matrix. Without OpenMDAO a stand-in takes its place, with what is used here.
 
     explicit_component.py SURFACE
 """
@@ -10,8 +10,11 @@ import numpy as np
 import strake
 
 try:
-    from openmdao.api import ExplicitComponent
+    from openmdao.api import AnalysisError, ExplicitComponent
 except ImportError:
+    class AnalysisError(Exception):
+        """What a component raises where it has no result: drivers of OpenMDAO that can go on then do."""
+
     class ExplicitComponent:
         """What this file uses of OpenMDAO's."""
 
@@ -37,7 +40,11 @@ class ShapeComponent(ExplicitComponent):
         self.add_output("vertices", val=np.array(self.space.surface.vertices))
 
     def compute(self, inputs, outputs):
-        outputs["vertices"] = self.space.shape(inputs["x"])
+        self.at = None
+        try:
+            outputs["vertices"] = self.space.shape(inputs["x"])
+        except strake.EvaluationFailed as none:
+            raise AnalysisError(str(none)) from none
         self.at = np.array(inputs["x"])
 
     def compute_jacvec_product(self, inputs, d_inputs, d_outputs, mode):

@@ -1,5 +1,6 @@
 #include "casefile/load_case.hpp"
 #include "casefile/model/case.hpp"
+#include "casefile/read/resolved_case.hpp"
 #include "casefile/yaml/value.hpp"
 #include "tests/casefile/folder.hpp"
 
@@ -335,6 +336,34 @@ TEST_F(CaseErrors, HonestAliasesAndAByteOrderMarkWork) {
                      "case: wing\nsurface: {file: wing.obj}\nregions:\n  a: {box: &b [[0, 0, 0], [1, 1, 1]]}\n"
                      "  b: {box: *b}\nfixed: [a, b]\n"),
               "");
+}
+
+/// As editors of Windows write them: a mark, lines that end in two characters; also files that a case names, in a
+/// folder with a space.
+TEST_F(CaseErrors, FilesOfWindowsSayTheSame) {
+    const auto with_carriage_returns = [](const std::string& lines) {
+        std::string out;
+        for (const char c : lines) out += c == '\n' ? "\r\n" : std::string(1, c);
+        return out;
+    };
+    const auto resolved = [&](const Case& read) { return resolved_case(read, folder.path()); };
+    const std::string yaml = with("flap.txt", "\"of windows/flap.txt\"");
+    folder.write("of windows/flap.txt", "0\n");
+    const std::string here = resolved(load_case(file(yaml)));
+    folder.write("of windows/flap.txt", with_carriage_returns("0\n"));
+    EXPECT_EQ(resolved(load_case(file("\xEF\xBB\xBF" + with_carriage_returns(yaml)))), here);
+    EXPECT_NE(resolved(load_case(file(with("volume: {min: 1.0", "volume: {min: 0.9")))), here);
+}
+
+TEST_F(CaseErrors, PathsOfWindowsAreExplained) {
+    EXPECT_EQ(errors("case: wing\nsurface: {file: 'C:\\data\\wing.obj'}\n"),
+              "case.yaml:2:17: surface.file = C:\\data\\wing.obj does not exist (C:\\data\\wing.obj); in WSL this path "
+              "of Windows is "
+              "/mnt/c/data/wing.obj");
+    EXPECT_EQ(errors("case: wing\nsurface: {file: data\\wing.obj}\n"),
+              "case.yaml:2:17: surface.file = data\\wing.obj does not exist (data\\wing.obj); in Linux folders are "
+              "separated by '/': "
+              "data/wing.obj");
 }
 
 TEST_F(CaseErrors, FilesThatAreNone) {

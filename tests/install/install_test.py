@@ -12,7 +12,7 @@ import sys
 import tempfile
 
 ROOT = pathlib.Path(__file__).resolve().parents[2]
-STANDARD = {"algorithm", "any", "array", "atomic", "bit", "bitset", "charconv", "chrono", "cinttypes", "cmath", "compare",
+STANDARD = {"algorithm", "any", "array", "atomic", "bit", "bitset", "cfenv", "charconv", "chrono", "cinttypes", "cmath", "compare",
             "complex", "concepts", "condition_variable", "cstddef", "cstdint", "cstdio", "cstdlib", "cstring", "deque",
             "exception", "filesystem", "fstream", "functional", "future", "initializer_list", "iomanip", "ios", "iosfwd",
             "iostream", "istream", "iterator", "limits", "list", "locale", "map", "memory", "mutex", "new", "numbers",

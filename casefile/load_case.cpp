@@ -1,6 +1,8 @@
 #include "casefile/load_case.hpp"
 
 #include <algorithm>
+#include <cctype>
+#include <cstdlib>
 
 #include "casefile/check/cross_check.hpp"
 #include "casefile/read/read_case.hpp"
@@ -95,15 +97,89 @@ void set_defaults_without_shell(Value& root) {
     if (!child(*parameters, "fields")) add_default(*parameters, "fields", has_planform ? "none" : "auto");
 }
 
-/// A fit that says nothing of its variables has displacement fields in front of the patches: loads hardly taper,
-/// widen or flatten a body. What a run began with is stated in its case; one of before that had none goes on so.
-void set_defaults_of_fit(Value& root) {
-    if (root.form != Value::Form::map || !child(root, "fit")) return;
+/// Unless the case says anything of its variables, it has displacement fields in front of the patches. What a run began
+/// with is stated in its own case; one of before that had none goes on so.
+void set_automatic_fields(Value& root) {
     Value* parameters = parameters_of(root);
     if (!parameters) return;
     for (const char* stated : {"fields", "variables", "given", "planform"})
         if (child(*parameters, stated)) return;
     add_default(*parameters, "fields", "auto");
+}
+
+/// Loads hardly taper, widen or flatten a body.
+void set_defaults_of_fit(Value& root) {
+    if (root.form == Value::Form::map && child(root, "fit")) set_automatic_fields(root);
+}
+
+bool is_scalar(const Value* value, std::string_view text) {
+    return value && value->form == Value::Form::scalar && value->text == text;
+}
+
+/// A formula, or the name of a value, holds a value of the quantity.
+bool holds_value(std::string_view formula, std::string_view quantity) {
+    const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; };
+    for (std::size_t at = formula.find(quantity); at != formula.npos; at = formula.find(quantity, at + 1)) {
+        const std::size_t end = at + quantity.size();
+        const bool begins = at == 0 || (!is_of_name(formula[at - 1]) && formula[at - 1] != '.');
+        if (begins && (end == formula.size() || !is_of_name(formula[end]))) return true;
+    }
+    return false;
+}
+
+/// Programs that say that they have no gradients, and formulas of their values.
+std::vector<std::string> quantities_without_gradients(Value& root) {
+    std::vector<std::string> names;
+    Value* quantities = child(root, "quantities");
+    if (!quantities || quantities->form != Value::Form::map) return names;
+    std::vector<std::pair<std::string, std::string>> formulas;
+    for (Entry& quantity : quantities->entries) {
+        if (quantity.value.form != Value::Form::map) continue;
+        if (is_scalar(child(quantity.value, "gradients"), "false")) names.push_back(quantity.key);
+        if (const Value* formula = child(quantity.value, "expression"))
+            formulas.emplace_back(quantity.key, formula->text);
+    }
+    for (const auto& [name, formula] : formulas)  // of those above them, too
+        if (std::ranges::any_of(names, [&](const std::string& known) { return holds_value(formula, known); }))
+            names.push_back(name);
+    return names;
+}
+
+/// For the objective or a constraint.
+bool need_any_of(Value& root, const std::vector<std::string>& quantities) {
+    std::vector<std::string> needed;
+    if (Value* objective = child(root, "objective"); objective && objective->form == Value::Form::map)
+        for (const Entry& entry : objective->entries) needed.push_back(entry.value.text);
+    if (Value* constraints = child(root, "constraints"); constraints && constraints->form == Value::Form::map)
+        for (const Entry& entry : constraints->entries) needed.push_back(entry.key);
+    return std::ranges::any_of(needed, [&](const std::string& value) {
+        return std::ranges::any_of(quantities, [&](const std::string& name) { return holds_value(value, name); });
+    });
+}
+
+/// More evaluations than this without a gradient: not measured against patches.
+constexpr double most_evaluations_by_fields = 200;
+
+bool is_more_than(Value* budget, double most) {
+    const Value* evaluations = budget && budget->form == Value::Form::map ? child(*budget, "evaluations") : nullptr;
+    return evaluations && evaluations->form == Value::Form::scalar &&
+           std::strtod(evaluations->text.c_str(), nullptr) > most;
+}
+
+/// Nor does a short run by values alone that says nothing of its variables nor of its method: few evaluations are best
+/// spent on smooth motions of the whole.
+void set_defaults_by_values(Value& root) {
+    if (root.form != Value::Form::map || child(root, "fit")) return;
+    const std::vector<std::string> blind = quantities_without_gradients(root);
+    if (blind.empty() || !need_any_of(root, blind)) return;
+    if (Value* optimize = child(root, "optimize"); optimize && optimize->form == Value::Form::map) {
+        Value* method = child(*optimize, "method");
+        if (method && !is_scalar(method, "auto") && !is_scalar(method, "model")) return;
+        for (const char* stated : {"finite_differences", "start_from"})
+            if (child(*optimize, stated)) return;
+        if (is_more_than(child(*optimize, "budget"), most_evaluations_by_fields)) return;
+    }
+    set_automatic_fields(root);
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
@@ -124,7 +200,10 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     name_after_file(source->root, file);
     rename_old(source->root, errors);
     set_defaults_without_shell(source->root);
-    if (command_dir.empty()) set_defaults_of_fit(source->root);
+    if (command_dir.empty()) {
+        set_defaults_of_fit(source->root);
+        set_defaults_by_values(source->root);
+    }
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
     set_planform_values(the_case, errors);

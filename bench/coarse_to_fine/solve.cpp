@@ -191,6 +191,8 @@ struct EndedByItself {};
 LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
     if (solver == Solver::lattice_4x4x4) return spline_lattice(evidence, {4, 4, 4});
     if (solver == Solver::lattice_8x4x2) return spline_lattice(evidence, {8, 4, 2});
+    if (solver == Solver::box_12) return bezier_box(evidence, 12);
+    if (solver == Solver::box_24) return bezier_box(evidence, 24);
     // As many variables as the last level of the tree has: those of its patches that are not wholly held.
     if (solver == Solver::ffd) return bezier_box(evidence, variables_of_last_level(evidence.problem));
     if (method == Method::sqp) throw InvalidInput("filtered vertices are too many for the dense models of sqp");
@@ -238,9 +240,9 @@ void run_comparator(const EvidenceProblem& evidence, Solver solver, Method metho
 }  // namespace
 
 const std::vector<Solver>& all_solvers() {
-    static const std::vector<Solver> all{Solver::fields,        Solver::adaptive, Solver::uniform,
-                                         Solver::finest,        Solver::ffd,      Solver::lattice_4x4x4,
-                                         Solver::lattice_8x4x2, Solver::filtered};
+    static const std::vector<Solver> all{
+        Solver::fields, Solver::adaptive, Solver::uniform,       Solver::finest,        Solver::ffd,
+        Solver::box_12, Solver::box_24,   Solver::lattice_4x4x4, Solver::lattice_8x4x2, Solver::filtered};
     return all;
 }
 
@@ -260,6 +262,10 @@ std::string to_string(Solver solver) {
             return "finest";
         case Solver::ffd:
             return "ffd";
+        case Solver::box_12:
+            return "box_12";
+        case Solver::box_24:
+            return "box_24";
         case Solver::filtered:
             return "filtered";
     }

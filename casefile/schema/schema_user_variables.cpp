@@ -13,7 +13,9 @@ std::vector<Key> field_keys() {
              "Displacement fields as level 0 of the design space: smooth motions of the whole body, zero on what is "
              "fixed, in front of the patches. auto: 27 at first; with split: sensitivity then those up to 192 that the "
              "gradient asks for, else 60 and 192 on the next levels; or a number. They sweep, taper, thicken, flatten "
-             "and swell, which a shell resists. A fit that states no fields, variables, given or planform has auto.",
+             "and swell, which a shell resists. auto is also what a fit has that states no fields, variables, given or "
+             "planform, and a run of at most 200 evaluations by values alone (gradients: false) that states none "
+             "of these, nor a method other than model, finite_differences or start_from.",
          .fallback = "none",
          .limits = {1, 600},
          .words = {"none", "auto"}},

@@ -219,22 +219,6 @@ MatrixXd function_values(LocalFunctions functions, const Points& x, const std::v
     return values;
 }
 
-/// The field and its gradient at a point.
-struct PointValues {
-    Vector3d value = Vector3d::Zero();
-    Matrix3d by_local = Matrix3d::Zero();  ///< column k: by the local coordinate k
-    /// @param used functions whose coefficients are not zero
-    PointValues(LocalFunctions& functions, const std::vector<Powers>& powers, const Coefficients& c,
-                const std::vector<std::size_t>& used, const Vector3d& x) {
-        functions.set(x);
-        for (const std::size_t f : used) {
-            const Vector3d own = c.row(static_cast<Eigen::Index>(f));
-            value += functions.value(powers[f]) * own;
-            for (int k = 0; k < 3; ++k) by_local.col(k) += functions.slope(powers[f], k) * own;
-        }
-    }
-};
-
 std::vector<std::size_t> used_functions(const Coefficients& c) {
     std::vector<std::size_t> used;
     for (Eigen::Index f = 0; f < c.rows(); ++f)
@@ -242,12 +226,126 @@ std::vector<std::size_t> used_functions(const Coefficients& c) {
     return used;
 }
 
+/// A sum of functions and its gradient at many points. Functions that differ along the axis alone are summed there
+/// first.
+class FunctionSum {
+public:
+    FunctionSum(const FieldFrame& frame, AlongAxis along, const std::vector<Powers>& powers, const Coefficients& c)
+        : frame_(frame) {
+        std::array<int, 3> last{0, 0, 0};
+        std::map<std::pair<int, int>, std::vector<std::size_t>> across;
+        for (const std::size_t f : used_functions(c)) {
+            for (int k = 0; k < 3; ++k) last[k] = std::max(last[k], powers[f][k]);
+            across[{powers[f][1], powers[f][2]}].push_back(f);
+        }
+        for (int k = 0; k < 3; ++k)
+            along_.emplace_back(k == 0 ? along : AlongAxis::polynomials, 0, last[static_cast<std::size_t>(k)]);
+        for (const auto& [number, functions] : across) {
+            Group group{number.first, number.second, {}, Eigen::Matrix3Xd(3, functions.size())};
+            for (std::size_t i = 0; i < functions.size(); ++i) {
+                group.along.push_back(powers[functions[i]][0]);
+                group.factor.col(static_cast<Eigen::Index>(i)) = c.row(static_cast<Eigen::Index>(functions[i]));
+            }
+            groups_.push_back(std::move(group));
+        }
+    }
+    /// Column k of the gradient: by the local coordinate k, per length.
+    void at(const Vector3d& x, Vector3d& value, Matrix3d& by_local) {
+        const Vector3d local = frame_.local(x);
+        for (int k = 0; k < 3; ++k) along_[static_cast<std::size_t>(k)].set(local[k]);
+        value.setZero();
+        by_local.setZero();
+        const auto &first = along_[0], &second = along_[1], &third = along_[2];
+        for (const Group& group : groups_) {
+            Vector3d sum = Vector3d::Zero(), slope = Vector3d::Zero();
+            for (std::size_t i = 0; i < group.along.size(); ++i) {
+                const auto number = static_cast<std::size_t>(group.along[i]);
+                const auto factor = group.factor.col(static_cast<Eigen::Index>(i));
+                sum += first.value[number] * factor;
+                slope += first.slope[number] * factor;
+            }
+            const auto j = static_cast<std::size_t>(group.second), k = static_cast<std::size_t>(group.third);
+            value += second.value[j] * third.value[k] * sum;
+            by_local.col(0) += second.value[j] * third.value[k] * slope;
+            by_local.col(1) += second.slope[j] * third.value[k] * sum;
+            by_local.col(2) += second.value[j] * third.slope[k] * sum;
+        }
+        for (int k = 0; k < 3; ++k) by_local.col(k) *= frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
+    }
+
+private:
+    struct Group {
+        int second, third;        ///< numbers of the functions across the axis
+        std::vector<int> along;   ///< and of those along it
+        Eigen::Matrix3Xd factor;  ///< a column for each of these
+    };
+    const FieldFrame& frame_;
+    std::vector<FunctionsAlong> along_;
+    std::vector<Group> groups_;
+};
+
 /// The point that a field of this symmetry can leave alone: on the plane, and on the axis.
 Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, const std::optional<ShapeKind>& kind) {
     if (kind && kind->type != ShapeKind::Type::extruded)
         x = kind->through + (x - kind->through).dot(kind->axis) * kind->axis;
     if (plane) x -= (plane->normal.dot(x) - plane->offset) * plane->normal;
     return x;
+}
+
+constexpr Eigen::Index rows_in_cache = 1024;
+
+/// The values times the coefficients. Products of three columns are bound by memory: each value is read once, where
+/// Eigen would copy all of them first.
+Points thin_product(const MatrixXd& values, const Coefficients& c) {
+    Points sum = Points::Zero(values.rows(), 3);
+    const std::vector<std::size_t> used = used_functions(c);
+    for (Eigen::Index row = 0; row < values.rows(); row += rows_in_cache) {
+        const Eigen::Index m = std::min(rows_in_cache, values.rows() - row);
+        Eigen::Matrix<double, Eigen::Dynamic, 3> part = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(m, 3);
+        for (const std::size_t f : used) {
+            const auto column = values.col(static_cast<Eigen::Index>(f)).segment(row, m);
+            for (int k = 0; k < 3; ++k) part.col(k) += c(static_cast<Eigen::Index>(f), k) * column;
+        }
+        sum.middleRows(row, m) = part;
+    }
+    return sum;
+}
+
+Coefficients thin_transposed_product(const MatrixXd& values, const Points& x) {
+    Coefficients sum = Coefficients::Zero(values.cols(), 3);
+    for (Eigen::Index row = 0; row < values.rows(); row += rows_in_cache) {
+        const Eigen::Index m = std::min(rows_in_cache, values.rows() - row);
+        const Eigen::Matrix<double, Eigen::Dynamic, 3> part = x.middleRows(row, m);
+        for (Eigen::Index f = 0; f < values.cols(); ++f)
+            for (int k = 0; k < 3; ++k) sum(f, k) += values.col(f).segment(row, m).dot(part.col(k));
+    }
+    return sum;
+}
+
+/// The largest displacement of any vertex by each motion. Products of many columns, in blocks that stay in the cache.
+VectorXd largest_motions(const MatrixXd& values, const std::vector<Coefficients>& motions) {
+    constexpr Eigen::Index rows_at_once = 256, motions_at_once = 16;
+    const auto count = static_cast<Eigen::Index>(motions.size());
+    VectorXd squares = VectorXd::Zero(count);
+    for (Eigen::Index first = 0; first < count; first += motions_at_once) {
+        const Eigen::Index n = std::min(motions_at_once, count - first);
+        MatrixXd factors(values.cols(), 3 * n);
+        Eigen::Index used = 0;  // early motions have few functions, which come first
+        for (Eigen::Index b = 0; b < n; ++b) {
+            factors.middleCols(3 * b, 3) = motions[static_cast<std::size_t>(first + b)];
+            const std::vector<std::size_t> own = used_functions(motions[static_cast<std::size_t>(first + b)]);
+            if (!own.empty()) used = std::max(used, static_cast<Eigen::Index>(own.back()) + 1);
+        }
+        MatrixXd moved;
+        for (Eigen::Index row = 0; row < values.rows(); row += rows_at_once) {
+            const Eigen::Index m = std::min(rows_at_once, values.rows() - row);
+            moved.noalias() = values.block(row, 0, m, used) * factors.topRows(used);
+            for (Eigen::Index b = 0; b < n; ++b)
+                squares[first + b] =
+                    std::max(squares[first + b], moved.middleCols(3 * b, 3).rowwise().squaredNorm().maxCoeff());
+        }
+    }
+    return squares.cwiseSqrt();
 }
 
 /// Takes motions one after the other, without what those before them do. Columns are 3 functions long: the mean product
@@ -384,18 +482,21 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
         }
         const auto own = orthogonal.add(std::move(whole));
         if (!own) continue;
-        coefficients_.push_back(*own / (values_ * *own).rowwise().norm().maxCoeff());
+        coefficients_.push_back(*own);
         names_.push_back(candidate.name);
     }
+    const VectorXd largest = largest_motions(values_, coefficients_);
+    for (int b = 0; b < size(); ++b) coefficients_[static_cast<std::size_t>(b)] /= largest[b];
 }
 
 /// Without the rigid motion that the field does at the point. The functions of first degree are among `powers_`.
 DisplacementFields::Coefficients DisplacementFields::still_at(const Vector3d& point, Coefficients motion) const {
-    LocalFunctions functions(frame_, along_, powers_);
-    const PointValues here(functions, powers_, motion, used_functions(motion), point);
-    const Matrix3d gradient = here.by_local * frame_.axes.transpose();
+    Vector3d value;
+    Matrix3d by_local;
+    FunctionSum(frame_, along_, powers_, motion).at(point, value, by_local);
+    const Matrix3d gradient = by_local * frame_.axes.transpose();
     const Matrix3d spin = 0.5 * (gradient - gradient.transpose());
-    Vector3d constant = here.value - spin * point;
+    Vector3d constant = value - spin * point;
     for (std::size_t f = 0; f < powers_.size(); ++f) {
         const auto& [i, j, k] = powers_[f];
         if (i + j + k != 1) continue;
@@ -434,17 +535,17 @@ Matrix3d polar_rotation(const Matrix3d& F) {
         const Matrix3d next = 0.5 * (X + X.inverse().transpose());
         const double change = (next - X).norm();
         X = next;
-        if (change < 1e-12) break;
+        if (change < 1e-7) break;  // the error is about its square
     }
     return X;
 }
 
 Points DisplacementFields::field(int b) const { return values_ * coefficients_[static_cast<std::size_t>(b)]; }
 
-Points DisplacementFields::displacement(const VectorXd& z) const { return values_ * combined(z); }
+Points DisplacementFields::displacement(const VectorXd& z) const { return thin_product(values_, combined(z)); }
 
 VectorXd DisplacementFields::gradient(const Points& dJ_dv) const {
-    const Coefficients by_function = values_.transpose() * dJ_dv;
+    const Coefficients by_function = thin_transposed_product(values_, dJ_dv);
     VectorXd gradient(size());
     for (int b = 0; b < size(); ++b)
         gradient[b] = coefficients_[static_cast<std::size_t>(b)].cwiseProduct(by_function).sum();
@@ -458,12 +559,12 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
 }
 
 std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
-    const Coefficients sum = combined(z);
-    const std::vector<std::size_t> used = used_functions(sum);
-    LocalFunctions functions(frame_, along_, powers_);
+    FunctionSum sum(frame_, along_, powers_, combined(z));
     std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
+    Vector3d u;
+    Matrix3d by_local;
     for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
-        const auto [u, by_local] = PointValues(functions, powers_, sum, used, centroid_.row(t));
+        sum.at(centroid_.row(t), u, by_local);
         maps[static_cast<std::size_t>(t)] =
             Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
     }

@@ -56,6 +56,45 @@ TEST_F(FieldsOfACase, AreTheDefaultOfFits) {
     EXPECT_FALSE(load_case(yaml, Purpose::fit, yaml.parent_path()).parameters.fields.is_wanted);
 }
 
+/// By values alone a run that says nothing of its variables nor of its method begins with fields.
+TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    const std::string held = "regions:\n  root: {box: [[-9, -9, -9], [0.5, 9, 9]]}\nfixed: [root]\n";
+    const auto has_fields = [&](const std::string& quantities, const std::string& objective,
+                                const std::string& more = "") {
+        return build(held + "quantities: {" + quantities + "}\nobjective: {minimize: " + objective + "}\n" + more)
+                   .problem.parameters.fields != nullptr;
+    };
+    const std::string flow = "flow: {command: [cat], outputs: [drag, lift], gradients: false}",
+                      formula = flow + ", cost: {expression: 2 * flow.drag + volume}";
+    EXPECT_TRUE(has_fields(flow, "flow.drag"));
+    EXPECT_TRUE(has_fields(flow, "flow.drag", "optimize: {method: model, budget: {evaluations: 200}}\n"));
+    EXPECT_TRUE(has_fields(flow, "volume", "constraints: {flow.lift: {min: 1}}\n"));
+    EXPECT_TRUE(has_fields(formula, "cost"));
+    EXPECT_TRUE(has_fields(flow, "volume + 2 * flow.drag"));
+    EXPECT_TRUE(has_fields(formula + ", twice: {expression: 2 * cost}", "twice"));
+    EXPECT_FALSE(has_fields("flow: {command: [cat], outputs: [drag]}", "flow.drag")) << "with gradients";
+    EXPECT_FALSE(has_fields(flow, "volume")) << "not what counts";
+    EXPECT_FALSE(has_fields(formula + ", size: {expression: 2 * volume}", "size"));
+    EXPECT_FALSE(has_fields(flow + ", big_flow: {expression: 2 * volume}", "big_flow"));
+    for (const char* stated :
+         {"parameters: {fields: none}\n", "parameters: {variables: [load]}\n", "optimize: {method: cobyla}\n",
+          "optimize: {finite_differences: true}\n", "optimize: {budget: {evaluations: 201}}\n",
+          "parameters: {given: [{name: turn, region: tip, rotate: [0, 1, 0]}]}\nregions: {tip: {box: [[3, -9, -9], "
+          "[9, 9, 9]]}}\n"}) {
+        const std::string words = stated;
+        const bool has_regions = words.find("regions") != words.npos;
+        const std::string text = (has_regions ? "hold: point\n" : held) + "quantities: {" + flow +
+                                 "}\nobjective: {minimize: flow.drag}\n" + words;
+        EXPECT_EQ(build(text).problem.parameters.fields, nullptr) << text;
+    }
+    // A run of before goes on as it began, from the case that its folder holds.
+    const auto yaml = folder.write("case.yaml", "surface: {file: s.obj, units: m}\n" + held + "quantities: {" + flow +
+                                                    "}\nobjective: {minimize: flow.drag}\n");
+    EXPECT_TRUE(load_case(yaml, Purpose::run).parameters.fields.is_wanted);
+    EXPECT_FALSE(load_case(yaml, Purpose::run, yaml.parent_path()).parameters.fields.is_wanted);
+}
+
 /// At most 3 % of the distance is left of what loads alone hardly make.
 TEST_F(FieldsOfACase, AFitWithoutOptionsFindsAWidenedAndFlattenedBody) {
     const TriMesh start = ellipsoid({1, 0.2, 0.2}, 2);

@@ -70,7 +70,7 @@ void suggest_symmetry(const TriMesh& mesh, const Box& box, double diagonal, Boun
         if (!is_in_plane || std::min(below, above) > 1e-6 * diagonal || std::max(below, above) <= 1e-6 * diagonal)
             continue;
         loop.symmetry_axis = k;
-        loop.symmetry_at = loop.center[k] + 0.0;  // no negative zero
+        loop.symmetry_at = std::abs(loop.center[k]) > 1e-9 * diagonal ? loop.center[k] : 0;  // the rest is rounding
     }
 }
 

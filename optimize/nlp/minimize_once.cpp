@@ -371,7 +371,9 @@ private:
         if (guard_.failures > 0 && result_.stop != MinimizeStop::no_valid_step)
             result_.reason += text("; ", guard_.failures, " of ", guard_.evaluations, " evaluations",
                                    guard_.options.scope, " failed");
-        if (result_.stop == MinimizeStop::converged && guard_.failures > max_failing * guard_.evaluations)
+        const bool is_shown = guard_.best.gradient.size() > 0 && !guard_.best.is_partly_guessed &&
+                              !guard_.options.is_relative_to_objective && !expects_more(guard_);
+        if (result_.stop == MinimizeStop::converged && guard_.failures > max_failing * guard_.evaluations && !is_shown)
             result_.stop = MinimizeStop::no_valid_step;  // too few values to say more
     }
 

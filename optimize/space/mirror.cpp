@@ -4,6 +4,7 @@
 #include "core/mesh/geometry.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <algorithm>
 #include <map>
 
 namespace strake {
@@ -11,6 +12,8 @@ namespace {
 
 constexpr double good_image = 1e-3;   ///< diagonals
 constexpr double exact_image = 1e-7;  ///< diagonals: below it misfits are rounding, and planes as good as each other
+constexpr double flat = 0.4;          ///< thickness over the middle extent: less is a wing
+constexpr double longer = 1.01;       ///< times the other: extents that differ by less are as long as each other
 constexpr double agreement = 0.9;
 constexpr int mirror_samples = 4000;
 
@@ -31,6 +34,39 @@ double misfit(const TriMesh& mesh, const ClosestPointTree& tree, const SymmetryP
 
 }  // namespace
 
+namespace {
+
+struct FittedPlane {
+    SymmetryPlane plane;
+    double misfit = 0, extent = 0;  ///< extent: of the surface along the normal
+};
+
+/// Of planes that fit as well as each other, the one between left and right: a body is longest along the stream, which
+/// the plane contains; a flat one may be a wing, whose span it crosses. What that leaves open goes to y, x, z, as if up
+/// were z.
+const FittedPlane* between_left_and_right(const std::vector<FittedPlane>& planes, const TriMesh& mesh) {
+    const Box box = bounding_box(mesh);
+    Eigen::Vector3d size = box.max - box.min;
+    std::sort(size.data(), size.data() + 3);
+    const bool may_be_wing = size[0] < flat * size[1];
+    const auto rank = [&](const FittedPlane& f) {  // the least is taken
+        const bool is_across_longest = longer * f.extent > size[2];
+        const bool is_across_thickness = f.extent < longer * size[0] && longer * size[0] < size[1];
+        if (may_be_wing) return is_across_longest ? 0 : is_across_thickness ? 2 : 1;
+        if (longer * size[1] > size[2]) return is_across_thickness ? 1 : 0;  // no direction is the longest
+        return is_across_longest ? 2 : is_across_thickness ? 1 : 0;
+    };
+    const FittedPlane* best = nullptr;
+    for (const int k : {1, 0, 2})
+        for (const FittedPlane& f : planes)
+            if (std::abs(f.plane.normal[k]) > 1 - exact_image && (!best || rank(f) < rank(*best))) best = &f;
+    for (const FittedPlane& f : planes)
+        if (!best || rank(f) < rank(*best)) best = &f;
+    return best;
+}
+
+}  // namespace
+
 std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
     const Points centre = triangle_centroids(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
@@ -42,15 +78,22 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
     }
     const Eigen::Matrix3d axes = Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors();
     const ClosestPointTree tree(mesh);
-    std::optional<SymmetryPlane> best;
-    double least = good_image * box_diagonal(mesh);
+    const double diagonal = box_diagonal(mesh), rounding = exact_image * diagonal;
+    std::vector<FittedPlane> planes;
+    double least = good_image * diagonal;
     for (int k = 0; k < 6; ++k) {
         const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
-        const SymmetryPlane plane{normal, normal.dot(middle)};
-        const double off = std::max(misfit(mesh, tree, plane), exact_image * box_diagonal(mesh));
-        if (best ? off < 0.5 * least : off <= least) best = plane, least = off;
+        SymmetryPlane plane{normal, normal.dot(middle)};
+        if (std::abs(plane.offset) < rounding) plane.offset = 0;
+        const double off = std::max(misfit(mesh, tree, plane), rounding);
+        if (planes.empty() ? off > least : off >= 0.5 * least && off > rounding) continue;
+        const Eigen::VectorXd height = mesh.vertices * normal;
+        if (off < 0.5 * least) planes.clear();
+        planes.push_back({plane, off, height.maxCoeff() - height.minCoeff()});
+        least = std::min(least, off);
     }
-    return best;
+    if (planes.empty()) return std::nullopt;
+    return between_left_and_right(planes, mesh)->plane;
 }
 
 Eigen::Matrix3d reflection(const SymmetryPlane& plane) {

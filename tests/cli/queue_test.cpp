@@ -128,6 +128,29 @@ TEST_F(Queue, AJobThatIsCancelledByOthersIsTriedAgain) {
     EXPECT_EQ(calls().count(2), 2u);
 }
 
+/// A full disk leaves the file of the exit status empty, or cut: with a whole result beside it that is no success.
+TEST_F(Queue, AnEmptyOrCutExitStatusIsNoSuccess) {
+    for (const std::string left : {"", "0"}) {
+        SCOPED_TRACE("'" + left + "'");
+        const std::string out = left.empty() ? "a" : "b";
+        mark("sleep-2");
+        mark("long-2");
+        fs::remove(folder / "sleeping");
+        const std::size_t job = lines("submitted") + 2;
+        const Started asked(folder, {"run", job_case(), "--out", path(out), "-q"});
+        while (!fs::exists(folder / "sleeping")) pause_ms(5);
+        const std::string place = out + "/evaluations/000002/";
+        folder.write(place + "result.json", "{\"value\": 1}");
+        folder.write(place + "exit", left);
+        EXPECT_EQ(std::system(("scancel " + std::to_string(job)).c_str()), 0);
+        EXPECT_EQ(asked.wait(), 5) << asked.messages();
+        const std::string words =
+            left.empty() ? "its file exit is empty" : "its file exit holds '0' and no exit status";
+        EXPECT_NE(asked.messages().find(words), std::string::npos) << asked.messages();
+        fs::remove_all(folder / "calls");
+    }
+}
+
 TEST_F(Queue, AbortCancelsTheOtherJobs) {
     mark("fail-2");
     mark("sleep-3");

@@ -40,8 +40,8 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
         projected_gradient() <= guard_.options.objective_tolerance * guard_.largest_gradient)
         return end(MinimizeStop::converged, "the projected gradient is below the tolerance");
     if (is_limited && steps_.radius > step_tolerance) {
-        if (!is_feasible || rejections_ == 0) return false;
-        // A step that is short because longer ones were rejected has a small expected decrease in any case.
+        if (!is_feasible || rejections_ + failures_ == 0) return false;
+        // A step that is short because longer ones were rejected or failed has a small expected decrease in any case.
         const VectorXd free = solve_model(steps_.model(now_.at.constraints, 0));
         const double expected = merit_.expected_decrease(hessian_.matrix(), free.size() > 0 ? free : d);
         return free.size() > 0 && is_small(expected) && end_by_small(expected);
@@ -99,12 +99,7 @@ bool SqpSearch::failed_at(const VectorXd& d) {
     // A solver that fails now and then does not end a search that goes on gaining.
     const int all = guard_.options.max_failures * (1 + accepted_ / trust_region.steps_per_failures) +
                     (knows_border ? accepted_ + trust_region.max_border_failures : 0);
-    if (failures_ > in_row || end_.shrinks >= all) {
-        end_.is_at_border = knows_border;
-        return end(MinimizeStop::no_valid_step,
-                   text("evaluations keep failing next to the best point (", end_.shrinks + 1, " of ",
-                        guard_.evaluations, ", ", failures_, " in a row); the last failure: ", guard_.failure));
-    }
+    if (failures_ > in_row || end_.shrinks >= all) return end_by_failures(knows_border);
     ++end_.shrinks;
     if (!knows_border)
         steps_.radius = (failures_ > 1 ? trust_region.repeated_failure_cut : trust_region.failure_cut) *
@@ -113,6 +108,18 @@ bool SqpSearch::failed_at(const VectorXd& d) {
                 knows_border ? std::string("steps keep to this side of the plane between what failed and what did not")
                              : text("the largest step is cut to ", steps_.radius)));
     return false;
+}
+
+bool SqpSearch::end_by_failures(bool knows_border) {
+    const VectorXd free = solve_model(steps_.model_without_cut(now_.at.constraints, 0));
+    const double expected = free.size() > 0 ? merit_.expected_decrease(hessian_.matrix(), free) : total_decrease();
+    const bool is_met = now_.is_met(now_.at) && gradient_.is_exact() && !guard_.options.is_relative_to_objective;
+    if (is_met && expected <= trust_region.unexpected_decrease * guard_.decrease_tolerance(now_.at.objective))
+        return end(MinimizeStop::converged, "the expected decrease is below the tolerance, and longer steps fail");
+    end_.is_at_border = knows_border;
+    return end(MinimizeStop::no_valid_step,
+               text("evaluations keep failing next to the best point (", guard_.failures, " of this search's ",
+                    guard_.evaluations, " evaluations failed); the last failure: ", guard_.failure));
 }
 
 bool SqpSearch::end_at_border() {

@@ -61,6 +61,8 @@ private:
     /// More is expected elsewhere than this model still expects.
     bool is_outpaced();
     bool failed_at(const Eigen::VectorXd& d);
+    /// Converged where nothing is expected anyway, otherwise without a valid step. @return true
+    bool end_by_failures(bool knows_border);
     /// Nothing is left to gain on this side of the border: believed when steps through it fail, too.
     bool end_at_border();
     bool rejected(double length);

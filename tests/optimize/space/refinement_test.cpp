@@ -252,16 +252,16 @@ TEST(Mirror, FindsThePlaneAndTiesImages) {
     const Points c = triangle_centroids(problem.surface);
     PatchHierarchy tree;
     tree.levels.push_back(level_by(problem.surface, nullptr, [](int) { return 0; }));
-    tree.levels.push_back(level_by(problem.surface, &tree.levels[0], [&](int t) { return c(t, 1) > 1e-9 ? 1 : 0; }));
+    tree.levels.push_back(level_by(problem.surface, &tree.levels[0], [&](int t) { return c(t, 0) > 1e-9 ? 1 : 0; }));
     tree.levels.push_back(level_by(problem.surface, &tree.levels[1], [&](int t) {
-        return c(t, 0) > 1e-9 ? 2 : c(t, 0) < -1e-9 ? 0 : 1;
+        return c(t, 1) > 1e-9 ? 2 : c(t, 1) < -1e-9 ? 0 : 1;
     }));
     problem.tree = tree;
     for (int t = 0; t < problem.surface.num_triangles(); ++t)
-        if (std::abs(c(t, 1)) < 0.1) problem.fixed.push_back(t);
+        if (std::abs(c(t, 0)) < 0.1) problem.fixed.push_back(t);
     const auto rest = rest_facts(problem);
     ASSERT_TRUE(rest->mirror);
-    EXPECT_NEAR(std::abs(rest->mirror->normal[0]), 1, 1e-9);  // the first of three planes
+    EXPECT_NEAR(std::abs(rest->mirror->normal[1]), 1, 1e-9);  // of three planes
     // Two pairs, and two patches that lie across the plane and may not be pulled out of it.
     const DesignSpace space = design_space(rest, 2);
     ASSERT_EQ(space.size(), 2 * 3 + 2 * 2);
@@ -271,7 +271,7 @@ TEST(Mirror, FindsThePlaneAndTiesImages) {
     ShapeEvaluation e = evaluator.evaluate(0.2 * random_vector(space.size(), 1), 1);
     ASSERT_EQ(e.status, EvaluationStatus::ok) << e.reason;
     Points image = e.vertices;
-    image.col(0) *= -1;
+    image.col(1) *= -1;
     double worst = 0;
     for (int v = 0; v < image.rows(); ++v)
         worst = std::max(worst, std::sqrt((e.vertices.rowwise() - image.row(v)).rowwise().squaredNorm().minCoeff()));
@@ -293,6 +293,30 @@ TEST(Mirror, OfPlanesThatAreExactTheFirstIsTakenWhateverTheRounding) {
     const auto plane = plane_of_symmetry(mesh);
     ASSERT_TRUE(plane);
     EXPECT_EQ(plane->normal, Eigen::Vector3d(Eigen::Vector3d::UnitY()));
+}
+
+/// Left and right, not nose and tail, nor top and bottom.
+TEST(Mirror, OfSeveralExactPlanesTheOneBetweenLeftAndRightIsTaken) {
+    const auto normal_for = [](const Eigen::Vector3d& half_axes) {
+        const auto plane = plane_of_symmetry(ellipsoid(half_axes, 3));
+        return plane ? plane->normal : Eigen::Vector3d::Zero();
+    };
+    const Eigen::Vector3d x = Eigen::Vector3d::UnitX(), y = Eigen::Vector3d::UnitY();
+    EXPECT_EQ(normal_for({1, 0.6, 0.4}), y);    // a body along x, wider than high
+    EXPECT_EQ(normal_for({1, 0.2, 0.2}), y);    // a spindle
+    EXPECT_EQ(normal_for({0.2, 1, 0.2}), x);    // along y
+    EXPECT_EQ(normal_for({0.3, 2, 0.05}), y);   // a wing, whose span is longest
+    EXPECT_EQ(normal_for({2, 0.3, 0.05}), x);   // a wing that spans x
+    EXPECT_EQ(normal_for({1, 1, 0.1}), y);      // a disc
+    EXPECT_EQ(normal_for({0.5, 0.5, 0.5}), y);  // no direction is the longest
+}
+
+TEST(Mirror, AnOffsetWithinRoundingIsZero) {
+    TriMesh mesh = ellipsoid({1, 0.6, 0.4}, 3);
+    mesh.vertices.col(1).array() += 1e-16;
+    EXPECT_EQ(plane_of_symmetry(mesh)->offset, 0);
+    mesh.vertices.col(1).array() += 1e-3;
+    EXPECT_NEAR(plane_of_symmetry(mesh)->offset, 1e-3, 1e-12);
 }
 
 TEST(Mirror, ASurfaceWithoutPlaneIsRefused) {

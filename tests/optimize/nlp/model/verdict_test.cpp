@@ -156,3 +156,43 @@ TEST(Verdict, ATrueOptimumIsConvergedWithoutReservations) {
     EXPECT_TRUE(r.conflict.empty());
     EXPECT_EQ(r.active_bounds, 1);  // x_1 = 1
 }
+
+/// A soft direction in which long steps fail, and along which next to nothing is left to gain; next to the optimum all
+/// steps fail.
+TEST(Verdict, WhereFailuresOnlyKeepFromNothingTheSearchHasConverged) {
+    constexpr double soft = 1e-9, good = 1 + 1e-7;
+    NonlinearProgram p = program_of(
+        vec({1, 1}), VectorXd::Constant(2, -3), VectorXd::Constant(2, 3), 0, 0,
+        [](const VectorXd& x) { return vec({1 + x[0] * x[0] + std::pow(x[0], 4) + soft * x[1] * x[1]}); },
+        [](const VectorXd& x) {
+            MatrixXd g(1, 2);
+            g << 2 * x[0] + 4 * std::pow(x[0], 3), 2 * soft * x[1];
+            return g;
+        });
+    p.hessian = vec({2, 2 * soft}).asDiagonal();
+    for (const double room : {0.3, 0.03, 0.003}) {
+        SCOPED_TRACE(room);
+        NonlinearProgram failing = p;
+        VectorXd reached;
+        failing.evaluate = [&, sound = p.evaluate](const VectorXd& x) {
+            Evaluation s = sound(x);
+            if (std::abs(x[1] - 1) > room || (reached.size() > 0 && x != reached))
+                s.failure = "buckled", s.is_of_step = true;
+            if (s.failure.empty() && s.objective < good) reached = x;
+            return s;
+        };
+        const MinimizeResult r = minimize(failing, MinimizeOptions{});
+        EXPECT_EQ(r.stop, MinimizeStop::converged) << r.reason;
+        EXPECT_GT(r.failures, 0);
+        EXPECT_EQ(r.x, reached);
+        EXPECT_LE(r.evaluations, 30);
+    }
+    // Where much is left beyond the failures, it has not.
+    p.evaluate = [sound = p.evaluate](const VectorXd& x) {
+        Evaluation s = sound(x);
+        if (x[0] < 0.5) s.failure = "buckled";
+        return s;
+    };
+    const MinimizeResult r = minimize(p, MinimizeOptions{});
+    EXPECT_EQ(r.stop, MinimizeStop::no_valid_step) << r.reason;
+}

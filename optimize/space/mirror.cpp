@@ -4,6 +4,7 @@
 #include "core/mesh/geometry.hpp"
 
 #include <Eigen/Eigenvalues>
+#include <limits>
 #include <map>
 
 namespace strake {
@@ -14,17 +15,20 @@ constexpr double exact_image = 1e-7;  ///< diagonals: below it misfits are round
 constexpr double agreement = 0.9;
 constexpr int mirror_samples = 4000;
 
-/// Root mean square distance of the mirrored triangle centres from the surface.
-double misfit(const TriMesh& mesh, const ClosestPointTree& tree, const SymmetryPlane& plane) {
+/// Root mean square distance of the mirrored triangle centres from the surface; infinite once it exceeds `most`, which
+/// a few centres often tell.
+double misfit(const TriMesh& mesh, const ClosestPointTree& tree, const SymmetryPlane& plane, double most) {
     const Points centre = triangle_centroids(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
     const int stride = std::max(1, mesh.num_triangles() / mirror_samples);
     double sum = 0, weight = 0;
+    for (int t = 0; t < mesh.num_triangles(); t += stride) weight += area[t];
+    const double too_much = (1 + 1e-9) * most * most * weight;
     for (int t = 0; t < mesh.num_triangles(); t += stride) {
         const Eigen::Vector3d c = centre.row(t);
         const Eigen::Vector3d image = c - 2 * (plane.normal.dot(c) - plane.offset) * plane.normal;
         sum += area[t] * (tree.find(image).point - image).squaredNorm();
-        weight += area[t];
+        if (sum > too_much) return std::numeric_limits<double>::infinity();
     }
     return std::sqrt(sum / weight);
 }
@@ -47,7 +51,7 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
     for (int k = 0; k < 6; ++k) {
         const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
         const SymmetryPlane plane{normal, normal.dot(middle)};
-        const double off = std::max(misfit(mesh, tree, plane), exact_image * box_diagonal(mesh));
+        const double off = std::max(misfit(mesh, tree, plane, least), exact_image * box_diagonal(mesh));
         if (best ? off < 0.5 * least : off <= least) best = plane, least = off;
     }
     return best;

@@ -7,6 +7,7 @@
 #include "cli/detail.hpp"
 #include "cli/held_check.hpp"
 #include "cli/outputs.hpp"
+#include "cli/say.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
 #include "core/formats/vtp.hpp"
@@ -68,7 +69,10 @@ private:
     bool is_ours_ = false;
 };
 
-constexpr double max_trial_seconds = 60;
+/// Six test deformations of some 40 000 triangles, or one of 300 000: a quarter of a minute of CPU.
+constexpr double max_trial_work = 1.5e6;
+constexpr int max_shell_triangles = 300000;  ///< the work of one test deformation; wrap and fields do without
+constexpr int many_triangles = 50000;        ///< each step takes seconds, and is told
 
 std::string way_words(ProposedWay way) {
     switch (way) {
@@ -194,11 +198,19 @@ Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWa
     try {
         made.proposal = propose_case(args.surface, case_file, {args.evaluations, hold_of(args.hold), way, reason});
         const NewFile written(case_file, made.proposal.yaml);
+        if (!args.quiet && !args.json && (made.proposal.num_triangles > many_triangles || ::isatty(STDERR_FILENO) == 1))
+            say("trying       {}\n", way_words(way));
+        const bool is_shell = way == ProposedWay::shell || way == ProposedWay::remeshed_shell;
+        if (is_shell && made.proposal.num_triangles > max_shell_triangles)
+            throw InvalidInput(
+                text(made.proposal.num_triangles, " triangles, the limit of a trial is ", max_shell_triangles));
         log_step("trying " + printable(case_file.string(), 400) + ": " + way_words(way));
         const Case the_case = load_case(case_file, Purpose::run);
         made.built = tried_problem(the_case, args);
         made.notes = check_shell(the_case, made.built->problem);
-        made.trial = try_deformations(made.built->problem, max_trial_seconds);
+        made.trial = try_deformations(made.built->problem, max_trial_work);
+        log_step(fmt::format("{}: {} of {} test deformations fail, {:.1f} s of CPU", way_words(way), made.trial.failed,
+                             made.trial.tried, made.trial.cpu_seconds));
     } catch (const OutputError&) {
         throw;
     } catch (const TooCoarse&) {
@@ -214,20 +226,20 @@ Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWa
 std::string words_of(ProposedWay way, const Attempt& made) {
     const std::string shown = way_words(way) + ": ";
     if (!made.built) return shown + "refused, " + head_of(made.trial.reason);
-    if (made.trial.tried == 0) return shown + fmt::format("no test deformation in {:.0f} s", made.trial.seconds);
-    std::string words = fmt::format("{}{} of {} test deformations fail in {:.1f} s", shown, made.trial.failed,
-                                    made.trial.tried, made.trial.seconds);
-    return made.trial.failed > 0 ? words + ", " + head_of(made.trial.reason) : words;
+    if (made.trial.tried == 0) return shown + "too large for a test deformation";
+    std::string words = fmt::format("{}{} of {} test deformations fail", shown, made.trial.failed, made.trial.tried);
+    if (made.trial.failed > 0) words += ", " + head_of(made.trial.reason);
+    return made.proposal.ties_parts ? words + "; but it holds parts where they lie along each other" : words;
 }
 
 constexpr int enough_tries = 3;  ///< of test deformations, for a surface with defects
 
-/// What is not finished in time on a surface without defects is the size of the surface, no fault of the way. With
+/// What is cut short on a surface without defects is too large for six, no fault of the way. With
 /// defects one or two test deformations say too little.
 bool is_sound(const Attempt& made) {
     if (!made.built) return false;
-    if (made.trial.is_out_of_time && made.proposal.is_dirty && made.trial.tried < enough_tries) return false;
-    if (made.trial.is_out_of_time && made.trial.tried == 0) return true;
+    if (made.trial.is_cut_short && made.proposal.is_dirty && made.trial.tried < enough_tries) return false;
+    if (made.trial.is_cut_short && made.trial.tried == 0) return true;
     return made.trial.is_sound();
 }
 
@@ -241,22 +253,26 @@ double failing(const Attempt& made) {
     return !made.built ? 2.0 : made.trial.tried == 0 ? 1.0 : static_cast<double>(made.trial.failed) / made.trial.tried;
 }
 
+/// Whether a way that is sound ends the search: a shell of parts that would move apart only where no other way is
+/// sound.
+bool is_enough(const Attempt& made) { return is_sound(made) && !made.proposal.ties_parts; }
+
 /// The first of a shell, a shell on new triangles (of surfaces with slivers), a wrap and displacement fields alone that
 /// test deformations find sound, else the one that fails least. @throws what the first refuses where none can be built.
 Chosen choose(const InitArguments& args, const fs::path& case_file) {
     log_step("examining " + printable(args.surface, 400));
     Attempt best;
     std::vector<std::string> tried;
-    bool has_slivers = false;
+    bool may_remesh = false;
     std::exception_ptr refused;
     for (const ProposedWay way :
          {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::wrap, ProposedWay::fields}) {
-        if (way == ProposedWay::remeshed_shell && !has_slivers) continue;
+        if (way == ProposedWay::remeshed_shell && !may_remesh) continue;
         const std::string reason = tried.empty() ? "" : text("Chosen by trial: ", tried.front());
         Attempt made = attempt(args, case_file, way, reason);
-        if (way == ProposedWay::shell) has_slivers = made.proposal.has_slivers, refused = made.refused;
+        if (way == ProposedWay::shell) may_remesh = made.proposal.may_remesh, refused = made.refused;
         tried.push_back(words_of(way, made));
-        const bool is_first = tried.size() == 1, ends = is_sound(made);
+        const bool is_first = tried.size() == 1, ends = is_enough(made);
         if (is_first || ends || failing(made) < failing(best)) best = std::move(made);
         if (ends) break;
     }

@@ -78,6 +78,19 @@ std::string repair_text(const RepairedSurface& surface) {
     return out;
 }
 
+std::string attach_text(const std::vector<PartRole>& parts) {
+    std::string out;
+    for (const PartRole& part : parts)
+        if (part.role == PartRole::Kind::attached)
+            out += padded(
+                text("  - {part: ", part.component, ", to: ", part.host, ", how: rigid}"),
+                text(part.name, " floats ", part.gap, " from ", parts[static_cast<std::size_t>(part.host)].name));
+    if (out.empty()) return out;
+    return "\n# Parts that keep their shape and move with the one they are near; numbers are those of the connected "
+           "pieces.\nattach:\n" +
+           out;
+}
+
 std::string regions_text(const std::vector<ProposedRegion>& regions) {
     std::string out =
                     "\n# Regions that do not move. Look at the picture, and move their borders to where your part "
@@ -90,8 +103,8 @@ std::string regions_text(const std::vector<ProposedRegion>& regions) {
     return out + "fixed: [" + names + "]\n";
 }
 
-std::string hold_text(ProposedHold hold, const std::vector<ProposedRegion>& regions) {
-    if (hold == ProposedHold::band) return regions_text(regions);
+std::string hold_text(ProposedHold hold, const ProposedHolds& holds) {
+    if (hold == ProposedHold::band) return regions_text(holds.regions) + attach_text(holds.parts);
     if (hold == ProposedHold::point)
         return "\n# One triangle of each part keeps its place; everything else may change. Or hold regions: fixed: "
                "[NAME].\nhold: point      # or {point: [x, y, z]}: the triangle nearest to it\n";
@@ -153,8 +166,9 @@ std::string angles_text(const CreaseAngles& angles) {
     return out + "\n";
 }
 
+/// @param farthest the limit on the motion beside fields, for a surface that had to be mended; empty: patches alone.
 std::string parameters_text(const RepairedSurface& surface, const std::optional<SymmetryPlane>& mirror,
-                            ProposedHold hold) {
+                            ProposedHold hold, const std::string& farthest) {
     const CreaseAngles angles = crease_angles(surface.mesh, surface.checkup.adjacent);
     const int triangles = surface.mesh.num_triangles();
     const char* counts = triangles < 2000 ? "[2, 6]" : triangles < 10000 ? "[4, 12]" : "[4, 12, 32]";
@@ -170,9 +184,12 @@ std::string parameters_text(const RepairedSurface& surface, const std::optional<
         out += padded("  fields: auto", "smooth motions of the whole body");
         out += padded("  variables: []", "loads on patches would need hold: point");
     } else {
+        if (!farthest.empty()) out += padded("  fields: auto", "smooth motions of the whole body, then patches");
         out += padded("  variables: [normal]", "or load, strain, stiffness: strake explain variables");
     }
-    out += padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
+    out += !farthest.empty()
+               ? farthest
+               : padded("  max_displacement: 5%", "of the diagonal: the farthest that any point may move");
     if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
     return out;
 }
@@ -240,6 +257,12 @@ std::string goal_text(const MeanMotion& mean, bool has_volume) {
 /// Slivers invert at the smallest motion.
 bool has_slivers(const Checkup& c) { return c.quality.fifth_percentile < 1e-4; }
 
+bool is_dirty(const RepairedSurface& surface) {
+    const bool was_split = std::ranges::count(surface.keys, "split: true") > 0;
+    const auto& pairs = surface.checkup.pairs;
+    return has_slivers(surface.checkup) || surface.couple || was_split || !pairs || !pairs->apart.empty();
+}
+
 double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
 
 /// Volume is defined for fields wherever the surface, closed by cones, encloses some.
@@ -288,7 +311,19 @@ std::string wrap_text(const std::optional<SymmetryPlane>& mirror, const std::str
     return out;
 }
 
-std::vector<std::string> sentences(const RepairedSurface& surface, const std::vector<ProposedRegion>& regions,
+void add_roles(const std::vector<PartRole>& parts, std::vector<std::string>& found) {
+    for (const PartRole& part : parts) {
+        if (parts.size() < 2 || part.role == PartRole::Kind::held) continue;
+        const auto name = [&](int p) { return parts[static_cast<std::size_t>(p)].name; };
+        const std::string what = part.role == PartRole::Kind::main    ? "the main part"
+                                 : part.role == PartRole::Kind::moves ? "moves: it carries area"
+                                                                      : "attached to " + name(part.host);
+        found.push_back(text("part ", part.component, ", ", part.name, ": ", what,
+                             part.image >= 0 ? ", mirror image of " + name(part.image) : ""));
+    }
+}
+
+std::vector<std::string> sentences(const RepairedSurface& surface, const ProposedHolds& holds,
                                    const std::optional<SymmetryPlane>& half, const std::optional<SymmetryPlane>& mirror,
                                    bool has_volume, ProposedHold hold) {
     std::vector<std::string> found;
@@ -296,15 +331,11 @@ std::vector<std::string> sentences(const RepairedSurface& surface, const std::ve
         found.push_back(text("repair: {", surface.keys[i], "}: ", surface.why[i]));
     if (half) found.push_back(text("half model, open at ", axis_letter(half->normal), " = ", half->offset));
     if (mirror) found.push_back("the body is symmetric; so are the variables");
-    std::size_t parts = 0;
+    if (hold == ProposedHold::band) add_roles(holds.parts, found);
     if (hold == ProposedHold::point) found.emplace_back("held: one triangle of each part, near its middle");
     if (hold == ProposedHold::none) found.emplace_back("held: nothing; fields alone change the shape");
-    for (const ProposedRegion& region : hold == ProposedHold::band ? regions : std::vector<ProposedRegion>{})
-        if (region.name.starts_with("part_"))
-            ++parts;
-        else
-            found.push_back(text("held: ", region.name, ", ", region.why));
-    if (parts > 0) found.push_back(text("held: ", parts, " separate parts"));
+    for (const ProposedRegion& region : hold == ProposedHold::band ? holds.regions : std::vector<ProposedRegion>{})
+        found.push_back(text("held: ", region.name, ", ", region.why));
     if (has_slivers(surface.checkup))
         found.push_back(
             "note: 5 % of the triangles or more are slivers, which invert at small motions: a better "
@@ -346,9 +377,9 @@ std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, con
 namespace {
 
 /// A wrap is one part, whatever the body is.
-std::string hold_of(const ProposalOptions& options, const std::vector<ProposedRegion>& regions) {
+std::string hold_of(const ProposalOptions& options, const ProposedHolds& holds) {
     if (options.way == ProposedWay::fields) return "";
-    return hold_text(options.way == ProposedWay::wrap ? ProposedHold::point : options.hold, regions);
+    return hold_text(options.way == ProposedWay::wrap ? ProposedHold::point : options.hold, holds);
 }
 
 }  // namespace
@@ -364,26 +395,29 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const bool by_fields = options.way == ProposedWay::fields || by_wrap;  // the surface as it is
     const RepairedSurface surface = by_fields ? as_it_is(std::move(read.mesh)) : repaired(file, std::move(read.mesh));
     const auto half = half_plane(surface.checkup);
-    const auto whole = half ? std::nullopt : plane_of_symmetry(surface.mesh);
-    const auto mirror = whole && (by_fields || surface.checkup.facts.components == 1) ? whole : std::nullopt;
+    const auto mirror = half ? std::nullopt : plane_of_symmetry(surface.mesh);
     ProposedCase proposal;
-    std::vector<ProposedRegion> regions;
-    if (!by_fields) regions = held_regions(surface, half, mirror, proposal.down);
+    ProposedHolds holds;
+    if (!by_fields) holds = held_regions(surface, half, mirror);
+    proposal.num_triangles = surface.mesh.num_triangles();
+    proposal.down = holds.down;
+    proposal.ties_parts = holds.ties_parts;
     const std::optional<double> volume = by_fields ? volume_in_cones(surface.mesh, half) : std::nullopt;
     proposal.has_volume = by_fields ? volume.has_value() : encloses_volume(surface, half);
     const double thickness = by_fields ? 2 * volume.value_or(0) / surface.checkup.area : mean_thickness(surface, half);
-    proposal.has_slivers = has_slivers(surface.checkup);
-    const auto& pairs = surface.checkup.pairs;
-    proposal.is_dirty = proposal.has_slivers || surface.couple || !pairs || !pairs->apart.empty();
+    proposal.may_remesh = has_slivers(surface.checkup) &&
+                          (!proposal.has_volume || surface.checkup.quality.edge_mean < 2 * std::abs(thickness));
+    proposal.is_dirty = is_dirty(surface);
     proposal.plane = half ? half : mirror;
     proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)
-                               : sentences(surface, regions, half, mirror, proposal.has_volume, options.hold);
+                               : sentences(surface, holds, half, mirror, proposal.has_volume, options.hold);
     if (cut)
         proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
                                       " and is moved onto it (symmetry.snap)"));
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
     const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
+    const bool is_mended = !surface.keys.empty() || cut || proposal.is_dirty;
     const std::string shown = case_file.filename().string();
     const std::string shell =
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
@@ -393,11 +427,11 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
-        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") + hold_of(options, regions) +
+        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") + hold_of(options, holds) +
         (half ? symmetry_text(*half, cut) : "") + axes_text(surface.checkup, proposal.plane, proposal.down) +
         (by_wrap     ? wrap_text(mirror, options.reason, farthest)
          : by_fields ? fields_text(mirror, options.reason, farthest)
-                     : shell + parameters_text(surface, mirror, options.hold)) +
+                     : shell + parameters_text(surface, mirror, options.hold, is_mended ? farthest : "")) +
         goal_text(mean, proposal.has_volume) + "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");
     return proposal;

@@ -42,9 +42,14 @@ struct ProposedCase {
     std::vector<std::string> found;                  ///< the guesses, one sentence each
     std::optional<SymmetryPlane> plane;              ///< of the half model, or of the whole one
     Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< toward the ground, if the body seems to stand; zero: unknown
+    int num_triangles = 0;                           ///< of the surface as it would be deformed
     bool has_volume = false;
-    bool has_slivers = false;  ///< which new triangles would replace
-    bool is_dirty = false;     ///< slivers, parts that pierce each other or edges of more than two triangles remain
+    bool may_remesh = false;  ///< slivers, and a body that new triangles of the mean edge length can follow
+    /// A part that carries area lies along another one, and would be held there over its length. What carries both
+    /// along, a wrap or fields, is better where it is sound.
+    bool ties_parts = false;
+    bool is_dirty =
+        false;  ///< slivers, parts that pierce each other, or edges of more than two triangles, split or not
 };
 
 /// Proposes a case for the surface in `file`: its repairs (only what it needs), symmetry (of a half model with an open

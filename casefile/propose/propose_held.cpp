@@ -1,5 +1,6 @@
 #include "casefile/propose/propose_parts.hpp"
 #include "core/error.hpp"
+#include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
 
 #include <algorithm>
@@ -108,14 +109,26 @@ public:
         regions.push_back({name, text("box: [", corner(box.min), ", ", corner(box.max), "]"), why});
     }
 
-    /// Separate parts that nothing holds yet are held as they are.
-    void hold_other_parts() {
+    /// Parts that nothing holds yet: what moves at its end towards its host, what does not as a whole. Attached ones
+    /// need nothing, and are held where they lie within what is.
+    void hold_other_parts(ProposedHolds& out, const std::optional<SymmetryPlane>& mirror) {
         const std::vector<int> part = edge_components(mesh_, checkup_.adjacent);
-        const int parts = part.empty() ? 0 : *std::max_element(part.begin(), part.end()) + 1;
-        std::vector<char> is_held(parts, 0);
-        for (std::size_t t = 0; t < held_.size(); ++t) is_held[part[t]] |= held_[t];
-        for (int p = 0; p < parts; ++p)
-            if (!is_held[p]) regions.push_back({text("part_", p), text("component: ", p), "a separate part"});
+        out.parts = part_roles(mesh_, part, checkup_.diagonal, mirror);
+        const auto is_held = [&](int p) {
+            for (std::size_t t = 0; t < held_.size(); ++t)
+                if (part[t] == p && held_[t]) return true;
+            return false;
+        };
+        for (const PartRole& role : out.parts)
+            if ((role.role == PartRole::Kind::main || role.role == PartRole::Kind::moves) && !is_held(role.component))
+                hold_end(role, part, out);
+        for (PartRole& role : out.parts) {
+            const bool is_within = role.role == PartRole::Kind::attached && is_held(role.component);
+            if (is_within) role.role = PartRole::Kind::held;
+            if (role.role == PartRole::Kind::held)
+                regions.push_back({role.name, text("component: ", role.component),
+                                   is_within ? "a small part where others are held" : "a separate part"});
+        }
     }
 
     double held_share() const { return area_in(held_) / area_.sum(); }
@@ -129,6 +142,73 @@ public:
 
 private:
     static constexpr double no_height = std::numeric_limits<double>::infinity();
+
+    /// Distance of the vertices of a part from its host; of the main part from the low end of its longest axis.
+    Eigen::VectorXd from_host(const PartRole& role, const std::vector<int>& own, const std::vector<int>& part) const {
+        Eigen::VectorXd away = Eigen::VectorXd::Constant(mesh_.num_vertices(), no_height);
+        TriMesh host;
+        std::vector<int> of_host;
+        for (std::size_t t = 0; t < part.size(); ++t)
+            if (part[t] == role.host) of_host.push_back(static_cast<int>(t));
+        std::optional<ClosestPointTree> tree;
+        if (role.host >= 0) {
+            host.vertices = mesh_.vertices;
+            host.triangles = mesh_.triangles(of_host, Eigen::all);
+            tree.emplace(host);
+        }
+        int axis = 0;
+        (checkup_.box.max - checkup_.box.min).maxCoeff(&axis);
+        for (const int t : own)
+            for (int k = 0; k < 3; ++k) {
+                const int v = mesh_.triangles(t, k);
+                if (away[v] < no_height) continue;
+                away[v] = tree ? tree->find(mesh_.vertices.row(v)).distance
+                               : mesh_.vertices(v, axis) - checkup_.box.min[axis];
+            }
+        return away;
+    }
+
+    /// A box around what of the part is nearest to its host, some hundredths of its area; the host is held there, too.
+    void hold_end(const PartRole& role, const std::vector<int>& part, ProposedHolds& out) {
+        constexpr double enough = 0.02, beside = 0.005;  // of the part's area; of the diagonal
+        std::vector<int> own;
+        for (std::size_t t = 0; t < part.size(); ++t)
+            if (part[t] == role.component) own.push_back(static_cast<int>(t));
+        const Eigen::VectorXd away = from_host(role, own, part);
+        const auto farthest = [&](int t) {
+            return std::max({away[mesh_.triangles(t, 0)], away[mesh_.triangles(t, 1)], away[mesh_.triangles(t, 2)]});
+        };
+        std::vector<std::pair<double, int>> by_distance;
+        for (const int t : own) by_distance.emplace_back(farthest(t), t);
+        std::sort(by_distance.begin(), by_distance.end());
+        double area = 0, reach = 0;
+        for (const auto& [distance, t] : by_distance) {
+            if (area >= enough * role.area) break;
+            area += area_[t], reach = distance + beside * checkup_.diagonal;
+        }
+        const auto box_until = [&](double distance) {
+            Box box{Eigen::Vector3d::Constant(no_height), Eigen::Vector3d::Constant(-no_height)};
+            for (const auto& [away_from_host, t] : by_distance)
+                for (int k = 0; k < 3 && away_from_host <= distance; ++k) {
+                    box.min = box.min.cwiseMin(mesh_.vertices.row(mesh_.triangles(t, k)).transpose());
+                    box.max = box.max.cwiseMax(mesh_.vertices.row(mesh_.triangles(t, k)).transpose());
+                }
+            return box;
+        };
+        Box box = box_until(reach);
+        const Box whole = box_until(no_height);
+        int axis = 0;
+        const Eigen::Vector3d extent = whole.max - whole.min;
+        const double length = extent.maxCoeff(&axis);
+        out.ties_parts |= role.host >= 0 && length > 2 * extent.minCoeff() && (box.max - box.min)[axis] > 0.5 * length;
+        const Eigen::Vector3d margin = Eigen::Vector3d::Constant(1e-3 * checkup_.diagonal);
+        box.min = (box.min - margin).unaryExpr([&](double x) { return short_number(x, checkup_.diagonal); });
+        box.max = (box.max + margin).unaryExpr([&](double x) { return short_number(x, checkup_.diagonal); });
+        const std::string host = role.host < 0 ? "" : out.parts[static_cast<std::size_t>(role.host)].name;
+        hold_box(role.name + "_root", box,
+                 host.empty() ? "its low end on the longest axis" : text("where ", role.name, " is nearest to ", host));
+    }
+
     const TriMesh& mesh_;
     const Checkup& checkup_;
     Eigen::VectorXd area_;
@@ -184,9 +264,10 @@ char axis_letter(const Eigen::Vector3d& normal) {
     return 0;
 }
 
-std::vector<ProposedRegion> held_regions(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
-                                         const std::optional<SymmetryPlane>& mirror, Eigen::Vector3d& down) {
-    down.setZero();
+ProposedHolds held_regions(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
+                           const std::optional<SymmetryPlane>& mirror) {
+    ProposedHolds out;
+    Eigen::Vector3d& down = out.down;
     Holder holder(surface);
     const Checkup& c = surface.checkup;
     if (half) {
@@ -224,8 +305,9 @@ std::vector<ProposedRegion> held_regions(const RepairedSurface& surface, const s
         holder.regions.clear();
         holder.hold("end", holder.band(end), text("the end of the longest axis, ", "xyz"[axis]));
     }
-    holder.hold_other_parts();
-    return holder.regions;
+    holder.hold_other_parts(out, mirror);
+    out.regions = std::move(holder.regions);
+    return out;
 }
 
 }  // namespace strake::proposing

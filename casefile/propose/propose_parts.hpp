@@ -33,10 +33,33 @@ std::optional<NearCut> near_cut(const TriMesh& mesh);
 /// Every open edge lies on the plane, and neighbours agree.
 bool encloses_volume(const RepairedSurface& surface, const std::optional<SymmetryPlane>& plane);
 
-/// Regions that hold every part of the surface. @param down becomes the outward direction of the flat end that is held,
-/// or zero.
-std::vector<ProposedRegion> held_regions(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
-                                         const std::optional<SymmetryPlane>& mirror, Eigen::Vector3d& down);
+/// What a connected part of a surface does.
+struct PartRole {
+    enum class Kind { main, moves, attached, held };
+    int component = 0;
+    Kind role = Kind::held;
+    std::string name;       ///< that of the file where it names this part alone, else part_N
+    bool is_named = false;  ///< by the file
+    double area = 0;
+    Eigen::Vector3d centroid = Eigen::Vector3d::Zero();
+    int host = -1;   ///< the part nearest to it that moves; -1: none
+    double gap = 0;  ///< its distance from there
+    int image = -1;  ///< the part that is its mirror image; -1: none
+};
+/// The main part has the largest area. Others with a twentieth of that move, unless they are far away and smaller than
+/// half of it; smaller ones, and those named as what hangs on others (nacelle, store), are attached to what they are
+/// near, else held, as what is named as a support is.
+std::vector<PartRole> part_roles(const TriMesh& mesh, const std::vector<int>& component, double diagonal,
+                                 const std::optional<SymmetryPlane>& mirror);
+
+struct ProposedHolds {
+    std::vector<ProposedRegion> regions;             ///< that hold every part which is not attached
+    std::vector<PartRole> parts;                     ///< of a surface of several
+    Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< outward, of the flat end that is held; or zero
+    bool ties_parts = false;  ///< a part that carries area lies along another, and is held there over its length
+};
+ProposedHolds held_regions(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
+                           const std::optional<SymmetryPlane>& mirror);
 
 struct CreaseAngles {
     int sharp_deg = 40;                           ///< the emptiest angle between 20 and 53 degrees

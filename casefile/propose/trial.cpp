@@ -3,7 +3,7 @@
 #include "core/error.hpp"
 #include "optimize/evaluate/evaluation.hpp"
 
-#include <chrono>
+#include <ctime>
 
 namespace strake {
 namespace {
@@ -11,37 +11,46 @@ namespace {
 constexpr double probe_size = 0.1;  ///< thin wings bear it, slivers do not
 constexpr int num_probes = 3;
 
-/// The first level that has variables of shape.
-DesignSpace first_space(const std::shared_ptr<const RestFacts>& rest) {
-    const int first = rest->wrap ? 1 : coarsest_level(rest->parameters);  // fields beside a wrap are the safe part
-    for (int level = first; level < static_cast<int>(rest->tree->levels.size()); ++level) {
+std::vector<int> patch_variables(const DesignSpace& space) {
+    std::vector<int> of_patches;
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (space.variables[static_cast<std::size_t>(j)].patch >= 0) of_patches.push_back(j);
+    return of_patches;
+}
+
+/// The first level with variables of patches, which are what may fail; around a dirty body the last one, whose motions
+/// are the roughest. Without a shell that of the fields.
+DesignSpace tried_space(const std::shared_ptr<const RestFacts>& rest) {
+    const int levels = static_cast<int>(rest->tree->levels.size());
+    for (int k = 1; rest->has_shell && k < levels; ++k) {
+        DesignSpace space = design_space(rest, rest->wrap ? levels - k : k);
+        if (!patch_variables(space).empty()) return space;
+    }
+    for (int level = coarsest_level(rest->parameters); level < levels; ++level) {
         DesignSpace space = design_space(rest, level);
-        if (space.num_shape() > 0) return space;
+        if (space.num_shape() > 0 && !rest->wrap) return space;
     }
     throw InvalidInput("no variable can move it");
 }
 
 }  // namespace
 
-Trial try_deformations(Problem problem, double max_seconds) {
+Trial try_deformations(Problem problem, double max_work) {
     Trial trial;
     problem.quantities.clear();
-    const auto begin = std::chrono::steady_clock::now();
-    const auto seconds = [&] {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    };
+    const std::clock_t begin = std::clock();
+    const double triangles = elastic_surface(problem).num_triangles();
+    double work = 0;
     try {
         const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
-        const DesignSpace space = first_space(rest);
-        std::vector<int> probed;
-        for (int j = 0; j < space.num_shape(); ++j)
-            if (!rest->wrap || space.variables[static_cast<std::size_t>(j)].patch >= 0) probed.push_back(j);
-        if (probed.empty()) throw InvalidInput("no variable of a patch can move it");
+        const DesignSpace space = tried_space(rest);
+        std::vector<int> probed = patch_variables(space);
+        for (int j = 0; probed.empty() && j < space.num_shape(); ++j) probed.push_back(j);
         ShapeEvaluator evaluator(problem, rest, {});
-        evaluator.keep_calls(nullptr, [&] { return seconds() > max_seconds; });
+        evaluator.keep_calls(nullptr, [&] { return (work += triangles) > max_work; });
         evaluator.enter(space);
         for (int k = 0; k < 2 * num_probes; ++k) {
-            if (seconds() > max_seconds) throw Interrupted{};
+            if (work > max_work) throw Interrupted{};
             Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
             x[probed[static_cast<std::size_t>(k / 2) * probed.size() / num_probes]] =
                 k % 2 == 0 ? probe_size : -probe_size;
@@ -49,10 +58,10 @@ Trial try_deformations(Problem problem, double max_seconds) {
             ++trial.tried;
             if (shape.status == EvaluationStatus::ok) continue;
             if (trial.failed++ == 0) trial.reason = shape.reason;
-            if (6 * trial.failed > 2 * num_probes) break;  // no more can make it sound
+            if (trial.failed == 2) break;  // no more can make it sound, and one tells little of how much fails
         }
     } catch (const Interrupted&) {
-        trial.is_out_of_time = true;
+        trial.is_cut_short = true;
     } catch (const std::runtime_error& error) {
         trial.tried = trial.failed = 2 * num_probes;
         trial.reason = error.what();
@@ -60,7 +69,7 @@ Trial try_deformations(Problem problem, double max_seconds) {
         trial.tried = trial.failed = 2 * num_probes;
         trial.reason = error.what();
     }
-    trial.seconds = seconds();
+    trial.cpu_seconds = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
     return trial;
 }
 

@@ -448,8 +448,10 @@ std::string short_edge_words(const RemeshResult& result) {
 
 RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const RemeshProgress& progress) {
     validate(options);
-    // Intersections at one length rarely occur at another; where they always do, the input stays unchanged.
+    // A few intersections at one length rarely occur at another; where they always do, or are many, which has a cause
+    // in the shape, the input stays unchanged.
     constexpr std::array<double, 2> other_lengths{0.98, 1.02};
+    constexpr int few = 20;
     RemeshOptions tried = options;
     if (options.edge_length == 0) tried.edge_length = automatic_length(given, options, progress);
     RemeshResult best;
@@ -466,6 +468,7 @@ RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const Re
         if (is_as_wanted) count = static_cast<std::size_t>(remesher.freeze(tangled));
         const bool is_local = static_cast<double>(count) <= 0.05 * given.num_triangles();
         if (!is_local) break;  // not here and there
+        if (attempt == 0 && left > few) attempt = other_lengths.size();
         const bool tries_length = attempt < other_lengths.size();
         tried.edge_length = (tries_length ? other_lengths[attempt] : 1) * best.edge_length;
         tried.max_triangles = std::numeric_limits<int>::max();

@@ -10,8 +10,8 @@ bool has_alpha_wrap();
 
 /// A closed, manifold surface without self-intersections that encloses the triangles, `offset` away from them; what is
 /// narrower than about alpha is bridged. Its vertices are in no useful order, its triangles uneven.
-/// @param max_seconds empty result: it would have taken longer. @throws InvalidInput where this build has no alpha
-/// wrap.
+/// @param max_seconds of CPU; empty result: it would have taken longer. @throws InvalidInput where this build has no
+/// alpha wrap.
 TriMesh alpha_wrap(const TriMesh& soup, double alpha, double offset, double max_seconds);
 
 }  // namespace strake

@@ -63,7 +63,7 @@ std::string try_once(const TriMesh& capped, double area, const WrapOptions& opti
     const auto begin = std::chrono::steady_clock::now();
     const TriMesh raw = alpha_wrap(capped, wrap.alpha, wrap.offset, options.max_seconds);
     wrap.wrap_seconds += seconds_since(begin);
-    if (raw.num_triangles() == 0) return text("takes longer than ", options.max_seconds, " s");
+    if (raw.num_triangles() == 0) return text("takes longer than ", options.max_seconds, " s of CPU");
     const Adjacency adjacent = adjacency(raw);
     const TopologyFacts facts = topology(raw, adjacent);
     if (facts.components != 1) return text("is in ", facts.components, " pieces");

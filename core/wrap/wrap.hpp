@@ -17,7 +17,7 @@ struct WrapOptions {
     double alpha = 0;         ///< what is narrower is bridged; length; 0: a fiftieth of the diagonal
     double offset = 0;        ///< distance from the body; 0: alpha / 2.5
     double edge_length = 0;   ///< of the wrap's triangles; 0: 0.6 alpha
-    double max_seconds = 20;  ///< of one attempt to wrap; > 0, may be infinite: no limit
+    double max_seconds = 20;  ///< of CPU, of one attempt to wrap; > 0, may be infinite: no limit
     int max_attempts = 3;     ///< alpha is doubled after one that fails; >= 1
     /// The wrap is symmetric about this plane, by construction: one half of it is mirrored.
     std::optional<SymmetryPlane> plane = {};

@@ -5,6 +5,7 @@
 
 #include <Eigen/Eigenvalues>
 #include <algorithm>
+#include <limits>
 #include <map>
 
 namespace strake {
@@ -17,24 +18,23 @@ constexpr double longer = 1.01;       ///< times the other: extents that differ 
 constexpr double agreement = 0.9;
 constexpr int mirror_samples = 4000;
 
-/// Root mean square distance of the mirrored triangle centres from the surface.
-double misfit(const TriMesh& mesh, const ClosestPointTree& tree, const SymmetryPlane& plane) {
+/// Root mean square distance of the mirrored triangle centres from the surface; infinite once it exceeds `most`, which
+/// a few centres often tell.
+double misfit(const TriMesh& mesh, const ClosestPointTree& tree, const SymmetryPlane& plane, double most) {
     const Points centre = triangle_centroids(mesh);
     const Eigen::VectorXd area = triangle_areas(mesh);
     const int stride = std::max(1, mesh.num_triangles() / mirror_samples);
     double sum = 0, weight = 0;
+    for (int t = 0; t < mesh.num_triangles(); t += stride) weight += area[t];
+    const double too_much = (1 + 1e-9) * most * most * weight;
     for (int t = 0; t < mesh.num_triangles(); t += stride) {
         const Eigen::Vector3d c = centre.row(t);
         const Eigen::Vector3d image = c - 2 * (plane.normal.dot(c) - plane.offset) * plane.normal;
         sum += area[t] * (tree.find(image).point - image).squaredNorm();
-        weight += area[t];
+        if (sum > too_much) return std::numeric_limits<double>::infinity();
     }
     return std::sqrt(sum / weight);
 }
-
-}  // namespace
-
-namespace {
 
 struct FittedPlane {
     SymmetryPlane plane;
@@ -85,7 +85,7 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
         const Eigen::Vector3d normal = k < 3 ? Eigen::Vector3d(Eigen::Vector3d::Unit(k)) : axes.col(k - 3);
         SymmetryPlane plane{normal, normal.dot(middle)};
         if (std::abs(plane.offset) < rounding) plane.offset = 0;
-        const double off = std::max(misfit(mesh, tree, plane), rounding);
+        const double off = std::max(misfit(mesh, tree, plane, least), rounding);
         if (planes.empty() ? off > least : off >= 0.5 * least && off > rounding) continue;
         const Eigen::VectorXd height = mesh.vertices * normal;
         if (off < 0.5 * least) planes.clear();

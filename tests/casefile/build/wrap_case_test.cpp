@@ -4,6 +4,7 @@
 #include "core/wrap/alpha_wrap.hpp"
 #include "core/wrap/halves.hpp"
 #include "core/wrap/wrap_map.hpp"
+#include "optimize/check/gradient_check.hpp"
 #include "optimize/space/rest_facts.hpp"
 #include "tests/casefile/build_fixture.hpp"
 
@@ -142,6 +143,46 @@ TEST_F(CaseWithWrap, SaysWhereTheBodyIsThin) {
 TEST(CaseWithoutGpl, SaysSoAndWhatToDo) {
     if (has_alpha_wrap()) GTEST_SKIP() << "built with the alpha wrap";  // about the other build
     EXPECT_THROW(wrap_around(icosphere(2)), InvalidInput);
+}
+
+/// Functionals that are defined on a dirty body, as objective and limits.
+const std::string functionals = R"(axes: {downstream: +x, up: +z}
+objective: {maximize: volume}
+quantities:
+  change: {type: displacement}
+  long: {type: extent, direction: [1, 0, 0], smoothing: 0.05}
+  front: {type: projected_area}
+  hyper: {type: newtonian, mach: 8}
+constraints:
+  area: {max: 1.01, relative: true}
+  change: {max: 0.01}
+  long.length: {max: 1.1, relative: true}
+  front: {max: 1.1, relative: true}
+  hyper.drag: {max: 2, relative: true}
+)";
+
+TEST_F(CaseWithWrap, GradientsOfFiveDirtyBodiesAreExactForEveryFunctional) {
+    for (const char* kind : {"wing_through_body", "gaps", "crossing_boxes", "inner_walls", "crossing_cylinders"}) {
+        surface(example::dirty_body(kind));
+        Problem problem = build(
+                              "repair: {orient: true}\nhold: point\nwrap: {alpha: 5%}\n"
+                              "parameters: {levels: auto, patches_per_level: [4], fields: 6, variables: [normal], "
+                              "max_displacement: 2%}\n" +
+                                  functionals,
+                              Purpose::run)
+                              .problem;
+        const GradientCheck check = check_gradients(problem);
+        EXPECT_EQ(check.tests.size(), 6U) << kind;
+        for (const TaylorTest& test : check.tests) EXPECT_TRUE(test.passed) << kind << ' ' << test.name << test.verdict;
+        if (kind != std::string("gaps")) continue;
+        for (Quantity& quantity : problem.quantities)
+            quantity.evaluate = [exact = quantity.evaluate](const QuantityRequest& request) {
+                QuantityResult result = exact(request);
+                for (Points& gradient : result.dJ_dv) gradient *= 1.1;
+                return result;
+            };
+        for (const TaylorTest& test : check_gradients(problem).tests) EXPECT_FALSE(test.passed) << test.name;
+    }
 }
 
 }  // namespace

@@ -1,0 +1,144 @@
+#include "casefile/propose/propose_parts.hpp"
+#include "casefile/propose/trial.hpp"
+#include "core/parallel.hpp"
+#include "tests/casefile/build_fixture.hpp"
+
+namespace strake {
+namespace {
+
+using proposing::PartRole;
+
+/// Closed boxes, one group each.
+struct Parts {
+    TriMesh mesh;
+    std::vector<int> component;
+
+    void add(const std::string& name, const Eigen::Vector3d& size, const Eigen::Vector3d& middle, int cells = 4) {
+        const TriMesh box = box_surface(size, cells);
+        const int n = mesh.num_vertices(), m = mesh.num_triangles();
+        mesh.vertices.conservativeResize(n + box.num_vertices(), 3);
+        mesh.vertices.bottomRows(box.num_vertices()) = box.vertices.rowwise() + (middle - 0.5 * size).transpose();
+        mesh.triangles.conservativeResize(m + box.num_triangles(), 3);
+        mesh.triangles.bottomRows(box.num_triangles()) = box.triangles.array() + n;
+        mesh.group.insert(mesh.group.end(), static_cast<std::size_t>(box.num_triangles()),
+                          static_cast<int>(mesh.group_names.size()));
+        component.insert(component.end(), static_cast<std::size_t>(box.num_triangles()),
+                         static_cast<int>(mesh.group_names.size()));
+        mesh.group_names.push_back(name);
+    }
+    std::vector<PartRole> roles(const std::optional<SymmetryPlane>& mirror = {}) const {
+        return proposing::part_roles(mesh, component, 10, mirror);
+    }
+};
+
+TEST(PartRoles, WingsMoveNacellesHangSupportsAndWhatIsFarAreHeld) {
+    Parts parts;
+    parts.add("Fuselage", {6, 0.6, 0.6}, {0, 0, 0});
+    parts.add("Wing", {1, 5, 0.1}, {0, 0, 0.1});
+    parts.add("Nacelle", {1, 0.4, 0.4}, {0.2, 1, -0.3});  // near the wing, with a twentieth of the fuselage's area
+    parts.add("sting", {3, 0.5, 0.5}, {4.5, 0, 0});
+    parts.add("", {0.1, 0.1, 0.1}, {0, 0, 0.36});
+    parts.add("ship 2", {1, 1, 1}, {0, 30, 0});
+    const std::vector<PartRole> roles = parts.roles();
+    ASSERT_EQ(roles.size(), 6U);
+    const PartRole::Kind wanted[] = {PartRole::Kind::main, PartRole::Kind::moves,    PartRole::Kind::attached,
+                                     PartRole::Kind::held, PartRole::Kind::attached, PartRole::Kind::held};
+    for (std::size_t p = 0; p < roles.size(); ++p) EXPECT_EQ(roles[p].role, wanted[p]) << p;
+    EXPECT_EQ(roles[2].host, 1) << "the wing is nearer than the fuselage";
+    EXPECT_NEAR(roles[2].gap, 0.15, 1e-12);
+    EXPECT_EQ(roles[4].host, 0);
+    EXPECT_EQ(roles[1].name, "wing");
+    EXPECT_EQ(roles[4].name, "part_4") << "the file does not name it";
+    EXPECT_EQ(roles[5].name, "ship_2");
+}
+
+TEST(PartRoles, LeftAndRightAreAPairOfOneRole) {
+    Parts parts;
+    parts.add("body", {6, 0.6, 0.6}, {0, 0, 0});
+    parts.add("a", {1, 2, 0.1}, {0, 1.4, 0.1});
+    parts.add("b_mount", {1, 2, 0.1}, {0, -1.4, 0.1});  // a name that holds it, were it not for the other one
+    parts.add("c", {1, 2, 0.1}, {1.5, -1.4, 0.1});
+    const SymmetryPlane plane{{0, 1, 0}, 0};
+    EXPECT_EQ(parts.roles()[2].role, PartRole::Kind::held);
+    const std::vector<PartRole> roles = parts.roles(plane);
+    EXPECT_EQ(roles[1].image, 2);
+    EXPECT_EQ(roles[2].image, 1);
+    EXPECT_EQ(roles[2].role, PartRole::Kind::moves);
+    EXPECT_EQ(roles[3].image, -1);
+    EXPECT_EQ(roles[0].image, -1);
+}
+
+class Proposed : public BuildProblem {
+protected:
+    ProposedCase proposed(const TriMesh& mesh) {
+        write_surface(folder.path() / "body.obj", mesh, SurfaceFormat::obj);
+        return propose_case(folder.path() / "body.obj", folder.path() / "new.yaml");
+    }
+};
+
+TEST_F(Proposed, AWingBesideItsBodyMovesAndASmallPartIsAttached) {
+    Parts parts;
+    parts.add("body", {6, 0.6, 0.6}, {0, 0, 0}, 8);
+    parts.add("wing", {1, 3, 0.1}, {0, 1.9, 0}, 8);
+    parts.add("pod", {0.3, 0.1, 0.1}, {0, 2, -0.15});
+    const ProposedCase proposal = proposed(parts.mesh);
+    EXPECT_TRUE(contains(proposal.yaml, "  wing_root: {box: ")) << proposal.yaml;
+    EXPECT_FALSE(contains(proposal.yaml, "component: 1}")) << "the wing is not held as a whole\n" << proposal.yaml;
+    EXPECT_TRUE(contains(proposal.yaml, "  - {part: 2, to: 1, how: rigid}")) << proposal.yaml;
+    const BuiltProblem built =
+        build_problem(load_case(folder.write("new.yaml", proposal.yaml), Purpose::run), Purpose::run);
+    EXPECT_EQ(built.problem.attached.size(), 1U);
+    const std::vector<int>& held = region(built, "wing_root");
+    const auto of_wing =
+        std::ranges::count_if(held, [&](int t) { return parts.component[static_cast<std::size_t>(t)] == 1; });
+    const auto wing = std::ranges::count(parts.component, 1);
+    EXPECT_GT(of_wing, 0);
+    EXPECT_LT(of_wing, wing / 3);
+    EXPECT_FALSE(proposal.ties_parts);
+}
+
+TEST_F(Proposed, AFlapAlongAWingIsTied) {
+    Parts parts;
+    parts.add("wing", {2, 5, 0.2}, {0, 0, 0}, 8);
+    parts.add("flap", {0.3, 5, 0.1}, {1.2, 0, 0}, 8);
+    EXPECT_TRUE(proposed(parts.mesh).ties_parts);
+}
+
+TEST_F(Proposed, TestDeformationsAreCutShortByWorkNotByTime) {
+    surface(box_surface({4, 1, 1}, 6));
+    const BuiltProblem built = build(
+        "regions: {end: {plane: {normal: [1, 0, 0], at: 0.1}, side: below}}\nfixed: [end]\n"
+        "parameters: {levels: auto, patches_per_level: [4], variables: [normal]}\nobjective: {maximize: volume}\n",
+        Purpose::run);
+    const double triangles = built.problem.surface.num_triangles();
+    const Trial whole = try_deformations(built.problem, 1e9);
+    EXPECT_EQ(whole.tried, 6);
+    EXPECT_EQ(whole.failed, 0) << whole.reason;
+    EXPECT_TRUE(whole.is_sound());
+    const Trial none = try_deformations(built.problem, 0.5 * triangles);
+    EXPECT_EQ(none.tried, 0);
+    EXPECT_TRUE(none.is_cut_short);
+    EXPECT_FALSE(none.is_sound());
+    const int before = num_threads();
+    int tried[2];
+    for (const int threads : {1, 2}) {
+        set_num_threads(threads);
+        tried[threads - 1] = try_deformations(built.problem, 12 * triangles).tried;
+    }
+    set_num_threads(before);
+    EXPECT_EQ(tried[0], tried[1]);
+    EXPECT_GT(tried[0], 0);
+    EXPECT_LT(tried[0], 6);
+}
+
+TEST(Trial, OneFailureOfSixIsNotSound) {
+    Trial trial;
+    EXPECT_FALSE(trial.is_sound()) << "nothing was tried";
+    trial.tried = 6;
+    EXPECT_TRUE(trial.is_sound());
+    trial.failed = 1;
+    EXPECT_FALSE(trial.is_sound());
+}
+
+}  // namespace
+}  // namespace strake

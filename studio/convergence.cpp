@@ -53,33 +53,42 @@ std::optional<double> number_in(std::string_view cell) {
     return std::isfinite(value) ? value : missing;
 }
 
-ConvergenceTable read_table(std::string_view bytes) {
-    ConvergenceTable table;
-    std::vector<std::string_view> names;
-    for_lines(bytes, [&](std::string_view line) {
-        const auto cells = cells_of(line);
-        if (cells.empty()) return;
-        const bool is_row = line.find('#') == std::string_view::npos && number_in(cells[0]);
-        if (!is_row) {
-            names = cells;
-            return;
-        }
-        if (table.columns.empty()) {
-            table.columns.resize(cells.size());
-            for (std::size_t k = 0; k < cells.size(); ++k)
-                table.names.push_back(names.size() == cells.size() ? std::string(names[k])
-                                      : k == 0                     ? "iteration"
-                                                                   : "column " + std::to_string(k + 1));
-        }
-        for (std::size_t k = 0; k < table.columns.size(); ++k)
-            table.columns[k].push_back(k < cells.size() ? number_in(cells[k]).value_or(missing) : missing);
-    });
+using Cells = std::vector<std::string_view>;
+
+/// With the names of the last line before the first row, if there are as many.
+ConvergenceTable empty_table(const Cells& names, std::size_t num_columns) {
+    ConvergenceTable table{{}, std::vector<std::vector<double>>(num_columns)};
+    for (std::size_t k = 0; k < num_columns; ++k)
+        table.names.push_back(names.size() == num_columns ? std::string(names[k])
+                              : k == 0                    ? "iteration"
+                                                          : "column " + std::to_string(k + 1));
+    return table;
+}
+
+void drop_columns_without_numbers(ConvergenceTable& table) {
     for (std::size_t k = table.columns.size(); k-- > 1;) {
         const auto& column = table.columns[k];
         if (std::any_of(column.begin(), column.end(), [](double v) { return std::isfinite(v); })) continue;
         table.columns.erase(table.columns.begin() + static_cast<std::ptrdiff_t>(k));
         table.names.erase(table.names.begin() + static_cast<std::ptrdiff_t>(k));
     }
+}
+
+ConvergenceTable read_table(std::string_view bytes) {
+    ConvergenceTable table;
+    Cells names;
+    for_lines(bytes, [&](std::string_view line) {
+        const Cells cells = cells_of(line);
+        if (cells.empty()) return;
+        if (line.find('#') != std::string_view::npos || !number_in(cells[0])) {
+            names = cells;
+            return;
+        }
+        if (table.columns.empty()) table = empty_table(names, cells.size());
+        for (std::size_t k = 0; k < table.columns.size(); ++k)
+            table.columns[k].push_back(k < cells.size() ? number_in(cells[k]).value_or(missing) : missing);
+    });
+    drop_columns_without_numbers(table);
     return table;
 }
 

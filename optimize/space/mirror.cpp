@@ -41,27 +41,30 @@ struct FittedPlane {
     double misfit = 0, extent = 0;  ///< extent: of the surface along the normal
 };
 
-/// Of planes that fit as well as each other, the one between left and right: a body is longest along the stream, which
-/// the plane contains; a flat one may be a wing, whose span it crosses. What that leaves open goes to y, x, z, as if up
-/// were z.
+/// 0 for the plane between left and right: a body is longest along the stream, which the plane contains; a flat one
+/// may be a wing, whose span it crosses. @param size of the surface, ascending
+int rank(const FittedPlane& f, const Eigen::Vector3d& size) {
+    const bool is_across_longest = longer * f.extent > size[2];
+    const bool is_across_thickness = f.extent < longer * size[0] && longer * size[0] < size[1];
+    const bool may_be_wing = size[0] < flat * size[1];
+    if (may_be_wing) return is_across_longest ? 0 : is_across_thickness ? 2 : 1;
+    if (longer * size[1] > size[2]) return is_across_thickness ? 1 : 0;  // no direction is the longest
+    return is_across_longest ? 2 : is_across_thickness ? 1 : 0;
+}
+
+/// Of planes that fit as well as each other, the one between left and right. What that leaves open goes to y, x, z, as
+/// if up were z.
 const FittedPlane* between_left_and_right(const std::vector<FittedPlane>& planes, const TriMesh& mesh) {
     const Box box = bounding_box(mesh);
     Eigen::Vector3d size = box.max - box.min;
     std::sort(size.data(), size.data() + 3);
-    const bool may_be_wing = size[0] < flat * size[1];
-    const auto rank = [&](const FittedPlane& f) {  // the least is taken
-        const bool is_across_longest = longer * f.extent > size[2];
-        const bool is_across_thickness = f.extent < longer * size[0] && longer * size[0] < size[1];
-        if (may_be_wing) return is_across_longest ? 0 : is_across_thickness ? 2 : 1;
-        if (longer * size[1] > size[2]) return is_across_thickness ? 1 : 0;  // no direction is the longest
-        return is_across_longest ? 2 : is_across_thickness ? 1 : 0;
-    };
     const FittedPlane* best = nullptr;
     for (const int k : {1, 0, 2})
         for (const FittedPlane& f : planes)
-            if (std::abs(f.plane.normal[k]) > 1 - exact_image && (!best || rank(f) < rank(*best))) best = &f;
+            if (std::abs(f.plane.normal[k]) > 1 - exact_image && (!best || rank(f, size) < rank(*best, size)))
+                best = &f;
     for (const FittedPlane& f : planes)
-        if (!best || rank(f) < rank(*best)) best = &f;
+        if (!best || rank(f, size) < rank(*best, size)) best = &f;
     return best;
 }
 

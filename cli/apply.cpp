@@ -1,5 +1,3 @@
-#include "casefile/build/declared_wings.hpp"
-#include "casefile/load_case.hpp"
 #include "casefile/yaml/diagnostics.hpp"
 #include "cli/applied.hpp"
 #include "cli/commands.hpp"
@@ -12,7 +10,6 @@
 #include "core/formats/vtp.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/surface_unmap.hpp"
-#include "core/planform/section_motion.hpp"
 #include "core/text/file.hpp"
 #include "core/volume/cell_check.hpp"
 #include "core/volume/held_boundary.hpp"
@@ -211,16 +208,6 @@ void check_is_of_run(const ApplyArguments& args, const Other& other, const Appli
                     printable(args.run, 400), applied.min_distance, applied.min_distance / applied.diagonal));
 }
 
-/// The space around the wings of a run goes with their sections.
-SurfaceMapOptions map_options(const ApplyArguments& args, const Deformation& d) {
-    SurfaceMapOptions options{args.reach, d.symmetry, nullptr};
-    if (!args.moved.empty() || args.reach <= 0) return options;
-    const Case the_case = load_case(fs::path(args.run) / "case.yaml");
-    if (const auto wings = declared_wings(the_case, d.rest); !wings.empty())
-        options.space = std::make_shared<SectionMotion>(d.rest, wings, args.reach * box_diagonal(d.rest), d.symmetry);
-    return options;
-}
-
 Applied apply(const ApplyArguments& args) {
     const Kind kind = kind_of(args);
     check_names(args, kind);
@@ -228,7 +215,7 @@ Applied apply(const ApplyArguments& args) {
     const Other other = read_other(args, kind);
     if (!args.hold.empty()) check_held(args, other.volume);
     const Points& from = other.points();
-    const SurfaceMapOptions options = map_options(args, d);
+    const SurfaceMapOptions options{args.reach, d.symmetry};
     const SurfaceMap map(args.undo ? with_vertices(d.rest, d.vertices) : d.rest, from, options);
     std::optional<Unmapped> undone;
     if (args.undo) undone = unmap(d.rest, d.vertices, from, options);

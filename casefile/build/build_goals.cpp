@@ -2,7 +2,6 @@
 #include "casefile/check/cheap_models.hpp"
 #include "core/error.hpp"
 #include "core/mesh/surface_map.hpp"
-#include "core/planform/section_motion.hpp"
 #include "core/text/file.hpp"
 #include "objectives/external/external.hpp"
 #include "objectives/external/hand_over.hpp"
@@ -152,17 +151,7 @@ std::shared_ptr<const ProgramPoints> ProblemBuilder::program_points(const Extern
         const std::string_view bits(reinterpret_cast<const char*>(numbers.data()), sizeof(double) * numbers.size());
         std::string origin = text(content_hash(start_.mesh), " ", content_hash(read_bytes(program.gradient_points)),
                                   " ", content_hash(bits));
-        SurfaceMapOptions options{reach, case_.symmetry, nullptr};
-        std::vector<std::shared_ptr<const Wing>> wings;
-        for (const WingEntry& entry : case_.planform) wings.push_back(wings_.at(entry.name));
-        if (!wings.empty()) {
-            options.space =
-                std::make_shared<SectionMotion>(start_.mesh, wings, reach * start_.diagonal, case_.symmetry);
-            origin += text(" sections of ", wings.size());
-            for (const auto& wing : wings)
-                for (const double place : wing->stations()) origin += text(" ", place);
-        }
-        SurfaceMap map(start_.mesh, rest.at, options);
+        SurfaceMap map(start_.mesh, rest.at, {reach, case_.symmetry});
         return std::make_shared<const ProgramPoints>(
             ProgramPoints{std::move(rest), std::move(map), is_npy(program.gradient_points), std::move(origin)});
     } catch (const InputError& error) {

@@ -1,9 +1,5 @@
 #include "casefile/build/make_wing.hpp"
 
-#include "casefile/build/declared_wings.hpp"
-#include "casefile/build/region_ground.hpp"
-#include "core/mesh/geometry.hpp"
-
 namespace strake {
 
 namespace {
@@ -41,21 +37,6 @@ std::vector<int> wing_region(const Wing& wing, const WingRegion& part, const Tri
     for (std::size_t t = 0; t < marks.size(); ++t)
         if (marks[t]) found.push_back(static_cast<int>(t));
     return found;
-}
-
-std::vector<std::shared_ptr<const Wing>> declared_wings(const Case& the_case, const TriMesh& surface) {
-    RegionGround ground;
-    const bool is_changed = the_case.repair || the_case.remesh || the_case.symmetry_snap;
-    if (is_changed || needs_patches(the_case.regions, the_case.planform, surface)) {
-        ground = region_ground(the_case);
-    } else {
-        ground.start = {surface, adjacency(surface), triangle_areas(surface), box_diagonal(surface), 0, false, {}};
-    }
-    const WingSetup setup{the_case.planform, the_case.aero.axes.value_or(BodyAxes{}), the_case.symmetry};
-    RegionSets sets(the_case.regions, ground.start, ground.tree, &setup);
-    std::vector<std::shared_ptr<const Wing>> wings;
-    for (const WingEntry& entry : the_case.planform) wings.push_back(sets.wing(entry.name));
-    return wings;
 }
 
 }  // namespace strake

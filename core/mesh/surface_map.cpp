@@ -106,10 +106,8 @@ struct SurfaceMap::Impl {
     NearPart near;
     Weights far;  ///< P x samples
     Eigen::VectorXd distance;
-    std::vector<int> vertex;                                           ///< per point: the coinciding vertex, else -1
-    std::vector<char> on_plane;                                        ///< per point
-    Eigen::VectorXd outside;                                           ///< per point: s, 0 beyond the reach
-    std::unique_ptr<const SpaceMotion::Field> at_vertices, at_points;  ///< of `space`
+    std::vector<int> vertex;     ///< per point: the coinciding vertex, else -1
+    std::vector<char> on_plane;  ///< per point
 
     Impl(const TriMesh& surface, const Points& given, const SurfaceMapOptions& wanted)
         : options(wanted),
@@ -125,17 +123,13 @@ struct SurfaceMap::Impl {
           far(given.rows(), samples.size()),
           distance(given.rows()),
           vertex(static_cast<std::size_t>(given.rows()), -1),
-          on_plane(static_cast<std::size_t>(given.rows()), 0),
-          outside(Eigen::VectorXd::Zero(given.rows())) {
+          on_plane(static_cast<std::size_t>(given.rows()), 0) {
         const ClosestPointTree tree(whole);
         const Eigen::VectorXd edge = edge_lengths(whole);
         for (int p = 0; p < static_cast<int>(given.rows()); ++p) add_point(p, tree, edge);
         near.finish();
         far.finalize();
         samples.position.rowwise() -= centre.transpose();
-        if (!options.space) return;
-        at_vertices = options.space->at(rest);
-        at_points = options.space->at(points);
     }
 
     void add_point(int p, const ClosestPointTree& tree, const Eigen::VectorXd& edge) {
@@ -158,7 +152,6 @@ struct SurfaceMap::Impl {
             if (b[k] == 1 && at.distance == 0 && v < rest.rows()) vertex[p] = v;
         }
         const double share = at.distance == 0 ? 0 : smoothstep(at.distance / h);
-        outside[p] = share;
         std::sort(corners.begin(), corners.end());
         for (auto& corner : corners) corner.second *= fade * (1 - share);
         if (share == 1) corners.clear();
@@ -226,23 +219,11 @@ struct SurfaceMap::Impl {
 
     Points apply(const Points& displacement) const {
         const Points u = extended(displacement), w = rotation.apply(u);
-        Points out = near.apply(u, w, gradient.apply(u));
-        if (options.space) {
-            const Eigen::VectorXd motion = options.space->fitted(displacement);
-            out += outside.asDiagonal() * at_points->displacement(motion);
-            const Points left = extended(displacement - at_vertices->displacement(motion));
-            add_far(left, rotation.apply(left), out);
-        } else {
-            add_far(u, w, out);
-        }
-        keep_on_plane(out);
-        return out;
-    }
-
-    void add_far(const Points& u, const Points& w, Points& out) const {
         const Points su = samples.mean(u), sw = samples.mean(w);
         const Points still = su - cross_rows(sw, samples.position);  // u_i + w_i x (p - r_i) = still_i + w_i x p
-        out = out + far * still + cross_rows(far * sw, arms());
+        Points out = near.apply(u, w, gradient.apply(u)) + far * still + cross_rows(far * sw, arms());
+        keep_on_plane(out);
+        return out;
     }
 
     Points transpose(const Points& sensitivities) const {
@@ -251,15 +232,11 @@ struct SurfaceMap::Impl {
         const Points at_samples = far.transpose() * g;
         const Points turning =
             Points(far.transpose() * cross_rows(arms(), g)) - cross_rows(samples.position, at_samples);
-        const Points far_u = samples.transposed_mean(at_samples), far_w = samples.transposed_mean(turning);
         const NearPart::Sensitivities close = near.transpose(g);
-        Points u = close.u + far_u;
-        u += rotation.transpose(close.w + far_w);
+        Points u = close.u + samples.transposed_mean(at_samples);
+        u += rotation.transpose(close.w + samples.transposed_mean(turning));
         u += gradient.transpose(close.gradients);
-        if (!options.space) return folded(u);
-        const Points left = folded(far_u + rotation.transpose(far_w));
-        return folded(u) + options.space->fitted_transpose(at_points->transpose(outside.asDiagonal() * g) -
-                                                           at_vertices->transpose(left));
+        return folded(u);
     }
 };
 
@@ -273,9 +250,6 @@ void check(const TriMesh& rest, const Points& points, const SurfaceMapOptions& o
         if (!points.row(p).allFinite())
             throw InvalidInput(text("surface map: point ", p, " = ", points.row(p), " is not finite"));
     if (!(surface_area(rest) > 0)) throw InvalidInput("surface map: the surface has no area");
-    if (options.space && options.space->num_vertices() != rest.num_vertices())
-        throw InvalidInput(text("surface map: a motion of space of ", options.space->num_vertices(),
-                                " vertices, the surface has ", rest.num_vertices()));
 }
 
 void check_rows(const Points& given, int expected, const char* what) {

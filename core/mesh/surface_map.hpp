@@ -1,5 +1,5 @@
 #pragma once
-#include "core/mesh/space_motion.hpp"
+#include "core/mesh/mesh.hpp"
 #include "core/mesh/symmetry_plane.hpp"
 
 #include <memory>
@@ -11,8 +11,6 @@ namespace strake {
 struct SurfaceMapOptions {
     double reach = 1;  ///< distance from the surface beyond which nothing moves, in diagonals of the surface, > 0
     std::optional<SymmetryPlane> symmetry;  ///< the surface is half a body: points on the plane stay on it
-    /// Takes along what is not near the surface; the map corrects it by what it leaves over. Null: none.
-    std::shared_ptr<const SpaceMotion> space = {};
 };
 
 /// A map that is linear in the displacement of the vertices, made once for a surface and points at rest; its transpose
@@ -28,9 +26,8 @@ struct SurfaceMapOptions {
 /// The r_i are centroids of the vertices in cells of edge h_l, with mean displacement and rotation, areas a_i, and
 /// R = 1.5 times the distance of the nearest + h_l; two levels of cells with h_l <= d < 2 h_l are blended. This is
 /// inverse-distance weighting with rotations (Luke, Collins & Blades, J. Comput. Phys. 231, 2012) with compact weights.
-/// With `space`, B the motion that it has when it is fitted to the displacement, far(p) is of u - B at the vertices,
-/// and s B(p) is added to u(p). u is continuous except at points nearer than h that are equidistant from two parts of
-/// the surface. It reproduces infinitesimal rigid motions exactly (times psi).
+/// u is continuous except at points nearer than h that are equidistant from two parts of the surface. It reproduces
+/// infinitesimal rigid motions exactly (times psi).
 class SurfaceMap {
 public:
     /// @param rest n vertices. @param points P x 3, anywhere.

@@ -41,31 +41,31 @@ struct FittedPlane {
     double misfit = 0, extent = 0;  ///< extent: of the surface along the normal
 };
 
-/// 0 for the plane between left and right: a body is longest along the stream, which the plane contains; a flat one
-/// may be a wing, whose span it crosses. @param size of the surface, ascending
-int rank(const FittedPlane& f, const Eigen::Vector3d& size) {
+/// The least belongs to the plane between left and right. @param size extents of the body in rising order
+int rank_of(const FittedPlane& f, const Eigen::Vector3d& size) {
     const bool is_across_longest = longer * f.extent > size[2];
     const bool is_across_thickness = f.extent < longer * size[0] && longer * size[0] < size[1];
-    const bool may_be_wing = size[0] < flat * size[1];
-    if (may_be_wing) return is_across_longest ? 0 : is_across_thickness ? 2 : 1;
-    if (longer * size[1] > size[2]) return is_across_thickness ? 1 : 0;  // no direction is the longest
-    return is_across_longest ? 2 : is_across_thickness ? 1 : 0;
+    const int other = is_across_thickness ? 2 : 1;
+    if (size[0] < flat * size[1]) return is_across_longest ? 0 : other;
+    const bool has_longest = longer * size[1] <= size[2];
+    return has_longest && is_across_longest ? 2 : other - 1;
 }
 
-/// Of planes that fit as well as each other, the one between left and right. What that leaves open goes to y, x, z, as
-/// if up were z.
-const FittedPlane* between_left_and_right(const std::vector<FittedPlane>& planes, const TriMesh& mesh) {
+/// Of planes that fit as well as each other, the one between left and right: a body is longest along the stream, which
+/// the plane contains; a flat one may be a wing, whose span it crosses. What that leaves open goes to y, x, z, as if up
+/// were z.
+SymmetryPlane between_left_and_right(const std::vector<FittedPlane>& planes, const TriMesh& mesh) {
     const Box box = bounding_box(mesh);
     Eigen::Vector3d size = box.max - box.min;
     std::sort(size.data(), size.data() + 3);
-    const FittedPlane* best = nullptr;
-    for (const int k : {1, 0, 2})
-        for (const FittedPlane& f : planes)
-            if (std::abs(f.plane.normal[k]) > 1 - exact_image && (!best || rank(f, size) < rank(*best, size)))
-                best = &f;
-    for (const FittedPlane& f : planes)
-        if (!best || rank(f, size) < rank(*best, size)) best = &f;
-    return best;
+    const auto place = [](const FittedPlane& f) {  // y, x, z, other axes
+        const Eigen::Vector3d n = f.plane.normal.cwiseAbs();
+        return n[1] > 1 - exact_image ? 0 : n[0] > 1 - exact_image ? 1 : n[2] > 1 - exact_image ? 2 : 3;
+    };
+    const auto key = [&](const FittedPlane& f) { return std::pair(rank_of(f, size), place(f)); };
+    return std::min_element(planes.begin(), planes.end(),
+                            [&](const FittedPlane& a, const FittedPlane& b) { return key(a) < key(b); })
+        ->plane;
 }
 
 }  // namespace
@@ -96,7 +96,7 @@ std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh) {
         least = std::min(least, off);
     }
     if (planes.empty()) return std::nullopt;
-    return between_left_and_right(planes, mesh)->plane;
+    return between_left_and_right(planes, mesh);
 }
 
 Eigen::Matrix3d reflection(const SymmetryPlane& plane) {

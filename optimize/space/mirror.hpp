@@ -8,8 +8,8 @@ namespace strake {
 /// The plane of symmetry of the surface through its area centroid: the coordinate direction or principal axis whose
 /// reflection brings the triangles' centres closest to the surface; none when that leaves more than 1e-3 of the
 /// diagonal (area-weighted root mean square). Of planes without misfit but rounding, the one between left and right: it
-/// contains the longest direction, or crosses it where the body is flat like a wing; then the first of y, x, z, and then
-/// the axes. An offset within rounding of zero is zero.
+/// contains the longest direction, or crosses it where the body is flat like a wing; then the first of y, x, z, and
+/// then the axes. An offset within rounding of zero is zero.
 std::optional<SymmetryPlane> plane_of_symmetry(const TriMesh& mesh);
 
 /// Mirror image of a vector, I - 2 n n^T.

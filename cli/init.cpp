@@ -229,7 +229,8 @@ std::string words_of(ProposedWay way, const Attempt& made) {
     if (made.trial.tried == 0) return shown + "too large for a test deformation";
     std::string words = fmt::format("{}{} of {} test deformations fail", shown, made.trial.failed, made.trial.tried);
     if (made.trial.failed > 0) words += ", " + head_of(made.trial.reason);
-    return made.proposal.ties_parts ? words + "; but it holds parts where they lie along each other" : words;
+    return made.proposal.ties_parts ? words + "; but it does not move parts together that lie beside each other"
+                                    : words;
 }
 
 constexpr int enough_tries = 3;  ///< of test deformations, for a surface with defects

@@ -45,8 +45,8 @@ struct ProposedCase {
     int num_triangles = 0;                           ///< of the surface as it would be deformed
     bool has_volume = false;
     bool may_remesh = false;  ///< slivers, and a body that new triangles of the mean edge length can follow
-    /// A part that carries area lies along another one, and would be held there over its length. What carries both
-    /// along, a wrap or fields, is better where it is sound.
+    /// A part that carries area lies along or beside another one, and shells of each keep their joint only where it is
+    /// held. What carries both along, a wrap or fields, is better where it is sound.
     bool ties_parts = false;
     bool is_dirty =
         false;  ///< slivers, parts that pierce each other, or edges of more than two triangles, split or not

@@ -119,9 +119,14 @@ public:
                 if (part[t] == p && held_[t]) return true;
             return false;
         };
-        for (const PartRole& role : out.parts)
-            if ((role.role == PartRole::Kind::main || role.role == PartRole::Kind::moves) && !is_held(role.component))
+        constexpr double beside = 0.01;  // of the diagonal
+        for (const PartRole& role : out.parts) {
+            if (role.role != PartRole::Kind::main && role.role != PartRole::Kind::moves) continue;
+            if (!is_held(role.component))
                 hold_end(role, part, out);
+            else if (role.host >= 0 && role.gap < beside * checkup_.diagonal)
+                out.ties_parts = true;  // a band elsewhere does not keep the joint
+        }
         for (PartRole& role : out.parts) {
             const bool is_within = role.role == PartRole::Kind::attached && is_held(role.component);
             if (is_within) role.role = PartRole::Kind::held;

@@ -56,7 +56,9 @@ struct ProposedHolds {
     std::vector<ProposedRegion> regions;             ///< that hold every part which is not attached
     std::vector<PartRole> parts;                     ///< of a surface of several
     Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< outward, of the flat end that is held; or zero
-    bool ties_parts = false;  ///< a part that carries area lies along another, and is held there over its length
+    /// A part that carries area lies along another and is held there over its length, or lies beside it and is held
+    /// elsewhere alone: a shell of each would not keep the joint, or not move it.
+    bool ties_parts = false;
 };
 ProposedHolds held_regions(const RepairedSurface& surface, const std::optional<SymmetryPlane>& half,
                            const std::optional<SymmetryPlane>& mirror);

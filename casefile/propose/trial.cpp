@@ -10,6 +10,7 @@ namespace {
 
 constexpr double probe_size = 0.1;  ///< thin wings bear it, slivers do not
 constexpr int num_probes = 3;
+constexpr double joint_size = 0.3;  ///< of neighbours against each other, around a dirty body
 
 std::vector<int> patch_variables(const DesignSpace& space) {
     std::vector<int> of_patches;
@@ -33,6 +34,18 @@ DesignSpace tried_space(const std::shared_ptr<const RestFacts>& rest) {
     throw InvalidInput("no variable can move it");
 }
 
+/// The k-th design: a variable alone, or all of them, one up and the next one down; odd ones are the even ones
+/// reversed.
+Eigen::VectorXd probe(const std::vector<int>& probed, int k, Eigen::Index size) {
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(size);
+    const double sign = k % 2 == 0 ? 1 : -1;
+    if (k < 2 * num_probes)
+        x[probed[static_cast<std::size_t>(k / 2) * probed.size() / num_probes]] = sign * probe_size;
+    else
+        for (std::size_t i = 0; i < probed.size(); ++i) x[probed[i]] = (i % 2 == 0 ? sign : -sign) * joint_size;
+    return x;
+}
+
 }  // namespace
 
 Trial try_deformations(Problem problem, double max_work) {
@@ -49,12 +62,9 @@ Trial try_deformations(Problem problem, double max_work) {
         ShapeEvaluator evaluator(problem, rest, {});
         evaluator.keep_calls(nullptr, [&] { return (work += triangles) > max_work; });
         evaluator.enter(space);
-        for (int k = 0; k < 2 * num_probes; ++k) {
+        for (int k = 0; k < 2 * (rest->wrap ? num_probes + 1 : num_probes); ++k) {
             if (work > max_work) throw Interrupted{};
-            Eigen::VectorXd x = Eigen::VectorXd::Zero(space.size());
-            x[probed[static_cast<std::size_t>(k / 2) * probed.size() / num_probes]] =
-                k % 2 == 0 ? probe_size : -probe_size;
-            const ShapeEvaluation shape = evaluator.evaluate(x, k + 1);
+            const ShapeEvaluation shape = evaluator.evaluate(probe(probed, k, space.size()), k + 1);
             ++trial.tried;
             if (shape.status == EvaluationStatus::ok) continue;
             if (trial.failed++ == 0) trial.reason = shape.reason;

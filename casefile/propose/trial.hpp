@@ -15,8 +15,9 @@ struct Trial {
 
 /// Moves the surface by six shapes: three variables of patches of the first level that has any (with a wrap of the last
 /// level; without a shell of fields), far from each other in their list, each to x = 0.1 and -0.1, a tenth of the
-/// motion that one variable may make: a run begins with more. No quantity is asked. Ends with the second failure. A
-/// surface that cannot be deformed at all is a failure in words, not an exception.
+/// motion that one variable may make: a run begins with more. With a wrap also by all variables of patches at once, one
+/// up and the next one down, by three tenths. No quantity is asked. Ends with the second failure. A surface that cannot
+/// be deformed at all is a failure in words, not an exception.
 /// @param max_work elastic triangles times iterations of the shell, looked at after each iteration; what is not
 /// finished then is not counted. A count, so that neither the load of the machine nor its number of cores decides.
 Trial try_deformations(Problem problem, double max_work);

@@ -1,5 +1,6 @@
 #include "casefile/propose/propose_parts.hpp"
 #include "casefile/propose/trial.hpp"
+#include "cases/geometry/dirty_body.hpp"
 #include "core/parallel.hpp"
 #include "tests/casefile/build_fixture.hpp"
 
@@ -102,6 +103,10 @@ TEST_F(Proposed, AFlapAlongAWingIsTied) {
     parts.add("wing", {2, 5, 0.2}, {0, 0, 0}, 8);
     parts.add("flap", {0.3, 5, 0.1}, {1.2, 0, 0}, 8);
     EXPECT_TRUE(proposed(parts.mesh).ties_parts);
+}
+
+TEST_F(Proposed, HalvesWithAGapAreNotLeftToShellsOfTheirOwn) {
+    EXPECT_TRUE(proposed(example::dirty_body("gaps")).ties_parts);
 }
 
 TEST_F(Proposed, TestDeformationsAreCutShortByWorkNotByTime) {

@@ -368,9 +368,11 @@ private:
             result_.reason +=
                 "; the objective has been the same at every evaluation; check that it depends on the variables";
         }
-        if (guard_.failures > 0 && result_.stop != MinimizeStop::no_valid_step)
-            result_.reason += text("; ", guard_.failures, " of ", guard_.evaluations, " evaluations",
-                                   guard_.options.scope, " failed");
+        const MinimizeOptions& options = guard_.options;
+        const int failures = options.failures_before + guard_.failures;
+        if (failures > 0 && result_.stop != MinimizeStop::no_valid_step)
+            result_.reason += text("; ", failures, " of ", options.evaluations_before + guard_.evaluations,
+                                   " evaluations", options.scope, " failed");
         const bool is_shown = guard_.best.gradient.size() > 0 && !guard_.best.is_partly_guessed &&
                               !guard_.options.is_relative_to_objective && !expects_more(guard_);
         if (result_.stop == MinimizeStop::converged && guard_.failures > max_failing * guard_.evaluations && !is_shown)

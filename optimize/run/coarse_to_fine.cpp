@@ -9,7 +9,9 @@
 #include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
 #include "optimize/run/value_trial.hpp"
+#include "optimize/space/motion_limit.hpp"
 #include "optimize/space/refinement.hpp"
+#include "optimize/space/scaling.hpp"
 
 namespace strake {
 namespace {
@@ -27,8 +29,12 @@ constexpr double early_by_differences = 0.3;
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
 constexpr int least_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
-constexpr int trial_share = 10;         ///< trials of directions that must still be affordable
-constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
+constexpr int trial_share = 10;       ///< trials of directions that must still be affordable
+constexpr double idle_limit = 0.97;   ///< share of the motion limit below which ranges may be wider
+constexpr double beyond_limit = 1.2;  ///< of it that wider ranges are to reach: then the limit stops the search
+constexpr double min_widening = 1.2, max_widening = 4;  ///< times: the first order is only good for so much
+constexpr int max_widenings = 6;                        ///< of a level
+constexpr double max_correction = 100;                  ///< for expected decreases that turned out too small
 
 class Optimization {
 public:
@@ -62,10 +68,14 @@ private:
                 level = run_level(x, any ? Entry::refined : Entry::first);
                 any = true;
                 x = level.x;
+                for (int k = 0; k < max_widenings && widens_ranges(x, level); ++k) {
+                    level = run_again(x);
+                    x = level.x;
+                }
             }
             bool refines = finish_or_refine(x, level, next);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
-                level = run_raised(x);
+                level = run_again(x);
                 x = level.x;
                 refines = finish_or_refine(x, level, next);
             }
@@ -150,11 +160,35 @@ private:
         return level.stop == MinimizeStop::evaluations || level.stop == MinimizeStop::time;
     }
 
-    /// The level once more from its best design, which is not paid again, under the larger limits of a resumed run.
-    MinimizeResult run_raised(const Eigen::VectorXd& x) {
+    /// The range of a variable is the motion limit that it may use by itself; together, variables may move the surface
+    /// far less. Where a level has converged at such ranges while no point is near its limit, they become wider.
+    bool widens_ranges(const Eigen::VectorXd& x, const MinimizeResult& level) {
+        const OptimizeOptions& options = state_.problem.optimize;
+        const Parameters& p = state_.rest->parameters;
+        const bool may = level.stop == MinimizeStop::converged && options.method == Method::sqp && limits_motion(p) &&
+                         !p.limits_variables && may_continue(level);
+        if (!may || level.active_bounds == 0) return false;
+        const double used = program_.motion_at_end(level.best).used;
+        if (!(used < idle_limit)) return false;
+        const double times = std::clamp(beyond_limit / used, min_widening, max_widening);
+        if (!widen_ranges(state_.space, x, times)) return false;
+        widened_ *= times;
+        first_step_ = std::min(times * first_step_, max_step());
+        state_.note(text("level ", state_.space.level, ": converged at the variables' own ranges with ",
+                         std::round(1000 * used) / 10, " % of the motion limit in use; the ranges become ",
+                         std::round(10 * times) / 10, " times as wide"));
+        return true;
+    }
+
+    /// The level once more from its best design, which is not paid again, with wider ranges or under the larger limits
+    /// of a resumed run.
+    MinimizeResult run_again(const Eigen::VectorXd& x) {
         state_.begin_level_again();
         return run_level(x, Entry::again);
     }
+
+    /// The metric, in which 1 is a reasonable step, takes the ranges for reasonable ones.
+    double max_step() const { return widened_ * MinimizeOptions().max_step; }
 
     bool may_continue(const MinimizeResult& level) const {
         return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&
@@ -276,6 +310,8 @@ private:
         how.is_relative_to_objective = options.is_relative_to_objective;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
+        how.evaluations_before = spent_;
+        how.failures_before = failed_;
         how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
         how.max_evaluations =
@@ -285,6 +321,7 @@ private:
         how.confirm = last;
         how.batch = options.batch;
         how.first_step = first_step_;
+        how.max_step = max_step();
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
         how.on_event = [&](const std::string& words) { state_.note(text("level ", state_.space.level, ": ", words)); };
         return how;
@@ -303,6 +340,11 @@ private:
     enum class Entry { first, refined, again, finished };
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
+        if (entry == Entry::first || entry == Entry::refined) {
+            widened_ = 1;
+            spent_ = failed_ = 0;
+            first_step_ = std::min(first_step_, max_step());
+        }
         const bool last = entry == Entry::finished || is_last_ || state_.levels_left() == 0;
         NonlinearProgram program = program_.enter(start);
         carry_over(program, weight_, entry == Entry::again || entry == Entry::finished);
@@ -336,6 +378,8 @@ private:
         if (may_leave && !sees_values_only && has_choice() && !has_stayed_) how.before_differences = leave_early_rule();
         still_expected_ = 0;
         MinimizeResult result = minimize(program, how);
+        spent_ = result.evaluations += spent_;
+        failed_ = result.failures += failed_;
         keep_knowledge(program, result, how.first_step, sees_values_only);
         return result;
     }
@@ -431,7 +475,8 @@ private:
         // Points of differences are no steps of the search, but the best of all is what the next level inherits.
         if (state_.level_best_x.size() == result.x.size()) result.x = state_.level_best_x;
         // What was too far on this level is too far on the next, and what was not is not.
-        if (result.radius > 0) first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, 2.0);
+        if (result.radius > 0)
+            first_step_ = std::clamp((result.failures > 0 ? 2 : 1) * result.radius, 0.05, max_step());
     }
 
     /// What details of the shape are weighed with; parameters may be curved quite differently.
@@ -449,6 +494,8 @@ private:
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
     double curvature_ = 1, first_step_ = 0.5, largest_gradient_ = 0;
+    int spent_ = 0, failed_ = 0;    ///< evaluations of the level's searches before the present one, and failures
+    double widened_ = 1;            ///< times the ranges that the level began with
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level

@@ -27,11 +27,16 @@ double unit_of(const RestFacts& rest, const Variable& variable, double largest) 
     return reach * rest.diagonal / largest;
 }
 
-/// The bounds of a variable are -room and room. A user variable's own limit bounds it, and so does the limit where it
-/// is one of variables; a factor on the height has no natural size.
+/// A user variable's own limit bounds it, and so does the limit where it is one of variables; a factor on the height
+/// has no natural size.
+bool has_range_of_its_own(const Parameters& p, const Variable& variable) {
+    return p.limits_variables || variable.kind == VariableKind::stiffness ||
+           (variable.patch < 0 && has_own_limit(p.user_variables[variable.component]));
+}
+
+/// The bounds of a variable are -room and room.
 double room_of(const Parameters& p, const Variable& variable) {
-    if (p.limits_variables || variable.kind == VariableKind::stiffness) return 1;
-    if (variable.patch < 0 && has_own_limit(p.user_variables[variable.component])) return 1;
+    if (has_range_of_its_own(p, variable)) return 1;
     const double limit = largest_limit(p);
     return std::isfinite(limit) ? room_within_limit * limit / variable_scale(p) : room_without_limit;
 }
@@ -117,6 +122,25 @@ void scale_variables(DesignSpace& space) {
     space.lower = -space.upper;
     set_own_ranges(space);
     note_out_of_reach(space, responses);
+}
+
+bool widen_ranges(DesignSpace& space, const Eigen::VectorXd& x, double times) {
+    const Parameters& p = space.rest->parameters;
+    std::vector<int> follow;
+    bool is_any_at_end = false;
+    for (int j = 0; j < space.num_shape(); ++j) {
+        const Variable& variable = space.variables[static_cast<std::size_t>(j)];
+        if (variable.kind == VariableKind::planform || has_range_of_its_own(p, variable)) continue;
+        follow.push_back(j);
+        const double near = 1e-6 * (space.upper[j] - space.lower[j]);
+        is_any_at_end |= x[j] <= space.lower[j] + near || x[j] >= space.upper[j] - near;
+    }
+    if (!is_any_at_end) return false;
+    for (const int j : follow) {
+        space.lower[j] *= times;
+        space.upper[j] *= times;
+    }
+    return true;
 }
 
 }  // namespace strake

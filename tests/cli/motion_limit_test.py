@@ -135,6 +135,23 @@ class MotionLimit(unittest.TestCase):
         write("wrong.yaml", "max_displacement: {tail: {inward: 0, outward: 0}}")
         self.assertIn("inward and outward are both 0", strake("check", "wrong.yaml", status=2).stderr)
 
+    def test_variables_that_hold_each_other_back_reach_the_limit(self):
+        """Each of four loads alone moves the surface by the limit; together they press a closed body evenly, and move it by a
+        sixtieth of that. Their ranges must not be what ends the run."""
+        subprocess.run([MAKE_SURFACE, "ellipsoid", "--triangles", "1500", "-o", "closed.obj"], cwd=FOLDER.name, check=True,
+                       stdout=subprocess.DEVNULL)
+        (pathlib.Path(FOLDER.name) / "closed.yaml").write_text(
+            "surface: {file: closed.obj}\nhold: point\nobjective: {maximize: volume}\noptimize: {budget: {evaluations: 60}}\n"
+            "parameters: {levels: auto, patches_per_level: [4], variables: [normal], max_displacement: 0.5%}\n")
+        done = strake("run", "closed.yaml", "--out", "closed")
+        self.assertIn("the ranges become 4 times as wide", done.stdout + done.stderr)
+        told = json.loads((pathlib.Path(FOLDER.name) / "closed/run.json").read_text())
+        self.assertEqual(told["status"], "converged")
+        self.assertTrue(told["motion_limit"]["active"], told["reason"])
+        self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
+        level = told["levels"][0]
+        self.assertGreater(level["objective_end"], 1.03 * level["objective_start"], "0.06 % with their first ranges")
+
     def test_a_limit_beyond_reason_is_told(self):
         write("far.yaml", "max_displacement: 90%")
         said = strake("check", "far.yaml")

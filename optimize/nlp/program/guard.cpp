@@ -186,8 +186,9 @@ double Guard::decrease_tolerance(double objective) const {
 
 std::string Guard::limit_words() const {
     const int all = options.max_evaluations;
+    const int before = options.evaluations_before;
     return text("the limit of evaluations", options.scope, " is reached (",
-                evaluations < all ? text(evaluations, " of ", all) : text(all), ")");
+                evaluations < all ? text(before + evaluations, " of ", before + all) : text(before + all), ")");
 }
 
 GuardEnd Guard::end_by_cause() const {

@@ -32,6 +32,7 @@ struct MinimizeOptions {
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
     int max_failures = 12;               ///< sqp: for each ten accepted steps; others: 4 max_shrinks
     double first_step = 0.5;             ///< in the metric
+    double max_step = 2;                 ///< of sqp: a little more than reasonable, because the metric is an estimate
     int batch = 8;                       ///< model: points that are proposed together, >= 1
     bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
@@ -39,6 +40,7 @@ struct MinimizeOptions {
     unsigned seed = 1;                     ///< of random starts and of NLopt's random methods
     bool exceptions_are_failures = false;  ///< of the callbacks; except InvalidInput and std::bad_alloc
     std::string scope;                     ///< of the counts of evaluations in reasons, for example " of level 2"
+    int evaluations_before = 0, failures_before = 0;   ///< of the same scope: they count in reasons
     std::function<bool(const MinimizeStep&)> on_step;  ///< return false to stop here; not called for differences
     /// sqp: called with the decrease that the model still expects and its Hessian, at every differentiated point that
     /// nearly meets the constraints; return false to stop here.

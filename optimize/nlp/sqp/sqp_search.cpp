@@ -120,7 +120,7 @@ void SqpSearch::resize(double ratio, double length) {
         const double growth = end_.shrinks > 0                      ? t.growth_after_failure
                               : std::abs(ratio - 1) < t.exact_share ? t.exact_growth
                                                                     : t.growth;
-        radius = std::min(growth * radius, t.max_radius);
+        radius = std::min(growth * radius, guard_.options.max_step);
     }
 }
 
@@ -133,7 +133,7 @@ void SqpSearch::extrapolate(Trial& trial, double slope) {
         if (!(times > trust_region.min_extrapolation)) break;
         const VectorXd longer = now_.clamped(now_.x + times * trial.d) - now_.x;
         Trial further{{}, longer};
-        if (steps_.length(longer) > trust_region.max_radius) break;
+        if (steps_.length(longer) > guard_.options.max_step) break;
         if (!try_step(further)) {
             if (guard_.cause == StopCause::failure) guard_.cause = StopCause::none;  // the shorter step stands
             break;
@@ -144,7 +144,7 @@ void SqpSearch::extrapolate(Trial& trial, double slope) {
     }
     const double all = trial.d.norm() / before;
     if (!(all > 1)) return;
-    steps_.radius = std::clamp(steps_.length(trial.d), steps_.radius, trust_region.max_radius);
+    steps_.radius = std::clamp(steps_.length(trial.d), steps_.radius, guard_.options.max_step);
     if (accepted_ == 0) hessian_.remove_guess(1 - 1 / all);
 }
 

@@ -1,13 +1,12 @@
 #pragma once
 
 /// Every threshold of the steps of sqp, with its reason; `SqpSearch::resize` changes the radius by them, and
-/// `MinimizeOptions::first_step` is the first one. Internal.
+/// `MinimizeOptions::first_step` is the first one, `max_step` the largest. Internal.
 namespace strake {
 
 /// Lengths are in the program's metric, in which 1 is the largest reasonable step.
 struct TrustRegionOptions {
     // The radius.
-    double max_radius = 2;                ///< a little more than reasonable, because the metric is an estimate
     double radius_slack = 1.01;           ///< a free step this much longer than the radius is still accepted
     double min_length = 0.9;              ///< of the radius, of a limited step: an exact length is not worth its solves
     double least_model_step = 1e-3;       ///< of a step of 1: shorter ones do not measure what a violation costs

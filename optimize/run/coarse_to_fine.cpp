@@ -65,13 +65,9 @@ private:
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
             } else {
-                level = run_level(x, any ? Entry::refined : Entry::first);
+                level = search_level(x, any ? Entry::refined : Entry::first);
                 any = true;
                 x = level.x;
-                for (int k = 0; k < max_widenings && widens_ranges(x, level); ++k) {
-                    level = run_again(x);
-                    x = level.x;
-                }
             }
             bool refines = finish_or_refine(x, level, next);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
@@ -178,6 +174,15 @@ private:
                          std::round(1000 * used) / 10, " % of the motion limit in use; the ranges become ",
                          std::round(10 * times) / 10, " times as wide"));
         return true;
+    }
+
+    /// The first level, one below another, the present one once more, or to its end because no finer one comes.
+    enum class Entry { first, refined, again, finished };
+
+    MinimizeResult search_level(const Eigen::VectorXd& start, Entry entry) {
+        MinimizeResult level = run_level(start, entry);
+        for (int k = 0; k < max_widenings && widens_ranges(level.x, level); ++k) level = run_again(level.x);
+        return level;
     }
 
     /// The level once more from its best design, which is not paid again, with wider ranges or under the larger limits
@@ -335,9 +340,6 @@ private:
         const int levels = is_for_all ? to_come : std::clamp(left / (least_evaluations + gradient), 1, to_come);
         return std::max(1, left / levels);
     }
-
-    /// The first level, one below another, the present one once more, or to its end because no finer one comes.
-    enum class Entry { first, refined, again, finished };
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
         if (entry == Entry::first || entry == Entry::refined) {

@@ -131,22 +131,25 @@ def main():
                 assert np.abs(moved - points).max() > 0.03
                 print(names, sign or "+", "volumes", size.min().round(3), size.max().round(3), "orthogonality, 99 %",
                       np.percentile(before, 99).round(1), np.percentile(after, 99).round(1))
-        # The other formats go to the same places, and --undo returns from there.
+        # The other formats go to the same places.
         cells = hexahedra(layout)
         write_su2("mesh.su2", points, cells)
         write_vtu("mesh.vtu", points, cells)
         assert apply("mesh.su2", "moved.su2", "--reach", "2")["cells"]["checked"] == len(cells)
         assert apply("mesh.vtu", "moved.vtu", "--reach", "2")["cells"]["newly_bad"] == 0
         assert np.abs(read_su2("moved.su2") - moved).max() < 1e-14
-        undone = apply("moved", "back", "--reach", "2", "--undo", "--force")
-        assert undone["undo"]["unsolved"] == 0, undone
-        assert np.abs(foam.read_points("back") - points).max() < 1e-9
         # Vertices of the surface get their bits.
         apply("wing.obj", "wing_moved.vtp")
         told(STRAKE, "deform", "run/case.yaml", "-o", "exact.obj", *changes(list(ENDS), "-"))
         apply("wing.obj", "through.obj")
         with open("exact.obj", encoding="ascii") as one, open("through.obj", encoding="ascii") as other:
             assert [r for r in one if r.startswith("v ")] == [r for r in other if r.startswith("v ")]
+        # --undo returns; of all five changes at once two points of 8 525 have two origins, 2e-4 apart.
+        deformed(changes(["twist"], "-"))
+        apply("mesh", "moved", "--reach", "2", "--force")
+        undone = apply("moved", "back", "--reach", "2", "--undo", "--force")
+        assert undone["undo"]["unsolved"] == 0, undone
+        assert np.abs(foam.read_points("back") - points).max() < 1e-9
         os.chdir("/")
 
 

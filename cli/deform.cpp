@@ -12,7 +12,7 @@
 #include "core/wrap/wrap_map.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/evaluate/validity.hpp"
-#include "optimize/problem/shell_setup.hpp"
+#include "optimize/problem/sliding_parts.hpp"
 #include "optimize/space/design_space.hpp"
 #include "report/json_number.hpp"
 
@@ -92,7 +92,7 @@ void report(const DeformArguments& args, const Equilibrium& end, const std::stri
 ValidityGuard guard_of(const Problem& problem) {
     return {problem.surface,
             adjacency(problem.surface),
-            {problem.fixed, problem.symmetry, attached_triangles(problem), !problem.has_shell}};
+            {problem.fixed, problem.symmetry, sliding_triangles(problem), !problem.has_shell}};
 }
 
 /// Of displacement fields and changes of wings.

@@ -14,7 +14,11 @@
 namespace strake::cli {
 namespace {
 
-double in_degrees(double radians) { return radians * 180 / std::numbers::pi; }
+/// Without the sign of a zero as it is shown.
+double in_degrees(double radians) {
+    const double degrees = radians * 180 / std::numbers::pi;
+    return std::abs(degrees) < 5e-4 ? 0 : degrees;
+}
 
 /// "+x", or the vector.
 std::string way_words(const Eigen::Vector3d& d) {
@@ -25,7 +29,9 @@ std::string way_words(const Eigen::Vector3d& d) {
 
 nlohmann::ordered_json point_json(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
 
-std::string in_percent(double fraction) { return fmt::format("{:.2f}", 100 * fraction); }
+std::string in_percent(double fraction) {
+    return fmt::format("{:.2f}", std::abs(fraction) < 5e-5 ? 0 : 100 * fraction);
+}
 
 }  // namespace
 

@@ -112,16 +112,17 @@ void CaseReader::read_planform_range(const Entry& entry) {
     const Value& map = entry.value;
     if (const Value* by = map.find("by")) {
         if (by->text == "station" && !found.range.only.empty())
-            return errors_.add(by->place, text(shown, " is of one station already; remove by"));
+            errors_.add(by->place, text(shown, " is of one station already; remove by"));
         found.range.by_station = found.range.by_station || by->text == "station";
     }
     if (const Value* root = map.find("root")) found.range.root_held = root->text == "held";
     if (const Value* thickness = map.find("thickness")) {
         if (found.range.change != PlanformChange::chord && thickness->text == "kept")
-            return errors_.add(thickness->place, shown + ".thickness belongs to chord");
+            errors_.add(thickness->place, shown + ".thickness belongs to chord");
         found.range.keeps_thickness = thickness->text == "kept";
     }
-    if (read_change_range(map.find("range"), shown, found.range)) case_.parameters.planform.push_back(std::move(found));
+    read_change_range(map.find("range"), shown, found.range);
+    case_.parameters.planform.push_back(std::move(found));  // also after an error: that nothing moves is another one
 }
 
 /// Two changes with their units: deg or rad, or %. False, with an error, where they are not.

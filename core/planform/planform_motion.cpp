@@ -170,11 +170,12 @@ void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
     check_range(range, shown);
     const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
     if (!range.by_station && range.root_held) refuse(": root: held belongs to by: station");
+    const bool is_root_named = std::find(range.only.begin(), range.only.end(), 0.0) != range.only.end();
+    if (range.root_held && is_root_named) refuse("@0: root: held leaves the root no variable; remove one of the two");
     const bool is_of_axis = range.change == PlanformChange::span || has_panels(range.change);
     if (is_of_axis && !range.by_station) return add_variable(range, -1, {}, angle_of(moved, range.change));
     const bool is_joined = moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1);
-    const bool is_root_held = range.root_held || (!range.only.empty() && std::find(range.only.begin(), range.only.end(),
-                                                                                   0.0) == range.only.end());
+    const bool is_root_held = range.root_held || (!range.only.empty() && !is_root_named);
     if (has_panels(range.change)) return add_panels(start, range, is_root_held, shown);
     if (is_joined && !(range.by_station && is_root_held))
         refuse(

@@ -112,6 +112,10 @@ void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& ran
     if (stations.size() == first) throw InvalidInput(shown + ": no station is left where it could change");
     std::vector<double> places;
     for (const double station : stations) places.push_back(moved.wing->place(0, station));
+    for (std::size_t k = 1; k < places.size(); ++k)
+        if (places[k] <= places[k - 1])
+            throw InvalidInput(text(shown, ": the station ", stations[k - 1], " lies on the rounded tip, beyond ",
+                                    places[k], ", where the station 1 is; leave one of them out of the stations"));
     const std::vector<double> free(stations.begin() + static_cast<std::ptrdiff_t>(first), stations.end());
     const auto count = static_cast<Eigen::Index>(free.size());
     Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(moved.nodes.size()));

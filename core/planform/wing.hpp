@@ -83,7 +83,7 @@ public:
     /// `surface` has the start's triangles. @throws InvalidInput (with the station) where a section does not exist.
     WingFacts facts(const TriMesh& surface, bool sensitivities = false) const;
     StationFacts station(const TriMesh& surface, double station, bool sensitivities = false) const;
-    /// The ends of panels: the stations, root and tip.
+    /// The ends of panels: the stations, root and tip. A station on a rounded tip, beyond that of the tip, is none.
     std::vector<double> panel_ends() const;
     /// The panel from a station outward, or in which it lies; of the tip the last.
     PanelFacts panel(const TriMesh& surface, double station, bool sensitivities = false) const;

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/wrap/wrap_map.hpp"
+#include "optimize/problem/sliding_parts.hpp"
 #include "optimize/space/shape_map.hpp"
 
 namespace strake {
@@ -32,7 +33,7 @@ std::string to_string(EvaluationStatus status) {
 ShapeGuard guard_of(const Problem& problem, const RestFacts& rest) {
     const bool is_mapped = !problem.has_shell || problem.wrap;
     ShapeGuard guard{
-        {rest.surface, rest.adjacent, {problem.fixed, problem.symmetry, attached_triangles(problem), is_mapped}}};
+        {rest.surface, rest.adjacent, {problem.fixed, problem.symmetry, sliding_triangles(problem), is_mapped}}};
     if (problem.wrap) {
         ValidityOptions of_wrap;
         of_wrap.symmetry = problem.symmetry;

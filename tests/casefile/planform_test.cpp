@@ -195,10 +195,17 @@ TEST_F(Planform, BadRangesAreRefused) {
              {"wing.sweep@1: {range: [-1deg, 1deg]}", "no panel that begins there; panels: 0, 0.5"},
              {"wing.sweep@0: {range: [-1deg, 1deg]}, wing.sweep: {range: [-1deg, 1deg]}", "has a range already"},
              {"wing.dihedral: {root: held, range: [-1deg, 1deg]}", "belongs to by: station"},
+             {"wing.sweep@0: {root: held, range: [-1deg, 1deg]}",
+              "wing.sweep@0: root: held leaves the root no variable"},
              {"wing.twist: {root: held, range: [-1deg, 1deg]}", "belongs to by: station"},
              {"wing.twist: {thickness: kept, range: [-1deg, 1deg]}", "belongs to chord"}}) {
         const std::string found = said(range);
         EXPECT_TRUE(contains(found, words)) << range << "\n" << found;
+    }
+    for (const char* range : {"wing.sweep@0.5: {range: [-1, 1]}", "wing.twist: {range: [1deg, 2deg]}",
+                              "wing.sweep@0.5: {by: station, range: [-1deg, 1deg]}"}) {
+        const std::string found = said(range);
+        EXPECT_EQ(found.find(".yaml:"), found.rfind(".yaml:")) << "not that nothing moves, too:\n" << found;
     }
     EXPECT_TRUE(
         contains(said("wing.span: {range: [-1%, 1%]}", "variables: {wing.delta_span: {start: 0, min: 0, max: 1}}\n"),

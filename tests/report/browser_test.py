@@ -84,6 +84,7 @@ class WingPage(unittest.TestCase):
             words = b.run("document.querySelector('#wings').innerText")
             for bad in ("NaN", "undefined", "null", "Infinity", "[object"):
                 self.assertNotIn(bad, words)
+            self.assertNotRegex(words, "\u22120\\.?0*(?![\\d.])")  # no sign of a zero
             for good in ("aspect ratio", "By station", "By panel", "0.5 – 1", "t/c, %", "50 % of the semispan"):
                 self.assertIn(good, words)
             self.assertEqual(b.run("document.querySelectorAll('#wings .chart canvas').length"), 5)

@@ -6,16 +6,21 @@ import { number, change } from '../../../viewer/page/src/format.js';
 
 const colours = { start: '#6b6b6b', best: '#0072b2' };
 const degrees = (angle) => (angle * 180) / Math.PI;
-const fixed = (value, digits) => (Number.isFinite(value) ? value.toFixed(digits).replace('-', '\u2212') : '–');
+/** Without the sign of a zero. */
+const fixed = (value, digits) => {
+  const shown = Number.isFinite(value) ? value.toFixed(digits) : '–';
+  return Number(shown) === 0 ? shown.replace('-', '') : shown.replace('-', '\u2212');
+};
+const signed = (angle) => `${angle > 0 ? '+' : ''}${fixed(angle, 3)}°`;
 const inDegrees = (angle) => fixed(degrees(angle), 3);
 
-/** What a station is described by: words for headings, what is drawn, and how it is written. */
+/** What a station is described by: words for headings, what is drawn, how it is written, and the least extent of a chart: rounding is no shape. */
 const columns = (units) => [
-  ['chord', units, (at) => at.chord, (v) => number(v, 5)],
-  ['twist', 'deg', (at) => degrees(at.twist), (v) => fixed(v, 3)],
-  ['t/c', '%', (at) => 100 * at.thickness_to_chord, (v) => fixed(v, 2)],
-  ['camber', '%', (at) => 100 * at.camber, (v) => fixed(v, 2)],
-  ['leading-edge radius', '% of the chord', (at) => (at.leading_edge_radius === null ? NaN : 100 * at.leading_edge_radius), (v) => fixed(v, 3)],
+  ['chord', units, (at) => at.chord, (v) => number(v, 5), 0],
+  ['twist', 'deg', (at) => degrees(at.twist), (v) => fixed(v, 3), 0.1],
+  ['t/c', '%', (at) => 100 * at.thickness_to_chord, (v) => fixed(v, 2), 0.1],
+  ['camber', '%', (at) => 100 * at.camber, (v) => fixed(v, 2), 0.1],
+  ['leading-edge radius', '% of the chord', (at) => (at.leading_edge_radius === null ? NaN : 100 * at.leading_edge_radius), (v) => fixed(v, 3), 0.05],
 ];
 const titled = ([name, unit]) => (unit ? `${name}, ${unit}` : name);
 
@@ -31,7 +36,7 @@ function wholeTable(wing, units) {
     ['taper', '', (w) => number(w.taper, 5)], ['mean aerodynamic chord', units, (w) => number(w.mean_chord, 6)],
     ['sweep', 'deg', (w) => inDegrees(w.sweep)], ['dihedral', 'deg', (w) => inDegrees(w.dihedral)]];
   const share = { span: 'span', area: 'area', 'aspect ratio': 'aspect_ratio', taper: 'taper', 'mean aerodynamic chord': 'mean_chord' };
-  const differs = (name) => (!best ? '' : share[name] ? change(start[share[name]], best[share[name]]) : `${fixed(degrees(best[name] - start[name]), 3)}°`);
+  const differs = (name) => (!best ? '' : share[name] ? change(start[share[name]], best[share[name]]) : signed(degrees(best[name] - start[name])));
   return table(`As a whole; angles at ${number(100 * wing.axis, 3)} % of the chord`, [['', false], ['start', true], ['best', true], ['change', true]],
     rows.map(([name, unit, of]) => [unit ? `${name}, ${unit}` : name, of(start), best ? of(best) : '–', best && of(best) === of(start) ? '0' : differs(name)]));
 }
@@ -52,7 +57,7 @@ function panelTable(wing) {
 
 /** One value over the fraction of the semispan. */
 function spanChart(wing, column) {
-  const [name, , of, words] = column, lines = wing.best ? [wing.start, wing.best] : [wing.start];
+  const [name, , of, words, least] = column, lines = wing.best ? [wing.start, wing.best] : [wing.start];
   const places = [...new Set(lines.flatMap((line) => line.curve.map((at) => at.station)))].sort((a, b) => a - b);
   const values = lines.map((line) => places.map((s) => { const at = line.curve.find((one) => one.station === s), v = at ? of(at) : NaN; return Number.isFinite(v) ? v : null; }));
   const known = values.flat().filter((v) => v !== null);
@@ -62,7 +67,7 @@ function spanChart(wing, column) {
   const options = {
     width: 400, height: 190, cursor: { drag: { x: false, y: false } }, legend: { live: true },
     scales: { x: { time: false, range: [0, 1] },
-      y: { range: (u, low, high) => { const room = Math.max(0.08 * (high - low), 0.01 * Math.max(Math.abs(low), Math.abs(high)), 1e-6); return [low - room, high + room]; } } },
+      y: { range: (u, low, high) => { const room = Math.max(0.08 * (high - low), 0.01 * Math.max(Math.abs(low), Math.abs(high)), (least - high + low) / 2, 1e-6); return [low - room, high + room]; } } },
     axes: [{ size: 34, values: (u, ticks) => ticks.map((v) => number(v, 3)) }, { size: 62, values: (u, ticks) => ticks.map((v) => number(v, 4)) }],
     series: [{ label: 'semispan', value: (u, v) => (v === null || v === undefined ? '–' : number(v, 3)) },
       { label: 'start', value: shown, stroke: colours.start, width: 1.5, dash: [6, 4], points: { show: false } },

@@ -267,17 +267,48 @@ TEST(PlanformPanels, BodiesStayToTheLastBit) {
     }
 }
 
+std::string refused(const WingBody& body, const std::vector<PlanformRange>& ranges) {
+    try {
+        motion_of(body, ranges);
+    } catch (const InvalidInput& error) {
+        return error.what();
+    }
+    return "";
+}
+
+bool contains(const std::string& all, const std::string& part) { return all.find(part) != all.npos; }
+
+/// The station 1 of a rounded tip lies inboard of stations on it.
+TEST(PlanformPanels, EndBeforeARoundedTip) {
+    Loft loft;
+    loft.panels = 60;
+    loft.cells = 100;
+    loft.chord = [](double s) {
+        return (1 - 0.5 * s) * (s < 0.9 ? 1 : std::sqrt(std::max(0.01, 1 - std::pow((s - 0.9) / 0.1, 2))));
+    };
+    WingBody body{"rounded", lofted(loft), wing_bodies()[0].declared};
+    body.declared.stations = {0, 0.5, 0.97, 1};
+    const Wing wing(body.mesh, body.declared);
+    ASSERT_LT(wing.place(0, 1), 0.96) << "the chord falls";
+    EXPECT_EQ(wing.panel_ends(), (std::vector<double>{0, 0.5, 1}));
+    const PanelFacts last = wing.panel(body.mesh, 0.97);
+    EXPECT_EQ(last.from, 0.5);
+    EXPECT_NEAR(last.sweep.value, std::atan(0.4), 1e-3);
+    const PlanformMotion motion = motion_of(body, by_panel());
+    ASSERT_EQ(motion.size(), 4);
+    const TriMesh now = moved(body, motion, 0.1 * VectorXd::Unit(4, 1));
+    EXPECT_NEAR(wing.panel(now, 0.5).sweep.value - last.sweep.value, 0.1, 1e-3);
+    // Changes of sections vary between stations one after the other.
+    const PlanformRange twist{.change = PlanformChange::twist, .by_station = true, .lower = -0.1, .upper = 0.1};
+    EXPECT_TRUE(contains(refused(body, {twist}), "wing.twist: the station 0.97 lies on the rounded tip, beyond 0.9"))
+        << refused(body, {twist});
+    body.declared.stations = {0, 0.5, 0.97};
+    EXPECT_EQ(refused(body, {twist}), "");
+    EXPECT_EQ(Wing(body.mesh, body.declared).panel_ends(), (std::vector<double>{0, 0.5, 1}));
+}
+
 TEST(PlanformPanels, WhatCannotBeIsRefused) {
     const std::vector<WingBody> all = bodies();
-    const auto refused = [&](const WingBody& body, const std::vector<PlanformRange>& ranges) {
-        try {
-            motion_of(body, ranges);
-        } catch (const InvalidInput& error) {
-            return std::string(error.what());
-        }
-        return std::string();
-    };
-    const auto contains = [](const std::string& all, const std::string& part) { return all.find(part) != all.npos; };
     PlanformRange sweep = by_panel()[0], dihedral = by_panel()[1];
     sweep.only = {1};
     EXPECT_TRUE(contains(refused(all[0], {sweep}), "wing.sweep@1: there is no panel that begins there; panels: 0, 0.4"))
@@ -297,6 +328,10 @@ TEST(PlanformPanels, WhatCannotBeIsRefused) {
     one.declared.stations = {0, 1};
     sweep.root_held = true;
     EXPECT_TRUE(contains(refused(one, {sweep}), "no panel is left"));
+    for (const PlanformChange change : {PlanformChange::sweep, PlanformChange::twist}) {
+        sweep.change = change, sweep.only = {0};
+        EXPECT_TRUE(contains(refused(all[0], {sweep}), "@0: root: held leaves the root no variable"));
+    }
 }
 
 }  // namespace

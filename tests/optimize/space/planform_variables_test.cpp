@@ -3,9 +3,11 @@
 #include "core/planform/planform_motion.hpp"
 #include "evaluated.hpp"
 #include "optimize/evaluate/fold_conditions.hpp"
+#include "optimize/evaluate/validity.hpp"
+#include "optimize/problem/sliding_parts.hpp"
 #include "optimize/space/field_conditions.hpp"
 #include "problems.hpp"
-#include "tests/core/planform/lofted_wing.hpp"
+#include "tests/core/planform/wing_bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -153,6 +155,38 @@ TEST(PlanformVariables, FoldsAreThoseOfFieldsAndWingsTogether) {
     for (const Eigen::Matrix3d& map : local_maps(*e.rest, demand(e.space, x)))
         least = std::min(least, map.determinant());
     EXPECT_NEAR(wanted_determinant - at.values[0], least, 1e-12);
+}
+
+/// A wing that pierces a body may move in it; nothing else may.
+TEST(PlanformVariables, TheCutOfAPiercingWingMayWander) {
+    const std::vector<WingBody> all = wing_bodies();
+    const auto body = std::find_if(all.begin(), all.end(), [](const WingBody& one) { return one.name == "body"; });
+    ASSERT_NE(body, all.end());
+    Problem problem;
+    problem.surface = body->mesh;
+    problem.has_shell = false;
+    problem.symmetry = SymmetryPlane{Eigen::Vector3d::UnitY(), 0};
+    const auto wing = std::make_shared<const Wing>(body->mesh, body->declared);
+    const auto planform = std::make_shared<const PlanformMotion>(
+        body->mesh, std::vector{wing},
+        std::vector<PlanformRange>{
+            {.change = PlanformChange::sweep, .by_station = true, .lower = -0.1, .upper = 0.1},
+            {.change = PlanformChange::dihedral, .by_station = true, .lower = -0.1, .upper = 0.1}});
+    const Eigen::VectorXd z = Eigen::VectorXd::Constant(planform->size(), 0.1);
+    const Points moved = body->mesh.vertices + planform->displacement(z);
+    const auto defect = [&] {
+        const ValidityGuard guard(body->mesh, adjacency(body->mesh),
+                                  {{}, problem.symmetry, sliding_triangles(problem), true});
+        return guard.defect(moved, planform->local_maps(z));
+    };
+    EXPECT_TRUE(sliding_triangles(problem).empty());
+    EXPECT_NE(defect().find("intersect"), std::string::npos) << "a part that does not move by itself: " << defect();
+    add_planform(problem.parameters, planform);
+    EXPECT_EQ(defect(), "");
+    EXPECT_GT(intersections(with_vertices(body->mesh, moved)).apart.size(), 10U) << "it pierces as before";
+    std::vector<char> of_wing(static_cast<std::size_t>(body->mesh.num_triangles()), 0);
+    for (const int t : body->declared.triangles) of_wing[static_cast<std::size_t>(t)] = 1;
+    for (const int t : sliding_triangles(problem)) EXPECT_TRUE(of_wing[static_cast<std::size_t>(t)]) << t;
 }
 
 TEST(PlanformVariables, WhatCannotBeIsRefused) {

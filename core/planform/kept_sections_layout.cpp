@@ -26,9 +26,9 @@ constexpr double body_reach = 0.5;     ///< likewise
 constexpr double plane_margin = 0.02;  ///< of the semispan: triangles that a streamwise plane may come to meet
 constexpr double steep_margin = 0.15;  ///< likewise, on wings with winglets
 constexpr double same_place = 1e-9;
-constexpr double sharp_turn = 0.5;    ///< cosine between neighbouring rows of the table
-constexpr int round_nose = 10;        ///< points: more than a polynomial needs, so that none of them decides
-constexpr double least_share = 1e-3;  ///< of a knot that is left to edges which are fixed
+constexpr double sharp_turn = 0.5;  ///< cosine between neighbouring rows of the table
+constexpr int round_nose = 10;      ///< points: more than a polynomial needs, so that none of them decides
+constexpr double min_share = 1e-3;  ///< of a knot that is left to edges which are fixed
 
 /// 0 at 0, 1 from 1 on, with no slope at either.
 double smooth_step(double t) {
@@ -333,7 +333,7 @@ void KeptSections::drop_fixed_knots() {
         for (const int knot : {section.leading, section.trailing})
             if (knot >= 0) is_seen[static_cast<std::size_t>(knot)] = 1;
     for (int k = 0; k < num_knots_; ++k)
-        if (is_seen[static_cast<std::size_t>(k)] && all.block<2, 2>(2 * k, 2 * k).cwiseAbs().maxCoeff() > least_share)
+        if (is_seen[static_cast<std::size_t>(k)] && all.block<2, 2>(2 * k, 2 * k).cwiseAbs().maxCoeff() > min_share)
             number[static_cast<std::size_t>(k)] = count++;
     const auto renumbered = [&](int knot) { return knot < 0 ? -1 : number[static_cast<std::size_t>(knot)]; };
     Eigen::SparseMatrix<double> kept(3 * num_vertices(), 2 * count);

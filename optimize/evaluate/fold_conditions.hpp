@@ -2,7 +2,7 @@
 #include "optimize/space/design_space.hpp"
 
 /// Designs whose displacement fields do not fold space: of a surface that fields (and changes of wings beside them)
-/// move without a shell, the guard refuses designs whose map has a determinant below `ValidityGuard::least_determinant`
+/// move without a shell, the guard refuses designs whose map has a determinant below `ValidityGuard::min_determinant`
 /// at a triangle. This is known before anything is evaluated, and so are its derivatives: searches keep to it as to a
 /// limit instead of paying for what fails. Internal to the evaluator.
 namespace strake {

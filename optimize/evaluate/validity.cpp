@@ -133,7 +133,7 @@ std::string ValidityGuard::defect(const Points& vertices, const std::vector<Eige
 std::string ValidityGuard::folding(const std::vector<Eigen::Matrix3d>& maps) const {
     Finding folds;
     for (std::size_t t = 0; t < maps.size(); ++t)
-        if (!(maps[t].determinant() > least_determinant)) folds.add(static_cast<int>(t));
+        if (!(maps[t].determinant() > min_determinant)) folds.add(static_cast<int>(t));
     if (folds.count == 0) return {};
     return text("the displacement fields fold space at triangle ", folds.first, " (", folds.count, " in all), ",
                 place(centre(rest_, triangles_.row(folds.first))), " at rest");

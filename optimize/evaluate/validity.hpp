@@ -38,7 +38,7 @@ struct ValidityOptions {
 ///   images of points that are nearer than the sum of the errors over the least stretch of the map.)
 class ValidityGuard {
 public:
-    static constexpr double least_determinant = 0.05;  ///< of a map that does not fold
+    static constexpr double min_determinant = 0.05;  ///< of a map that does not fold
 
     /// @throws InvalidInput when a fixed triangle is none. Cost: one search for intersections.
     ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, const ValidityOptions& options = {});

@@ -27,7 +27,7 @@ constexpr double patience_by_differences = 2;
 /// than this share of what the level has gained; the trial may find that it is to go on.
 constexpr double early_by_differences = 0.3;
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
-constexpr int least_evaluations = 4;
+constexpr int min_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
 constexpr int trial_share = 10;       ///< trials of directions that must still be affordable
 constexpr double idle_limit = 0.97;   ///< share of the motion limit below which ranges may be wider
@@ -337,7 +337,7 @@ private:
         const int gradient = program_.gives_lagrangian() ? 0 : static_cast<int>(state_.space.size());
         const int left = state_.evaluations_left(), to_come = state_.levels_left() + 1;
         const bool is_for_all = state_.problem.optimize.shares_with_all_levels;
-        const int levels = is_for_all ? to_come : std::clamp(left / (least_evaluations + gradient), 1, to_come);
+        const int levels = is_for_all ? to_come : std::clamp(left / (min_evaluations + gradient), 1, to_come);
         return std::max(1, left / levels);
     }
 

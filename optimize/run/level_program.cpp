@@ -27,11 +27,11 @@ std::vector<std::string> wanted_names(const Problem& problem) {
 }
 
 /// Of the motion limit: more than what separates two solutions of the same equilibrium, and inherited shapes.
-constexpr double least_slack = 5e-7;
+constexpr double min_slack = 5e-7;
 /// By differences every design has others around it. More would be a limit of its own, but where noise asks for it.
-constexpr double most_slack = 5e-3, most_slack_in_noise = 0.05;
-constexpr double most_difference_step = 0.1;  ///< of a step of 1 in the metric: beyond, a difference is no slope
-constexpr double slack_over_step = 1.2;       ///< displacements are not quite linear in the step
+constexpr double max_slack = 5e-3, max_slack_in_noise = 0.05;
+constexpr double max_difference_step = 0.1;  ///< of a step of 1 in the metric: beyond, a difference is no slope
+constexpr double slack_over_step = 1.2;      ///< displacements are not quite linear in the step
 /// Vertices that a step of the trust region may bring to their limit.
 constexpr double near_limit = 0.6;
 /// Determinants of triangles that a step may fold.
@@ -146,7 +146,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     if ((needs_differences_ || may_miss) && method_facts(options.method).needs_gradients) {
         Differences differences;
         differences.step = std::max(options.difference_step, difference_step_);
-        differences.max_step = most_difference_step;
+        differences.max_step = max_difference_step;
         differences.on_step = [this](double step) {
             difference_step_ = step;
             program_.differences->step = step;
@@ -177,7 +177,7 @@ void LevelProgram::add_cheap_program() {
     if (!cheap_)
         cheap_ =
             std::make_unique<CheapProgram>(state_.problem, state_.rest, state_.journal(), state_.events.stop_wanted);
-    if (slack_ == 0) slack_ = least_slack;
+    if (slack_ == 0) slack_ = min_slack;
     const CheapProgram::Level level{
         state_.space,
         rows_,
@@ -284,12 +284,12 @@ void LevelProgram::narrow_bounds() {
 }
 
 void LevelProgram::keep_slack() {
-    slack_ = least_slack;
+    slack_ = min_slack;
     if (!program_.differences) return;
     const int shape = state_.space.num_shape();
     const double widest = shape > 0 ? 1 / weight_.head(shape).minCoeff() : 0;  // a step of 1, over the limit
-    slack_ = std::clamp(slack_over_step * program_.differences->step * widest, least_slack,
-                        difference_step_ > 0 ? most_slack_in_noise : most_slack);
+    slack_ = std::clamp(slack_over_step * program_.differences->step * widest, min_slack,
+                        difference_step_ > 0 ? max_slack_in_noise : max_slack);
 }
 
 void LevelProgram::limit_motion() {
@@ -298,7 +298,7 @@ void LevelProgram::limit_motion() {
     program_.within = [this](const Eigen::VectorXd& y) {
         // The start is the shape of the level above, whose slack may have been less.
         const Eigen::VectorXd x = unscaled(y);
-        const Eigen::VectorXd inside = state_.evaluator.within(x, y == program_.start ? least_slack : slack_);
+        const Eigen::VectorXd inside = state_.evaluator.within(x, y == program_.start ? min_slack : slack_);
         if (inside == x) return y;
         moved_x_ = inside;
         moved_y_ = inside.cwiseProduct(weight_);

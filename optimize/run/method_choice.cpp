@@ -73,7 +73,7 @@ MethodChoice choose_method(const Problem& problem, int budget) {
     const std::string why =
         text("'", missing, "' has no gradient, one by differences takes ", gradient,
              " evaluations (variables of the first level: ", variables, "), the budget is ", budget);
-    if (affordable < least_gradients) {
+    if (affordable < min_gradients) {
         choice.method = Method::model;
         choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ", why);
     } else {

@@ -12,7 +12,7 @@ struct MethodChoice {
 };
 
 /// Where the objective and all constrained values have gradients, or the case asks for differences: sqp, and no words.
-/// Else sqp by differences; or, where there is no cheap model and the budget pays for fewer than `least_gradients`
+/// Else sqp by differences; or, where there is no cheap model and the budget pays for fewer than `min_gradients`
 /// whole gradients of the first level, `model`.
 /// @param budget of the whole run, evaluations
 /// @pre problem.optimize.chooses_method
@@ -23,6 +23,6 @@ int max_variables_at_start(const Problem& problem);
 
 /// Gradients by differences, one evaluation for each variable and one more, below which `model` ends lower on most
 /// problems of the evidence suite (docs/evidence.md).
-inline constexpr double least_gradients = 8;
+inline constexpr double min_gradients = 8;
 
 }  // namespace strake

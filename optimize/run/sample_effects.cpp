@@ -17,7 +17,7 @@ using Rows = std::vector<Eigen::Index>;
 
 constexpr int fewest_for_effects = 10;
 /// A model costs some 100 times 2 n^3 + n^2 d flops, and n^2 d numbers in memory.
-constexpr double most_for_effects = 500, most_squares = 60 * most_for_effects * most_for_effects;
+constexpr double max_for_effects = 500, max_squares = 60 * max_for_effects * max_for_effects;
 constexpr double no_effect = 1e-3;  ///< total effect below which a variable has none
 constexpr double good_enough =
     0.995;                        ///< predicted share of a model that may say so: what it misses could be an effect
@@ -132,7 +132,7 @@ private:
 
     void choose_rows() {
         const auto d = static_cast<double>(table_.designs.cols());
-        const auto most = static_cast<std::size_t>(std::min(most_for_effects, std::sqrt(most_squares / d)));
+        const auto most = static_cast<std::size_t>(std::min(max_for_effects, std::sqrt(max_squares / d)));
         chosen_ = ok_;
         if (ok_.size() <= most) return;
         chosen_.clear();

@@ -135,12 +135,12 @@ VectorXd solve_model(const QuadraticModel& model) {
     if (llt.info() != Eigen::Success) return {};
     // Most models of free shapes end here, at a third of n^3 operations.
     if (const VectorXd d = llt.solve(-model.gradient / unit); keeps_to_rows(model, d)) return d;
-    // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `least_step`).
+    // d = K w, K a multiple of L^-T with |q| = 1 (or less, see `min_step`).
     MatrixXd K = llt.matrixU().solve(MatrixXd::Identity(n, n));
     VectorXd q = K.transpose() * model.gradient / unit;
     const bool is_violated =
         (model.constraints.head(ineq).array() > 0).any() || (model.constraints.tail(rows - ineq).array() != 0).any();
-    const double length = std::max(q.norm(), is_violated ? model.least_step : 0);
+    const double length = std::max(q.norm(), is_violated ? model.min_step : 0);
     if (length > 0) K *= length, q /= length;
     LeastDistance p = least_distance(model, K, q);
     VectorXd w = nearest_point(p);

@@ -16,7 +16,7 @@ struct QuadraticModel {
     /// In the Hessian's norm over the root of its mean diagonal. With violated constraints the penalty is measured by a
     /// step of this length where the gradient asks for a shorter one: otherwise no curvature, however large, shortens
     /// the way to the constraints from where the objective is stationary. 0: there is no such length.
-    double least_step = 0;
+    double min_step = 0;
 
     /// One more: value + slope.d <= 0.
     void add_inequality(const Eigen::VectorXd& slope, double value);

@@ -23,7 +23,7 @@ constexpr double max_bend_two_sided = 0.5;  ///< of what is wrong with the slope
 constexpr double noises = 15;               ///< 3 deviations, times what the extrapolation makes of noise
 constexpr double deviations = 5;            ///< of the last confirmed steps from the rule
 constexpr double cancelling = 0.02;         ///< of the sum of the entries: a slope nearly along the level set
-constexpr double least_unconfirmed = 1e-6;  ///< of a random direction: less is rounding
+constexpr double min_unconfirmed = 1e-6;    ///< of a random direction: less is rounding
 constexpr int reflections = 4;              ///< at limits that the direction would cross
 
 bool at_bound(const NonlinearProgram& p, const VectorXd& x, Eigen::Index j, bool upper) {
@@ -133,7 +133,7 @@ private:
             const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
             r -= basis * (basis.transpose() * r).eval();
         }
-        if (!(r.norm() > least_unconfirmed)) return {};
+        if (!(r.norm() > min_unconfirmed)) return {};
         VectorXd d = VectorXd::Zero(x_.size());
         d(free) = VectorXd(metric.matrixU().solve(r));
         d *= probe / norm(d);

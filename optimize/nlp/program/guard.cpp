@@ -13,7 +13,7 @@ namespace {
 
 constexpr std::size_t max_failed_points = 64;  ///< in a row: searches end before, but global ones
 constexpr int reserved = 2;                    ///< evaluations for the check of a gradient that steps contradict
-constexpr int least_budget = 8;                ///< of which they may be taken
+constexpr int min_budget = 8;                  ///< of which they may be taken
 
 /// Gradient-free methods never call `differentiate`.
 NonlinearProgram prepared(NonlinearProgram p, const MethodFacts& method) {
@@ -205,7 +205,7 @@ GuardEnd Guard::end_by_cause() const {
 }
 
 int Guard::reserve() const {
-    const bool is_wanted = !may_use_reserve && limit == options.max_evaluations && limit >= least_budget &&
+    const bool is_wanted = !may_use_reserve && limit == options.max_evaluations && limit >= min_budget &&
                            !options.is_relative_to_objective && has_own_gradients() && evidence.is_contradicted();
     return is_wanted ? reserved : 0;
 }

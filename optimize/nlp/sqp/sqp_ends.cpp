@@ -179,7 +179,7 @@ void SqpSearch::restore() {
         QuadraticModel m = steps_.model(s.constraints, 0);
         m.gradient.setZero();
         m.hessian = p.metric;
-        m.least_step = 0;
+        m.min_step = 0;
         m.lower = p.lower - x;
         m.upper = p.upper - x;
         // Of the limits and the cut, which stand behind the inequalities, the values are those at now_.x.

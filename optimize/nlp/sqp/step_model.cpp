@@ -20,8 +20,8 @@ QuadraticModel StepModel::model_without_cut(const VectorXd& constraints, double 
     m.jacobian = now_.at.jacobian;
     m.num_inequalities = p.num_inequalities;
     // Of the metric's reasonable step, as long as the damping does not shorten it.
-    m.least_step = trust_region.least_model_step * hessian_.matrix().trace() / m.hessian.trace() /
-                   std::sqrt(p.metric.trace() / static_cast<double>(p.metric.rows()));
+    m.min_step = trust_region.min_model_step * hessian_.matrix().trace() / m.hessian.trace() /
+                 std::sqrt(p.metric.trace() / static_cast<double>(p.metric.rows()));
     m.add_inequalities(now_.at.limits);
     m.add_inequalities(limits_);
     return m;

@@ -9,7 +9,7 @@ struct TrustRegionOptions {
     // The radius.
     double radius_slack = 1.01;           ///< a free step this much longer than the radius is still accepted
     double min_length = 0.9;              ///< of the radius, of a limited step: an exact length is not worth its solves
-    double least_model_step = 1e-3;       ///< of a step of 1: shorter ones do not measure what a violation costs
+    double min_model_step = 1e-3;         ///< of a step of 1: shorter ones do not measure what a violation costs
     int max_damping_solves = 30;          ///< bisections of the logarithm of the damping
     double min_damping = 1e-6;            ///< of the mean curvature: less does not change a step
     double max_damping = 1e10;            ///< of the mean curvature: more leaves no step

@@ -26,7 +26,7 @@ constexpr double first_length = 0.3;      ///< of the first batch, in radii
 constexpr double confidence = 2;          ///< standard deviations of the lower confidence bound
 constexpr double max_radius = 4;          ///< times the first
 constexpr double min_radius = 1e-4;       ///< times the first: below it no model helps
-constexpr double least_distance = 1e-6;   ///< radii between two points
+constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
@@ -221,7 +221,7 @@ private:
         const VectorXd x = guard_.inside(points_.variables(z));
         if (guard_.cause != StopCause::none) return;
         Proposal p{x, points_.whitened(x), radius, {}};
-        const double least = least_distance * radius_;
+        const double least = min_distance * radius_;
         if (points_.knows(p.z, least)) return;
         if (std::ranges::any_of(batch, [&](const Proposal& q) { return (q.z - p.z).norm() <= least; })) return;
         if (models_) p.expected = models_->means(p.z);

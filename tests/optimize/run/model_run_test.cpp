@@ -96,7 +96,7 @@ TEST(ModelRun, DesignsOfCoarserLevelsAreDesignsOfFinerOnes) {
 TEST(ModelRun, AShortBudgetChoosesItAndALongOneDifferences) {
     const int variables = max_variables_at_start(automatic(1));
     ASSERT_GT(variables, 3);
-    const int enough = static_cast<int>(least_gradients) * (variables + 1);
+    const int enough = static_cast<int>(min_gradients) * (variables + 1);
     EXPECT_EQ(choose_method(automatic(enough - 1), enough - 1).method, Method::model);
     EXPECT_EQ(choose_method(automatic(enough), enough).method, Method::sqp);
     const Told told = run(automatic(20));

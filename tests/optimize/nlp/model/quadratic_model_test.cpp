@@ -105,7 +105,7 @@ TEST(QuadraticModel, DampingShortensAStepWithoutAGradient) {
     double before = 3.1;
     for (const double damping : {0.0, 1e6, 1e7, 1e8}) {
         m.hessian = (1 + damping) * MatrixXd::Identity(2, 2);
-        m.least_step = 1e-3 / (1 + damping);
+        m.min_step = 1e-3 / (1 + damping);
         const VectorXd d = solve_model(m);
         ASSERT_EQ(d.size(), 2);
         if (damping == 0) {

@@ -269,7 +269,7 @@ Chosen choose(const InitArguments& args, const fs::path& case_file) {
     for (const ProposedWay way :
          {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::wrap, ProposedWay::fields}) {
         if (way == ProposedWay::remeshed_shell && !may_remesh) continue;
-        const std::string reason = tried.empty() ? "" : text("Chosen by trial: ", tried.front());
+        const std::string reason = tried.empty() ? "" : text("Chosen by trial, in place of ", tried.front());
         Attempt made = attempt(args, case_file, way, reason);
         if (way == ProposedWay::shell) may_remesh = made.proposal.may_remesh, refused = made.refused;
         tried.push_back(words_of(way, made));

@@ -130,7 +130,8 @@ int longest_axis(const Eigen::Vector3d& size, int across, int up) {
 }
 
 /// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal. A flat end that the
-/// longest axis leaves through is a base, where the air comes off; any other is what the body stands on.
+/// longest axis leaves through is a base, where the air comes off; any other is what the body stands on, or its deck or
+/// roof: up is positive either way.
 std::string axes_text(const Checkup& c, const std::optional<SymmetryPlane>& plane, const Eigen::Vector3d& down) {
     const Eigen::Vector3d size = c.box.max - c.box.min;
     int across = -1, up = -1, along = -1;
@@ -145,12 +146,11 @@ std::string axes_text(const Checkup& c, const std::optional<SymmetryPlane>& plan
         leaves_backwards = down[along] < 0;
     }
     if (along < 0) along = longest_axis(size, across, up);
-    const bool stands = up >= 0;
-    if (!stands) up = across >= 0 ? 3 - across - along : along == 2 ? 1 : 2;
+    if (up < 0) up = across >= 0 ? 3 - across - along : along == 2 ? 1 : 2;
     const auto way = [](int k, bool is_negative) { return std::string(is_negative ? "-" : "+") + "xyz"[k]; };
     return "\n# Where the air goes and where up is, for quantities with a stream. A guess: strake check says where it "
            "puts\n# nose, right wing and top.\naxes: {downstream: " +
-           way(along, leaves_backwards) + ", up: " + way(up, stands && down[up] > 0) + "}\n";
+           way(along, leaves_backwards) + ", up: " + way(up, false) + "}\n";
 }
 
 std::string angles_text(const CreaseAngles& angles) {
@@ -394,7 +394,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const bool by_wrap = options.way == ProposedWay::wrap;
     const bool by_fields = options.way == ProposedWay::fields || by_wrap;  // the surface as it is
     const RepairedSurface surface = by_fields ? as_it_is(std::move(read.mesh)) : repaired(file, std::move(read.mesh));
-    const auto half = half_plane(surface.checkup);
+    const auto half = half_plane(surface.checkup, surface.mesh);
     const auto mirror = half ? std::nullopt : plane_of_symmetry(surface.mesh);
     ProposedCase proposal;
     ProposedHolds holds;

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 
 namespace strake::proposing {
 namespace {
@@ -43,18 +44,21 @@ public:
         : mesh_(surface.mesh),
           checkup_(surface.checkup),
           area_(triangle_areas(surface.mesh)),
-          held_(surface.mesh.num_triangles(), 0) {}
+          part_(edge_components(surface.mesh, surface.checkup.adjacent)),
+          held_(surface.mesh.num_triangles(), 0) {
+        constexpr double small = 0.05;  // of the largest part's area: a wheel below a floor, debris
+        std::map<int, double> area;
+        for (int t = 0; t < mesh_.num_triangles(); ++t) area[part_[t]] += area_[t];
+        double largest = 0;
+        for (const auto& [part, sum] : area) largest = std::max(largest, sum);
+        for (int t = 0; t < mesh_.num_triangles(); ++t)
+            if (area[part_[t]] >= small * largest) of_large_parts_.push_back(t);
+    }
 
     /// The thinnest band at the far end of `normal` that holds a hundredth of the area, at least two percent and at
     /// most a third of the extent deep.
     Band band(const Eigen::Vector3d& normal) const {
-        const Eigen::VectorXd height = mesh_.vertices * normal;
-        double low = no_height, high = -no_height;
-        for (int t = 0; t < mesh_.num_triangles(); ++t)
-            for (int k = 0; k < 3; ++k) {
-                const double h = height[mesh_.triangles(t, k)];
-                low = std::min(low, h), high = std::max(high, h);
-            }
+        const auto [low, high] = reach(normal);
         Band found{normal, 0};
         for (double share = 0.02; share < 0.34; share *= 1.25) {
             found.at = short_number(high - share * (high - low), high - low);
@@ -72,9 +76,10 @@ public:
     /// Share of the area that is square to `normal` (to `cosine`) at its far end (to `depth` of the extent).
     double flat_share(const Eigen::Vector3d& normal, double cosine, double depth) const {
         const Eigen::VectorXd height = mesh_.vertices * normal;
-        const double high = height.maxCoeff(), low = height.minCoeff(), near = high - depth * (high - low);
+        const auto [low, high] = reach(normal);
+        const double near = high - depth * (high - low);
         double sum = 0;
-        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+        for (const int t : of_large_parts_) {
             const Eigen::Vector3d n = area_vector(mesh_, t);
             bool is_end = n.dot(normal) >= cosine * n.norm();
             for (int k = 0; k < 3; ++k) is_end &= height[mesh_.triangles(t, k)] >= near;
@@ -112,7 +117,7 @@ public:
     /// Parts that nothing holds yet: what moves at its end towards its host, what does not as a whole. Attached ones
     /// need nothing, and are held where they lie within what is.
     void hold_other_parts(ProposedHolds& out, const std::optional<SymmetryPlane>& mirror) {
-        const std::vector<int> part = edge_components(mesh_, checkup_.adjacent);
+        const std::vector<int>& part = part_;
         out.parts = part_roles(mesh_, part, checkup_.diagonal, mirror);
         const auto is_held = [&](int p) {
             for (std::size_t t = 0; t < held_.size(); ++t)
@@ -147,6 +152,17 @@ public:
 
 private:
     static constexpr double no_height = std::numeric_limits<double>::infinity();
+
+    /// Lowest and highest place of the large parts along `normal`.
+    std::pair<double, double> reach(const Eigen::Vector3d& normal) const {
+        double low = no_height, high = -no_height;
+        for (const int t : of_large_parts_)
+            for (int k = 0; k < 3; ++k) {
+                const double h = normal.dot(mesh_.vertices.row(mesh_.triangles(t, k)));
+                low = std::min(low, h), high = std::max(high, h);
+            }
+        return {low, high};
+    }
 
     /// Distance of the vertices of a part from its host; of the main part from the low end of its longest axis.
     Eigen::VectorXd from_host(const PartRole& role, const std::vector<int>& own, const std::vector<int>& part) const {
@@ -217,6 +233,8 @@ private:
     const TriMesh& mesh_;
     const Checkup& checkup_;
     Eigen::VectorXd area_;
+    std::vector<int> part_;  ///< of each triangle
+    std::vector<int> of_large_parts_;
     std::vector<char> held_;
 };
 
@@ -250,10 +268,15 @@ void hold_middle(Holder& holder, const Checkup& c, const SymmetryPlane& plane) {
         box.min[k] = short_number(box.min[k], c.diagonal);
         box.max[k] = short_number(box.max[k], c.diagonal);
     }
-    const double half = std::max(0.02 * extent, 1.5 * c.quality.edge_mean);
-    box.min[axis] = short_number(at - half, c.diagonal);
-    box.max[axis] = short_number(at + half, c.diagonal);
-    holder.hold_box("middle", box, "the band along the plane of symmetry");
+    double half = std::max(0.02 * extent, 1.5 * c.quality.edge_mean);
+    // Triangles may be longer there than elsewhere: the band has to hold some.
+    for (int attempt = 0; attempt < 10 && !holder.holds_anything(); ++attempt, half *= 1.25) {
+        box.min[axis] = short_number(at - half, c.diagonal);
+        box.max[axis] = short_number(at + half, c.diagonal);
+        holder.forget();
+        holder.hold_box("middle", box, "the band along the plane of symmetry");
+    }
+    if (!holder.holds_anything()) holder.forget();
 }
 
 }  // namespace

@@ -18,8 +18,9 @@ RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh);
 /// The surface as it is for displacement fields, which need no repair but that its triangles agree on what is outside.
 RepairedSurface as_it_is(TriMesh mesh);
 
-/// The plane of a half model: the coordinate plane in which its open boundary lies.
-std::optional<SymmetryPlane> half_plane(const Checkup& checkup);
+/// The plane of a half model: the coordinate plane in which its open boundary lies. None for the mouth of a vessel,
+/// beyond which the body reaches to all sides.
+std::optional<SymmetryPlane> half_plane(const Checkup& checkup, const TriMesh& mesh);
 /// A half whose cut is not quite planar: `symmetry.snap` moves it onto the plane.
 struct NearCut {
     SymmetryPlane plane;

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace strake::proposing {
 namespace {
@@ -76,6 +77,24 @@ public:
 private:
     double diagonal_;
 };
+
+/// The body reaches far beyond its openings in this plane, to all four sides: the mouth of a bottle, not a cut.
+bool is_mouth(const Checkup& checkup, const BoundaryLoop& cut, const TriMesh& mesh) {
+    constexpr double far = 0.5;  // of the openings' extent
+    Box opening{Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()),
+                Eigen::Vector3d::Constant(-std::numeric_limits<double>::infinity())};
+    for (const BoundaryLoop& loop : checkup.loops)
+        for (const int v : loop.symmetry_axis == cut.symmetry_axis ? loop.vertices : std::vector<int>{}) {
+            opening.min = opening.min.cwiseMin(mesh.vertices.row(v).transpose());
+            opening.max = opening.max.cwiseMax(mesh.vertices.row(v).transpose());
+        }
+    for (int k = 0; k < 3; ++k) {
+        const double margin = far * (opening.max[k] - opening.min[k]);
+        const double low = opening.min[k] - checkup.box.min[k], high = checkup.box.max[k] - opening.max[k];
+        if (k != cut.symmetry_axis && std::min(low, high) < margin) return false;
+    }
+    return true;
+}
 
 [[noreturn]] void refuse(const std::filesystem::path& file, const std::string& what, const std::string& remedy) {
     throw InputError(text(printable(file.string(), 400), ": ", what, "; ", remedy));
@@ -155,11 +174,11 @@ std::optional<NearCut> near_cut(const TriMesh& mesh) {
     return {};
 }
 
-std::optional<SymmetryPlane> half_plane(const Checkup& checkup) {
+std::optional<SymmetryPlane> half_plane(const Checkup& checkup, const TriMesh& mesh) {
     const BoundaryLoop* best = nullptr;
     for (const BoundaryLoop& loop : checkup.loops)
         if (loop.symmetry_axis >= 0 && (!best || loop.size > best->size)) best = &loop;
-    if (!best) return std::nullopt;
+    if (!best || is_mouth(checkup, *best, mesh)) return std::nullopt;
     return SymmetryPlane{Eigen::Vector3d::Unit(best->symmetry_axis), best->symmetry_at};
 }
 

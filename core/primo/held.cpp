@@ -89,12 +89,13 @@ void check_held(const RestState& rest, const Eigen::VectorXd& spring) {
     const Part& part = parts[first];
     // Shows round-off of a centre at the origin as zero.
     const Eigen::Vector3d centre = (part.centre.array().abs() < 1e-9 * part.size).select(0, part.centre);
-    throw UnheldPart(text("deform: ", loose, " of ", count,
-                          " connected parts of the surface can move freely; the first has ", part.triangles,
-                          " triangles (", first, " to ", part.last, ", centre ", centre.x(), ", ", centre.y(), ", ",
-                          centre.z(), ") and ", motions, " free rigid motions; fix a region of it, or give it springs",
-                          loose < count ? ", or attach it to another part" : "",
-                          rest.symmetry ? " (the symmetry plane stops three of six)" : ""));
+    throw UnheldPart(
+        text("deform: ", loose, " of ", count, " connected parts of the surface can move freely; the first has ",
+             part.triangles, " triangles (", first, " to ", part.last, ", centre ", centre.x(), ", ", centre.y(), ", ",
+             centre.z(), ") and ", motions,
+             " free rigid motions; fix a region of it, hold one triangle (hold: point), or give it springs",
+             loose < count ? ", or attach it to another part" : "",
+             rest.symmetry ? " (the symmetry plane stops three of six)" : ""));
 }
 
 }  // namespace strake

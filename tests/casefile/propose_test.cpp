@@ -4,6 +4,9 @@
 #include "core/parallel.hpp"
 #include "tests/casefile/build_fixture.hpp"
 
+#include <cmath>
+#include <numbers>
+
 namespace strake {
 namespace {
 
@@ -96,6 +99,76 @@ TEST_F(Proposed, AWingBesideItsBodyMovesAndASmallPartIsAttached) {
     EXPECT_GT(of_wing, 0);
     EXPECT_LT(of_wing, wing / 3);
     EXPECT_FALSE(proposal.ties_parts);
+}
+
+/// A surface of revolution about z by heights and radii, closed at the bottom and open at the top.
+TriMesh vessel(const std::vector<std::pair<double, double>>& profile) {
+    constexpr int around = 24;
+    const int rings = static_cast<int>(profile.size());
+    TriMesh mesh;
+    mesh.vertices.resize(rings * around + 1, 3);
+    mesh.triangles.resize((2 * (rings - 1) + 1) * around, 3);
+    int t = 0;
+    for (int i = 0; i < rings; ++i)
+        for (int j = 0; j < around; ++j) {
+            const auto [z, r] = profile[static_cast<std::size_t>(i)];
+            const double angle = 2 * std::numbers::pi * j / around;
+            const int a = i * around + j, b = i * around + (j + 1) % around;
+            mesh.vertices.row(a) << r * std::cos(angle), r * std::sin(angle), z;
+            if (i == 0)
+                mesh.triangles.row(t++) << b, a, rings * around;
+            else
+                mesh.triangles.row(t++) << a - around, b - around, b, mesh.triangles.row(t++) << a - around, b, a;
+        }
+    mesh.vertices.row(rings * around) << 0, 0, profile[0].first;
+    return mesh;
+}
+
+TEST_F(Proposed, TheMouthOfABottleIsNoSymmetryPlane) {
+    const std::vector<std::pair<double, double>> body{{0, 3}, {2, 3.5}, {5, 3.5}, {8, 3.5}, {11, 3.5}};
+    std::vector<std::pair<double, double>> bottle = body;
+    for (const auto& ring : {std::pair(13., 2.5), std::pair(15., 1.2), std::pair(18., 1.2)}) bottle.push_back(ring);
+    const std::string open = proposed(vessel(bottle)).yaml;
+    EXPECT_FALSE(contains(open, "symmetry: {plane")) << open;
+    EXPECT_TRUE(contains(open, "  base: {plane: {normal: [0, 0, 1]")) << open;
+    const std::string half = proposed(vessel(body)).yaml;  // as wide at the opening as anywhere
+    EXPECT_TRUE(contains(half, "symmetry: {plane: z, at: 11}")) << half;
+}
+
+TEST_F(Proposed, ACarStandsOnItsFloorAndItsRoofIsUp) {
+    Parts parts;
+    parts.add("body", {4.4, 1.8, 1.2}, {2.2, 0, 0.8}, 8);
+    for (const double x : {0.9, 3.5})
+        for (const double y : {-0.85, 0.85}) parts.add("wheel", {0.6, 0.2, 0.6}, {x, y, 0.33}, 2);
+    for (int v = 0; v < parts.mesh.num_vertices(); ++v)  // the roof is narrower than the floor
+        if (parts.mesh.vertices(v, 2) > 1.3) parts.mesh.vertices(v, 0) = 2.2 + 0.7 * (parts.mesh.vertices(v, 0) - 2.2);
+    const std::string car = proposed(parts.mesh).yaml;
+    EXPECT_TRUE(contains(car, "  base: {plane: {normal: [0, 0, 1], at: 0.2")) << car;
+    EXPECT_TRUE(contains(car, "axes: {downstream: +x, up: +z}")) << car;
+}
+
+TEST_F(Proposed, ADeckIsNotWhatAHullStandsOn) {
+    TriMesh hull = box_surface({24, 4, 3}, 8);
+    for (int v = 0; v < hull.num_vertices(); ++v) {  // a wedge with its edge below
+        hull.vertices(v, 1) = 2 + (hull.vertices(v, 1) - 2) * (0.05 + 0.95 * hull.vertices(v, 2) / 3);
+        hull.vertices(v, 2) += 0.02 * (hull.vertices(v, 0) - 12) * (3 - hull.vertices(v, 2));
+    }
+    const std::string yaml = proposed(hull).yaml;
+    EXPECT_TRUE(contains(yaml, "up: +z}")) << yaml;
+}
+
+TEST_F(Proposed, ABandAlongThePlaneOfSymmetryHoldsSomethingWhereTrianglesAreLong) {
+    std::vector<std::pair<double, double>> rings;
+    for (int i = 1; i < 30; ++i)
+        rings.emplace_back(-std::cos(std::numbers::pi * i / 30), 0.25 * std::sin(std::numbers::pi * i / 30));
+    TriMesh pod = vessel(rings);
+    const int n = pod.num_vertices(), m = pod.num_triangles();
+    pod.vertices.conservativeResize(n + 3, 3);
+    pod.vertices.bottomRows(3) << 0.1, 0.4, -0.5, 0.1, 0.4, -0.496, 0.102, 0.403, -0.5;  // debris
+    pod.triangles.conservativeResize(m + 1, 3);
+    pod.triangles.row(m) << n, n + 1, n + 2;
+    const std::string yaml = proposed(pod).yaml;
+    EXPECT_NO_THROW(build_problem(load_case(folder.write("new.yaml", yaml), Purpose::run), Purpose::run)) << yaml;
 }
 
 TEST_F(Proposed, AFlapAlongAWingIsTied) {

@@ -8,6 +8,7 @@
 #include "casefile/read/read_case.hpp"
 #include "casefile/read/settings.hpp"
 #include "casefile/schema/renamed.hpp"
+#include "casefile/schema/scalars.hpp"
 #include "casefile/schema/schema.hpp"
 #include "core/formats/io.hpp"
 #include "core/text/shell_word.hpp"
@@ -99,12 +100,12 @@ void set_defaults_without_shell(Value& root) {
 
 /// Unless the case says anything of its variables, it has displacement fields in front of the patches. What a run began
 /// with is stated in its own case; one of before that had none goes on so.
-void set_automatic_fields(Value& root) {
+void set_automatic_fields(Value& root, const std::string& fields = "auto") {
     Value* parameters = parameters_of(root);
     if (!parameters) return;
     for (const char* stated : {"fields", "variables", "given", "planform"})
         if (child(*parameters, stated)) return;
-    add_default(*parameters, "fields", "auto");
+    add_default(*parameters, "fields", fields);
 }
 
 /// Loads hardly taper, widen or flatten a body.
@@ -116,15 +117,39 @@ bool is_scalar(const Value* value, std::string_view text) {
     return value && value->form == Value::Form::scalar && value->text == text;
 }
 
-/// A formula, or the name of a value, holds a value of the quantity.
-bool holds_value(std::string_view formula, std::string_view quantity) {
-    const auto is_of_name = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_' || c == '-'; };
-    for (std::size_t at = formula.find(quantity); at != formula.npos; at = formula.find(quantity, at + 1)) {
-        const std::size_t end = at + quantity.size();
-        const bool begins = at == 0 || (!is_of_name(formula[at - 1]) && formula[at - 1] != '.');
-        if (begins && (end == formula.size() || !is_of_name(formula[end]))) return true;
+bool is_of_word(char c) { return std::isalnum(static_cast<unsigned char>(c)) || c == '_'; }
+
+/// The quantities whose values a formula, or the name of a value, holds. As in formulas, the longest name counts where
+/// names contain '-'.
+std::vector<std::string> quantities_in(std::string_view formula, const std::vector<std::string>& names) {
+    std::vector<std::string> held;
+    for (std::size_t at = 0; at < formula.size();) {
+        std::string longest;
+        for (const std::string& name : names) {
+            const std::size_t end = at + name.size();
+            if (name.size() > longest.size() && formula.substr(at).starts_with(name) &&
+                (end == formula.size() || !is_of_word(formula[end])))
+                longest = name;
+        }
+        if (!longest.empty()) held.push_back(longest);
+        at += std::max<std::size_t>(longest.size(), 1);
+        // The rest of a word, and the value that is named behind a quantity.
+        while (at < formula.size() && (is_of_word(formula[at]) || formula[at] == '.') &&
+               (is_of_word(formula[at - 1]) || formula[at - 1] == '.'))
+            ++at;
     }
-    return false;
+    return held;
+}
+
+bool share_any(const std::vector<std::string>& some, const std::vector<std::string>& others) {
+    return std::ranges::any_of(some, [&](const std::string& one) { return std::ranges::count(others, one) > 0; });
+}
+
+std::vector<std::string> names_of_quantities(Value& root) {
+    std::vector<std::string> names;
+    if (Value* quantities = child(root, "quantities"); quantities && quantities->form == Value::Form::map)
+        for (const Entry& quantity : quantities->entries) names.push_back(quantity.key);
+    return names;
 }
 
 /// Programs that say that they have no gradients, and formulas of their values.
@@ -139,9 +164,9 @@ std::vector<std::string> quantities_without_gradients(Value& root) {
         if (const Value* formula = child(quantity.value, "expression"))
             formulas.emplace_back(quantity.key, formula->text);
     }
+    const std::vector<std::string> known = names_of_quantities(root);
     for (const auto& [name, formula] : formulas)  // of those above them, too
-        if (std::ranges::any_of(names, [&](const std::string& known) { return holds_value(formula, known); }))
-            names.push_back(name);
+        if (share_any(quantities_in(formula, known), names)) names.push_back(name);
     return names;
 }
 
@@ -152,9 +177,9 @@ bool need_any_of(Value& root, const std::vector<std::string>& quantities) {
         for (const Entry& entry : objective->entries) needed.push_back(entry.value.text);
     if (Value* constraints = child(root, "constraints"); constraints && constraints->form == Value::Form::map)
         for (const Entry& entry : constraints->entries) needed.push_back(entry.key);
-    return std::ranges::any_of(needed, [&](const std::string& value) {
-        return std::ranges::any_of(quantities, [&](const std::string& name) { return holds_value(value, name); });
-    });
+    const std::vector<std::string> known = names_of_quantities(root);
+    return std::ranges::any_of(
+        needed, [&](const std::string& value) { return share_any(quantities_in(value, known), quantities); });
 }
 
 /// More evaluations than this without a gradient: not measured against patches.
@@ -166,20 +191,49 @@ bool is_more_than(Value* budget, double most) {
            std::strtod(evaluations->text.c_str(), nullptr) > most;
 }
 
+/// With a cheap model the search is by sqp.
+bool has_cheap_model(Value& root) {
+    const auto is_stated = [](Entry& quantity) {
+        return quantity.value.form == Value::Form::map && child(quantity.value, "low_fidelity");
+    };
+    return std::ranges::any_of(child(root, "quantities")->entries, is_stated);
+}
+
 /// Nor does a short run by values alone that says nothing of its variables nor of its method: few evaluations are best
 /// spent on smooth motions of the whole.
 void set_defaults_by_values(Value& root) {
     if (root.form != Value::Form::map || child(root, "fit")) return;
     const std::vector<std::string> blind = quantities_without_gradients(root);
-    if (blind.empty() || !need_any_of(root, blind)) return;
+    if (blind.empty() || has_cheap_model(root) || !need_any_of(root, blind)) return;
     if (Value* optimize = child(root, "optimize"); optimize && optimize->form == Value::Form::map) {
         Value* method = child(*optimize, "method");
-        if (method && !is_scalar(method, "auto") && !is_scalar(method, "model")) return;
+        const std::string word = method ? algorithm_word(method->text) : "auto";
+        if (word != "auto" && word != "model") return;
         for (const char* stated : {"finite_differences", "start_from"})
             if (child(*optimize, stated)) return;
         if (is_more_than(child(*optimize, "budget"), most_evaluations_by_fields)) return;
     }
     set_automatic_fields(root);
+}
+
+/// A run that begins at a design of displacement fields has them, too, if it says nothing of its variables: without
+/// them that shape could not be kept. Where the folder's case cannot be read, the design itself is refused.
+void set_fields_of_start(Value& root, const std::filesystem::path& dir) {
+    Value* optimize = root.form == Value::Form::map ? child(root, "optimize") : nullptr;
+    const Value* folder = optimize && optimize->form == Value::Form::map ? child(*optimize, "start_from") : nullptr;
+    if (!folder || folder->form != Value::Form::scalar) return;
+    const std::filesystem::path file = dir / folder->text / "case.yaml";
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(file, ignored)) return;
+    try {
+        Value there = parse_yaml(read_case_file(file.string()), file.string());
+        Value* parameters = there.form == Value::Form::map ? child(there, "parameters") : nullptr;
+        const Value* fields =
+            parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
+        if (fields && fields->form == Value::Form::scalar && fields->text != "none")
+            set_automatic_fields(root, fields->text);
+    } catch (const CaseError&) {
+    }
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
@@ -203,6 +257,7 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     if (command_dir.empty()) {
         set_defaults_of_fit(source->root);
         set_defaults_by_values(source->root);
+        set_fields_of_start(source->root, file.parent_path());
     }
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);

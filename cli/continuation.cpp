@@ -2,6 +2,7 @@
 
 #include "casefile/read/resolved_case.hpp"
 #include "core/error.hpp"
+#include "optimize/run/known_designs.hpp"
 #include "report/recorded_run.hpp"
 
 #include <fstream>
@@ -19,7 +20,12 @@ void check_same_case(const Case& the_case, const JournalFacts& facts, const std:
             the_case.file.string(), ": ", joined(changed), changed.size() > 1 ? " have" : " has",
             " changed since the run started; only budget, output, timeouts, parallel, scheduler and cache may change. "
             "Undo the change, or start another run (optimize.start_from starts at a design of this one)"));
-    for (const auto& [key, hash] : file_hashes(the_case))
+    const std::map<std::string, std::string> files = file_hashes(the_case);
+    if (facts.files.contains(known_designs_key) && !files.contains(known_designs_key))
+        throw InvalidInput(text(the_case.file.string(), ": ", known_designs_key,
+                                ": they are no longer there, and the search has learned from them. Restore that folder "
+                                "(journal.sqlite, levels), or start another run"));
+    for (const auto& [key, hash] : files)
         if (const auto then = facts.files.find(key); then != facts.files.end() && then->second != hash)
             throw InvalidInput(text(the_case.file.string(), ": ", key,
                                     ": the file has changed since the run started. "

@@ -142,6 +142,12 @@ void start_from(Problem& problem, std::shared_ptr<const StoredDesign> design) {
                   "at its shape"
                 : "the run had strain variables, whose shape nothing else can hold: keep strain in "
                   "parameters.variables");
+    for (const auto& [name, value] : design->given)
+        if (value != 0 && std::ranges::find(problem.parameters.user_variables, name, &UserVariable::name) ==
+                              problem.parameters.user_variables.end())
+            throw InvalidInput(text("the run had a variable ", name, " = ", value,
+                                    ", which this case does not have; keep fields, given and planform under "
+                                    "parameters as they are in the case.yaml of that folder"));
     if (!has_levels_of(problem.tree, *design)) problem.tree = design->tree;
     for (ProgramParameter& parameter : problem.program_parameters)
         for (const auto& [name, value] : design->parameters) {

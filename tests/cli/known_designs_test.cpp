@@ -78,6 +78,10 @@ TEST_F(KnownDesigns, GiveTheSameBitsHoweverManyRunInParallelAndAfterAKill) {
     const ProgramRun refused = run_strake({"resume", path("a"), "--evaluations", "+1", "-q"});
     EXPECT_EQ(refused.status, 2);
     EXPECT_TRUE(says(refused, "optimize.start_from")) << refused.err;
+    fs::remove(folder / "sampled/journal.sqlite");
+    const ProgramRun gone = run_strake({"resume", path("a"), "--evaluations", "+1", "-q"});
+    EXPECT_EQ(gone.status, 2);
+    EXPECT_TRUE(says(gone, "they are no longer there")) << gone.err;
 }
 
 TEST_F(KnownDesigns, OfAnEarlierRunAndOfATableCount) {
@@ -92,6 +96,30 @@ TEST_F(KnownDesigns, OfAnEarlierRunAndOfATableCount) {
     const ProgramRun read = run(values_case("", search("table")), "third");
     EXPECT_TRUE(says(read, "12 designs of ")) << read.err;
     EXPECT_FALSE(calls().contains(1));
+}
+
+/// The case of a sample that says nothing of its variables has fields; so has the search that goes on from it.
+TEST_F(KnownDesigns, OfFieldsThatNobodyStatedCount) {
+    const auto without_variables = [&](const std::string& file, const std::string& tail) {
+        std::string yaml = bytes_of(values_case("", tail));
+        const std::string stated = ", variables: [load]";
+        yaml.erase(yaml.find(stated), stated.size());
+        return folder.write(file, yaml).string();
+    };
+    const std::string file = without_variables("few.yaml", "");
+    ASSERT_EQ(run_strake({"sample", file, "-n", "8", "--out", path("spread"), "-q"}).status, 0);
+    const std::string tail = "optimize: {method: model, start_from: spread, budget: {evaluations: 3}}\n";
+    const ProgramRun told = run(without_variables("more.yaml", tail), "more");
+    EXPECT_EQ(told.status, 0) << told.err;
+    EXPECT_TRUE(says(told, "8 designs of ")) << told.err;
+    // Loads cannot keep a shape that fields have made: `check` says so, too.
+    const std::string loads = values_case("", tail);
+    for (const char* command : {"run", "check"}) {
+        const ProgramRun refused = run_strake({command, loads});
+        EXPECT_EQ(refused.status, 2) << command;
+        EXPECT_TRUE(says(refused, "which this case does not have; keep fields, given and planform under parameters"))
+            << refused.err;
+    }
 }
 
 /// Another program, other values, other variables: each is told with its remedy, and nothing wrong is learned.

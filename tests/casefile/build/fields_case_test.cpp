@@ -73,8 +73,12 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     EXPECT_TRUE(has_fields(formula, "cost"));
     EXPECT_TRUE(has_fields(flow, "volume + 2 * flow.drag"));
     EXPECT_TRUE(has_fields(formula + ", twice: {expression: 2 * cost}", "twice"));
+    for (const char* apart : {"volume-flow.drag", "flow.drag-volume"}) EXPECT_TRUE(has_fields(flow, apart)) << apart;
+    EXPECT_TRUE(has_fields(flow, "flow.drag", "optimize: {method: Model}\n")) << "as it may be written";
+    EXPECT_FALSE(has_fields(flow + ", low-flow: {expression: 2 * volume}", "low-flow")) << "a name of its own";
     EXPECT_FALSE(has_fields("flow: {command: [cat], outputs: [drag]}", "flow.drag")) << "with gradients";
     EXPECT_FALSE(has_fields(flow, "volume")) << "not what counts";
+    EXPECT_FALSE(has_fields("flow: {command: [cat], gradients: false, low_fidelity: volume}", "flow")) << "by sqp";
     EXPECT_FALSE(has_fields(formula + ", size: {expression: 2 * volume}", "size"));
     EXPECT_FALSE(has_fields(flow + ", big_flow: {expression: 2 * volume}", "big_flow"));
     for (const char* stated :
@@ -93,6 +97,28 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
                                                     "}\nobjective: {minimize: flow.drag}\n");
     EXPECT_TRUE(load_case(yaml, Purpose::run).parameters.fields.is_wanted);
     EXPECT_FALSE(load_case(yaml, Purpose::run, yaml.parent_path()).parameters.fields.is_wanted);
+}
+
+/// What begins at a design of fields has them.
+TEST_F(FieldsOfACase, AreThoseOfTheStart) {
+    const auto begun = [&](const std::string& there, const std::string& more = "") {
+        std::filesystem::create_directories(folder.path() / "runs" / "first");
+        folder.write("runs/first/case.yaml", there);
+        return load_case(folder.write("case.yaml",
+                                      "surface: {file: s.obj, units: m}\nregions: {root: {box: [[-9, -9, -9], [0.5, 9, "
+                                      "9]]}}\nfixed: [root]\nobjective: {minimize: area}\n"
+                                      "optimize: {start_from: runs/first}\n" +
+                                          more),
+                         Purpose::run)
+            .parameters;
+    };
+    surface(box_surface({4, 1, 0.5}, 8));
+    EXPECT_EQ(begun("parameters: {fields: 33}\n").fields.number, 33);
+    EXPECT_TRUE(begun("parameters: {fields: auto, variables: [load]}\n").fields.is_wanted);
+    EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {fields: none}\n").fields.is_wanted);
+    EXPECT_FALSE(begun("parameters: {fields: auto}\n", "parameters: {variables: [normal]}\n").fields.is_wanted);
+    for (const char* none : {"parameters: {fields: none}\n", "parameters: {}\n", "- 1\n", "a: [\n", ""})
+        EXPECT_FALSE(begun(none).fields.is_wanted) << none;
 }
 
 /// At most 3 % of the distance is left of what loads alone hardly make.

@@ -2,13 +2,21 @@
 #include "core/planform/planform_motion.hpp"
 #include "optimize/problem/shell_setup.hpp"
 
+#include <numeric>
+
 namespace strake {
 
-/// Triangles that move otherwise than what they pierce: of attached parts, and those that changes of wings move. Of two
-/// connected parts that pierce each other at the start, one of them with such a triangle, the cut may wander
-/// (`ValidityOptions::attached`).
+/// Triangles that move otherwise than what they pierce: of attached parts, and those that changes of wings move. With
+/// displacement fields all of them: parts that pierce each other move by one map of space, but their triangles are
+/// flat, and the shell bends each part by itself. Of two connected parts that pierce each other at the start, one of
+/// them with such a triangle, the cut may wander (`ValidityOptions::attached`).
 inline std::vector<int> sliding_triangles(const Problem& problem) {
     std::vector<int> all = attached_triangles(problem);
+    if (problem.parameters.fields && problem.has_shell) {
+        all.resize(static_cast<std::size_t>(problem.surface.num_triangles()));
+        std::iota(all.begin(), all.end(), 0);
+        return all;
+    }
     if (!problem.parameters.planform) return all;
     const PlanformMotion& planform = *problem.parameters.planform;
     const Eigen::VectorXd start = Eigen::VectorXd::Zero(planform.size());

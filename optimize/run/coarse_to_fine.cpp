@@ -29,8 +29,11 @@ constexpr double early_by_differences = 0.3;
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
 constexpr int min_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
-constexpr int trial_share = 10;       ///< trials of directions that must still be affordable
-constexpr double idle_limit = 0.97;   ///< share of the motion limit below which ranges may be wider
+constexpr int trial_share = 10;  ///< trials of directions that must still be affordable
+/// Share of the motion limit in use below which the ranges of variables become wider. Above, other optima are as likely
+/// as better ones (next to buckling, and where the mesh decides).
+constexpr double idle_limit = 0.3;
+constexpr double full_limit = 0.97;   ///< they go on to become wider up to here
 constexpr double beyond_limit = 1.2;  ///< of it that wider ranges are to reach: then the limit stops the search
 constexpr double min_widening = 1.2, max_widening = 4;  ///< times: the first order is only good for so much
 constexpr int max_widenings = 6;                        ///< of a level
@@ -165,7 +168,7 @@ private:
                          !p.limits_variables && may_continue(level);
         if (!may || level.active_bounds == 0) return false;
         const double used = program_.motion_at_end(level.best).used;
-        if (!(used < idle_limit)) return false;
+        if (!(used < (widened_ > 1 ? full_limit : idle_limit))) return false;
         const double times = std::clamp(beyond_limit / used, min_widening, max_widening);
         if (!widen_ranges(state_.space, x, times)) return false;
         widened_ *= times;

@@ -1,8 +1,10 @@
 #include "core/error.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "evaluated.hpp"
+#include "optimize/problem/sliding_parts.hpp"
 #include "optimize/run/fit.hpp"
 #include "problems.hpp"
+#include "tests/core/repair/defective.hpp"
 
 #include <gtest/gtest.h>
 #include <Eigen/QR>
@@ -521,4 +523,32 @@ TEST(Fields, TwistedByTwentyDegreesTakeLocalBumps) {
     alone[bump] = x[bump];
     const Points at_rest = e.at(alone).vertices - problem.surface.vertices;
     EXPECT_LT((own - at_rest).cwiseAbs().maxCoeff(), 1e-9 * e.rest->diagonal);
+}
+
+/// One map of space moves both parts, but their triangles are flat: the cut goes on to other ones. That is no fault.
+TEST(Fields, TheCutOfPartsThatPierceEachOtherMayWander) {
+    Problem problem;
+    problem.surface = defective::joined(ellipsoid({1, 0.6, 0.4}, 3),
+                                        defective::moved(ellipsoid({0.5, 0.7, 0.3}, 3), {0.31, 0.23, 0.17}));
+    problem.tree = octants(problem.surface, 1);
+    problem.prism_height =
+        Eigen::VectorXd::Constant(problem.surface.num_vertices(), 0.05 * box_diagonal(problem.surface));
+    const Points c = triangle_centroids(problem.surface);
+    for (int t = 0; t < problem.surface.num_triangles(); ++t)
+        if (c(t, 0) < -0.1 && c(t, 2) < 0.1) problem.fixed.push_back(t);
+    problem.quantities = {area()};
+    problem.parameters.kinds = {VariableKind::normal_load};
+    EXPECT_TRUE(sliding_triangles(problem).empty()) << "patches alone: each part moves by itself";
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    add_fields(problem.parameters,
+               std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{12, {}}));
+    Evaluated e(problem, 0);
+    int wandering = 0;
+    const auto before = intersections(problem.surface).apart;
+    for (int seed = 1; seed <= 8; ++seed) {
+        const ShapeEvaluation moved = e.at(0.5 * random_vector(e.space.size(), seed));  // expects "ok"
+        wandering += intersections(with_vertices(problem.surface, moved.vertices)).apart != before;
+    }
+    EXPECT_GT(wandering, 4) << "else nothing is shown";
 }

@@ -61,6 +61,7 @@ class Page(unittest.TestCase):
     def settled(self):
         """The server has answered the last choice."""
         time.sleep(0.4)
+        self.browser.until("!strakeStudio.choosing.isAsking")
         self.browser.settle()
 
     def count(self, condition):

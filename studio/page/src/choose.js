@@ -69,6 +69,7 @@ export class Choosing {
 
   async ask() {
     const { scene } = this, steps = this.all(), last = this.dragged();
+    this.isAsking = true;
     this.remember();
     this.freshName();
     if (this.studio.tab === 'choose') scene.hint(last && last.plane, last && last.box);
@@ -83,6 +84,7 @@ export class Choosing {
     scene.paint();
     this.list.replaceChildren(...steps.map((s) => h('li', {}, words(s))));
     document.documentElement.dataset.chosen = String(this.count);
+    this.isAsking = false;
   }
 
   push(step) { return this.setSteps([...this.steps, step], words(step)); }

@@ -550,5 +550,5 @@ TEST(Fields, TheCutOfPartsThatPierceEachOtherMayWander) {
         const ShapeEvaluation moved = e.at(0.5 * random_vector(e.space.size(), seed));  // expects "ok"
         wandering += intersections(with_vertices(problem.surface, moved.vertices)).apart != before;
     }
-    EXPECT_GT(wandering, 4) << "else nothing is shown";
+    EXPECT_GT(wandering, 2) << "else nothing is shown";
 }

@@ -8,6 +8,7 @@
 #include <fcntl.h>
 #include <poll.h>
 #include <sys/prctl.h>
+#include <sys/syscall.h>
 #include <sys/wait.h>
 #include <unistd.h>
 #include <algorithm>
@@ -26,6 +27,8 @@ using Clock = std::chrono::steady_clock;
 
 constexpr double drain_s = 0.5;  // wait for late output after the program has ended
 constexpr double kill_s = 5;     // wait for a program to disappear after KILL (a hung network disk)
+constexpr int look_ms = 20;      // between two looks at a program whose end wakes nobody
+constexpr int stop_ms = 200;     // between two questions whether the user stops; a thousand programs ask
 
 Clock::time_point time_after(double seconds) {
     return Clock::now() +
@@ -74,7 +77,7 @@ struct Pipe {
     }
 };
 
-/// What the child needs, laid out before fork: after it only async-signal-safe calls are allowed.
+/// What the child needs, laid out before vfork: after it only async-signal-safe calls are allowed.
 struct Start {
     const char* path;
     const char* folder;
@@ -111,6 +114,20 @@ struct Start {
     fail_in_child();
 }
 
+/// By vfork: fork copies the page tables of a large process, and each page it then writes, at every start. The child
+/// has our memory until it executes, so no handler of ours may run in it: signals wait until it has its own.
+pid_t start_child(const Start& start) {
+    sigset_t all, before;
+    sigfillset(&all);
+    ::pthread_sigmask(SIG_SETMASK, &all, &before);
+    const pid_t child = ::vfork();
+    if (child == 0) run_child(start);
+    const int error = errno;
+    ::pthread_sigmask(SIG_SETMASK, &before, nullptr);
+    errno = error;
+    return child;
+}
+
 /// Process groups of the programs that run now, for a signal handler; 0: free.
 constexpr std::size_t max_at_once = 1024;
 std::array<std::atomic<pid_t>, max_at_once> groups{};
@@ -137,7 +154,7 @@ private:
     std::atomic<pid_t>* place_ = nullptr;
 };
 
-/// Forks and executes. @throws Refused (kind spawn) with the system's reason.
+/// Starts the program. @throws Refused (kind spawn) with the system's reason.
 pid_t spawn(const ProcessCommand& command, const Descriptor& out, const Descriptor& err) {
     const std::filesystem::path program = find_program(command.arguments.front());
     std::vector<char*> arguments;
@@ -148,8 +165,7 @@ pid_t spawn(const ProcessCommand& command, const Descriptor& out, const Descript
     Pipe report;
     const Start start{program.c_str(), command.folder.c_str(), arguments.data(), in.get(), out.get(),
                       err.get(),       report.write.get(),     ::getpid()};
-    const pid_t child = ::fork();
-    if (child == 0) run_child(start);
+    const pid_t child = start_child(start);
     if (child < 0) refuse_spawn("no new process");
     report.write.close();
     int error = 0;
@@ -165,27 +181,33 @@ pid_t spawn(const ProcessCommand& command, const Descriptor& out, const Descript
 /// Copies the two pipes of a running program into its logs.
 class Outputs {
 public:
-    Outputs(Pipe& out, Pipe& err, CappedLog& out_log, CappedLog& err_log) : logs_{&out_log, &err_log} {
+    /// @param child whose end wakes `take`, where the system can tell (Linux 5.3)
+    Outputs(pid_t child, Pipe& out, Pipe& err, CappedLog& out_log, CappedLog& err_log)
+        : end_(static_cast<int>(::syscall(SYS_pidfd_open, child, 0))), logs_{&out_log, &err_log} {
         fds_[0] = {out.read.get(), POLLIN, 0};
         fds_[1] = {err.read.get(), POLLIN, 0};
-        for (const auto& fd : fds_) ::fcntl(fd.fd, F_SETFL, O_NONBLOCK);
+        fds_[2] = {end_.get(), POLLIN, 0};
+        for (const Pipe* pipe : {&out, &err}) ::fcntl(pipe->read.get(), F_SETFL, O_NONBLOCK);
     }
     bool open() const { return fds_[0].fd >= 0 || fds_[1].fd >= 0; }
+    bool wakes_at_end() const { return fds_[2].fd >= 0; }
+    void forget_end() { fds_[2].fd = -1; }
     /// Copies output that arrives within `milliseconds`; at most one buffer per pipe, against floods.
     void take(int milliseconds) {
         if (::poll(fds_.data(), fds_.size(), milliseconds) <= 0) return;
-        for (std::size_t k = 0; k < fds_.size(); ++k) {
+        for (std::size_t k = 0; k < logs_.size(); ++k) {
             if (fds_[k].fd < 0 || fds_[k].revents == 0) continue;
             const ssize_t n = ::read(fds_[k].fd, buffer_.data(), buffer_.size());
             if (n > 0)
                 logs_[k]->append({buffer_.data(), static_cast<std::size_t>(n)});
             else if (n == 0 || (errno != EAGAIN && errno != EINTR))
-                fds_[k].fd = -1;  // poll ignores it from now on
+                fds_[k].fd = -1;
         }
     }
 
 private:
-    std::array<pollfd, 2> fds_{};
+    Descriptor end_;
+    std::array<pollfd, 3> fds_{};  // poll ignores negative ones
     std::array<CappedLog*, 2> logs_;
     std::array<char, 65536> buffer_{};
 };
@@ -201,10 +223,13 @@ bool has_ended(pid_t child) {
 bool wait_until(pid_t child, Outputs& outputs, Clock::time_point until, const std::function<bool()>& stop_wanted = {}) {
     int pause_ms = 1;
     while (!has_ended(child)) {
-        if (Clock::now() >= until || (stop_wanted && stop_wanted())) return false;
-        outputs.take(pause_ms);
-        pause_ms = std::min(2 * pause_ms, 20);
+        const auto now = Clock::now();
+        if (now >= until || (stop_wanted && stop_wanted())) return false;
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(until - now).count();
+        outputs.take(static_cast<int>(std::min<decltype(left)>(left, pause_ms)));
+        pause_ms = std::min(2 * pause_ms, outputs.wakes_at_end() ? stop_ms : look_ms);
     }
+    outputs.forget_end();
     return true;
 }
 
@@ -273,7 +298,7 @@ ProcessEnd run_process(const ProcessCommand& command) {
         const Listed while_it_runs(child);
         out.write.close();
         err.write.close();
-        Outputs outputs(out, err, out_log, err_log);
+        Outputs outputs(child, out, err, out_log, err_log);
         if (wait_until(child, outputs, time_after(command.timeout_s), command.stop_wanted))
             end.failure = how_it_ended(finish(child, outputs));
         else

@@ -243,6 +243,41 @@ TEST_F(Process, EveryCallReturnsItsDescriptors) {
     EXPECT_EQ(open_descriptors(), before);
 }
 
+/// It is started while all signals wait, so that none of our handlers runs in it.
+TEST_F(Process, SignalsOfAProgramAreAtTheirDefaults) {
+    ExternalCommand command = fake("ok");
+    command.command = {"sh", "-c",
+                       "grep -E 'Sig(Blk|Ign)' /proc/self/status > signals; echo '{\"value\": 1}' > result.json"};
+    sigset_t one, before, after;
+    sigemptyset(&one);
+    sigaddset(&one, SIGUSR2);
+    ASSERT_EQ(::pthread_sigmask(SIG_BLOCK, &one, &before), 0);
+    ask(command, false, 1);
+    ::pthread_sigmask(SIG_SETMASK, &before, &after);
+    EXPECT_EQ(contents(folder / "evaluations/000001/signals"),
+              "SigBlk:\t0000000000000000\nSigIgn:\t0000000000000000\n");
+    EXPECT_EQ(sigismember(&after, SIGUSR2), 1) << "ours are as they were";
+    EXPECT_EQ(sigismember(&after, SIGUSR1), 0) << "ours are as they were";
+}
+
+/// A thousand programs at a time: who waits for one looks up five times a second, and when it ends. Looks are counted
+/// by how often this thread gave the processor away.
+TEST_F(Process, WaitingForAProgramCostsNothing) {
+    const auto naps = [] {
+        const std::string status = contents("/proc/thread-self/status"), name = "\nvoluntary_ctxt_switches:";
+        return std::stol(status.substr(status.find(name) + name.size()));
+    };
+    ExternalCommand command = fake("ok");
+    command.command = {"sh", "-c", "echo '{\"value\": 1}' > result.json"};
+    const long before_short = naps();
+    ask(command, false, 1);
+    const long of_files = naps() - before_short;
+    command.command.back() = "sleep 2; " + command.command.back();
+    const long before_long = naps();
+    ask(command, false, 2);
+    EXPECT_LT(naps() - before_long, of_files + 60) << "by looks every 20 ms 100";
+}
+
 TEST(Log, WhatAProgramPrintsIsMadeHarmless) {
     EXPECT_EQ(printable_line("\x1b[1;31mred\x1b[0m \x1b]0;title\x07 end\x07"), "red  end?");
     EXPECT_EQ(printable_line("caf\xc3\xa9 \xff \xc2\x9b \xe2\x80\xae \xed\xa0\x80 \xc3"), "caf\xc3\xa9 ? ?? ??? ??? ?");

@@ -1,6 +1,8 @@
 #include "cli/program_case.hpp"
 #include "core/error.hpp"
 
+#include <optional>
+
 /// Evaluations as jobs of Slurm: a fake one, and, where it is installed, a real one of a single node.
 namespace strake {
 namespace {
@@ -176,58 +178,86 @@ TEST_F(Queue, GradientCommandsAreJobsThatAreFollowedToo) {
         EXPECT_TRUE(fs::exists(folder / "a/evaluations/000001" / name)) << name;
 }
 
-/// Twenty evaluations as jobs of a real Slurm, one cancelled by hand, and a restart in the middle.
-TEST(RealSlurm, EachEvaluationIsPaidOnce) {
-    if (!std::getenv("STRAKE_SLURM")) GTEST_SKIP() << "run by ./test.sh --slurm";  // starts a cluster of its own
-    if (std::system("command -v slurmctld sbatch munged /usr/sbin/slurmctld /usr/sbin/munged > /dev/null") >> 8 == 127)
-        GTEST_SKIP() << "slurm-wlm and munge are not installed";  // large, for this test alone
-    class Real : public ProgramCase {
-    public:
-        void TestBody() override {
-            const std::string script = SLURM_SCRIPT, where = path("slurm");
-            ASSERT_EQ(std::system(text(script, " up ", where, " 4").c_str()), 0);
-            setenv("SLURM_CONF", text(where, "/slurm.conf").c_str(), 1);
-            play();
-            std::system(text(script, " down ", where).c_str());
-        }
-        void start() { SetUp(); }
+/// A real Slurm of one node, with a queue of its own.
+class RealSlurm : public ProgramCase {
+protected:
+    void SetUp() override {
+        if (!std::getenv("STRAKE_SLURM")) GTEST_SKIP() << "run by ./test.sh --slurm";  // starts a cluster of its own
+        const char* const needed =
+            "command -v slurmctld sbatch munged /usr/sbin/slurmctld /usr/sbin/munged > /dev/null";
+        if (std::system(needed) >> 8 == 127)
+            GTEST_SKIP() << "slurm-wlm and munge are not installed";  // large, for these tests alone
+        ProgramCase::SetUp();
+        is_up_ = true;
+        ASSERT_EQ(std::system(text(SLURM_SCRIPT, " up ", path("slurm"), " 4").c_str()), 0);
+        setenv("SLURM_CONF", path("slurm/slurm.conf").c_str(), 1);
+    }
+    void TearDown() override {
+        if (is_up_) std::system(text(SLURM_SCRIPT, " down ", path("slurm")).c_str());
+    }
 
-    private:
-        void play() {
-            const std::string plain = external_case(no_gradients, twenty);
-            ASSERT_EQ(run_strake({"run", plain, "--out", path("whole"), "-q"}).status, 0);
-            fs::remove(folder / "calls");
-            const std::string file = external_case(
-                no_gradients + ", retries: 1, parallel: 4, scheduler: {slurm: [--partition=main]}", twenty);
-            mark("sleep-3");
-            mark("sleep-16");  // of level 2, which begins when all of level 1 is there
-            const auto begin = std::chrono::steady_clock::now();
-            const Started run(folder, {"run", file, "--out", path("jobs")});
-            while (!fs::exists(folder / "sleeping")) pause_ms(5);
-            fs::remove(folder / "sleep-3");
-            pause_ms(500);
-            run.send(SIGKILL);  // while jobs run
-            run.wait();
-            const Started again(folder, {"resume", path("jobs")});
-            pause_ms(500);
-            fs::remove(folder / "sleeping");
-            while (!fs::exists(folder / "sleeping")) pause_ms(5);
-            fs::remove(folder / "sleep-16");
-            std::string job = bytes_of(folder / "jobs/evaluations/000016/job");
-            while (job.empty()) pause_ms(20), job = bytes_of(folder / "jobs/evaluations/000016/job");
-            EXPECT_EQ(std::system(text("scancel ", job).c_str()), 0);
-            EXPECT_EQ(again.wait(), 0) << again.messages();
-            const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
-            expect_same("whole", "jobs");
-            EXPECT_EQ(calls().count(16), 2u) << "the cancelled one";
-            for (const int number : calls()) EXPECT_TRUE(calls().count(number) == 1 || number == 16) << number;
-            std::cout << recorded("jobs").size() << " evaluations, " << calls().size() << " jobs, " << seconds.count()
-                      << " s\n";
-        }
+private:
+    bool is_up_ = false;
+};
+
+/// Twenty evaluations as jobs of a real Slurm, one cancelled by hand, and a restart in the middle.
+TEST_F(RealSlurm, EachEvaluationIsPaidOnce) {
+    ASSERT_EQ(run_strake({"run", external_case(no_gradients, twenty), "--out", path("whole"), "-q"}).status, 0);
+    fs::remove(folder / "calls");
+    const std::string file =
+        external_case(no_gradients + ", retries: 1, parallel: 4, scheduler: {slurm: [--partition=main]}", twenty);
+    mark("sleep-3");
+    mark("sleep-16");  // of level 2, which begins when all of level 1 is there
+    const auto begin = std::chrono::steady_clock::now();
+    const Started run(folder, {"run", file, "--out", path("jobs")});
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    fs::remove(folder / "sleep-3");
+    pause_ms(500);
+    run.send(SIGKILL);  // while jobs run
+    run.wait();
+    const Started again(folder, {"resume", path("jobs")});
+    pause_ms(500);
+    fs::remove(folder / "sleeping");
+    while (!fs::exists(folder / "sleeping")) pause_ms(5);
+    fs::remove(folder / "sleep-16");
+    std::string job = bytes_of(folder / "jobs/evaluations/000016/job");
+    while (job.empty()) pause_ms(20), job = bytes_of(folder / "jobs/evaluations/000016/job");
+    EXPECT_EQ(std::system(text("scancel ", job).c_str()), 0);
+    EXPECT_EQ(again.wait(), 0) << again.messages();
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    expect_same("whole", "jobs");
+    EXPECT_EQ(calls().count(16), 2u) << "the cancelled one";
+    for (const int number : calls()) EXPECT_TRUE(calls().count(number) == 1 || number == 16) << number;
+    std::cout << recorded("jobs").size() << " evaluations, " << calls().size() << " jobs, " << seconds.count()
+              << " s\n";
+}
+
+/// Two hundred designs at sixteen places, killed twice.
+TEST_F(RealSlurm, ASampleThatIsKilledTwicePaysForEachDesignOnce) {
+    const std::vector<std::string> design{"sample", external_case(no_gradients, budget), "-n", "200", "-q", "--out"};
+    const auto sample = [&](const std::string& out) {
+        std::vector<std::string> words = design;
+        words.push_back(path(out));
+        return words;
     };
-    Real real;
-    real.start();
-    real.TestBody();
+    ASSERT_EQ(run_strake(sample("whole")).status, 0);
+    fs::remove(folder / "calls");
+    external_case(no_gradients + ", parallel: 16, scheduler: {slurm: [--partition=main]}", budget);
+    const auto begin = std::chrono::steady_clock::now();
+    std::optional<Started> run(std::in_place, folder, sample("jobs"));
+    for (const std::size_t paid : {40u, 120u}) {
+        while (calls().size() < paid && !run->has_ended()) pause_ms(20);
+        ASSERT_FALSE(run->has_ended()) << run->messages();
+        run->send(SIGKILL);
+        run->wait();
+        run.emplace(folder, std::vector<std::string>{"resume", path("jobs"), "-q"});
+    }
+    EXPECT_EQ(run->wait(), 0) << run->messages();
+    const std::chrono::duration<double> seconds = std::chrono::steady_clock::now() - begin;
+    EXPECT_EQ(bytes_of(folder / "jobs/samples.csv"), bytes_of(folder / "whole/samples.csv"));
+    EXPECT_EQ(calls().size(), 200u);
+    for (int number = 1; number <= 200; ++number) EXPECT_EQ(calls().count(number), 1u) << number;
+    std::cout << calls().size() << " jobs, " << seconds.count() << " s\n";
 }
 
 }  // namespace

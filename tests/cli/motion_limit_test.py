@@ -134,6 +134,30 @@ class MotionLimit(unittest.TestCase):
         self.assertIn("region 'tial' is not declared; did you mean 'tail'?", strake("check", "wrong.yaml", status=2).stderr)
         write("wrong.yaml", "max_displacement: {tail: {inward: 0, outward: 0}}")
         self.assertIn("inward and outward are both 0", strake("check", "wrong.yaml", status=2).stderr)
+        write("wrong.yaml", "max_displacement: {tail: 0}")
+        self.assertIn("max_displacement.tail = 0; a region that is not to move is for `fixed`: add it there, `fixed: [tail]`",
+                      strake("check", "wrong.yaml", status=2).stderr)
+        write("wrong.yaml", "max_displacement: {tail: -1%}")
+        self.assertIn("must be >= 0", strake("check", "wrong.yaml", status=2).stderr)
+
+    def test_a_limit_that_limits_nothing_is_told(self):
+        """Planform variables move the datum, too. Told where it is stated, not of the default that a run writes down."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "1000", "-o", "wing.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        alone = WING.replace("KEEP", "").replace("fields: 12", "planform: {wing.span: {range: [-10%, 10%]}}")
+        alone = alone.replace("max: 1, relative", "max: 1.2, relative")
+        cases = {"alone": (alone, 1), "default": (alone.replace(", max_displacement: 2%", ""), 0),
+                 "fields": (alone.replace("{planform", "{fields: 12, planform"), 0)}
+        for name, (text, count) in cases.items():
+            (folder / f"{name}.yaml").write_text(text)
+            said = strake("check", f"{name}.yaml", "--quick")
+            self.assertEqual((said.stdout + said.stderr).count("max_displacement has no effect"), count, name)
+        strake("run", "default.yaml", "--out", "default", "-q")
+        said = strake("check", "default/case.yaml", "--quick")
+        self.assertNotIn("has no effect", said.stdout + said.stderr)
+        moved = self.result("default")
+        self.assertGreater(moved["objective"], 1.05 * moved["objective_start"])  # by more than 5 % of motion
 
     def test_variables_that_hold_each_other_back_reach_the_limit(self):
         """Each of four loads alone moves the surface by the limit; together they press a closed body evenly, and move it by a

@@ -18,6 +18,26 @@
 namespace strake {
 namespace {
 
+/// The folder of an evaluation has files of these names of its own.
+bool is_handed_over(const std::string& word) {
+    return word.starts_with("surface.") || word == "request.json" || word == "result.json";
+}
+
+/// A program runs in the folder of its evaluation: `python3 solve.py` does not find the script beside the case.
+void warn_of_files_elsewhere(const std::string& quantity, const std::vector<std::string>& words,
+                             const std::filesystem::path& case_dir, std::vector<std::string>& warnings) {
+    for (std::size_t k = 1; k < words.size(); ++k) {
+        std::error_code ignored;
+        if (words[k].empty() || words[k].front() == '/' || is_handed_over(words[k]) ||
+            !std::filesystem::is_regular_file(case_dir / words[k], ignored))
+            continue;
+        warnings.push_back(text("quantities.", quantity, ": '", printable(words[k]),
+                                "' is a file beside the case, and the program runs in the folder of its evaluation; "
+                                "write \"{case_dir}/",
+                                printable(words[k]), "\" for that file"));
+    }
+}
+
 /// A quantity that a trial shape may leave undefined (a line that no longer crosses the body): shortens the step.
 Quantity shortening(Quantity quantity) {
     quantity.failing_shortens_step = true;
@@ -213,6 +233,8 @@ Quantity ProblemBuilder::make_program(const QuantityEntry& entry, const External
         command.files.push_back(std::filesystem::absolute(file));
     if (program.on_failure == ExternalEntry::OnFailure::value)
         command.value_after_failure = program.value_after_failure;
+    for (const auto* words : {&command.command, &command.gradient_command})
+        warn_of_files_elsewhere(entry.name, *words, command.case_dir, out_.warnings);
     Quantity quantity = external(command);
     quantity.failing_shortens_step = program.on_failure == ExternalEntry::OnFailure::shrink_step;
     return quantity;

@@ -40,6 +40,10 @@ void ProblemBuilder::set_parameters() {
     set_user_values();
     if (!case_.parameters.planform.empty() && errors_.empty()) set_planform();
     if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
+    if (entry.is_limit_stated && entry.is_planform_alone())
+        out_.warnings.emplace_back(
+            "parameters.max_displacement has no effect: only planform variables move the surface here, and the motion "
+            "limit is about what moves it beside them; their `range` limits them");
     if (purpose_ == Purpose::deform) return;
     if (errors_.empty()) set_kept_sections();
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();

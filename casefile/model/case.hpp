@@ -232,6 +232,11 @@ struct ParameterEntry {
     std::vector<UserVariableEntry> user_variables;
     FieldsEntry fields;
     bool keeps_smooth_border = false;
+
+    /// Then the motion limit limits nothing: planform variables move its datum, too.
+    bool is_planform_alone() const {
+        return !planform.empty() && variables.empty() && user_variables.empty() && !fields.is_wanted;
+    }
 };
 
 struct ProgramParameterEntry {

@@ -78,9 +78,10 @@ void CaseReader::read_motion_limits(const Value& limit) {
         if (!region.inward && !region.outward)
             errors_.add(value.place, text(shown, " must be a length, or have inward or outward"));
         else if (region.inward && region.outward && region.inward->value == 0 && region.outward->value == 0)
-            errors_.add(value.place, text(shown,
-                                          ": inward and outward are both 0; a region that is not to move is "
-                                          "for `fixed`"));
+            errors_.add(value.place,
+                        text(shown, value.form == Value::Form::scalar ? " = 0" : ": inward and outward are both 0",
+                             "; a region that is not to move is for `fixed`: add it there, `fixed: [",
+                             printable(entry.key), "]`"));
         p.max_displacement_by_region.push_back(std::move(region));
     }
 }

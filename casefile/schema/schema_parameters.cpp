@@ -84,7 +84,7 @@ std::vector<Key> kind_keys() {
         {.path = "parameters.max_displacement.*",
          .type = Type::length,
          .doc = "The limit in this region.",
-         .limits = positive},
+         .limits = not_negative},
         {.path = "parameters.max_displacement.*",
          .doc =
              "Different limits of the part of the displacement along the datum's normal and against it. The distance "

@@ -351,7 +351,7 @@ private:
             first_step_ = std::min(first_step_, max_step());
         }
         const bool last = entry == Entry::finished || is_last_ || state_.levels_left() == 0;
-        NonlinearProgram program = program_.enter(start);
+        NonlinearProgram program = program_.enter(start, widened_ > 1);
         carry_over(program, weight_, entry == Entry::again || entry == Entry::finished);
         MinimizeOptions how = options_of_level(entry == Entry::first, last);
         // The rule says when to refine: on the last level only convergence and the budget end the search. A global

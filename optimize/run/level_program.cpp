@@ -115,7 +115,7 @@ LevelProgram::LevelProgram(RunState& state) : state_(state) {
     std::tie(num_inequalities_, num_equalities_) = count_constraints(state.problem.constraints);
 }
 
-const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
+const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool is_widened) {
     const DesignSpace& space = state_.space;
     weight_ = space.metric.diagonal().cwiseSqrt();
     const Eigen::VectorXd inverse = weight_.cwiseInverse();
@@ -125,7 +125,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start) {
     program_.start = start.cwiseProduct(weight_);
     program_.lower = space.lower.cwiseProduct(weight_);
     program_.upper = space.upper.cwiseProduct(weight_);
-    narrow_bounds();
+    if (!is_widened) narrow_bounds();
     program_.num_inequalities = num_inequalities_;
     program_.num_equalities = num_equalities_;
     program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };

@@ -33,8 +33,9 @@ public:
     /// Names of the values whose gradients are wanted, the objective first if it is among them.
     static std::vector<std::string> differentiated_names(const Problem& problem);
 
-    /// The program of the present level; `start` in x.
-    const NonlinearProgram& enter(const Eigen::VectorXd& start);
+    /// The program of the present level; `start` in x. `is_widened`: its ranges have become wider, and stay so where
+    /// several starts are drawn in those of before.
+    const NonlinearProgram& enter(const Eigen::VectorXd& start, bool is_widened = false);
     const NonlinearProgram& program() const { return program_; }
     const Eigen::VectorXd& weight() const { return weight_; }
     Eigen::VectorXd unscaled(const Eigen::VectorXd& y) const;

@@ -173,6 +173,9 @@ MISTAKES = [
     ("a solver that gives values only", {**(lambda files: {**files, "case.yaml": files["case.yaml"].replace(
         ", gradients: false", "").replace(", method: cobyla", "")})(program('echo \'{"value": 0.5}\' > "$1"'))}, RUN, 5),
     ("a solver that may not be run", {**program("exit 0"), "mode": 0o644}, RUN, 2),
+    ("a script beside the case, which the program looks for where it runs",
+     {"solve.py": "", "case.yaml": program("")["case.yaml"].replace("./solver.sh", "python3, solve.py, \"{case_dir}/solve.py\"")},
+     CHECK, 0),
 ]
 
 

@@ -134,6 +134,30 @@ class MotionLimit(unittest.TestCase):
         self.assertIn("region 'tial' is not declared; did you mean 'tail'?", strake("check", "wrong.yaml", status=2).stderr)
         write("wrong.yaml", "max_displacement: {tail: {inward: 0, outward: 0}}")
         self.assertIn("inward and outward are both 0", strake("check", "wrong.yaml", status=2).stderr)
+        write("wrong.yaml", "max_displacement: {tail: 0}")
+        self.assertIn("max_displacement.tail = 0; a region that is not to move is for `fixed`: add it there, `fixed: [tail]`",
+                      strake("check", "wrong.yaml", status=2).stderr)
+        write("wrong.yaml", "max_displacement: {tail: -1%}")
+        self.assertIn("must be >= 0", strake("check", "wrong.yaml", status=2).stderr)
+
+    def test_a_limit_that_limits_nothing_is_told(self):
+        """Planform variables move the datum, too. Told where it is stated, not of the default that a run writes down."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "1000", "-o", "wing.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        alone = WING.replace("KEEP", "").replace("fields: 12", "planform: {wing.span: {range: [-10%, 10%]}}")
+        alone = alone.replace("max: 1, relative", "max: 1.2, relative")
+        cases = {"alone": (alone, 1), "default": (alone.replace(", max_displacement: 2%", ""), 0),
+                 "fields": (alone.replace("{planform", "{fields: 12, planform"), 0)}
+        for name, (text, count) in cases.items():
+            (folder / f"{name}.yaml").write_text(text)
+            said = strake("check", f"{name}.yaml", "--quick")
+            self.assertEqual((said.stdout + said.stderr).count("max_displacement has no effect"), count, name)
+        strake("run", "default.yaml", "--out", "default", "-q")
+        said = strake("check", "default/case.yaml", "--quick")
+        self.assertNotIn("has no effect", said.stdout + said.stderr)
+        moved = self.result("default")
+        self.assertGreater(moved["objective"], 1.05 * moved["objective_start"])  # by more than 5 % of motion
 
     def test_variables_that_hold_each_other_back_reach_the_limit(self):
         """Each of four loads alone moves the surface by the limit; together they press a closed body evenly, and move it by a
@@ -143,14 +167,17 @@ class MotionLimit(unittest.TestCase):
         (pathlib.Path(FOLDER.name) / "closed.yaml").write_text(
             "surface: {file: closed.obj}\nhold: point\nobjective: {maximize: volume}\noptimize: {budget: {evaluations: 60}}\n"
             "parameters: {levels: auto, patches_per_level: [4], variables: [normal], max_displacement: 0.5%}\n")
-        done = strake("run", "closed.yaml", "--out", "closed")
-        self.assertIn("the ranges become 4 times as wide", done.stdout + done.stderr)
-        told = json.loads((pathlib.Path(FOLDER.name) / "closed/run.json").read_text())
-        self.assertEqual(told["status"], "converged")
-        self.assertTrue(told["motion_limit"]["active"], told["reason"])
-        self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
-        level = told["levels"][0]
-        self.assertGreater(level["objective_end"], 1.03 * level["objective_start"], "0.06 % with their first ranges")
+        for starts in (1, 2):  # random starts are drawn in the first ranges
+            run = f"closed{starts}"
+            done = strake("run", "closed.yaml", "--out", run, "--set", f"optimize.starts={starts}")
+            self.assertIn("the ranges become 4 times as wide", done.stdout + done.stderr)
+            told = json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
+            self.assertIn(told["status"], ("converged", "budget")[:starts])
+            self.assertGreater(told["motion_limit"]["used"], 0.9, told["reason"])
+            self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
+            level = told["levels"][0]
+            self.assertGreater(level["objective_end"], 1.03 * level["objective_start"], "0.06 % with their first ranges")
+        self.assertTrue(json.loads((pathlib.Path(FOLDER.name) / "closed1/run.json").read_text())["motion_limit"]["active"])
         # A run of before keeps them.
         (pathlib.Path(FOLDER.name) / "few.yaml").write_text(
             (pathlib.Path(FOLDER.name) / "closed.yaml").read_text().replace("evaluations: 60", "evaluations: 3"))

@@ -46,7 +46,10 @@ bool SqpSearch::is_stationary(const VectorXd& d, double predicted) {
         const double expected = merit_.expected_decrease(hessian_.matrix(), free.size() > 0 ? free : d);
         return free.size() > 0 && is_small(expected) && end_by_small(expected);
     }
-    if (d.lpNorm<Eigen::Infinity>() <= step_tolerance)
+    const bool is_short = d.lpNorm<Eigen::Infinity>() <= step_tolerance;
+    // Steps that fail say nothing of the gradient.
+    if (is_short && is_limited && failures_ > 0 && rejections_ == 0) return end_by_failures(border_.is_known());
+    if (is_short)
         return end(is_limited    ? MinimizeStop::roundoff
                    : is_feasible ? MinimizeStop::converged
                                  : MinimizeStop::roundoff,

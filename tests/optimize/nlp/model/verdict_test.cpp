@@ -159,6 +159,33 @@ TEST(Verdict, ATrueOptimumIsConvergedWithoutReservations) {
 
 /// A soft direction in which long steps fail, and along which next to nothing is left to gain; next to the optimum all
 /// steps fail.
+TEST(Verdict, WhereShortStepsFailTheGradientIsNotDoubted) {
+    // Beyond the wall nothing has a value, however short the step; before it the gradient is right.
+    constexpr double wall = 0.5;
+    NonlinearProgram p = program_of(
+        vec({1, 1}), VectorXd::Constant(2, -3), VectorXd::Constant(2, 3), 0, 0,
+        [](const VectorXd& x) { return vec({x[0] + x[1] * x[1]}); },
+        [](const VectorXd& x) {
+            MatrixXd g(1, 2);
+            g << 1, 2 * x[1];
+            return g;
+        });
+    p.evaluate = [sound = p.evaluate](const VectorXd& x) {
+        Evaluation s = sound(x);
+        if (x[0] < wall) s.failure = "buckled", s.is_of_step = true;
+        return s;
+    };
+    for (const double first_step : {0.5, 1e-2, 1e-3, 1e-4}) {
+        SCOPED_TRACE(first_step);
+        p.start = vec({first_step < 0.1 ? wall + 1e-9 : 1, 1});
+        MinimizeOptions options;
+        options.first_step = first_step;
+        const MinimizeResult r = minimize(p, options);
+        EXPECT_EQ(r.stop, MinimizeStop::no_valid_step) << r.reason;
+        EXPECT_NE(r.reason.find("the last failure: buckled"), std::string::npos) << r.reason;
+    }
+}
+
 TEST(Verdict, WhereFailuresOnlyKeepFromNothingTheSearchHasConverged) {
     constexpr double soft = 1e-9, good = 1 + 1e-7;
     NonlinearProgram p = program_of(

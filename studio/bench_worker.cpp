@@ -4,6 +4,7 @@
 #include "report/json_number.hpp"
 
 #include <chrono>
+#include <cmath>
 
 namespace strake {
 
@@ -37,9 +38,9 @@ BenchWorker::State BenchWorker::state() {
     return now;
 }
 
-Points BenchWorker::shape() {
+Points BenchWorker::shape(std::optional<int> wish) {
     const std::lock_guard lock(busy_);
-    return shape_;
+    return !wish || *wish == state_.shape_of ? shape_ : Points(0, 3);
 }
 Points BenchWorker::downhill() {
     const std::lock_guard lock(busy_);
@@ -65,7 +66,7 @@ void BenchWorker::work() {
         }
         Json made;
         try {
-            made = answer(next);
+            made = answer(next, number);
         } catch (const std::exception& error) {
             made = {{"error", error.what()}};
         }
@@ -76,20 +77,21 @@ void BenchWorker::work() {
     }
 }
 
-BenchWorker::Json BenchWorker::answer(const Wish& wish) {
+BenchWorker::Json BenchWorker::answer(const Wish& wish, int number) {
     if (!bench_ || bench_yaml_ != wish.yaml) {
         {
             const std::lock_guard lock(busy_);
             preview_.reset();
             shape_.resize(0, 3);
             downhill_.resize(0, 3);
+            state_.shape_of = 0;
         }
         bench_.reset();
         bench_ = std::make_unique<ShapeBench>(load_(wish.yaml));
         bench_yaml_ = wish.yaml;
     }
     const int level = wish.level.value_or(bench_->coarsest());
-    return wish.x ? shape_json(level, wish) : variables_json(level);
+    return wish.x ? shape_json(level, wish, number) : variables_json(level);
 }
 
 /// {levels: [first, last], level, variables: [{name, lower, upper, unit, is_parameter}], leaves_out_programs}.
@@ -110,10 +112,23 @@ BenchWorker::Json BenchWorker::variables_json(int level) {
             {"leaves_out_programs", bench_->leaves_out_programs()}};
 }
 
-/// {status, reason, has_shape, seconds, values: {name: value}, slope: {name, trouble, has} or null}.
-BenchWorker::Json BenchWorker::shape_json(int level, const Wish& wish) {
+/// {status, reason, has_shape, shape_seconds, seconds, values: {name: value}, slope: {name, trouble, has} or null}. The
+/// shape can be fetched before it is judged; where a newer wish waits then, it is not judged: status "overtaken".
+BenchWorker::Json BenchWorker::shape_json(int level, const Wish& wish, int number) {
     const auto begin = std::chrono::steady_clock::now();
-    BenchShape made = bench_->at(level, *wish.x);
+    const auto seconds = [&] {
+        return std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
+    };
+    double shape_seconds = std::nan("");
+    bool has_shape = false;
+    BenchShape made = bench_->at(level, *wish.x, [&](const Points& vertices) {
+        const std::lock_guard lock(busy_);
+        has_shape = true;
+        shape_seconds = seconds();
+        shape_ = vertices;
+        state_.shape_of = number;
+        return !waiting_;
+    });
     Json values = Json::object(), slope = nullptr;
     for (std::size_t k = 0; k < std::min(made.names.size(), made.values.size()); ++k)
         values[made.names[k]] = json_number(made.values[k]);
@@ -123,13 +138,15 @@ BenchWorker::Json BenchWorker::shape_json(int level, const Wish& wish) {
         slope = {{"name", found.name}, {"trouble", found.trouble}, {"has", found.downhill.rows() > 0}};
         downhill = std::move(found.downhill);
     }
-    const bool has_shape = made.vertices.rows() > 0;
     const std::lock_guard lock(busy_);
-    shape_ = std::move(made.vertices);
     downhill_ = std::move(downhill);
-    const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - begin).count();
-    return {{"status", made.status},           {"reason", made.reason},       {"has_shape", has_shape},
-            {"seconds", json_number(seconds)}, {"values", std::move(values)}, {"slope", std::move(slope)}};
+    return {{"status", made.status},
+            {"reason", made.reason},
+            {"has_shape", has_shape},
+            {"shape_seconds", json_number(shape_seconds)},
+            {"seconds", json_number(seconds())},
+            {"values", std::move(values)},
+            {"slope", std::move(slope)}};
 }
 
 }  // namespace strake

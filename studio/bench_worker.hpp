@@ -33,20 +33,22 @@ public:
         int done = 0;  ///< number of the last wish that is answered
         bool is_busy = false;
         Json answer;        ///< of that wish; {error: words} where it failed
+        int shape_of = 0;   ///< number of the wish whose shape is there: before its answer, and while newer ones wait
         int num_modes = 0;  ///< variables whose first-order motion is there
         bool has_envelope = false;
         std::string mode_trouble;
     };
     State state();
-    Points shape();                                        ///< the last one; empty: none
+    /// The last one, valid or not; empty: none. @param wish its number; nothing: whichever it is
+    Points shape(std::optional<int> wish = {});
     Points downhill();                                     ///< of the last wish with a slope
     std::shared_ptr<const LinearPreview> preview() const;  ///< of the level asked for last; null: none yet
 
 private:
     void work();
-    Json answer(const Wish& wish);
+    Json answer(const Wish& wish, int number);
     Json variables_json(int level);
-    Json shape_json(int level, const Wish& wish);
+    Json shape_json(int level, const Wish& wish, int number);
 
     std::function<Case(const std::string&)> load_;
     std::unique_ptr<ShapeBench> bench_;  ///< of the thread alone

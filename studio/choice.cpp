@@ -2,6 +2,8 @@
 
 #include "casefile/build/region_shapes.hpp"
 #include "core/error.hpp"
+#include "core/mesh/closest_point.hpp"
+#include "core/mesh/geometry.hpp"
 
 #include <algorithm>
 #include <array>
@@ -82,6 +84,7 @@ struct Apply {
     }
     std::vector<char> operator()(const GrowChoice&) const { return before; }
     std::vector<char> operator()(const InvertChoice&) const { return before; }
+    std::vector<char> operator()(const MirrorChoice&) const { return before; }
     std::vector<char> operator()(const WingBox& box) const {
         if (!box.wing.empty()) return shape(with_shape(wing_region_of(box)));
         if (!on.found_wing) throw InvalidInput("no wing is found on this surface; declare one under planform");
@@ -105,6 +108,33 @@ struct Apply {
 std::vector<char> grown(const ChoiceGround& on, const std::vector<char>& marks, double by) {
     if (std::find(marks.begin(), marks.end(), 1) == marks.end()) return marks;
     return grown_marks(on.ground.start, marks, by);
+}
+
+/// @param marks of which the image comes along
+std::vector<char> with_image(const TriMesh& mesh, double diagonal, std::vector<char> marks,
+                             const SymmetryPlane& plane) {
+    constexpr double reach = 1e-3;  ///< diagonals from an image to the surface: what `plane_of_symmetry` lets differ
+    const Points centre = triangle_centroids(mesh);
+    Eigen::Vector3d low = Eigen::Vector3d::Constant(std::numeric_limits<double>::infinity()), high = -low;
+    for (const int t : numbers_of(marks))
+        for (int k = 0; k < 3; ++k) {
+            const Eigen::Vector3d corner = mesh.vertices.row(mesh.triangles(t, k));
+            low = low.cwiseMin(corner);
+            high = high.cwiseMax(corner);
+        }
+    const ClosestPointTree tree(mesh);
+    const std::vector<char> before = marks;
+    for (std::size_t t = 0; t < marks.size(); ++t) {
+        const Eigen::Vector3d c = centre.row(static_cast<Eigen::Index>(t));
+        const Eigen::Vector3d image = c - 2 * (plane.normal.dot(c) - plane.offset) * plane.normal;
+        const Eigen::Array3d room = Eigen::Array3d::Constant(reach * diagonal);
+        if (marks[t] || (image.array() < low.array() - room).any() || (image.array() > high.array() + room).any())
+            continue;
+        const ClosestPoint nearest = tree.find(image);
+        if (nearest.distance <= reach * diagonal && before[static_cast<std::size_t>(nearest.triangle)])
+            marks[t] = 1;
+    }
+    return marks;
 }
 
 // -- Descriptions
@@ -382,6 +412,7 @@ struct Describer {
                 so_far = helper;
                 return true;
             }
+            if (std::holds_alternative<MirrorChoice>(step.what)) return false;  // a case has no words for it
             if (std::holds_alternative<InvertChoice>(step.what)) {
                 so_far = so_far.empty() ? "all" : "all - (" + so_far + ")";
                 return true;
@@ -468,6 +499,10 @@ std::vector<char> chosen(const ChoiceGround& ground, const std::vector<ChoiceSte
     for (const ChoiceStep& step : steps) {
         if (const auto* grow = std::get_if<GrowChoice>(&step.what)) {
             marks = grown(ground, marks, grow->by);
+            continue;
+        }
+        if (const auto* mirror = std::get_if<MirrorChoice>(&step.what)) {
+            marks = with_image(ground.ground.start.mesh, ground.ground.start.diagonal, std::move(marks), mirror->plane);
             continue;
         }
         if (std::holds_alternative<InvertChoice>(step.what)) {

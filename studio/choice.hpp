@@ -21,6 +21,10 @@ struct GrowChoice {
     double by = 0;  ///< length along edges; negative shrinks
 };
 struct InvertChoice {};
+/// The mirror image comes along: triangles whose middle, mirrored, lies on a chosen one.
+struct MirrorChoice {
+    SymmetryPlane plane;
+};
 /// A region that the case declares.
 struct DeclaredRegion {
     std::string name;
@@ -36,7 +40,7 @@ struct WingBox {
 struct ChoiceStep {
     Combine combine = Combine::add;
     std::variant<PatchShape, SolidShape, ComponentShape, FloodedRegion, HalfSpace, BoxShape, PickedTriangles, PickedAll,
-                 GrowChoice, InvertChoice, DeclaredRegion, WingBox>
+                 GrowChoice, InvertChoice, MirrorChoice, DeclaredRegion, WingBox>
         what;
 };
 

@@ -55,6 +55,12 @@ HalfSpace plane_of(const Json& value) {
     return {normal.normalized(), number_of(member(value, "at"), "plane: at"), above.get<bool>()};
 }
 
+SymmetryPlane mirror_of(const Json& value) {
+    const Eigen::Vector3d normal = vector_of(member(value, "normal"), "mirror: normal");
+    if (!(normal.norm() > 1e-12)) throw InvalidInput("mirror: the normal must not be zero");
+    return {normal.normalized(), number_of(member(value, "offset"), "mirror: offset") / normal.norm()};
+}
+
 BoxShape box_of(const Json& value) {
     if (!value.is_array() || value.size() != 2) throw InvalidInput("box must be two corners");
     const BoxShape box{vector_of(value[0], "box: corner"), vector_of(value[1], "box: corner")};
@@ -121,6 +127,8 @@ ChoiceStep step_of(const Json& step, const TriMesh& mesh) {
         made.what = GrowChoice{number_of(step["grow"], "grow")};
     else if (step.contains("invert"))
         made.what = InvertChoice{};
+    else if (step.contains("mirror"))
+        made.what = MirrorChoice{mirror_of(step["mirror"])};
     else if (step.contains("wing"))
         made.what = wing_box_of(step["wing"]);
     else if (step.contains("region"))

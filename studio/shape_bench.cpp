@@ -125,7 +125,7 @@ const std::vector<BenchVariable>& ShapeBench::variables(int level) {
     return impl_->level(level).variables;
 }
 
-BenchShape ShapeBench::at(int level, const std::vector<double>& x) {
+BenchShape ShapeBench::at(int level, const std::vector<double>& x, const std::function<bool(const Points&)>& deformed) {
     const std::vector<BenchVariable>& known = variables(level);
     if (x.size() != known.size())
         throw InvalidInput(text(x.size(), " values for the ", known.size(), " variables of level ", level));
@@ -136,9 +136,14 @@ BenchShape ShapeBench::at(int level, const std::vector<double>& x) {
     ShapeEvaluator& evaluator = impl_->evaluator_of(level);
     BenchShape shape;
     shape.names = evaluator.names();
+    const Eigen::VectorXd design = Eigen::VectorXd::Map(x.data(), static_cast<Eigen::Index>(x.size()));
     try {
-        ShapeEvaluation found =
-            evaluator.evaluate(Eigen::VectorXd::Map(x.data(), static_cast<Eigen::Index>(x.size())), 1);
+        if (deformed)
+            if (const Points found = evaluator.equilibrium(design); found.rows() > 0 && !deformed(found)) {
+                shape.status = "overtaken";
+                return shape;
+            }
+        ShapeEvaluation found = evaluator.evaluate(design, 1);
         shape.status = to_string(found.status);
         shape.reason = found.reason;
         shape.values = found.values;

@@ -2,6 +2,7 @@
 #include "casefile/model/case.hpp"
 #include "studio/linear_preview.hpp"
 
+#include <functional>
 #include <memory>
 #include <string>
 #include <vector>
@@ -38,7 +39,9 @@ public:
     const std::vector<BenchVariable>& variables(int level);
     /// The shape where variable i of the level is x[i]. @throws InvalidInput: another number of values, or not finite,
     /// or outside of [lower, upper].
-    BenchShape at(int level, const std::vector<double>& x);
+    /// @param deformed is told the shape before the guard and the quantities look at it, valid or not. False: they need
+    /// not, the status is "overtaken".
+    BenchShape at(int level, const std::vector<double>& x, const std::function<bool(const Points&)>& deformed = {});
     /// What the variables of a level do to first order, begun when it is asked for the first time.
     std::shared_ptr<const LinearPreview> preview(int level);
     /// The objective and its derivative by the vertices of a shape (n x 3), downhill: where the surface is to go for a

@@ -53,21 +53,24 @@ Studio::Impl::Json Studio::Impl::feel(const Asked& asked) {
     return {{"wish", worker->wish(std::move(wish))}};
 }
 
-/// {done, is_busy, answer, modes, envelope, trouble}.
+/// {done, is_busy, answer, shape_of, modes, envelope, trouble}.
 Studio::Impl::Json Studio::Impl::felt_state() {
     BenchWorker* at_work = nullptr;
     {
         const std::lock_guard lock(busy);
         at_work = worker.get();
     }
-    if (!at_work) return {{"done", 0}, {"is_busy", false}, {"answer", nullptr}, {"modes", 0}, {"envelope", false}};
+    if (!at_work)
+        return {{"done", 0},     {"is_busy", false}, {"answer", nullptr},
+                {"shape_of", 0}, {"modes", 0},       {"envelope", false}};
     BenchWorker::State state = at_work->state();
-    return {{"done", state.done},       {"is_busy", state.is_busy},       {"answer", std::move(state.answer)},
-            {"modes", state.num_modes}, {"envelope", state.has_envelope}, {"trouble", state.mode_trouble}};
+    return {{"done", state.done},           {"is_busy", state.is_busy}, {"answer", std::move(state.answer)},
+            {"shape_of", state.shape_of},   {"modes", state.num_modes}, {"envelope", state.has_envelope},
+            {"trouble", state.mode_trouble}};
 }
 
-/// Arrays of the sliders: "shape" (as positions of /api/surface), "slope" (n x 3), "envelope" (outward, then inward),
-/// "mode" (n x 3) of variable `j`.
+/// Arrays of the sliders: "shape" (as positions of /api/surface; of the wish `of`, if that is still the last), "slope"
+/// (n x 3), "envelope" (outward, then inward), "mode" (n x 3) of variable `j`.
 WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request) {
     const auto shown = need_subject();
     BenchWorker* at_work = nullptr;
@@ -76,9 +79,16 @@ WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request)
         at_work = worker.get();
     }
     const Eigen::Index vertices = shown->ground.start.mesh.num_vertices();
+    const auto number = [&](const char* name) -> std::optional<int> {
+        const auto stated = request.query.find(name);
+        if (stated == request.query.end()) return {};
+        int value = -1;
+        std::from_chars(stated->second.data(), stated->second.data() + stated->second.size(), value);
+        return value;
+    };
     if (!at_work) return nothing_there("no variables were asked for");
     if (what == "shape") {
-        const Points shape = at_work->shape();
+        const Points shape = at_work->shape(number("of"));
         if (shape.rows() != vertices)
             return nothing_there("there is no shape, or it belongs to another surface than the one shown");
         return numbers_answer(centred_positions(shape, shown->ground.start.mesh));
@@ -96,10 +106,7 @@ WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request)
         const auto count = static_cast<std::size_t>(vertices);
         return numbers_answer(bytes_of(envelope->outward.data(), count) + bytes_of(envelope->inward.data(), count));
     }
-    int number = -1;
-    if (const auto j = request.query.find("j"); j != request.query.end())
-        std::from_chars(j->second.data(), j->second.data() + j->second.size(), number);
-    const auto mode = preview->mode(number);
+    const auto mode = preview->mode(number("j").value_or(-1));
     if (!mode || static_cast<Eigen::Index>(mode->size()) != 3 * vertices) return nothing_there("not there yet");
     return numbers_answer(bytes_of(mode->data(), mode->size()));
 }

@@ -161,6 +161,12 @@ QueuedDesign ShapeEvaluator::begin(const Eigen::VectorXd& x, int number) {
     return design;
 }
 
+Points ShapeEvaluator::equilibrium(const Eigen::VectorXd& x) {
+    ShapeEvaluation shape;
+    solver_.settle(x, shape);
+    return std::move(shape.vertices);
+}
+
 ShapeEvaluation ShapeEvaluator::evaluate(const Eigen::VectorXd& x, int number) {
     QueuedDesign design = queue_.next(x, number);
     ShapeEvaluation& result = design.result;

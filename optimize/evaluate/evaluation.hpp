@@ -43,6 +43,8 @@ public:
     /// @param number of the evaluation within the run, for external programs. Failing is a result.
     /// A system that cannot be solved is a failure like any other. @throws UnheldPart, InvalidInput.
     ShapeEvaluation evaluate(const Eigen::VectorXd& x, int number);
+    /// Vertices of the equilibrium at x, valid or not; empty: there is none. `evaluate` at the same x goes on from it.
+    Points equilibrium(const Eigen::VectorXd& x);
     /// These designs will be asked for next, as the evaluations from `first` on: where programs may run in parallel,
     /// the shapes are made one after another in this order and the programs called when a concurrent call is free. If
     /// others are asked for, what was begun is cancelled.

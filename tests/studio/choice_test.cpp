@@ -166,6 +166,24 @@ TEST_F(Choices, GrowsAsTheCaseDoes) {
     EXPECT_LT(std::count(back.begin(), back.end(), 1), std::count(marks.begin(), marks.end(), 1));
 }
 
+TEST_F(Choices, MirrorImagesComeAlong) {
+    // Mirror images of each other: the two boxes, about x = 2.5; each of them, about y = 1.
+    const ChoiceStep low{Combine::add, HalfSpace{{0, 0, 1}, 1.2, false}},
+        first{Combine::intersect, SolidShape{"first"}};
+    const auto both = chosen(on(), {low, first, {Combine::add, MirrorChoice{{{1, 0, 0}, 2.5}}}});
+    EXPECT_EQ(both, those([](const auto& x) { return x[2] <= 1.2; }));
+    const ChoiceStep side{Combine::add, HalfSpace{{0, 1, 0}, 0.5, false}};
+    const auto sides = chosen(on(), {side, {Combine::add, MirrorChoice{{{0, 1, 0}, 1}}}});
+    const auto left = those([](const auto&x) { return x[1] <= 0.5; }),
+               right = those([](const auto&x) { return x[1] >= 1.5; });
+    std::vector<char> expected = left;
+    for (std::size_t t = 0; t < expected.size(); ++t) expected[t] = static_cast<char>(left[t] || right[t]);
+    EXPECT_EQ(sides, expected);
+    EXPECT_EQ(chosen(on(), {side, {Combine::add, MirrorChoice{{{1, 0, 0}, 9}}}}), left) << "nothing lies there";
+    EXPECT_EQ(chosen(on(), {{Combine::add, MirrorChoice{{{1, 0, 0}, 2.5}}}}),
+              std::vector<char>(static_cast<std::size_t>(count()), 0));
+}
+
 TEST_F(Choices, ListsNeedTheNumbersOfTheFile) {
     PickedTriangles crumbs{{0, 7, 31}};
     const std::vector<ChoiceStep> steps{{Combine::add, crumbs}};

@@ -21,6 +21,7 @@ const words = (step) => {
   if (step.all) return `${sign} all`;
   if (step.grow !== undefined) return step.grow >= 0 ? `grow by ${number(step.grow)}` : `shrink by ${number(-step.grow)}`;
   if (step.region) return `${sign} region ${step.region}`;
+  if (step.mirror) return 'with its mirror image';
   return 'complement';
 };
 
@@ -231,6 +232,13 @@ export class Choosing {
       choice('Side', [['both', 'both'], ['upper', 'upper'], ['lower', 'lower']], this.box.side, (v) => { this.box.side = v; this.update(); })];
   }
 
+  /** Adds the mirror image of what is chosen, where the whole body has one. */
+  mirrorButton() {
+    const { symmetry } = this.scene.body.facts, has = Boolean(symmetry) && !symmetry.is_half;
+    return h('button', { type: 'button', id: 'mirror', disabled: !has, title: has ? 'Adds the mirror image of what is chosen' : 'No plane of symmetry of a whole body is found',
+      onclick: () => this.push({ op: '+', mirror: { normal: symmetry.normal, offset: symmetry.offset } }) }, 'Mirror');
+  }
+
   panel() {
     this.place = h('div', { class: 'controls options' });
     this.found = h('div', { 'aria-live': 'polite', class: 'found' });
@@ -246,7 +254,7 @@ export class Choosing {
       h('div', { class: 'controls' }, this.toolChoice, choice('and', [['+', 'add'], ['-', 'subtract'], ['&', 'intersect']], this.op, (v) => { this.op = v; this.update(); })),
       this.place,
       h('div', { class: 'controls' }, button('Undo', () => { if (this.steps.length > 0) this.setSteps(this.steps.slice(0, -1), 'a step less'); }), button('Clear', () => { this.setSteps([], 'clear'); this.setTool('patch'); this.toolChoice.querySelector('select').value = 'patch'; }),
-        button('All', () => this.push({ op: this.op, all: true })), button('Complement', () => this.push({ op: '+', invert: true })),
+        button('All', () => this.push({ op: this.op, all: true })), button('Complement', () => this.push({ op: '+', invert: true })), this.mirrorButton(),
         h('span', { class: 'control' }, button('Grow', () => this.push({ op: '+', grow: by.valueAsNumber || 0 })), button('Shrink', () => this.push({ op: '+', grow: -(by.valueAsNumber || 0) })), h('span', {}, 'by'), by)),
       this.list, this.found,
       h('div', { class: 'controls' }, h('label', { class: 'control' }, h('span', {}, 'Name'), name), tick('it does not move (fixed)', this.fix, (v) => { this.fix = v; }),

@@ -14,7 +14,9 @@ export class Feel {
     this.list = [];
     this.text = null;
     this.modes = new Map();
-    this.times = { preview: [], exact: [] };
+    this.times = { preview: [], exact: [], judged: [] };
+    this.asked = new Map();  // of wishes that may still get a shape: {x, begin, text, level}
+    this.newest = this.shapeOf = 0;
     this.shows = 'patches';
   }
 
@@ -43,16 +45,38 @@ export class Feel {
   }
 
   /** The answer to a wish that is the newest; null: another one came. */
-  async wish(more) {
-    const { wish } = await post('feel', { text: this.text, ...more });
+  async wish(more, begin = performance.now()) {
+    const { text } = this, { wish } = await post('feel', { text, ...more });
+    if (wish <= this.shapeOf) { this.shapeOf = 0; this.asked.clear(); }  // the studio was started again
     this.newest = wish;
-    for (let wait = 12; ; wait = Math.min(80, wait * 1.2)) {
+    if (more.x) this.asked.set(wish, { x: more.x, begin, text, level: more.level });
+    for (let wait = 12; ; wait = Math.min(40, wait * 1.1)) {
       const state = await get('api/felt_state');
       this.noteModes(state);
+      if (state.shape_of > this.shapeOf) this.taking = this.takeShape(state.shape_of);
+      await this.taking;
       if (wish !== this.newest) return null;
       if (state.done >= wish) return state.answer;
       await pause(wait);
     }
+  }
+
+  /** The exact shape of a wish, before it is judged. That of an older one brings the first-order shape closer. */
+  async takeShape(wish) {
+    this.shapeOf = wish;
+    const of = this.asked.get(wish), { scene } = this.studio;
+    for (const older of [...this.asked.keys()]) if (older <= wish) this.asked.delete(older);
+    if (!of || of.text !== this.text || of.level !== this.level) return;
+    let p = null;
+    try { p = new Float32Array(await bytes(`api/felt/shape?of=${wish}`)); } catch { return; }  // the next one is there already
+    if (wish !== this.shapeOf || of.text !== this.text || of.level !== this.level || p.length !== scene.body.start.length) return;
+    this.last = p;
+    this.exactX = of.x;
+    if (!this.isOpen) return;
+    if (of.x.some((v, k) => v !== this.x[k])) { this.preview(); return; }
+    scene.viewer.hurry();
+    scene.setPositions(p);
+    scene.viewer.afterDraw = () => this.note('exact', of.begin);
   }
 
   noteModes(state) {
@@ -69,6 +93,7 @@ export class Feel {
     this.extras.replaceChildren();
     this.last = this.start = null;
     this.modes.clear();
+    this.asked.clear();
     try {
       this.text = this.studio.editor.text;
       const found = await this.wish(level === null ? {} : { level });
@@ -160,7 +185,7 @@ export class Feel {
           const after = this.x.slice();
           this.studio.history.add(v.name, () => this.set(before), () => this.set(after), `slider ${v.name}`);
           this.preview();
-          this.studio.scene.viewer.afterDraw = () => this.note('preview', performance.now() - begin);
+          this.studio.scene.viewer.afterDraw = () => this.note('preview', begin);
           this.ask(begin);
         }, onchange: () => { from = null; } });
       const rate = this.rates ? h('span', { class: 'rate', title: `derivative of ${this.slopeName}: ${number(this.rates[i], 3)} per unit`, 'aria-hidden': 'true' },
@@ -172,29 +197,22 @@ export class Feel {
       shape.length > shownAtOnce ? h('details', { open }, h('summary', {}, `${shape.length - shownAtOnce} more`), ...shape.slice(shownAtOnce).map(one)) : '');
   }
 
-  note(kind, milliseconds) {
+  /** How long something took that is seen now. */
+  note(kind, begin) {
+    const milliseconds = performance.now() - begin;
     this.times[kind].push(milliseconds);
     document.documentElement.dataset[kind] = milliseconds.toFixed(1);
   }
 
   /** The exact shape at the sliders; newer positions overtake older ones. */
   async ask(begin = performance.now()) {
-    const x = this.x.slice(), { scene } = this.studio;
+    const x = this.x.slice();
     this.verdict.textContent = 'Computing the exact shape …';
     document.documentElement.dataset.felt = 'busy';
     try {
-      const found = await this.wish({ level: this.level, x, slope: this.shows === 'slope' });
+      const found = await this.wish({ level: this.level, x, slope: this.shows === 'slope' }, begin);
       if (!found) return;
       if (found.error) throw new Error(found.error);
-      if (found.has_shape) {
-        const p = new Float32Array(await bytes('api/felt/shape'));
-        if (p.length === scene.body.start.length) {
-          this.last = p;
-          this.exactX = x;
-          const isNow = x.every((v, k) => v === this.x[k]);
-          if (this.isOpen && isNow) { scene.setPositions(p); this.note('exact', performance.now() - begin); } else this.preview();
-        }
-      }
       this.slope = null;
       if (found.slope && found.slope.has) await this.takeSlope(found.slope);
       else if (found.slope && this.shows === 'slope') this.studio.tell(found.slope.trouble || 'The case has no objective whose derivative needs no program.');
@@ -203,6 +221,7 @@ export class Feel {
       this.verdict.replaceChildren(found.status === 'ok' ? h('span', { class: 'badge good' }, 'valid') : h('span', { class: 'badge bad' }, found.status.replace('_', ' ')),
         found.status === 'ok' ? ` A valid shape, in ${number(this.seconds, 2)} s` : ` ${found.reason}`);
       this.listValues(found.values);
+      this.note('judged', begin);
       this.colour();
       document.documentElement.dataset.felt = `${found.status} ${this.x.filter((v) => v !== 0).length}`;
       if (!this.start && x.every((v, k) => v === this.x[k])) await this.askStart(found.values);

@@ -341,6 +341,7 @@ export class Scene3D {
     this.model.setQuickly(p);
     this.creaseLines.visible = false;
     if (this.trailingLine) this.trailingLine.visible = false;
+    this.viewer.hurry();
     this.viewer.draw();
   }
 
@@ -383,10 +384,24 @@ export class Scene3D {
     return through ? found : this.seen(found);
   }
 
-  /** Those of the triangles that a picture with one colour a triangle shows. */
+  /** The triangle that a picture of w x h pixels shows where the middle of `t` is lies clearly in front of it. */
+  isHidden(t, shown, w, h) {
+    const { camera } = this.viewer, e = camera.matrixWorldInverse, { triangles } = this.body, p = this.model.p;
+    const seenFrom = (s) => [0, 1, 2].map((k) => new Vector3().fromArray(p, 3 * triangles[3 * s + k]).applyMatrix4(e));
+    const middle = seenFrom(t).reduce((sum, v) => sum.addScaledVector(v, 1 / 3), new Vector3()), place = middle.clone().applyMatrix4(camera.projectionMatrix);
+    const x = Math.floor(((place.x + 1) / 2) * w), y = Math.floor(((place.y + 1) / 2) * h), other = x >= 0 && x < w && y >= 0 && y < h ? shown[y * w + x] : -1;
+    if (other < 0 || other === t) return false;
+    const corners = seenFrom(other), normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0]));
+    const depths = corners.map((c) => c.z), [low, high] = [Math.min(...depths), Math.max(...depths)];
+    const across = normal.x * (middle.x - corners[0].x) + normal.y * (middle.y - corners[0].y);
+    const depth = normal.z === 0 ? high : Math.min(high, Math.max(low, corners[0].z - across / normal.z));
+    return depth - middle.z > 2 * this.viewer.lengthPerPixel(this.viewer.width, this.viewer.height);  // neighbours in the pixel do not hide it
+  }
+
+  /** Those of the triangles that a picture with one colour a triangle shows; or whose middle nothing hides: triangles
+   * smaller than a pixel are in no picture. */
   seen(triangles) {
     const { renderer, camera, width, height } = this.viewer, ratio = renderer.getPixelRatio();
-    const visible = new Set();
     const saved = this.model.geometry.attributes.color.array.slice(), { material } = this.model.mesh;
     const flat = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
     this.model.setColors((t, v, out, at) => { out[at] = (t + 1) & 255; out[at + 1] = ((t + 1) >> 8) & 255; out[at + 2] = ((t + 1) >> 16) & 255; });
@@ -400,7 +415,8 @@ export class Scene3D {
     renderer.readRenderTargetPixels(target, 0, 0, w, hgt, pixels);
     renderer.setRenderTarget(null);
     target.dispose();
-    for (let k = 0; k < pixels.length; k += 4) visible.add(pixels[k] + 256 * pixels[k + 1] + 65536 * pixels[k + 2] - 1);
+    const shown = new Int32Array(w * hgt), visible = new Set();
+    for (let k = 0; k < shown.length; ++k) { shown[k] = pixels[4 * k] + 256 * pixels[4 * k + 1] + 65536 * pixels[4 * k + 2] - 1; visible.add(shown[k]); }
     this.model.mesh.material = material;
     this.model.scene.background = background;
     for (const one of hidden) one.visible = true;
@@ -408,6 +424,6 @@ export class Scene3D {
     this.model.geometry.attributes.color.needsUpdate = true;
     flat.dispose();
     this.viewer.draw();
-    return triangles.filter((t) => visible.has(t));
+    return triangles.filter((t) => visible.has(t) || !this.isHidden(t, shown, w, hgt));
   }
 }

@@ -2,12 +2,15 @@
 
 import {
   AmbientLight, BufferAttribute, BufferGeometry, Color, ColorManagement, DirectionalLight, LinearSRGBColorSpace, DoubleSide, LineBasicMaterial, LineLoop,
-  LineSegments, Mesh, MeshLambertMaterial, OrthographicCamera, Plane, Raycaster, Scene, Vector2, Vector3, WebGLRenderer,
+  LineSegments, Mesh, MeshBasicMaterial, MeshLambertMaterial, OrthographicCamera, Plane, PlaneGeometry, Raycaster, Scene, Vector2, Vector3, WebGLRenderTarget,
+  WebGLRenderer,
 } from 'three';
 import { OrbitControls } from 'three/examples/jsm/controls/OrbitControls.js';
 
 // A colour on the surface is to look like the same colour in the legend.
 ColorManagement.enabled = false;
+
+const slowFrame = 20, rest = 250;  // milliseconds: from when on edges stay rough while something moves, and how long after it
 
 const directions = { iso: [-1, -1.1, 0.8], front: [-1, 0, 0], side: [0, -1, 0], top: [0, 0, 1], back: [1, 0, 0], below: [0, 0, -1] };
 
@@ -85,7 +88,12 @@ export class Viewer {
   constructor(canvas, shape) {
     this.canvas = canvas;
     this.shape = shape;
-    this.renderer = new WebGLRenderer({ canvas, antialias: true, preserveDrawingBuffer: true });
+    // Edges are smoothed in a picture of their own: where a processor draws, that costs four fifths of a frame, and waits.
+    this.renderer = new WebGLRenderer({ canvas, antialias: false, preserveDrawingBuffer: true });
+    this.sheet = new Mesh(new PlaneGeometry(2, 2), new MeshBasicMaterial({ depthTest: false, depthWrite: false }));
+    this.sheetCamera = new OrthographicCamera(-1, 1, 1, -1, -1, 1);
+    this.smoothTimes = [];
+    this.hurriedUntil = 0;
     this.renderer.outputColorSpace = LinearSRGBColorSpace;
     this.renderer.localClippingEnabled = true;
     this.renderer.setScissorTest(true);
@@ -112,7 +120,7 @@ export class Viewer {
     if (this.controls) this.controls.dispose();
     this.controls = new OrbitControls(this.camera, this.canvas);  // they keep the `up` of their creation
     this.controls.enableDamping = false;
-    this.controls.addEventListener('change', () => this.draw());
+    this.controls.addEventListener('change', () => { this.hurry(); this.draw(); });
     this.look('iso');
   }
 
@@ -238,6 +246,13 @@ export class Viewer {
     this.height = clientHeight;
     this.renderer.setPixelRatio(Math.min(2, window.devicePixelRatio || 1));
     this.renderer.setSize(clientWidth, clientHeight, false);
+    const { width, height } = this.canvas;
+    if (!this.smoothed || this.smoothed.width !== width || this.smoothed.height !== height) {
+      if (this.smoothed) this.smoothed.dispose();
+      this.smoothed = new WebGLRenderTarget(width, height, { samples: 4 });
+      this.sheet.material.map = this.smoothed.texture;
+      this.smoothTimes = [];
+    }
     if (this.onresize) this.onresize();
     this.draw();
   }
@@ -248,8 +263,57 @@ export class Viewer {
     requestAnimationFrame(() => { this.waiting = false; this.render(); });
   }
 
+  /** Something moves: for a moment a frame that takes long is drawn without smoothing. */
+  hurry() {
+    this.hurriedUntil = performance.now() + rest;
+    if (this.timer) return;
+    const wait = () => {
+      const left = this.hurriedUntil - performance.now();
+      this.timer = left > 0 ? setTimeout(wait, left) : null;
+      if (!this.timer && this.isRough) this.draw();
+    };
+    this.timer = setTimeout(wait, rest);
+  }
+
+  /** Smoothing takes long here, by the least of the last three frames with it. */
+  get isSlow() { return this.smoothTimes.length > 0 && Math.min(...this.smoothTimes) > slowFrame; }
+
   render() {
     if (!this.width || !this.design.p) return;
+    const begin = performance.now();
+    this.isRough = this.isSlow && begin < this.hurriedUntil;
+    this.renderer.setRenderTarget(this.isRough ? null : this.smoothed);
+    this.drawPanes();
+    this.renderer.setRenderTarget(null);
+    if (!this.isRough) this.showSmoothed(begin);
+    if (this.onrender) this.onrender();
+  }
+
+  showSmoothed(begin) {
+    this.renderer.setViewport(0, 0, this.width, this.height);
+    this.renderer.setScissor(0, 0, this.width, this.height);
+    this.renderer.render(this.sheet, this.sheetCamera);
+    if (this.smoothTimes.length > 2) return;
+    const gl = this.renderer.getContext();
+    gl.readPixels(0, 0, 1, 1, gl.RGBA, gl.UNSIGNED_BYTE, new Uint8Array(4));  // a pixel that is read is drawn
+    this.smoothTimes.push(performance.now() - begin);
+  }
+
+  /** Where the renderer draws now, in CSS pixels from the lower left. */
+  setPane(x, y, w, h) {
+    const target = this.renderer.getRenderTarget(), ratio = this.renderer.getPixelRatio();
+    if (!target) {
+      this.renderer.setViewport(x, y, w, h);
+      this.renderer.setScissor(x, y, w, h);
+      return;
+    }
+    target.viewport.set(x, y, w, h).multiplyScalar(ratio).floor();
+    target.scissor.copy(target.viewport);
+    target.scissorTest = true;
+    this.renderer.setRenderTarget(target);
+  }
+
+  drawPanes() {
     for (const [model, x, y, w, h] of this.panes) {
       const half = this.lengthPerPixel(w, h) / 2;
       Object.assign(this.camera, { left: -half * w, right: half * w, top: half * h, bottom: -half * h });
@@ -257,14 +321,12 @@ export class Viewer {
       this.camera.far = 20 * this.radius;
       this.camera.updateProjectionMatrix();
       model.light.position.copy(this.camera.position).add(new Vector3(0, 0, this.radius));
-      this.renderer.setViewport(x, this.height - y - h, w, h);
-      this.renderer.setScissor(x, this.height - y - h, w, h);
+      this.setPane(x, this.height - y - h, w, h);
       const ghost = this.overlay && model === this.design;
       if (ghost) this.showGhost();
       this.renderer.render(model.scene, this.camera);
       if (ghost) model.scene.remove(this.ghost);
     }
-    if (this.onrender) this.onrender();
   }
 
   /** The start as a wireframe over the design. */

@@ -236,9 +236,19 @@ void set_fields_of_start(Value& root, const std::filesystem::path& dir) {
     }
 }
 
+/// Of a run that has begun: its own fields, or that it has none.
+void set_fields_of_run(Value& root, const std::string& begun) {
+    Value there = parse_yaml(begun, "case.yaml");
+    Value* parameters = there.form == Value::Form::map ? child(there, "parameters") : nullptr;
+    const Value* fields = parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
+    if (fields && fields->form == Value::Form::scalar) set_automatic_fields(root, fields->text);
+}
+
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
+/// @param begun the case that a run began with; empty: none has
 Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose purpose,
-            const std::filesystem::path& command_dir, const std::vector<std::string>& settings) {
+            const std::filesystem::path& command_dir, const std::vector<std::string>& settings,
+            const std::string& begun = {}) {
     auto source = std::make_shared<Case::Source>();
     source->root = parse_yaml(bytes, file.string());
     source->lines = split_lines(bytes);
@@ -254,7 +264,9 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     name_after_file(source->root, file);
     rename_old(source->root, errors);
     set_defaults_without_shell(source->root);
-    if (command_dir.empty()) {
+    if (!begun.empty()) {
+        set_fields_of_run(source->root, begun);
+    } else if (command_dir.empty()) {
         set_defaults_of_fit(source->root);
         set_defaults_by_values(source->root);
         set_fields_of_start(source->root, file.parent_path());
@@ -292,9 +304,9 @@ bool is_map(const std::filesystem::path& file) {
 
 /// A surface that was given in place of a case fails as one in many ways, none of which says so.
 Case loaded_file(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
-                 const std::vector<std::string>& settings) {
+                 const std::vector<std::string>& settings, const std::string& begun = {}) {
     try {
-        return loaded(read_case_file(file.string()), file, purpose, command_dir, settings);
+        return loaded(read_case_file(file.string()), file, purpose, command_dir, settings, begun);
     } catch (const CaseError&) {
         std::error_code ignored;
         if (!std::filesystem::is_regular_file(file, ignored) || !has_surface_extension(file) || is_map(file)) throw;
@@ -314,6 +326,11 @@ Case load_case(const std::filesystem::path& file, Purpose purpose, const std::fi
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings) {
     return loaded_file(file, purpose, "", settings);
+}
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings,
+               const std::string& begun) {
+    return loaded_file(file, purpose, "", settings, begun);
 }
 
 Case load_case(const std::filesystem::path& file, Purpose purpose) { return loaded_file(file, purpose, "", {}); }

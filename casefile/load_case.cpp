@@ -66,8 +66,10 @@ void name_after_file(Value& root, const std::filesystem::path& file) {
 }
 
 /// @param command_dir see Case::command_dir; not empty: the case of a run that continues.
+/// @param begun the case that a run began with; empty: none has
 Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose purpose,
-            const std::filesystem::path& command_dir, const std::vector<std::string>& settings) {
+            const std::filesystem::path& command_dir, const std::vector<std::string>& settings,
+            const std::string& begun = {}) {
     auto source = std::make_shared<Case::Source>();
     source->root = parse_yaml(bytes, file.string());
     source->lines = split_lines(bytes);
@@ -82,7 +84,8 @@ Case loaded(const std::string& bytes, const std::filesystem::path& file, Purpose
     }
     name_after_file(source->root, file);
     rename_old(source->root, errors);
-    set_dependent_defaults(source->root, file.parent_path(), command_dir.empty());
+    set_dependent_defaults(source->root, file.parent_path(), command_dir.empty() && begun.empty());
+    if (!begun.empty()) set_fields_of_run(source->root, begun);
     validate(source->root, file.parent_path(), errors);
     read_case(source->root, file.parent_path(), the_case, errors);
     set_planform_values(the_case, errors);
@@ -116,9 +119,9 @@ bool is_map(const std::filesystem::path& file) {
 
 /// A surface that was given in place of a case fails as one in many ways, none of which says so.
 Case loaded_file(const std::filesystem::path& file, Purpose purpose, const std::filesystem::path& command_dir,
-                 const std::vector<std::string>& settings) {
+                 const std::vector<std::string>& settings, const std::string& begun = {}) {
     try {
-        return loaded(read_case_file(file.string()), file, purpose, command_dir, settings);
+        return loaded(read_case_file(file.string()), file, purpose, command_dir, settings, begun);
     } catch (const CaseError&) {
         std::error_code ignored;
         if (!std::filesystem::is_regular_file(file, ignored) || !has_surface_extension(file) || is_map(file)) throw;
@@ -138,6 +141,11 @@ Case load_case(const std::filesystem::path& file, Purpose purpose, const std::fi
 
 Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings) {
     return loaded_file(file, purpose, "", settings);
+}
+
+Case load_case(const std::filesystem::path& file, Purpose purpose, const std::vector<std::string>& settings,
+               const std::string& begun) {
+    return loaded_file(file, purpose, "", settings, begun);
 }
 
 Case load_case(const std::filesystem::path& file, Purpose purpose) { return loaded_file(file, purpose, "", {}); }

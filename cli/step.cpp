@@ -19,9 +19,12 @@ void step(const SessionArguments& args) {
     request.json = args.json;
     request.quiet = args.quiet;
     Case& the_case = request.the_case;
+    const auto place = [&] {
+        the_case.output.by_hand = true;
+        set_output_folder(the_case, args.out);
+    };
     the_case = load_case(args.case_file, Purpose::run, args.settings);
-    the_case.output.by_hand = true;
-    set_output_folder(the_case, args.out);
+    place();
     const std::filesystem::path dir = the_case.output.dir;
     std::error_code ignored;
     if (!std::filesystem::exists(dir / "journal.sqlite", ignored)) {
@@ -29,9 +32,11 @@ void step(const SessionArguments& args) {
         carry_out(std::move(request));
         return;
     }
-    the_case.output.is_resumed = true;
     request.folder = std::make_unique<RunFolder>(dir, true);
     request.journal = Journal::open(dir / "journal.sqlite");
+    the_case = load_case(args.case_file, Purpose::run, args.settings, request.journal->facts().case_yaml);
+    place();
+    the_case.output.is_resumed = true;
     if (request.journal->facts().is_fit)
         throw InvalidInput(text(dir.string(), ": is the folder of a fit; `strake step` needs a run"));
     const Continuation now = continuation(the_case, request.journal->facts(), dir);

@@ -158,6 +158,12 @@ void set_defaults_by_values(Value& root) {
     set_automatic_fields(root);
 }
 
+const Value* fields_of(Value& root) {
+    Value* parameters = root.form == Value::Form::map ? child(root, "parameters") : nullptr;
+    const Value* fields = parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
+    return fields && fields->form == Value::Form::scalar ? fields : nullptr;
+}
+
 /// A run that begins at a design of displacement fields has them, too, if it says nothing of its variables: without
 /// them that shape could not be kept. Where the folder's case cannot be read, the design itself is refused.
 void set_fields_of_start(Value& root, const std::filesystem::path& dir) {
@@ -169,11 +175,8 @@ void set_fields_of_start(Value& root, const std::filesystem::path& dir) {
     if (!std::filesystem::is_regular_file(file, ignored)) return;
     try {
         Value there = parse_yaml(read_case_file(file.string()), file.string());
-        Value* parameters = there.form == Value::Form::map ? child(there, "parameters") : nullptr;
-        const Value* fields =
-            parameters && parameters->form == Value::Form::map ? child(*parameters, "fields") : nullptr;
-        if (fields && fields->form == Value::Form::scalar && fields->text != "none")
-            set_automatic_fields(root, fields->text);
+        const Value* fields = fields_of(there);
+        if (fields && fields->text != "none") set_automatic_fields(root, fields->text);
     } catch (const CaseError&) {
     }
 }
@@ -186,6 +189,11 @@ void set_dependent_defaults(Value& root, const std::filesystem::path& dir, bool 
     set_defaults_of_fit(root);
     set_defaults_by_values(root);
     set_fields_of_start(root, dir);
+}
+
+void set_fields_of_run(Value& root, const std::string& begun) {
+    Value there = parse_yaml(begun, "case.yaml");
+    if (const Value* fields = fields_of(there)) set_automatic_fields(root, fields->text);
 }
 
 }  // namespace strake

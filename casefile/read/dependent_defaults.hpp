@@ -13,4 +13,8 @@ namespace strake {
 /// @param is_new false: the case of a run that continues, which states the fields it began with
 void set_dependent_defaults(Value& root, const std::filesystem::path& dir, bool is_new);
 
+/// In place of the defaults of a new run: the fields of one that has begun, or that it has none.
+/// @param begun the case that it began with, as written
+void set_fields_of_run(Value& root, const std::string& begun);
+
 }  // namespace strake

@@ -159,6 +159,26 @@ TEST_F(Step, AGradientCommandThatFailsIsReportedAndRetried) {
     EXPECT_TRUE(recorded("stepped").contains(1));
 }
 
+/// What a case that says nothing of its variables has by default may depend on the budget, and on the release.
+TEST_F(Step, ALargerBudgetKeepsTheVariablesThatTheRunBeganWith) {
+    const auto with = [&](int evaluations, const std::string& fields) {
+        std::string yaml = bytes_of(
+            external_case(", gradients: false", text("optimize: {budget: {evaluations: ", evaluations, "}}\n")));
+        const std::string variables = ", variables: [load]";
+        yaml.replace(yaml.find(variables), variables.size(), fields);
+        return folder.write("case.yaml", yaml).string();
+    };
+    for (const std::string began : {"", ", fields: none"}) {
+        fs::remove_all(folder / "stepped");
+        ASSERT_EQ(step(with(10, began)).status, 0);
+        const ProgramRun again = step(with(began.empty() ? 300 : 100, ""));  // whose defaults are none and auto
+        EXPECT_EQ(again.status, 0) << again.err;
+        const std::string yaml = bytes_of(folder / "stepped/case.yaml");
+        EXPECT_EQ(yaml.find("fields: auto") != std::string::npos, began.empty()) << yaml;
+    }
+    EXPECT_EQ(step(with(300, ", fields: auto")).status, 2) << "stated: another case";
+}
+
 TEST_F(Step, AnotherCaseOrFolderIsRefused) {
     ASSERT_EQ(step(values_case()).status, 0);
     const ProgramRun other = step(external_case(", gradients: false, retries: 3", differences));

@@ -21,7 +21,7 @@ constexpr double min_radius = 1e-3;  ///< below, nothing is left that a cheap pr
 constexpr double max_radius = 2;     ///< a little more than reasonable, because the metric is an estimate
 constexpr double growth = 2;         ///< after a good step to the border
 constexpr double failure_cut = 0.5;  ///< after a step without a value, which says nothing of the cheap program
-constexpr int max_failures = 5;      ///< in a row
+constexpr int max_failures = 5;      ///< in a row; also rounds of designs next to the present one without any value
 constexpr double min_cut = 0.1, max_cut = 0.5;  ///< towards the minimum of the parabola through the values
 constexpr double acceptable = 1e-4;             ///< actual over predicted decrease: less is none
 constexpr double poor = 0.25, good = 0.7;
@@ -283,11 +283,13 @@ private:
         return probes;
     }
 
-    /// Downhill of the present design. Fewer than asked for where limits leave no room; the search may have ended.
+    /// Downhill of the present design; after a round without any value on the other side, then nearer. Fewer than asked
+    /// for where limits leave no room; the search may have ended.
     std::vector<VectorXd> probe_points(const Probes& probes) {
-        const VectorXd slope = composed().gradient;
+        const double side = failed_probes_ % 2 == 0 ? 1 : -1, nearer = std::pow(failure_cut, failed_probes_ / 2);
+        const VectorXd slope = side * composed().gradient;
         const double length =
-            std::min(radius_, std::max(probe_length, program_.differences ? program_.differences->step : 0.0));
+            nearer * std::min(radius_, std::max(probe_length, program_.differences ? program_.differences->step : 0.0));
         std::vector<VectorXd> points;
         for (Index k = 0; k < probes.directions.cols() && guard_.cause == StopCause::none; ++k) {
             const VectorXd d = length * probes.directions.col(k);
@@ -318,12 +320,14 @@ private:
                 guard_.cause = StopCause::none;
                 continue;
             }
+            if (!learn(x, at)) continue;
             ++values;
-            if (!learn(x, at)) return leave("it has no value next to the present design");
             if (merit(values_of(at)) < (better ? merit(values_of(better->at)) : merit(now_.values)))
                 better = Found{x, at};
         }
-        if (values == 0) return leave("designs next to the present one have no value");
+        if (values == 0)
+            return ++failed_probes_ < max_failures || leave("designs next to the present one have no value");
+        failed_probes_ = 0;
         if (better && !move_to(better->x, better->at)) return leave("it has no value at the new design");
         return true;
     }
@@ -403,7 +407,7 @@ private:
     MatrixXd hessian_;
     double penalty_ = 0;  ///< of a unit of violation
     double radius_ = first_radius, trust_ = first_trust;
-    int good_ = 0, bad_ = 0, bad_in_row_ = 0, failures_in_row_ = 0, accepted_ = 0;
+    int good_ = 0, bad_ = 0, bad_in_row_ = 0, failures_in_row_ = 0, failed_probes_ = 0, accepted_ = 0;
     LowFidelityEnd end_;
 };
 

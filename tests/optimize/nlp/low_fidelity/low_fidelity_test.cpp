@@ -64,7 +64,7 @@ struct Case {
     bool is_constrained;
     int evaluations = 0, cheap_evaluations = 0;
     std::vector<double> feasible;  ///< lowest so far, per evaluation
-    std::function<bool(const VectorXd&)> fails;
+    std::function<bool(const VectorXd&)> fails, cheap_fails;
     int failures = 0;
     std::vector<std::string> events;
 
@@ -118,12 +118,19 @@ struct Case {
                    : cheap == Cheap::constant ? VectorXd::Zero(x.size())
                                               : another.slope(x);
         };
-        low.program = std::make_shared<const NonlinearProgram>(of(
+        NonlinearProgram modelled = of(
             [this, drag](const VectorXd& x) {
                 ++cheap_evaluations;
                 return with_volume(drag(x), x);
             },
-            [this, slope](const VectorXd& x) { return slopes(slope(x), x); }));
+            [this, slope](const VectorXd& x) { return slopes(slope(x), x); });
+        if (cheap_fails)
+            modelled.evaluate = [this, inner = modelled.evaluate](const VectorXd& x) {
+                Evaluation at = inner(x);
+                if (cheap_fails(x)) at.failure = "no panel method here";
+                return at;
+            };
+        low.program = std::make_shared<const NonlinearProgram>(std::move(modelled));
         p.low_fidelity = low;
         return p;
     }
@@ -320,6 +327,47 @@ TEST_P(WithACheapModel, ChanceFailuresDoNotEndIt) {
     EXPECT_FALSE(holds(c.events, "evaluations fail where it leads"));
     EXPECT_GE(c.failures, 1);
     EXPECT_LT(c.feasible.back() - lowest, 0.05 * (c.feasible[0] - lowest)) << c.failures << " failures";
+}
+
+/// Of the designs that one event says are asked for next to the present one.
+struct FirstProbes {
+    const Case& of;
+    int left = -1;
+    bool is_one() {
+        const std::string begin = "cheap model: ", end = "next to the present one tell";
+        if (left < 0 && !of.events.empty() && of.events.back().find(end) != std::string::npos)
+            left = std::stoi(of.events.back().substr(begin.size()));
+        return left > 0 && left-- > 0;
+    }
+};
+
+/// All designs of the first round next to the present one fail: the other side is asked, and the model is not left.
+TEST_P(WithACheapModel, FailingDesignsBesideThePresentOneDoNotEndIt) {
+    Case c = make(0.3);
+    const double lowest = c.run(Cheap::none, 3000).best.objective;
+    FirstProbes probes{c};
+    c.fails = [&](const VectorXd&) { return probes.is_one(); };
+    c.run(Cheap::good, 40);
+    ASSERT_GE(c.failures, 1) << "there was such a round";
+    EXPECT_FALSE(holds(c.events, "the search goes on without it"));
+    EXPECT_LT(c.feasible.back() - lowest, 0.05 * (c.feasible[0] - lowest)) << c.failures << " failures";
+}
+
+/// The solver has values there, but the cheap model does not.
+TEST_P(WithACheapModel, ACheapModelWithoutValueBesideThePresentDesignIsNotLeft) {
+    Case c = make(0.3);
+    const double lowest = c.run(Cheap::none, 3000).best.objective;
+    std::vector<VectorXd> missed;
+    FirstProbes probes{c};
+    c.fails = [&](const VectorXd& x) {
+        if (probes.is_one()) missed.push_back(x);
+        return false;
+    };
+    c.cheap_fails = [&](const VectorXd& x) { return std::find(missed.begin(), missed.end(), x) != missed.end(); };
+    c.run(Cheap::good, 40);
+    ASSERT_GE(missed.size(), 1u);
+    EXPECT_FALSE(holds(c.events, "it has no value next to the present design"));
+    EXPECT_LT(c.feasible.back() - lowest, 0.05 * (c.feasible[0] - lowest));
 }
 
 INSTANTIATE_TEST_SUITE_P(Sizes, WithACheapModel,

@@ -57,7 +57,8 @@ REFERENCES = {
     "of_motorBike": by_wrap("3%", "1%"),
     "generic_twin_manifold": "shell: none\nparameters: {fields: 40, max_displacement: 0.1%}\n",
     "citationX_raw": by_wrap("2%", "1%", "repair: {orient: true}\n"),
-    "wing_c172_pygeo": by_wrap("2%", "1%", "repair: {orient: true}\n"),
+    # With its tip closed: the cone that closes an open one counts as volume, 28 % less than there is.
+    "wing_c172_pygeo": by_wrap("2%", "1%", "repair: {cracks: 1e-3%, holes: 22%, degenerate: true, orient: true}\n"),
     "x43_parts": by_wrap("3%", "1%", "repair: {orient: true}\n"),
     "threeplugs_pynastran": by_wrap("3%", "1%"),
     "three_element_wing_cpanel": by_wrap("3%", "1%", "repair: {weld: 0, orient: true}\n"),
@@ -131,7 +132,7 @@ def result_of(run):
             for row in csv.DictReader(file):
                 patches |= int(row["patch"]) >= 0 and abs(float(row["x"])) > 1e-6  # fields have no patch
     gain = 100 * abs(end - start) / abs(start) if start and end is not None else 0
-    return {"gain": gain, "designs": len(rows), "failed": failed, "patches": patches, "verdict": result["status"]}
+    return {"start": start, "gain": gain, "designs": len(rows), "failed": failed, "patches": patches, "verdict": result["status"]}
 
 
 def run_case(case, run, evaluations, args):
@@ -184,6 +185,8 @@ def one_body(name, path, args):
         return False, False, False
     other, other_seconds, words = (None, 0, "") if args.no_reference else reference_of(name, case, path, args)
     share = found["gain"] / other["gain"] if other and other["gain"] > 0 else float("nan")
+    if other and abs(other["start"] - found["start"]) > 0.02 * abs(found["start"]):
+        print(f"{name}: the goal starts at {found['start']:.5g}, by hand at {other['start']:.5g}: not the same body", file=sys.stderr)
     beside = f"{other['gain']:.2f} | {share:.2f}" if other else f"- | {words}"
     print(f"| {name} | {goal} | {way_of(case)} | {found['gain']:.2f} | {beside} | {found['failed']} of {found['designs']} | "
           f"{'yes' if found['patches'] else 'no'} | {init_seconds:.1f}, {run_seconds:.1f}, {other_seconds:.1f} |", flush=True)

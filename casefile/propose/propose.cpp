@@ -257,10 +257,24 @@ std::string goal_text(const MeanMotion& mean, bool has_volume) {
 /// Slivers invert at the smallest motion.
 bool has_slivers(const Checkup& c) { return c.quality.fifth_percentile < 1e-4; }
 
+/// New triangles are worth a try: slivers, or needles throughout a body that is sound otherwise (a motion that bends
+/// one by its height inverts it, whatever moves it); and triangles of the mean edge length can follow the body.
+bool may_remesh(const RepairedSurface& surface, bool has_volume, double thickness) {
+    const Checkup& c = surface.checkup;
+    const bool is_of_needles = c.quality.fifth_percentile < 0.01 && c.quality.mean < 0.15;
+    const bool is_sound = has_volume && c.pairs && c.pairs->apart.empty();
+    return (has_slivers(c) || (is_of_needles && is_sound)) && (!has_volume || c.quality.edge_mean < 2 * thickness);
+}
+
 bool is_dirty(const RepairedSurface& surface) {
     const bool was_split = std::ranges::count(surface.keys, "split: true") > 0;
     const auto& pairs = surface.checkup.pairs;
     return has_slivers(surface.checkup) || surface.couple || was_split || !pairs || !pairs->apart.empty();
+}
+
+/// What debris leaves is as it was.
+bool was_mended(const RepairedSurface& surface) {
+    return std::ranges::any_of(surface.keys, [](const std::string& key) { return !key.starts_with("components"); });
 }
 
 double thickness_percent(const Checkup& c) { return std::max(2.0, std::ceil(60 * c.quality.edge_mean / c.diagonal)); }
@@ -405,8 +419,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const std::optional<double> volume = by_fields ? volume_in_cones(surface.mesh, half) : std::nullopt;
     proposal.has_volume = by_fields ? volume.has_value() : encloses_volume(surface, half);
     const double thickness = by_fields ? 2 * volume.value_or(0) / surface.checkup.area : mean_thickness(surface, half);
-    proposal.may_remesh = has_slivers(surface.checkup) &&
-                          (!proposal.has_volume || surface.checkup.quality.edge_mean < 2 * std::abs(thickness));
+    proposal.may_remesh = may_remesh(surface, proposal.has_volume, std::abs(thickness));
     proposal.is_dirty = is_dirty(surface);
     proposal.plane = half ? half : mirror;
     proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)
@@ -417,7 +430,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
     const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
-    const bool is_mended = !surface.keys.empty() || cut || proposal.is_dirty;
+    const bool is_mended = cut || proposal.is_dirty || was_mended(surface);
     const std::string shown = case_file.filename().string();
     const std::string shell =
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +

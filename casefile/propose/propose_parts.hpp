@@ -12,10 +12,21 @@ struct RepairedSurface {
     Checkup checkup;
     bool couple = false;  ///< edges with more than two triangles remain
 };
-/// @throws InputError if no repair helps.
+/// Debris is dropped first. @throws InputError if no repair helps.
 RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh);
 
-/// The surface as it is for displacement fields, which need no repair but that its triangles agree on what is outside.
+/// Pieces of a few triangles away from everything else, open and without area: what an export left behind. They say
+/// nothing about the body, but would turn its plane of symmetry, and leave it without a volume.
+struct Debris {
+    int pieces = 0, triangles = 0;
+    double share = 0;             ///< of the area
+    double min_area_percent = 0;  ///< `repair.components.min_area` that drops them and nothing else
+};
+/// None where a limit on the area would drop other pieces as well.
+std::optional<Debris> debris(const TriMesh& mesh);
+
+/// The surface as it is for displacement fields, which need no repair but that its triangles agree on what is outside;
+/// debris is dropped.
 RepairedSurface as_it_is(TriMesh mesh);
 
 /// The plane of a half model: the coordinate plane in which its open boundary lies. None for the mouth of a vessel,

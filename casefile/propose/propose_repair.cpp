@@ -15,7 +15,17 @@ constexpr double largest_hole = 0.35;  ///< of the diagonal: larger ones are int
 
 class Needs {
 public:
-    explicit Needs(double diagonal) : diagonal_(diagonal) {}
+    /// @param mesh as it is in the file: lengths of repairs are percentages of its diagonal. Debris leaves it.
+    explicit Needs(TriMesh& mesh) : unit_(mesh.num_triangles() > 0 ? box_diagonal(mesh) : 0) {
+        const std::optional<Debris> stray = debris(mesh);
+        if (!stray) return;
+        add(text("components: {min_area: ", stray->min_area_percent, "%}"),
+            text(stray->triangles, stray->triangles > 1 ? " triangles in " : " triangle in ", stray->pieces,
+                 stray->pieces > 1 ? " stray pieces" : " stray piece", " of ", std::ceil(1e7 * stray->share) / 1e5,
+                 " % of the area"));
+        options.min_area_share = stray->min_area_percent / 100;
+        mesh = repair(mesh, options).mesh;
+    }
 
     void add(const std::string& key, const std::string& why) {
         if (std::find(result.keys.begin(), result.keys.end(), key) != result.keys.end()) return;
@@ -46,7 +56,7 @@ public:
         }
         if (!c.crack_vertices.empty()) {
             add("cracks: 1e-3%", text(c.crack_vertices.size(), " open vertices nearly coincide with others"));
-            options.cracks = 1e-5 * diagonal_;
+            options.cracks = 1e-5 * unit_;
         }
         orientation(c);
         if (!f.nonmanifold_edges.empty()) {
@@ -58,24 +68,24 @@ public:
         double largest = 0, smallest_cut = 1;
         int count = 0;
         for (const BoundaryLoop& loop : c.loops) {
-            const double size = loop.size / diagonal_;
+            const double size = loop.size / unit_;
             if (loop.symmetry_axis >= 0)
                 smallest_cut = std::min(smallest_cut, size);
-            else if (size <= largest_hole)
+            else if (loop.size <= largest_hole * c.diagonal)
                 largest = std::max(largest, size), ++count;
         }
         const double percent = std::ceil(100 * largest + 0.5);
         if (count == 0 || percent / 100 >= smallest_cut) return;  // it would close the symmetry plane, too
         add(text("holes: ", percent, "%"),
             text(count, " holes up to ", text(std::round(1000 * largest) / 10), "% of the diagonal across"));
-        options.holes = percent / 100 * diagonal_;
+        options.holes = percent / 100 * unit_;
     }
 
     RepairOptions options;
     RepairedSurface result;
 
 private:
-    double diagonal_;
+    double unit_;
 };
 
 /// The body reaches far beyond its openings in this plane, to all four sides: the mouth of a bottle, not a cut.
@@ -104,16 +114,15 @@ bool is_mouth(const Checkup& checkup, const BoundaryLoop& cut, const TriMesh& me
 
 RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh) {
     if (mesh.num_triangles() == 0) refuse(file, "the surface has no triangles", "give a surface that has some");
+    TriMesh before = mesh;
+    Needs needs(mesh);
     Checkup found = checkup(mesh);
     if (!(found.diagonal > 0) || !(found.area > 0))
         refuse(file, "the surface has no area", "give a surface, not points or lines");
-    Needs needs(found.diagonal);
     needs.topology(found);
     needs.holes(found);
     RepairedSurface& result = needs.result;
     // A repair may expose defects that need another one: then all start over from the original.
-    TriMesh before = std::move(mesh);
-    mesh = before;
     for (std::size_t asked = 0; asked < result.keys.size();) {
         asked = result.keys.size();
         RepairResult done = repair(before, needs.options);
@@ -134,12 +143,13 @@ RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh) {
 }
 
 RepairedSurface as_it_is(TriMesh mesh) {
+    TriMesh before = mesh;
+    Needs needs(mesh);
     Checkup found = checkup(mesh);
-    Needs needs(found.diagonal);
     needs.orientation(found);
     RepairedSurface& result = needs.result;
     if (!result.keys.empty()) {
-        RepairResult done = repair(std::move(mesh), needs.options);
+        RepairResult done = repair(before, needs.options);
         mesh = std::move(done.mesh);
         found = std::move(done.after);
     }

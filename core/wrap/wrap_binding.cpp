@@ -24,6 +24,8 @@ constexpr double near_edges = 2, depth_share = 1.5;   ///< radius of the local p
 constexpr double full_until = 2, nothing_beyond = 5;  ///< it fades out between these, in edges from the wrap
 constexpr double flat = 1e-9;                         ///< smallest extent of a wrap over its largest
 constexpr int block = 64;
+constexpr int centers_at_once = 16;
+constexpr double max_stored = 64e6;  ///< bytes: radial functions of a larger body are evaluated each time
 
 double cube(double squared) { return squared * std::sqrt(squared); }
 
@@ -92,14 +94,21 @@ struct WrapBinding::Impl {
     std::vector<int> centers;
     Eigen::PartialPivLU<MatrixXd> system;
     Eigen::SparseMatrix<double, Eigen::RowMajor> local;  ///< N x n
+    /// What the radial functions and the local part make of the weights of the centres: K_body - local K_wrap, N x
+    /// centres; empty of a large body.
+    MatrixXd by_weights;
     std::vector<char> held;
     double edge = 0, depth = 0;  ///< unscaled
 
     void factorize();
     void spread(const TriMesh& surface);
+    void store();
+    MatrixXd kernel(const Points& at, int begin, int end) const;
     Points radial(const Points& at, const MatrixXd& weights) const;
-    MatrixXd radial_transpose(const Points& at, const Points& values) const;
-    void hold(Points& rows) const;
+    MatrixXd radial_transpose(const Points& at, const MatrixXd& values) const;
+    MatrixXd transposed(const MatrixXd& of_body) const;
+    template <class Rows>
+    void hold(Rows& rows) const;
 
     /// What of displacements of the wrap is affine, and what the radial functions make of the rest.
     struct Smooth {
@@ -155,31 +164,53 @@ void WrapBinding::Impl::spread(const TriMesh& surface) {
     depth = depths.empty() ? 0 : *std::max_element(depths.begin(), depths.end());
 }
 
+/// |x - x_c|^3 of points begin..end, a row each.
+MatrixXd WrapBinding::Impl::kernel(const Points& at, int begin, int end) const {
+    MatrixXd rows(end - begin, center.rows());
+    for (Index c = 0; c < center.rows(); ++c) {
+        const Eigen::ArrayXd r2 = (at.middleRows(begin, end - begin).rowwise() - center.row(c)).rowwise().squaredNorm();
+        rows.col(c) = r2 * r2.sqrt();
+    }
+    return rows;
+}
+
+void WrapBinding::Impl::store() {
+    const auto bytes = [&](Index rows) { return 8.0 * static_cast<double>(rows * center.rows()); };
+    if (bytes(body.rows()) > max_stored || bytes(wrap.rows()) > max_stored) return;
+    MatrixXd of_wrap(wrap.rows(), center.rows());
+    for_blocks(static_cast<int>(wrap.rows()), block,
+               [&](int begin, int end) { of_wrap.middleRows(begin, end - begin) = kernel(wrap, begin, end); });
+    by_weights.resize(body.rows(), center.rows());
+    for_blocks(static_cast<int>(body.rows()), block, [&](int begin, int end) {
+        by_weights.middleRows(begin, end - begin) =
+            kernel(body, begin, end) - local.middleRows(begin, end - begin) * of_wrap;
+    });
+}
+
 /// sum_c weights_c |x - x_c|^3 at each point.
 Points WrapBinding::Impl::radial(const Points& at, const MatrixXd& weights) const {
     Points values(at.rows(), 3);
-    for_blocks(static_cast<int>(at.rows()), block, [&](int begin, int end) {
-        for (int v = begin; v < end; ++v) {
-            const Eigen::ArrayXd r2 = (center.rowwise() - at.row(v)).rowwise().squaredNorm();
-            values.row(v) = (r2 * r2.sqrt()).matrix().transpose() * weights;
-        }
-    });
+    for_blocks(static_cast<int>(at.rows()), block,
+               [&](int begin, int end) { values.middleRows(begin, end - begin) = kernel(at, begin, end) * weights; });
     return values;
 }
 
 /// Its transpose: per centre the sum over the points, in their order.
-MatrixXd WrapBinding::Impl::radial_transpose(const Points& at, const Points& values) const {
-    MatrixXd sums(center.rows(), 3);
-    for_blocks(static_cast<int>(center.rows()), 4, [&](int begin, int end) {
+MatrixXd WrapBinding::Impl::radial_transpose(const Points& at, const MatrixXd& values) const {
+    MatrixXd sums(center.rows(), values.cols());
+    for_blocks(static_cast<int>(center.rows()), centers_at_once, [&](int begin, int end) {
+        Eigen::ArrayXd r2(at.rows());
         for (int c = begin; c < end; ++c) {
-            const Eigen::ArrayXd r2 = (at.rowwise() - center.row(c)).rowwise().squaredNorm();
-            sums.row(c) = (r2 * r2.sqrt()).matrix().transpose() * values;
+            r2 = (at.rowwise() - center.row(c)).rowwise().squaredNorm();
+            r2 *= r2.sqrt();
+            sums.row(c) = r2.matrix().transpose() * values;
         }
     });
     return sums;
 }
 
-void WrapBinding::Impl::hold(Points& rows) const {
+template <class Rows>
+void WrapBinding::Impl::hold(Rows& rows) const {
     for (std::size_t v = 0; v < held.size(); ++v)
         if (held[v]) rows.row(static_cast<Index>(v)).setZero();
 }
@@ -206,6 +237,7 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     m.center = m.wrap(m.centers, Eigen::all);
     m.factorize();
     m.spread(wrap);
+    m.store();
 }
 
 WrapBinding::~WrapBinding() = default;
@@ -230,8 +262,18 @@ WrapBinding::Impl::Smooth WrapBinding::Impl::smooth(const Points& of_wrap) const
 Points WrapBinding::displacement(const Points& of_wrap) const {
     const Impl& m = *impl_;
     const Impl::Smooth parts = m.smooth(of_wrap);
-    const Points left = parts.rest - m.radial(m.wrap, parts.weights) - m.wrap_affine * parts.linear;
-    Points moved = m.body_affine * (parts.nearest + parts.linear) + m.radial(m.body, parts.weights) + m.local * left;
+    Points left = parts.rest - m.wrap_affine * parts.linear, moved;
+    if (m.by_weights.size() > 0) {
+        moved.resize(m.body.rows(), 3);
+        for_blocks(static_cast<int>(m.body.rows()), block, [&](int begin, int end) {
+            moved.middleRows(begin, end - begin).noalias() =
+                m.by_weights.middleRows(begin, end - begin) * parts.weights;
+        });
+    } else {
+        moved = m.radial(m.body, parts.weights);
+        left -= m.radial(m.wrap, parts.weights);
+    }
+    moved += m.body_affine * (parts.nearest + parts.linear) + m.local * left;
     m.hold(moved);
     return moved;
 }
@@ -254,23 +296,43 @@ std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, cons
     return maps;
 }
 
-Points WrapBinding::transpose(const Points& of_body) const {
-    const Impl& m = *impl_;
-    if (of_body.rows() != m.body.rows())
-        throw InvalidInput(text("wrap: ", of_body.rows(), " derivatives for ", m.body.rows(), " vertices of the body"));
-    const Index k = m.center.rows();
-    Points g = of_body;
-    m.hold(g);
-    const Eigen::Matrix<double, 4, 3> by_affine = m.body_affine.transpose() * g;
-    Points by_wrap = m.local.transpose() * g;  // by what the radial part leaves, then by what the affine part leaves
-    MatrixXd right(k + 4, 3);
-    right.topRows(k) = m.radial_transpose(m.body, g) - m.radial_transpose(m.wrap, by_wrap);
-    right.bottomRows(4) = by_affine - m.wrap_affine.transpose() * by_wrap;
-    const MatrixXd solved = m.system.transpose().solve(right);
-    for (Index c = 0; c < k; ++c) by_wrap.row(m.centers[static_cast<std::size_t>(c)]) += solved.row(c);
-    const Eigen::Matrix<double, 4, 3> by_fit = by_affine - m.wrap_affine.transpose() * by_wrap;
-    return by_wrap + m.fit.transpose() * by_fit;
+/// B^T of several functionals side by side, N x 3m.
+MatrixXd WrapBinding::Impl::transposed(const MatrixXd& g) const {
+    const Index k = center.rows();
+    const MatrixXd by_affine = body_affine.transpose() * g;
+    MatrixXd by_wrap = local.transpose() * g;  // by what the radial part leaves, then by what the affine part leaves
+    MatrixXd right(k + 4, g.cols());
+    if (by_weights.size() > 0)
+        for_blocks(static_cast<int>(k), centers_at_once, [&](int begin, int end) {
+            right.middleRows(begin, end - begin).noalias() = by_weights.middleCols(begin, end - begin).transpose() * g;
+        });
+    else
+        right.topRows(k) = radial_transpose(body, g) - radial_transpose(wrap, by_wrap);
+    right.bottomRows(4) = by_affine - wrap_affine.transpose() * by_wrap;
+    const MatrixXd solved = system.transpose().solve(right);
+    for (Index c = 0; c < k; ++c) by_wrap.row(centers[static_cast<std::size_t>(c)]) += solved.row(c);
+    const MatrixXd by_fit = by_affine - wrap_affine.transpose() * by_wrap;
+    return by_wrap + fit.transpose() * by_fit;
 }
+
+std::vector<Points> WrapBinding::transpose(const std::vector<Points>& of_body) const {
+    const Impl& m = *impl_;
+    MatrixXd all(m.body.rows(), 3 * static_cast<Index>(of_body.size()));
+    for (std::size_t i = 0; i < of_body.size(); ++i) {
+        if (of_body[i].rows() != m.body.rows())
+            throw InvalidInput(
+                text("wrap: ", of_body[i].rows(), " derivatives for ", m.body.rows(), " vertices of the body"));
+        all.middleCols<3>(3 * static_cast<Index>(i)) = of_body[i];
+    }
+    m.hold(all);
+    const MatrixXd by_wrap = m.transposed(all);
+    std::vector<Points> of_wrap;
+    for (std::size_t i = 0; i < of_body.size(); ++i)
+        of_wrap.emplace_back(by_wrap.middleCols<3>(3 * static_cast<Index>(i)));
+    return of_wrap;
+}
+
+Points WrapBinding::transpose(const Points& of_body) const { return transpose(std::vector<Points>{of_body})[0]; }
 
 const std::vector<int>& WrapBinding::centers() const { return impl_->centers; }
 double WrapBinding::edge_length() const { return impl_->edge; }

@@ -95,18 +95,24 @@ Points WrapMap::displacement(const Points& of_wrap) const {
     return moved;
 }
 
-Points WrapMap::transpose(const Points& of_body) const {
+std::vector<Points> WrapMap::transpose(const std::vector<Points>& of_body) const {
     if (!half_) return binding_.transpose(of_body);
-    Points g = of_body;
+    std::vector<Points> all = of_body;
     const Eigen::RowVector3d n = half_->normal.transpose();
-    if (g.rows() == static_cast<Eigen::Index>(held_.size()))
-        for (const int v : on_plane_) g.row(v) -= g.row(v).dot(n) * n;
-    const Points whole = binding_.transpose(g);
-    Points of_half = whole.topRows(mesh_.num_vertices());
-    for (Eigen::Index v = of_half.rows(); v < whole.rows(); ++v)
-        of_half.row(image_[static_cast<std::size_t>(v)]) += mirrored_vector(*half_, whole.row(v));
-    return of_half;
+    for (Points& g : all)
+        for (const int v : on_plane_)
+            if (g.rows() == static_cast<Eigen::Index>(held_.size())) g.row(v) -= g.row(v).dot(n) * n;
+    all = binding_.transpose(all);
+    for (Points& whole : all) {
+        Points of_half = whole.topRows(mesh_.num_vertices());
+        for (Eigen::Index v = of_half.rows(); v < whole.rows(); ++v)
+            of_half.row(image_[static_cast<std::size_t>(v)]) += mirrored_vector(*half_, whole.row(v));
+        whole = std::move(of_half);
+    }
+    return all;
 }
+
+Points WrapMap::transpose(const Points& of_body) const { return transpose(std::vector<Points>{of_body})[0]; }
 
 std::vector<Eigen::Matrix3d> WrapMap::local_maps(const Points& of_wrap) const {
     std::vector<Eigen::Matrix3d> maps = binding_.local_maps(half_ ? both(of_wrap) : of_wrap, middle_);

@@ -26,8 +26,9 @@ public:
     /// B u: the body's displacement (N x 3) by that of the wrap's vertices (n x 3); of halves the mirror image of the
     /// wrap moves as well, and vertices of the body on the plane stay on it. B 0 is 0, bit for bit.
     Points displacement(const Points& of_wrap) const;
-    /// B^T g, its exact transpose.
+    /// B^T g, its exact transpose; of several functionals at once for less.
     Points transpose(const Points& of_body) const;
+    std::vector<Points> transpose(const std::vector<Points>& of_body) const;
     /// Per triangle of the body: the linear part of the motion at its middle (`WrapBinding::local_maps`); I where all
     /// of its vertices are held.
     std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap) const;

@@ -156,10 +156,7 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
         for (Points& by_vertex : kept) all.push_back({std::move(by_vertex), {}, {}, {}, {}, {}, {}});
         return as_given(std::move(all));
     }
-    std::vector<Points> pulled = kept;
-    if (rest.wrap)
-        for (Points& one : pulled) one = pulled_to_shell(rest, one);
-    std::vector<ShellSensitivities> all = shell->adjoint(pulled, options);
+    std::vector<ShellSensitivities> all = shell->adjoint(rest.wrap ? rest.wrap->transpose(kept) : kept, options);
     if (rest.wrap)  // of the surface, as fields and planform see it
         for (std::size_t i = 0; i < all.size(); ++i) all[i].vertex = std::move(kept[i]);
     if (!rest.wrap && (rest.parameters.invariance || rest.parameters.kept_sections))

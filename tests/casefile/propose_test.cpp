@@ -182,6 +182,74 @@ TEST_F(Proposed, HalvesWithAGapAreNotLeftToShellsOfTheirOwn) {
     EXPECT_TRUE(proposed(example::dirty_body("gaps")).ties_parts);
 }
 
+/// A small triangle of its own.
+void add_stray(TriMesh& mesh, const Eigen::RowVector3d& at, double size = 0.01) {
+    const int n = mesh.num_vertices(), m = mesh.num_triangles();
+    mesh.vertices.conservativeResize(n + 3, 3);
+    mesh.vertices.bottomRows(3) << at, at + size * Eigen::RowVector3d(1, 0.2, 0),
+        at + size * Eigen::RowVector3d(0, 1, 0.3);
+    mesh.triangles.conservativeResize(m + 1, 3);
+    mesh.triangles.row(m) << n, n + 1, n + 2;
+}
+
+TEST_F(Proposed, StrayTrianglesSayNothingAboutTheBody) {
+    const TriMesh clean = ellipsoid({2, 0.6, 0.4}, 3);
+    TriMesh mesh = clean;
+    add_stray(mesh, {0.5, 3, 1});
+    add_stray(mesh, {1, 2.5, 0.3});
+    add_stray(mesh, {-1, 0.1, 2});
+    const std::string without = proposed(clean).yaml, with = proposed(mesh).yaml;
+    const std::string dropped =
+        "repair:\n  components: {min_area: 0.002%}" + std::string(30, ' ') + "# 3 triangles in 3 stray pieces of ";
+    EXPECT_TRUE(contains(with, dropped)) << with;
+    EXPECT_FALSE(contains(without, "repair:"));
+    // Everything else is as for the body alone.
+    const auto rest = [](const std::string& yaml) { return yaml.substr(yaml.find("\n# Regions that do not move")); };
+    EXPECT_EQ(rest(with), rest(without));
+    EXPECT_TRUE(contains(with, "maximize: volume") && contains(with, "mirror: true")) << with;
+    const BuiltProblem built = build_problem(load_case(folder.write("new.yaml", with), Purpose::run), Purpose::run);
+    EXPECT_EQ(built.problem.surface.num_triangles(), clean.num_triangles());
+    for (const ProposedWay way : {ProposedWay::wrap, ProposedWay::fields})
+        EXPECT_TRUE(contains(
+            propose_case(folder.path() / "body.obj", folder.path() / "new.yaml", {60, ProposedHold::band, way, ""})
+                .yaml,
+            dropped));
+}
+
+TEST(Debris, IsFewTrianglesAwayFromTheRest) {
+    TriMesh mesh = ellipsoid({2, 0.6, 0.4}, 3);
+    EXPECT_FALSE(proposing::debris(mesh));
+    TriMesh beside = mesh;
+    add_stray(beside, {0, 0, 0.401});
+    EXPECT_FALSE(proposing::debris(beside)) << "it may be a piece of the skin";
+    TriMesh fin = mesh;
+    add_stray(fin, {1, 1, 1}, 0.3);
+    EXPECT_FALSE(proposing::debris(fin)) << "it has area";
+    TriMesh soup;  // each triangle a piece of its own
+    soup.vertices.resize(3 * mesh.num_triangles(), 3);
+    soup.triangles.resize(mesh.num_triangles(), 3);
+    for (int t = 0; t < mesh.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k) {
+            soup.vertices.row(3 * t + k) = mesh.vertices.row(mesh.triangles(t, k));
+            soup.triangles(t, k) = 3 * t + k;
+        }
+    add_stray(soup, {1, 1, 1});
+    EXPECT_FALSE(proposing::debris(soup)) << "a limit would drop the body";
+    add_stray(mesh, {1, 1, 1});
+    const std::optional<proposing::Debris> found = proposing::debris(mesh);
+    ASSERT_TRUE(found);
+    EXPECT_EQ(found->pieces, 1);
+    EXPECT_EQ(found->triangles, 1);
+    EXPECT_GT(found->min_area_percent, 2.9 * 100 * found->share);
+    EXPECT_LT(found->min_area_percent, 7 * 100 * found->share);
+}
+
+TEST_F(Proposed, WhatIsSoundButForItsNeedlesMayGetNewTriangles) {
+    EXPECT_TRUE(proposed(example::dirty_body("cad_slivers")).may_remesh);
+    EXPECT_FALSE(proposed(example::dirty_body("crossing_boxes")).may_remesh);
+    EXPECT_FALSE(proposed(ellipsoid({2, 0.6, 0.4}, 3)).may_remesh);
+}
+
 TEST_F(Proposed, TestDeformationsAreCutShortByWorkNotByTime) {
     surface(box_surface({4, 1, 1}, 6));
     const BuiltProblem built = build(

@@ -67,6 +67,28 @@ void expect_equal_to_brute_force(const TriMesh& mesh, const Eigen::Vector3d& cen
     }
 }
 
+/// Two fans of slivers askew, as CAD tessellations have them around a corner, and a box of ordinary triangles.
+TEST(ClosestPoint, SliversAskewAreFoundAsByBruteForce) {
+    constexpr int around = 200;
+    const TriMesh box = box_surface({1, 2, 0.5}, 3);
+    TriMesh mesh;
+    mesh.vertices.resize(2 * (around + 1) + box.num_vertices(), 3);
+    mesh.triangles.resize(2 * (around - 1) + box.num_triangles(), 3);
+    int t = 0;
+    for (int fan = 0; fan < 2; ++fan) {
+        const int apex = fan * (around + 1);
+        mesh.vertices.row(apex) << 3, 4 - 2 * fan, 5;
+        for (int j = 0; j < around; ++j) {
+            const double s = static_cast<double>(j) / around;
+            mesh.vertices.row(apex + 1 + j) << -3 + 1e-2 * s, -4 + 2e-2 * s * s + fan * s, -5 + fan * 1e-12 * s;
+            if (j > 0) mesh.triangles.row(t++) << apex, apex + j, apex + j + 1;
+        }
+    }
+    mesh.vertices.bottomRows(box.num_vertices()) = box.vertices;
+    mesh.triangles.bottomRows(box.num_triangles()) = box.triangles.array() + 2 * (around + 1);
+    expect_equal_to_brute_force(mesh, Eigen::Vector3d::Zero(), 5, 600);
+}
+
 TEST(ClosestPoint, EqualsBruteForceOnASphere) {
     expect_equal_to_brute_force(icosphere(3), Eigen::Vector3d::Zero(), 1, 10000);
 }

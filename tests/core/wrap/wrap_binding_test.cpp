@@ -105,6 +105,36 @@ TEST(WrapBinding, TransposeIsExact) {
     }
 }
 
+TEST(WrapBinding, SeveralFunctionalsAtOnceAreAsOneAfterTheOther) {
+    const Pair pair;
+    const WrapBinding binding(pair.wrap, pair.body.vertices, {{}, 100});
+    const std::vector<Points> g{random_points(pair.body.num_vertices(), 2), random_points(pair.body.num_vertices(), 3),
+                                random_points(pair.body.num_vertices(), 4)};
+    const std::vector<Points> all = binding.transpose(g);
+    ASSERT_EQ(all.size(), g.size());
+    for (std::size_t i = 0; i < g.size(); ++i) {
+        const Points one = binding.transpose(g[i]);
+        EXPECT_LT((all[i] - one).norm(), 1e-12 * one.norm());
+        EXPECT_GT((all[i] - binding.transpose(g[(i + 1) % 3])).norm(), 0.1 * one.norm()) << "the test can fail";
+    }
+    EXPECT_TRUE(binding.transpose(std::vector<Points>{}).empty());
+    EXPECT_THROW(binding.transpose(std::vector<Points>{g[0], Points::Zero(5, 3)}), InvalidInput);
+}
+
+/// A body of more than 16 000 vertices, whose radial functions are not kept, and a piece of it, whose are.
+TEST(WrapBinding, LargeBodiesMoveAsTheirPieces) {
+    const Pair pair;
+    const Points large = example::superellipsoid(36000, {{2, 0.6, 0.45}, 2.5}).vertices, piece = large.topRows(3000);
+    ASSERT_GT(large.rows() * 500 * 8, 64000000);
+    const WrapBinding of_large(pair.wrap, large), of_piece(pair.wrap, piece);
+    const Points u = random_points(pair.wrap.num_vertices(), 1), moved = of_large.displacement(u);
+    EXPECT_LT((moved.topRows(3000) - of_piece.displacement(u)).norm(), 1e-8 * moved.norm());
+    Points g = Points::Zero(large.rows(), 3);
+    g.topRows(3000) = random_points(3000, 2);
+    const Points back = of_large.transpose(g);
+    EXPECT_LT((back - of_piece.transpose(Points(g.topRows(3000)))).norm(), 1e-8 * back.norm());
+}
+
 TEST(WrapBinding, CentersAreInterpolatedAndHeldVerticesStay) {
     const Pair pair;
     const WrapBinding ahead(pair.wrap, pair.body.vertices, {{}, 200});

@@ -90,7 +90,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
 /// A linear motion as a nonlinear program for the same minimizer, guard and constraints as Strake's own.
 class Comparator {
 public:
-    Comparator(const EvidenceProblem& evidence, const LinearMotion& motion, Tracer& tracer)
+    Comparator(const EvidenceProblem& evidence, const ComparedMotion& motion, Tracer& tracer)
         : problem_(evidence.problem),
           has_gradients_(evidence.has_gradients),
           motion_(motion),
@@ -110,7 +110,7 @@ public:
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
         if (has_gradients_)
-            p.differentiate = [this](const VectorXd&, Evaluation& sample) { differentiate(sample); };
+            p.differentiate = [this](const VectorXd& y, Evaluation& sample) { differentiate(y, sample); };
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
@@ -160,9 +160,10 @@ private:
         return violation;
     }
 
-    void differentiate(Evaluation& sample) {
+    void differentiate(const VectorXd& y, Evaluation& sample) {
+        const VectorXd x = y.cwiseQuotient(motion_.weight);
         const auto by_y = [&](int value) {
-            return VectorXd(motion_.gradient(dJ_dv_[value]).cwiseQuotient(motion_.weight));
+            return VectorXd(motion_.gradient(x, dJ_dv_[value]).cwiseQuotient(motion_.weight));
         };
         sample.gradient = sign() * by_y(index(problem_.objective));
         sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), motion_.size());
@@ -175,7 +176,7 @@ private:
 
     const Problem& problem_;
     const bool has_gradients_;
-    const LinearMotion& motion_;
+    const ComparedMotion& motion_;
     Tracer& tracer_;
     ValidityGuard guard_;
     Poses at_rest_;
@@ -188,7 +189,7 @@ private:
 constexpr int max_for_dense_models = 300;
 struct EndedByItself {};
 
-LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
+ComparedMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
     if (solver == Solver::lattice_4x4x4) return spline_lattice(evidence, {4, 4, 4});
     if (solver == Solver::lattice_8x4x2) return spline_lattice(evidence, {8, 4, 2});
     if (solver == Solver::box_12) return bezier_box(evidence, 12);
@@ -199,9 +200,9 @@ LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, M
     return filtered_vertices(evidence);
 }
 
-void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Tracer& tracer) {
+void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motion, Method method, int budget,
+                    Tracer& tracer) {
     Solve& result = tracer.solve;
-    const LinearMotion motion = comparator_motion(evidence, solver, method);
     result.variables = tracer.variables = motion.size();
     result.levels = text(motion.size());
     result.notes.push_back(motion.name);
@@ -310,9 +311,21 @@ Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int bu
     Tracer tracer{result};
     tracer.has_gradients = problem.has_gradients;
     tracer.enough = enough;
-    const bool is_strake =
-        solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest;
-    (is_strake ? run_strake : run_comparator)(problem, solver, method, budget, tracer);
+    if (solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest)
+        run_strake(problem, solver, method, budget, tracer);
+    else
+        run_comparator(problem, comparator_motion(problem, solver, method), method, budget, tracer);
+    return result;
+}
+
+Solve solve(const EvidenceProblem& problem, const ComparedMotion& motion, Method method, int budget) {
+    Solve result;
+    result.problem = problem.name;
+    result.solver = motion.name;
+    result.method = to_string(method);
+    Tracer tracer{result};
+    tracer.has_gradients = problem.has_gradients;
+    run_comparator(problem, motion, method, budget, tracer);
     return result;
 }
 

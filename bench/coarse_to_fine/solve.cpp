@@ -66,6 +66,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
         above = level.space;
     };
     events.evaluation = [&](const EvaluationRecord& record) {
+        if (!record.reason.empty()) result.notes.push_back(record.reason);
         if (record.is_taken_over) return;  // nothing was computed
         const double sign = problem.maximize ? -1 : 1;
         tracer.add(record.status == "ok" ? sign * record.objective : std::numeric_limits<double>::quiet_NaN(),
@@ -130,16 +131,31 @@ private:
         std::vector<double> values;
         dJ_dv_.clear();
         for (std::size_t i = 0; sample.failure.empty() && i < problem_.quantities.size(); ++i) {
+            const Quantity& quantity = problem_.quantities[i];
             const QuantityResult r =
-                problem_.quantities[i].evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
+                quantity.combination ? combined(*quantity.combination, values)
+                                     : quantity.evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
             if (r.failure) sample.failure = r.failure->message;
             values.insert(values.end(), r.values.begin(), r.values.end());
             dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());
         }
         double violation = 0;
         if (sample.failure.empty()) violation = fill(values, sample);
+        if (!sample.failure.empty()) tracer_.solve.notes.push_back(sample.failure);
         tracer_.add(sample.objective, violation <= problem_.optimize.constraint_tolerance);
         return sample;
+    }
+
+    /// A formula of the values so far.
+    QuantityResult combined(const Combination& combination, const std::vector<double>& values) const {
+        VectorXd of(static_cast<Eigen::Index>(combination.of.size())), slopes;
+        for (Eigen::Index i = 0; i < of.size(); ++i) of[i] = values[index(combination.of[static_cast<std::size_t>(i)])];
+        QuantityResult result{.values = {combination.value(of, &slopes)}, .dJ_dv = {}, .failure = {}};
+        if (!has_gradients_) return result;
+        result.dJ_dv = {Points::Zero(problem_.surface.num_vertices(), 3)};
+        for (Eigen::Index i = 0; i < of.size(); ++i)
+            result.dJ_dv[0] += slopes[i] * dJ_dv_[index(combination.of[static_cast<std::size_t>(i)])];
+        return result;
     }
 
     /// Objective and constraints from the values; the largest violation.

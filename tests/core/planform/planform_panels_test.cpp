@@ -117,9 +117,7 @@ void expect_measured(const WingBody& body, const PlanformMotion& motion, const W
         const double sweep = is_this && v.change == PlanformChange::sweep ? value : 0;
         const double dihedral = is_this && v.change == PlanformChange::dihedral ? value : 0;
         EXPECT_NEAR(after.sweep.value, before.sweep.value + sweep, 0.05 * degree) << ends[k];
-        // The last row of a winglet is not quite a section.
-        EXPECT_NEAR(after.dihedral.value, before.dihedral.value + dihedral, (before.is_upright ? 0.25 : 0.05) * degree)
-            << ends[k];
+        EXPECT_NEAR(after.dihedral.value, before.dihedral.value + dihedral, 0.05 * degree) << ends[k];
         EXPECT_NEAR(after.width.value, before.width.value, 0.005 * before.width.value);
     }
     for (const double station : wing.stations()) {

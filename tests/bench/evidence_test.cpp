@@ -101,10 +101,10 @@ TEST_P(LinearMotions, KeepWhatIsHeldAndHaveExactGradients) {
         SCOPED_TRACE(name);
         const EvidenceProblem p = make_problem(name, tiny, 1);
         const TriMesh& mesh = p.problem.surface;
-        const ComparedMotion motion = GetParam() == Solver::ffd        ? bezier_box(p, variables_of_last_level(p.problem))
-                                    : GetParam() == Solver::filtered ? filtered_vertices(p)
-                                    : GetParam() == Solver::lattice_4x4x4 ? spline_lattice(p, {4, 4, 4})
-                                                                          : spline_lattice(p, {8, 4, 2});
+        const ComparedMotion motion = GetParam() == Solver::ffd ? bezier_box(p, variables_of_last_level(p.problem))
+                                      : GetParam() == Solver::filtered      ? filtered_vertices(p)
+                                      : GetParam() == Solver::lattice_4x4x4 ? spline_lattice(p, {4, 4, 4})
+                                                                            : spline_lattice(p, {8, 4, 2});
         const VectorXd x = 0.3 * random_vector(motion.size(), 5), d = random_vector(motion.size(), 6);
         const Points moved = motion.vertices(x) - mesh.vertices;
         const std::vector<char> held = held_vertices(p.problem);

@@ -25,6 +25,20 @@ void print_health(const Checkup& c) {
                c.quality.angle_min_deg, c.quality.angle_max_deg);
 }
 
+/// Integrals over the triangles do not know the union of parts.
+void print_overlap(const CheckFacts& facts) {
+    const Checkup& c = facts.health;
+    if (!facts.start || !c.pairs || c.pairs->apart.empty() || c.facts.components < 2) return;
+    std::vector<std::string> names;
+    for (const auto& quantity : facts.start->quantities)
+        for (const auto& value : quantity.values)
+            if (value.name == "volume" || value.name == "area") names.push_back(value.name);
+    if (names.empty()) return;
+    fmt::print("note        parts pass through each other: {} of the union {} not known; {}\n", joined(names),
+               names.size() == 1 ? "is" : "are",
+               "what lies inside another part counts, too, and changes as their cut wanders");
+}
+
 void print_parts(const std::vector<HeldPart>& parts) {
     constexpr std::size_t shown = 10;
     for (std::size_t k = 0; k < parts.size() && k < shown && parts.size() > 1; ++k)
@@ -163,6 +177,7 @@ void print_facts(const CheckFacts& facts) {
     if (facts.can_make) print_capability(*facts.can_make);
     if (facts.border) print_border(facts);
     print_start(facts);
+    print_overlap(facts);
     if (facts.cost) print_cost(*facts.cost);
 }
 

@@ -84,25 +84,6 @@ double bernstein(int degree, int i, double u) {
     return binomial * std::pow(u, i) * std::pow(1 - u, degree - i);
 }
 
-/// B-spline i of `points` of degree min(3, points - 1) on clamped, evenly spaced knots over [0, 1] (Cox and de Boor).
-double b_spline(int points, int i, double u) {
-    const int degree = std::min(3, points - 1), spans = points - degree;
-    const auto knot = [&](int k) { return std::clamp(k - degree, 0, spans) / double(spans); };
-    std::array<double, 4> value{};  // of splines i to i + degree, of rising degree
-    for (int k = 0; k <= degree; ++k) {
-        const bool is_last = knot(i + k + 1) == 1 && u == 1 && knot(i + k) < 1;
-        value[static_cast<std::size_t>(k)] = (knot(i + k) <= u && u < knot(i + k + 1)) || is_last ? 1 : 0;
-    }
-    for (int d = 1; d <= degree; ++d)
-        for (int k = 0; k <= degree - d; ++k) {
-            const auto at = static_cast<std::size_t>(k);
-            const double up = knot(i + k + d) - knot(i + k), down = knot(i + k + d + 1) - knot(i + k + 1);
-            value[at] = (up > 0 ? (u - knot(i + k)) / up * value[at] : 0) +
-                        (down > 0 ? (knot(i + k + d + 1) - u) / down * value[at + 1] : 0);
-        }
-    return value[0];
-}
-
 /// Weight of control point `at` at every vertex; held vertices have none.
 VectorXd weight(const Points& v, const Box& box, const Lattice& lattice, const std::array<int, 3>& at,
                 const std::vector<char>& held) {
@@ -140,6 +121,24 @@ MatrixXd weights(const EvidenceProblem& problem, const Box& box, const Lattice& 
 
 }  // namespace
 
+double b_spline(int points, int i, double u) {
+    const int degree = std::min(3, points - 1), spans = points - degree;
+    const auto knot = [&](int k) { return std::clamp(k - degree, 0, spans) / double(spans); };
+    std::array<double, 4> value{};  // of splines i to i + degree, of rising degree
+    for (int k = 0; k <= degree; ++k) {
+        const bool is_last = knot(i + k + 1) == 1 && u == 1 && knot(i + k) < 1;
+        value[static_cast<std::size_t>(k)] = (knot(i + k) <= u && u < knot(i + k + 1)) || is_last ? 1 : 0;
+    }
+    for (int d = 1; d <= degree; ++d)
+        for (int k = 0; k <= degree - d; ++k) {
+            const auto at = static_cast<std::size_t>(k);
+            const double up = knot(i + k + d) - knot(i + k), down = knot(i + k + d + 1) - knot(i + k + 1);
+            value[at] = (up > 0 ? (u - knot(i + k)) / up * value[at] : 0) +
+                        (down > 0 ? (knot(i + k + d + 1) - u) / down * value[at + 1] : 0);
+        }
+    return value[0];
+}
+
 std::vector<char> held_vertices(const Problem& problem) {
     std::vector<char> held(problem.surface.num_vertices(), 0);
     for (const int t : problem.fixed)
@@ -149,7 +148,7 @@ std::vector<char> held_vertices(const Problem& problem) {
 
 namespace {
 
-LinearMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lattice& lattice) {
+ComparedMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lattice& lattice) {
     const TriMesh& surface = problem.problem.surface;
     const std::vector<char> held = held_vertices(problem.problem);
     const MatrixXd all = weights(problem, box, lattice, held);
@@ -168,7 +167,7 @@ LinearMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lat
     const VectorXd root = square.diagonal().cwiseSqrt();
     const MatrixXd scaled = root.cwiseInverse().asDiagonal() * square * root.cwiseInverse().asDiagonal();
     const Eigen::Index n = W.cols();
-    LinearMotion motion;
+    ComparedMotion motion;
     motion.name = text(lattice.points[0], "x", lattice.points[1], "x", lattice.points[2]);
     motion.lower = VectorXd::Constant(3 * n, -1);
     motion.upper = VectorXd::Constant(3 * n, 1);
@@ -183,7 +182,7 @@ LinearMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lat
         for (int c = 0; c < 3; ++c) v.col(c) += W * x.segment(c * n, n);
         return v;
     };
-    motion.gradient = [W, n](const Points& dJ_dv) {
+    motion.gradient = [W, n](const VectorXd&, const Points& dJ_dv) {
         VectorXd g(3 * n);
         for (int c = 0; c < 3; ++c) g.segment(c * n, n) = W.transpose() * dJ_dv.col(c);
         return g;
@@ -193,12 +192,12 @@ LinearMotion motion_of(const EvidenceProblem& problem, const Box& box, const Lat
 
 }  // namespace
 
-LinearMotion bezier_box(const EvidenceProblem& problem, int variables) {
+ComparedMotion bezier_box(const EvidenceProblem& problem, int variables) {
     const Box box = moving_box(problem, held_vertices(problem.problem));
     return motion_of(problem, box, choose_lattice(problem, box, variables));
 }
 
-LinearMotion spline_lattice(const EvidenceProblem& problem, std::array<int, 3> points) {
+ComparedMotion spline_lattice(const EvidenceProblem& problem, std::array<int, 3> points) {
     const Box box = moving_box(problem, held_vertices(problem.problem));
     const Vector3d extent = box.max - box.min;
     std::array<int, 3> order{0, 1, 2};  // the longest side first

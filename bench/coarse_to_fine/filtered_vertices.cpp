@@ -55,7 +55,7 @@ Points vertex_normals(const TriMesh& mesh) {
 
 }  // namespace
 
-LinearMotion filtered_vertices(const EvidenceProblem& problem) {
+ComparedMotion filtered_vertices(const EvidenceProblem& problem) {
     const TriMesh& surface = problem.problem.surface;
     const PatchLevel& finest = problem.problem.tree.levels.back();
     const double patch = surface_area(surface) / static_cast<double>(finest.patches.size());
@@ -76,7 +76,7 @@ LinearMotion filtered_vertices(const EvidenceProblem& problem) {
     const double step = problem.problem.parameters.max_displacement * box_diagonal(surface);
     const double unit = step / (sum / count);
 
-    LinearMotion motion;
+    ComparedMotion motion;
     motion.name = text("r = ", r);
     const Eigen::Index size = along_normal ? n : 3 * n;
     motion.lower = VectorXd::Constant(size, -1);
@@ -95,7 +95,7 @@ LinearMotion filtered_vertices(const EvidenceProblem& problem) {
         for (Eigen::Index i = 0; i < n; ++i) v.row(filter->vertex[i]) += u.row(i);
         return v;
     };
-    motion.gradient = [=](const Points& dJ_dv) {
+    motion.gradient = [=](const VectorXd&, const Points& dJ_dv) {
         const MatrixXd right = dJ_dv(filter->vertex, Eigen::all);
         const MatrixXd g = unit * (filter->mass.asDiagonal() * MatrixXd(filter->factor.solve(right)));
         if (!along_normal) return VectorXd(g.reshaped());

@@ -66,6 +66,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
         above = level.space;
     };
     events.evaluation = [&](const EvaluationRecord& record) {
+        if (!record.reason.empty()) result.notes.push_back(record.reason);
         if (record.is_taken_over) return;  // nothing was computed
         const double sign = problem.maximize ? -1 : 1;
         tracer.add(record.status == "ok" ? sign * record.objective : std::numeric_limits<double>::quiet_NaN(),
@@ -90,7 +91,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
 /// A linear motion as a nonlinear program for the same minimizer, guard and constraints as Strake's own.
 class Comparator {
 public:
-    Comparator(const EvidenceProblem& evidence, const LinearMotion& motion, Tracer& tracer)
+    Comparator(const EvidenceProblem& evidence, const ComparedMotion& motion, Tracer& tracer)
         : problem_(evidence.problem),
           has_gradients_(evidence.has_gradients),
           motion_(motion),
@@ -110,7 +111,7 @@ public:
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
         if (has_gradients_)
-            p.differentiate = [this](const VectorXd&, Evaluation& sample) { differentiate(sample); };
+            p.differentiate = [this](const VectorXd& y, Evaluation& sample) { differentiate(y, sample); };
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
@@ -130,16 +131,31 @@ private:
         std::vector<double> values;
         dJ_dv_.clear();
         for (std::size_t i = 0; sample.failure.empty() && i < problem_.quantities.size(); ++i) {
+            const Quantity& quantity = problem_.quantities[i];
             const QuantityResult r =
-                problem_.quantities[i].evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
+                quantity.combination ? combined(*quantity.combination, values)
+                                     : quantity.evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
             if (r.failure) sample.failure = r.failure->message;
             values.insert(values.end(), r.values.begin(), r.values.end());
             dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());
         }
         double violation = 0;
         if (sample.failure.empty()) violation = fill(values, sample);
+        if (!sample.failure.empty()) tracer_.solve.notes.push_back(sample.failure);
         tracer_.add(sample.objective, violation <= problem_.optimize.constraint_tolerance);
         return sample;
+    }
+
+    /// A formula of the values so far.
+    QuantityResult combined(const Combination& combination, const std::vector<double>& values) const {
+        VectorXd of(static_cast<Eigen::Index>(combination.of.size())), slopes;
+        for (Eigen::Index i = 0; i < of.size(); ++i) of[i] = values[index(combination.of[static_cast<std::size_t>(i)])];
+        QuantityResult result{.values = {combination.value(of, &slopes)}, .dJ_dv = {}, .failure = {}};
+        if (!has_gradients_) return result;
+        result.dJ_dv = {Points::Zero(problem_.surface.num_vertices(), 3)};
+        for (Eigen::Index i = 0; i < of.size(); ++i)
+            result.dJ_dv[0] += slopes[i] * dJ_dv_[index(combination.of[static_cast<std::size_t>(i)])];
+        return result;
     }
 
     /// Objective and constraints from the values; the largest violation.
@@ -160,9 +176,10 @@ private:
         return violation;
     }
 
-    void differentiate(Evaluation& sample) {
+    void differentiate(const VectorXd& y, Evaluation& sample) {
+        const VectorXd x = y.cwiseQuotient(motion_.weight);
         const auto by_y = [&](int value) {
-            return VectorXd(motion_.gradient(dJ_dv_[value]).cwiseQuotient(motion_.weight));
+            return VectorXd(motion_.gradient(x, dJ_dv_[value]).cwiseQuotient(motion_.weight));
         };
         sample.gradient = sign() * by_y(index(problem_.objective));
         sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), motion_.size());
@@ -175,7 +192,7 @@ private:
 
     const Problem& problem_;
     const bool has_gradients_;
-    const LinearMotion& motion_;
+    const ComparedMotion& motion_;
     Tracer& tracer_;
     ValidityGuard guard_;
     Poses at_rest_;
@@ -188,7 +205,7 @@ private:
 constexpr int max_for_dense_models = 300;
 struct EndedByItself {};
 
-LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
+ComparedMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
     if (solver == Solver::lattice_4x4x4) return spline_lattice(evidence, {4, 4, 4});
     if (solver == Solver::lattice_8x4x2) return spline_lattice(evidence, {8, 4, 2});
     if (solver == Solver::box_12) return bezier_box(evidence, 12);
@@ -199,9 +216,9 @@ LinearMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, M
     return filtered_vertices(evidence);
 }
 
-void run_comparator(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Tracer& tracer) {
+void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motion, Method method, int budget,
+                    Tracer& tracer) {
     Solve& result = tracer.solve;
-    const LinearMotion motion = comparator_motion(evidence, solver, method);
     result.variables = tracer.variables = motion.size();
     result.levels = text(motion.size());
     result.notes.push_back(motion.name);
@@ -310,9 +327,21 @@ Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int bu
     Tracer tracer{result};
     tracer.has_gradients = problem.has_gradients;
     tracer.enough = enough;
-    const bool is_strake =
-        solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest;
-    (is_strake ? run_strake : run_comparator)(problem, solver, method, budget, tracer);
+    if (solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest)
+        run_strake(problem, solver, method, budget, tracer);
+    else
+        run_comparator(problem, comparator_motion(problem, solver, method), method, budget, tracer);
+    return result;
+}
+
+Solve solve(const EvidenceProblem& problem, const ComparedMotion& motion, Method method, int budget) {
+    Solve result;
+    result.problem = problem.name;
+    result.solver = motion.name;
+    result.method = to_string(method);
+    Tracer tracer{result};
+    tracer.has_gradients = problem.has_gradients;
+    run_comparator(problem, motion, method, budget, tracer);
     return result;
 }
 

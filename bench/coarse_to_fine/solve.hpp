@@ -50,5 +50,7 @@ int variables_of_last_level(const Problem& problem);
 /// @throws InvalidInput when the solver cannot use the method.
 Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int budget,
             double enough = -std::numeric_limits<double>::infinity());
+/// The same by a motion of the caller's.
+Solve solve(const EvidenceProblem& problem, const ComparedMotion& motion, Method method, int budget);
 
 }  // namespace strake::evidence

@@ -21,6 +21,10 @@ constexpr int mean_line_terms = 6;      ///< a cubic mean line with room for two
 constexpr double min_share = -0.9;      ///< of span, chord, t/c: nothing is left below
 constexpr int num_noses = 32;           ///< sections along the span whose noses are measured
 constexpr double map_step = 1e-6;       ///< of the semispan
+constexpr double rounded_rows = 3;      ///< rows of vertices over which panels are rounded off
+constexpr double max_rounding = 0.4;    ///< of a panel
+constexpr double same_row = 0.02;       ///< of the distance of rows
+constexpr double on_row = 1e-6;         ///< of the semispan
 
 /// Mean line of the four-digit series, 1 at its top.
 double four_digit_line(double xi) {
@@ -132,11 +136,38 @@ void PlanformMotion::add_wing(const TriMesh& start, const std::shared_ptr<const 
     if (moved.nodes.size() < 2)
         throw InvalidInput(text("wing '", wing->declaration().name, "' has no sections between which it could change"));
     for (int s = 0; s < wing->num_sides(); ++s) moved.reach.push_back(wing->reach(start, s));
+    round_corners(start, *wing, moved.reach.front(), moved.nodes);
     const WingFacts facts = wing->facts(start);
     moved.span = facts.span.value;
     moved.sweep = facts.sweep.value;
     moved.dihedral = facts.dihedral.value;
     wings_.push_back(std::move(moved));
+}
+
+void PlanformMotion::round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes) {
+    if (wing.has_winglet()) return;
+    for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
+        const double place = nodes[k].place;
+        std::vector<double> inner, rows;  // of the edges that cross the plane: where they begin, how long they are
+        for (const int t : wing.triangles(0))
+            for (int c = 0; c < 3; ++c) {
+                const auto at = [&](int corner) {
+                    const Vector3d x = start.vertices.row(start.triangles(t, corner % 3));
+                    return wing.fraction_at(0, reach, x);
+                };
+                const double from = std::min(at(c), at(c + 1)), to = std::max(at(c), at(c + 1));
+                if (from > place - on_row || to < place + on_row) continue;
+                inner.push_back(from);
+                rows.push_back(to - from);
+            }
+        if (rows.empty()) continue;
+        const auto middle = rows.begin() + static_cast<std::ptrdiff_t>(rows.size() / 2);
+        std::nth_element(rows.begin(), middle, rows.end());
+        const auto [first, last] = std::minmax_element(inner.begin(), inner.end());
+        if (*last - *first < same_row * *middle) continue;
+        const double panel = std::min(place - nodes[k - 1].place, nodes[k + 1].place - place);
+        nodes[k].rounding = std::min(rounded_rows * *middle, max_rounding * panel);
+    }
 }
 
 double PlanformMotion::angle_of(const MovedWing& moved, PlanformChange change) {
@@ -201,6 +232,10 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     const double straight = (s - a.place) / (b.place - a.place);
     at.ratio = std::clamp(straight, 0.0, 1.0);
     at.straight = straight;
+    at.corner = at.node + (straight > 0.5 ? 1 : 0);
+    const Node& corner = moved.nodes[at.corner];
+    if (const double d = std::abs(s - corner.place); d < corner.rounding)
+        at.off_corner = 0.5 * d * (d * (2 * corner.rounding - d) / (corner.rounding * corner.rounding) - 1);
     at.e = a.chord + at.ratio * (b.chord - a.chord);
     const Vector3d axis = a.axis + straight * (b.axis - a.axis);
     at.up = of.up_at(side, s);
@@ -421,7 +456,12 @@ Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Ch
     Vector3d axis = rate.stretch * at.arm;
     const auto sheared = [&](const Changes& of, double slope, const std::vector<double>& panels) {
         if (of.factor.empty()) return 0.0;
-        return slope * at.arm[0] + blend(panels[at.node], panels[at.node + 1], at.straight);
+        const double straight = slope * at.arm[0] + blend(panels[at.node], panels[at.node + 1], at.straight);
+        if (at.off_corner == 0) return straight;
+        const auto slope_from = [&](std::size_t k) {
+            return (panels[k + 1] - panels[k]) / (nodes[k + 1].place - nodes[k].place);
+        };
+        return straight + at.off_corner * (slope_from(at.corner) - slope_from(at.corner - 1));
     };
     axis[1] += sheared(rate, rate.sweep, rate.aft) * (1 + stretch);
     axis[2] += sheared(rate, rate.dihedral, rate.rise) * (1 + stretch);

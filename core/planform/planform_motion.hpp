@@ -58,7 +58,9 @@ struct PlanformRange {
 ///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
 ///
 /// so that an edge that was straight there stays straight, and equal changes at both are that change everywhere
-/// between. t, q and k are linear between stations, and all is constant beyond the first and the last. The variable of
+/// between. Where rows of vertices are oblique to the sections, a panel's shear has no corner at its ends: beside them,
+/// over w, three rows wide, |d| becomes d^2 (2 w - |d|) / w^2 in it, which meets the end and both straight lines.
+/// t, q and k are linear between stations, and all is constant beyond the first and the last. The variable of
 /// a station is what its section shows; where triangles cut the corners of M, t and k, at a station between two rows of
 /// vertices, these differ from it a little.
 ///
@@ -108,6 +110,7 @@ private:
         Eigen::VectorXd mean_line;  ///< over the chord: factors of xi (1 - xi) (2 xi - 1)^k
         Eigen::VectorXd bump;       ///< likewise of B; empty: the four-digit mean line
         bool is_blunt;
+        double rounding = 0;  ///< how far beside it panels are rounded off, fraction of the semispan
     };
     /// A point of a wing.
     struct Place {
@@ -117,6 +120,8 @@ private:
         double ratio = 0;      ///< between that and the next, in [0, 1]
         Complex zeta, e;
         double straight = 0;                        ///< likewise, beyond the first and the last node outside of [0, 1]
+        std::size_t corner = 0;                     ///< the node beside which it is rounded off
+        double off_corner = 0;                      ///< what that makes of a change of slope there by 1; 0: nothing
         Eigen::Vector3d arm;                        ///< of the axis from that at the root: outboard, downstream, up
         Eigen::Vector3d up;                         ///< of its section
         double height, bump, kept;                  ///< eta - mean line, B, 1 - b
@@ -154,6 +159,9 @@ private:
     static void check_angle(const PlanformRange& range, double now, const std::string& shown);
     void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares, double angle = 0);
     void place_vertices(const TriMesh& start);
+    /// Rows of vertices that cross the plane of a station at an angle cut the corner of a shear there otherwise at the
+    /// leading edge than at the trailing edge, which would show as twist.
+    static void round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes);
     void measure_noses(const TriMesh& start, int wing);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
     Place place_at(int wing, int side, const Eigen::Vector3d& x) const;

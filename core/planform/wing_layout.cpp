@@ -199,13 +199,30 @@ void Wing::find_winglet(const TriMesh& start, Side& side) const {
     }
 }
 
+namespace {
+
+/// Of the line along which the sections of a wing with a winglet are laid.
+struct Step {
+    Vector3d axis;
+    double direction, angle, chord, thickness;
+};
+
+/// Steps that turn within a thickness of the end go around the edge of the tip.
+void leave_out_tip(std::vector<Step>& steps) {
+    constexpr double tip_turn = 3 * std::numbers::pi / 180;
+    std::size_t before = steps.size() - 1;
+    while (before > 0 && (steps.back().axis - steps[before].axis).norm() < steps[before].thickness) --before;
+    const auto turned =
+        std::find_if(steps.begin() + static_cast<std::ptrdiff_t>(before), steps.end(),
+                     [&](const Step& step) { return std::abs(step.direction - steps[before].direction) > tip_turn; });
+    steps.erase(turned, steps.end());
+}
+
+}  // namespace
+
 void Wing::march(const TriMesh& start, Side& side) const {
     constexpr double degree = std::numbers::pi / 180;
     const Vector3d e = side.span, up = declared_.up;
-    struct Step {
-        Vector3d axis;
-        double direction, angle, chord;
-    };
     const auto try_at = [&](const Vector3d& guess, double direction, double reach) -> std::optional<Step> {
         const double angle = std::abs(direction) > 45 * degree ? direction : 0;
         Plane plane;
@@ -218,13 +235,14 @@ void Wing::march(const TriMesh& start, Side& side) const {
         const Vector3d middle = 0.5 * (in_space(plane, at->leading_edge()) + in_space(plane, at->trailing_edge()));
         const Vector3d off = middle - guess;
         if (std::hypot(off.dot(e), off.dot(up)) > reach) return {};
-        return Step{middle, direction, angle, at->chord().value};
+        const double chord = at->chord().value;
+        return Step{middle, direction, angle, chord, at->max_thickness().value * chord};
     };
     const Plane root = plane(start, side, 0.002, false);
     const auto first = section(start, side, root, false);
     if (!first) return;
     std::vector<Step> steps{{0.5 * (in_space(root, first->leading_edge()) + in_space(root, first->trailing_edge())), 0,
-                             0, first->chord().value}};
+                             0, first->chord().value, 0}};
     double h = side.scale / 60;
     while (h > side.scale / 2000 && steps.size() < 1000) {
         const Step& last = steps.back();
@@ -243,6 +261,7 @@ void Wing::march(const TriMesh& start, Side& side) const {
         next->direction = std::atan2(way.dot(up), way.dot(e));
         steps.push_back(*next);
     }
+    leave_out_tip(steps);
     if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.angle != 0; })) return;
     std::vector<double> length{0};
     for (std::size_t i = 1; i < steps.size(); ++i) {

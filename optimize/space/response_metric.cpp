@@ -134,6 +134,25 @@ Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
     }
     return traction;
 }
+/// Of a shape variable: its displacement field; -1: it is none, or wings keep nothing of what fields do.
+int held_field(const DesignSpace& space, int j) {
+    const Parameters& p = space.rest->parameters;
+    const Variable& variable = space.variables[static_cast<std::size_t>(j)];
+    if (!p.kept_sections || variable.kind != VariableKind::field) return -1;
+    return p.user_variables[static_cast<std::size_t>(variable.component)].field;
+}
+
+/// Mean square motion (twice, over `wanted`) of the fields before wings keep their sections, times `held_share`
+/// squared.
+Eigen::MatrixXd held_metric(const DesignSpace& space, double wanted) {
+    Eigen::MatrixXd moved = Eigen::MatrixXd::Zero(none(space).samples.rows(), space.size());
+    for (int j = 0; j < space.size(); ++j)
+        if (const int field = held_field(space, j); field >= 0)
+            moved.col(j) = held_share * 2 / wanted * space.variables[static_cast<std::size_t>(j)].unit *
+                           sampled_motion(*space.rest, space.rest->parameters.fields->field(field));
+    return moved.transpose() * moved;
+}
+
 static_assert(patch_dof::load == 0 && patch_dof::normal == 3,
               "leaf tractions are stored in the order of the degrees of freedom");
 
@@ -196,6 +215,7 @@ Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& respo
     const double wanted = variable_scale(space.rest->parameters) * space.rest->diagonal;
     const Eigen::MatrixXd moved = 2 / wanted * responses.samples;
     Eigen::MatrixXd metric = moved.transpose() * moved;
+    if (space.rest->parameters.kept_sections && space.rest->parameters.fields) metric += held_metric(space, wanted);
     const Eigen::MatrixXd work = leaf_tractions(space).transpose() * responses.work_integrals;
     if (const double soft = soft_work(space, responses); soft > 0)
         for (int i = 0; i < space.size(); ++i)
@@ -230,10 +250,19 @@ Eigen::VectorXd present_product(const DesignSpace& space, PrimoShell* shell, con
     if (space.soft_work > 0)
         product += traction.transpose() * reduce.work_integrals(working(of_shell)) / space.soft_work;
     if (!space.rest->parameters.fields) return product;
-    const Eigen::VectorXd by_field = space.rest->parameters.fields->gradient(pull);
-    for (int j = 0; j < space.num_shape(); ++j)
+    const DisplacementFields& fields = *space.rest->parameters.fields;
+    const Eigen::VectorXd by_field = fields.gradient(pull);
+    Eigen::VectorXd z = Eigen::VectorXd::Zero(fields.size());
+    for (int j = 0; j < space.num_shape(); ++j) {
+        if (const int held = held_field(space, j); held >= 0) z[held] = space.variables[j].unit * d[j];
         if (const Variable& variable = space.variables[j]; variable.kind == VariableKind::field)
             product[j] = variable.unit * by_field[space.rest->parameters.user_variables[variable.component].field];
+    }
+    if (!space.rest->parameters.kept_sections) return product;
+    const double share = held_share * 2 / wanted;
+    const Eigen::VectorXd by_held = share * share * fields.gradient(reduce.weighted(fields.displacement(z)));
+    for (int j = 0; j < space.num_shape(); ++j)
+        if (const int held = held_field(space, j); held >= 0) product[j] += space.variables[j].unit * by_held[held];
     return product;
 }
 

@@ -23,8 +23,12 @@ Responses responses_at_rest(const DesignSpace& space);
 /// A displacement of the surface (n x 3) as `Responses::samples` has it.
 Eigen::VectorXd sampled_motion(const RestFacts& rest, const Points& motion);
 
+/// Where wings keep their sections, most of what some fields do is taken out: a change of them counts at least this
+/// share of the motion before, so that small changes are not made of motions that no section is brought back from.
+constexpr double held_share = 0.3;
+
 /// The metric: the squared root mean square displacement (twice, over `variable_scale`) plus the elastic energy (over
-/// `soft_work`).
+/// `soft_work`), plus `held_share` squared of that of fields before wings keep their sections.
 Eigen::MatrixXd response_metric(const DesignSpace& space, const Responses& responses);
 
 /// Work of a load variable, at x = 1, that is soft for this space: the lower quartile; 0 without loads.

@@ -4,6 +4,7 @@
 #include "core/planform/planform_motion.hpp"
 #include "optimize/space/motion_limit.hpp"
 #include "optimize/space/null_directions.hpp"
+#include "optimize/space/response_metric.hpp"
 
 #include <numbers>
 
@@ -23,6 +24,9 @@ double unit_of(const RestFacts& rest, const Variable& variable, double largest) 
         const UserVariable& given = rest.parameters.user_variables[variable.component];
         if (given.unit > 0) return given.unit;
         if (given.max_displacement > 0) reach = given.max_displacement;
+        // Of a field it is 1, of which wings that keep their sections may leave little.
+        if (variable.kind == VariableKind::field && rest.parameters.kept_sections)
+            largest = std::max(largest, held_share);
     }
     return reach * rest.diagonal / largest;
 }

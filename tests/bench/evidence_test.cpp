@@ -101,10 +101,10 @@ TEST_P(LinearMotions, KeepWhatIsHeldAndHaveExactGradients) {
         SCOPED_TRACE(name);
         const EvidenceProblem p = make_problem(name, tiny, 1);
         const TriMesh& mesh = p.problem.surface;
-        const LinearMotion motion = GetParam() == Solver::ffd        ? bezier_box(p, variables_of_last_level(p.problem))
-                                    : GetParam() == Solver::filtered ? filtered_vertices(p)
-                                    : GetParam() == Solver::lattice_4x4x4 ? spline_lattice(p, {4, 4, 4})
-                                                                          : spline_lattice(p, {8, 4, 2});
+        const ComparedMotion motion = GetParam() == Solver::ffd ? bezier_box(p, variables_of_last_level(p.problem))
+                                      : GetParam() == Solver::filtered      ? filtered_vertices(p)
+                                      : GetParam() == Solver::lattice_4x4x4 ? spline_lattice(p, {4, 4, 4})
+                                                                            : spline_lattice(p, {8, 4, 2});
         const VectorXd x = 0.3 * random_vector(motion.size(), 5), d = random_vector(motion.size(), 6);
         const Points moved = motion.vertices(x) - mesh.vertices;
         const std::vector<char> held = held_vertices(p.problem);
@@ -113,7 +113,7 @@ TEST_P(LinearMotions, KeepWhatIsHeldAndHaveExactGradients) {
         // The motion is linear, so its adjoint can be tested by one inner product.
         const Points w = points_of(random_vector(mesh.vertices.size(), 7));
         const double forward = (motion.vertices(d) - mesh.vertices).cwiseProduct(w).sum();
-        EXPECT_NEAR(motion.gradient(w).dot(d), forward, 1e-10 * motion.gradient(w).norm() * d.norm());
+        EXPECT_NEAR(motion.gradient(d, w).dot(d), forward, 1e-10 * motion.gradient(d, w).norm() * d.norm());
         // Units: no single Bezier variable moves the surface by more than max_displacement, and the bounds let it.
         if (GetParam() == Solver::ffd) {
             EXPECT_NEAR(motion.size(), variables_of_last_level(p.problem), 0.1 * motion.size());
@@ -132,7 +132,7 @@ TEST(Evidence, SplineLatticeReproducesTranslations) {
     p.problem.fixed.clear();
     p.ends = {0, {}, {}};
     for (const std::array<int, 3> points : {std::array{4, 4, 4}, std::array{8, 4, 2}}) {
-        const LinearMotion motion = spline_lattice(p, points);
+        const ComparedMotion motion = spline_lattice(p, points);
         const int n = motion.size() / 3;
         ASSERT_EQ(n, 64);
         // A variable's largest weight is scaled to the same step: weights are what the columns are over their largest.

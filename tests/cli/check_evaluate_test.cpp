@@ -138,5 +138,26 @@ TEST_F(Programs, AGradientThatFailsEndsTheRunAsAnEvaluation) {
     EXPECT_NE(run.err.find("no adjoint"), std::string::npos) << run.err;
 }
 
+/// A wing through a body: what is buried counts in both.
+TEST(Check, TellsThatTheUnionOfPartsIsNotKnown) {
+    const TempFolder folder;
+    TriMesh both = ellipsoid({1, 0.3, 0.3}, 2), wing = ellipsoid({0.2, 1, 0.05}, 2);
+    for (const bool pierces : {true, false}) {
+        TriMesh mesh = both;
+        if (!pierces) wing.vertices.col(2).array() += 2;
+        mesh.vertices.conservativeResize(both.num_vertices() + wing.num_vertices(), 3);
+        mesh.vertices.bottomRows(wing.num_vertices()) = wing.vertices;
+        mesh.triangles.conservativeResize(both.num_triangles() + wing.num_triangles(), 3);
+        mesh.triangles.bottomRows(wing.num_triangles()) = wing.triangles.array() + both.num_vertices();
+        write_surface(folder / "s.obj", mesh, SurfaceFormat::obj);
+        const auto file = folder.write("case.yaml",
+                                       "case: t\nsurface: {file: s.obj}\nregions: {a: {box: [[-2, -1, -1], [-0.6, 1, "
+                                       "1]]}}\nfixed: [a]\nshell: none\nobjective: {maximize: volume}\n");
+        const ProgramRun check = run_strake({"check", file.string()});
+        ASSERT_EQ(check.status, 0) << check.err;
+        EXPECT_EQ(check.out.find("volume of the union is not known") != std::string::npos, pierces) << check.out;
+    }
+}
+
 }  // namespace
 }  // namespace strake

@@ -7,6 +7,7 @@
 #include "evaluated.hpp"
 #include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/space/field_conditions.hpp"
+#include "optimize/space/response_metric.hpp"
 #include "problems.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
 
@@ -102,6 +103,41 @@ TEST(KeptSectionsRun, GradientsAreExact) {
             const Eigen::VectorXd x = 0.15 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
             expect_exact_gradients(e, x, p);
         }
+}
+
+/// A small change of the surface must not be made of fields that move far and whose motion is taken out: no section is
+/// brought back from there.
+TEST(KeptSectionsRun, NoSmallChangeIsMadeOfLargeMotions) {
+    for (const bool keeps : {true, false}) {
+        Problem problem = kept_run(false, false, keeps).problem;
+        problem.parameters.user_variables.clear();
+        add_fields(problem.parameters, std::make_shared<const DisplacementFields>(
+                                           problem.surface, field_conditions(problem), FieldOptions{60, {}}));
+        const Evaluated e(problem);
+        const Parameters& p = e.problem.parameters;
+        const double unit = p.max_displacement * e.rest->diagonal / 2;
+        Eigen::MatrixXd moved(3 * e.problem.surface.num_vertices(), e.space.size());
+        double farthest = 0;
+        for (int j = 0; j < e.space.size(); ++j) {
+            const Variable& v = e.space.variables[static_cast<std::size_t>(j)];
+            const Points field =
+                v.unit * p.fields->field(p.user_variables[static_cast<std::size_t>(v.component)].field);
+            farthest = std::max(farthest, field.rowwise().norm().maxCoeff() / (2 * unit));
+            const Points weighted =
+                (e.rest->vertex_area / e.rest->vertex_area.sum()).cwiseSqrt().asDiagonal() * field / unit;
+            moved.col(j) = weighted.reshaped();
+        }
+        // The motion before sections are kept, at most: of a change of length 1.
+        const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(moved.transpose() * moved,
+                                                                               e.space.metric);
+        const double most = std::sqrt(solver.eigenvalues().maxCoeff());
+        if (keeps) {
+            EXPECT_LT(most, 1.05 / held_share);
+            EXPECT_LT(farthest, 1.01 / held_share);
+        } else {
+            EXPECT_NEAR(most, 1, 0.05) << "fields that stay as they are";
+        }
+    }
 }
 
 /// The same wing carried by a wrap around it, half an ellipsoid that ends on the plane of symmetry: loads act on the

@@ -1,6 +1,7 @@
 #!/usr/bin/python3
 """The programs of cases/published by themselves: closed forms, and derivatives of order 2. Argument: the repository."""
 import math
+import shutil
 import sys
 import tempfile
 import unittest
@@ -164,6 +165,12 @@ class Nose(unittest.TestCase):
             for name, side in (("front", 1), ("back", -1)):
                 turned = mesh.areas[patch[name]] / np.linalg.norm(mesh.areas[patch[name]], axis=1)[:, None]
                 np.testing.assert_allclose(turned, [[0, -math.sin(nose.SECTOR / 2), side * math.cos(nose.SECTOR / 2)]] * 240, atol=1e-9)
+
+    @unittest.skipUnless(shutil.which("rhoCentralFoam"), "needs OpenFOAM")
+    def test_drag_of_the_cone_by_the_solver(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = nose.drag(f"{folder}/case", arrays(surfaces.nose(1, 4000)), 6.0)
+        self.assertAlmostEqual(found / 0.065070, 1, delta=0.02)
 
     def test_best_power(self):
         drags = [2 + 3 * (n - 0.67) ** 2 for n in published.EXPONENTS]

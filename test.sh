@@ -2,15 +2,16 @@
 # The checks that every change must pass: set-up, format, warnings as errors, tests, shipped cases, the main job at reduced
 # size, the commands of the documentation, sanitizers on what reads from outside, and fuzzers of it, five seconds each. Ends
 # with a summary; exit status 0 only if everything passed. Under 15 minutes on two cores from a clean clone.
-# test.sh [--all] [--slurm] [--long] [--fuzz] [--parcel]: --all also everything else: each source compiled by itself, sanitizers on
+# test.sh [--all] [--slurm] [--long] [--fuzz] [--parcel] [--published]: --all also everything else: each source compiled by itself, sanitizers on
 # everything, clang-tidy, and the three that follow; --slurm: on a real Slurm of one node (needs scripts/setup.sh slurm);
 # --long: with fifty kills of each kind; --fuzz: with a minute for each fuzzer; --parcel: only licences, spelling,
-# the API's reference and the Debian packages, ten minutes (scripts/check_parcel.sh).
+# the API's reference and the Debian packages, ten minutes (scripts/check_parcel.sh); --published: only all problems with published
+# answers at their full size, with OpenFOAM (scripts/published.sh). It fails where docs/published.md says that a number is missed.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"
 export CLICOLOR=0
-fuzz_seconds=5 all= parcel=
+fuzz_seconds=5 all= parcel= published=
 for option in "$@"; do
     case $option in
     --all) all=yes fuzz_seconds=60; export STRAKE_LONG=1; ! command -v sbatch >/dev/null || export STRAKE_SLURM=1 ;;
@@ -18,7 +19,8 @@ for option in "$@"; do
     --long) export STRAKE_LONG=1 ;;
     --fuzz) fuzz_seconds=60 ;;
     --parcel) parcel=yes ;;
-    *) echo "usage: test.sh [--all] [--slurm] [--long] [--fuzz] [--parcel]" >&2; exit 2 ;;
+    --published) published=yes ;;
+    *) echo "usage: test.sh [--all] [--slurm] [--long] [--fuzz] [--parcel] [--published]" >&2; exit 2 ;;
     esac
 done
 logs=build/test-logs
@@ -91,6 +93,12 @@ functions() { scripts/check_functions.py --clang-tidy build/alone; }
 if [ -n "$parcel" ]; then
     step "set-up" scripts/setup.sh run package
     [ $failed = 0 ] && step "parcel" scripts/check_parcel.sh
+    finish
+fi
+if [ -n "$published" ]; then
+    step "set-up" scripts/setup.sh run test openfoam
+    [ $failed = 0 ] && step "release build" release_build
+    [ $failed = 0 ] && step "published" scripts/published.sh
     finish
 fi
 step "set-up" scripts/setup.sh run test ${STRAKE_SLURM:+slurm}

@@ -102,6 +102,19 @@ def slender(profile, triangles, base=False):
     return body_of_revolution(points, around)
 
 
+def nose(exponent, triangles):
+    """A body of length 3 and base diameter 1 whose radius grows with this power of x; its polygons have the areas of circles. Rings are
+    finer at the tip.
+    """
+    around = max(12, 2 * round(math.sqrt(triangles / 300)))
+    radius = 0.5 * math.sqrt(2 * math.pi / (around * math.sin(2 * math.pi / around)))
+    disc = max(2, round(around / (2 * math.pi)))
+    count = max(12, round(triangles / (2 * around)) - disc)
+    points = [(3 * (k / count) ** 1.7, radius * (k / count) ** (1.7 * exponent)) for k in range(count + 1)]
+    points += [(3.0, radius * (1 - j / disc)) for j in range(1, disc)] + [(3.0, 0.0)]
+    return body_of_revolution(points, around)
+
+
 def frustum(height, triangles):
     """A cone cut at 0.3 of the radius: flat nose at x = -height, base at x = 0, whose polygon has the area of the unit circle. Rings
     are finer at the nose, where a body of least resistance is round.
@@ -215,6 +228,7 @@ KINDS = {
     "bumped_spindle": lambda n: slender(bumped_spindle, n),
     "cone_and_cylinder": lambda n: slender(cone_and_cylinder, n, True),
     "bumped_ogive": lambda n: slender(bumped_ogive, n, True),
+    **{f"nose_{exponent}": lambda n, exponent=exponent: nose(exponent, n) for exponent in (0.6, 0.64, 0.68, 0.72, 0.75, 0.76, 1)},
     "wing_panels": wing_panels,
     "sphere": sphere,
     **{f"frustum_{height}": lambda n, height=height: frustum(height, n) for height in (0.4, 0.7, 1, 1.5, 2)},

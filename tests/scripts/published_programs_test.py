@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """The programs of cases/published by themselves: closed forms, and derivatives of order 2. Argument: the repository."""
 import math
+import shutil
 import sys
+import tempfile
 import unittest
 
 try:
@@ -14,12 +16,16 @@ except ImportError:
 ROOT = sys.argv.pop(1)
 sys.path[:0] = [f"{ROOT}/{folder}" for folder in ("cases/published", "scripts")]
 import areas  # noqa: E402
+import cone  # noqa: E402
 import lattice  # noqa: E402
 import newton  # noqa: E402
+import nose  # noqa: E402
 import published  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
 import trefftz  # noqa: E402
+import foam  # noqa: E402  (nose adds its folder)
+from mesh import Mesh  # noqa: E402
 
 
 def arrays(surface):
@@ -110,6 +116,67 @@ class Trefftz(unittest.TestCase):
         half = trefftz.least_of_half([(0, 0), (0.5, 0), (0.5, 0.2)], 200)
         self.assertAlmostEqual(half, 1.4186, delta=3e-3)
         self.assertAlmostEqual(trefftz.least_of_half([(0, 0), (2, 0)], 40), 1, delta=1e-9)
+
+
+class Nose(unittest.TestCase):
+    def test_cones(self):
+        """The published numbers, and the limits: slender cones by Ward's formula, a shock that is as weak, Newton's law."""
+        for mach, value in ((2, 0.095529), (6, 0.065070)):
+            self.assertAlmostEqual(cone.pressure_coefficient(mach, math.atan(1 / 6)), value, delta=1e-6)
+        errors = []
+        for delta in (math.radians(4), math.radians(2)):
+            ward = delta**2 * (2 * math.log(2 / (math.sqrt(3) * delta)) - 1)
+            errors.append(cone.pressure_coefficient(2, delta) / ward - 1)
+        self.assertLess(errors[1], 0.02)
+        self.assertGreater(errors[0] / errors[1], 2.5)  # they fall with the square of the angle
+        self.assertAlmostEqual(cone.pressure_coefficient(100, 0.5) / (2 * math.sin(0.5) ** 2), 1, delta=0.06)
+        self.assertGreater(cone.pressure_coefficient(100, 0.5) / (2 * math.sin(0.5) ** 2), 1.02)  # gamma is not 1
+
+    def test_shock(self):
+        turn, behind, static, total = cone.behind_shock(2, math.pi / 2)  # normal
+        self.assertAlmostEqual(turn, 0, delta=1e-12)
+        self.assertAlmostEqual(behind, 0.57735, delta=1e-5)
+        self.assertAlmostEqual(static, 4.5, delta=1e-12)
+        self.assertAlmostEqual(total, 0.72087, delta=1e-5)
+
+    def test_profile(self):
+        stations = np.linspace(0, 1, 9)
+        for n in (0.68, 1):
+            x, r = nose.profile(arrays(surfaces.nose(n, 4000)), stations)
+            np.testing.assert_allclose(x, 3 * stations, atol=1e-12)
+            np.testing.assert_allclose(r, 0.5 * stations**n, atol=2e-3 * 0.5)
+            self.assertAlmostEqual(r[-1], 0.5, delta=1e-7)  # the base's area, not that of its polygon
+
+    def test_mesh(self):
+        """Closed cells in a sector without a gap; the body's faces have the sector's share of the base."""
+        for exponent, mach in ((0.68, 2), (1, 6)):
+            x, r = nose.mesh_points(arrays(surfaces.nose(exponent, 4000)), 20, 12, mach)
+            with tempfile.TemporaryDirectory() as folder:
+                nose.write_mesh(folder, x, r)
+                mesh = Mesh.read(folder)
+                patch = {name: foam.patch_range(folder, name) for name in ("inlet", "outlet", "front", "back", "body")}
+            self.assertEqual(mesh.cells, 20 * 12)
+            self.assertGreater(mesh.volumes.min(), 0)
+            open_by = mesh.over_cells(mesh.areas, -mesh.areas[:mesh.inner])
+            self.assertLess(np.abs(open_by).max(), 1e-12)
+            self.assertEqual([len(patch[name]) for name in ("inlet", "outlet", "front", "back", "body")], [20, 12, 240, 240, 20])
+            share = math.sin(nose.SECTOR) / 2 * 0.25
+            self.assertAlmostEqual(mesh.areas[patch["body"], 0].sum() / share, 1, delta=1e-6)
+            for name, side in (("front", 1), ("back", -1)):
+                turned = mesh.areas[patch[name]] / np.linalg.norm(mesh.areas[patch[name]], axis=1)[:, None]
+                np.testing.assert_allclose(turned, [[0, -math.sin(nose.SECTOR / 2), side * math.cos(nose.SECTOR / 2)]] * 240, atol=1e-9)
+
+    @unittest.skipUnless(shutil.which("rhoCentralFoam"), "needs OpenFOAM")
+    def test_drag_of_the_cone_by_the_solver(self):
+        with tempfile.TemporaryDirectory() as folder:
+            found = nose.drag(f"{folder}/case", arrays(surfaces.nose(1, 4000)), 6.0)
+        self.assertAlmostEqual(found / 0.065070, 1, delta=0.02)
+
+    def test_best_power(self):
+        drags = [2 + 3 * (n - 0.67) ** 2 for n in published.EXPONENTS]
+        np.testing.assert_allclose(published.best_power(drags), (0.67, 2), atol=1e-12)
+        rising = [2 + 3 * (n - 0.5) ** 2 for n in published.EXPONENTS]
+        self.assertAlmostEqual(published.best_power(rising)[0], 0.5, delta=1e-9)
 
 
 class WingAndBody(unittest.TestCase):

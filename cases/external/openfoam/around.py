@@ -11,6 +11,9 @@ import numpy as np
 
 import foam
 
+KINDS = {"inlet": "patch", "outlet": "patch", "symmetry": "symmetryPlane", "front": "wedge", "back": "wedge", "body": "wall"}
+ORDER = list(KINDS)  # of the patches in a mesh
+
 
 class Layout:
     """Numbers of cells: along the body, in the wake behind it, around the half, and outward. ends: where along x the body begins and
@@ -109,16 +112,21 @@ def section(corners, x, directions):
 
 def write_topology(mesh, layout, points):
     """All of a polyMesh folder but the points, which `foam.write_points` writes."""
-    node, counts = layout.number, layout.counts()
+    write_block(mesh, layout.number, points, ((None, "outlet"), ("symmetry", "symmetry"), ("body", "inlet")))
+
+
+def write_block(mesh, node, points, patches):
+    """The same of a block of cells whose points have the numbers `node`; patches: names at the low and the high end of each axis.
+    Points may coincide: faces without area are left out."""
+    counts = tuple(n - 1 for n in node.shape)
     cell = np.arange(np.prod(counts)).reshape(counts)
     at = np.stack([points[node[i:counts[0] + i, j:counts[1] + j, k:counts[2] + k]] for i in (0, 1) for j in (0, 1) for k in (0, 1)])
     middle = at.mean(axis=0).reshape(-1, 3)
-    inside, outside = [], {name: [] for name in ("inlet", "outlet", "symmetry", "body")}
+    inside, outside = [], {name: [] for name in ORDER if any(name in pair for pair in patches)}
     for axis in range(3):
         quads, before, after = faces_across(node, cell, axis)
         inside.append((quads[1:-1], before[1:], after[:-1]))
-        name = (None, "symmetry", "body")[axis], ("outlet", "symmetry", "inlet")[axis]
-        for patch, row, owner in ((name[0], quads[0], after[0]), (name[1], quads[-1], before[-1])):
+        for patch, row, owner in ((patches[axis][0], quads[0], after[0]), (patches[axis][1], quads[-1], before[-1])):
             if patch:
                 outside[patch].append((row, owner, np.full(owner.shape, -1)))
     parts = {name: joined(rows, points, middle) for name, rows in [("", inside), *outside.items()]}
@@ -162,10 +170,10 @@ def write_parts(mesh, parts):
                              ("neighbour", "labelList", neighbour[:inner].tolist())):
         with open(os.path.join(mesh, name), "w", encoding="ascii") as file:
             file.write(foam.header(kind, name) + f"{len(rows)}\n(\n" + "\n".join(map(str, rows)) + "\n)\n")
-    kinds, start, entries = {"symmetry": "symmetryPlane", "body": "wall"}, inner, []
+    start, entries = inner, []
     for name, (rows, _, _) in parts.items():
         if name:
-            entries.append(f"{name} {{ type {kinds.get(name, 'patch')}; nFaces {len(rows)}; startFace {start}; }}")
+            entries.append(f"{name} {{ type {KINDS[name]}; nFaces {len(rows)}; startFace {start}; }}")
             start += len(rows)
     with open(os.path.join(mesh, "boundary"), "w", encoding="ascii") as file:
         file.write(foam.header("polyBoundaryMesh", "boundary") + f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n")

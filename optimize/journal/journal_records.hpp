@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 3;
+constexpr int latest_meaning = 4;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;

@@ -164,8 +164,8 @@ private:
     bool widens_ranges(const Eigen::VectorXd& x, const MinimizeResult& level) {
         const OptimizeOptions& options = state_.problem.optimize;
         const Parameters& p = state_.rest->parameters;
-        const bool may = level.stop == MinimizeStop::converged && options.method == Method::sqp && limits_motion(p) &&
-                         !p.limits_variables && may_continue(level);
+        const bool may = level.stop == MinimizeStop::converged && options.method == Method::sqp &&
+                         !options.keeps_ranges && limits_motion(p) && !p.limits_variables && may_continue(level);
         if (!may || level.active_bounds == 0) return false;
         const double used = program_.motion_at_end(level.best).used;
         if (!(used < (widened_ > 1 ? full_limit : idle_limit))) return false;

@@ -104,7 +104,7 @@ class MotionLimit(unittest.TestCase):
             (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
             strake("run", "wing.yaml", "--out", name, "-q")
         case = (folder / "before/case.yaml").read_text()
-        for old, new in ((", keep: none, ", ", "), ("keys: 3", "keys: 2")):
+        for old, new in ((", keep: none, ", ", "), ("keys: 4", "keys: 2")):
             self.assertEqual(case.count(old), 1, case)
             case = case.replace(old, new)
         (folder / "before/case.yaml").write_text(case)
@@ -151,6 +151,19 @@ class MotionLimit(unittest.TestCase):
         self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
         level = told["levels"][0]
         self.assertGreater(level["objective_end"], 1.03 * level["objective_start"], "0.06 % with their first ranges")
+        # A run of before keeps them.
+        (pathlib.Path(FOLDER.name) / "few.yaml").write_text(
+            (pathlib.Path(FOLDER.name) / "closed.yaml").read_text().replace("evaluations: 60", "evaluations: 3"))
+        strake("run", "few.yaml", "--out", "few", "-q")
+        with sqlite3.connect(pathlib.Path(FOLDER.name) / "few/journal.sqlite") as journal:
+            journal.execute("UPDATE facts SET value = '3' WHERE name = 'meaning'")
+            journal.execute("DELETE FROM facts WHERE name = 'hash'")
+        journal.close()
+        strake("resume", "few", "--evaluations", "60", "-q")
+        told = json.loads((pathlib.Path(FOLDER.name) / "few/run.json").read_text())
+        self.assertEqual(told["status"], "converged")
+        self.assertIn("the variables' own range ends there", told["reason"])
+        self.assertLess(told["motion_limit"]["used"], 0.05)
 
     def test_a_limit_beyond_reason_is_told(self):
         write("far.yaml", "max_displacement: 90%")

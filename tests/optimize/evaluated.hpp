@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/temp_folder.hpp"
 #include "core/text/file.hpp"
+#include "derivatives.hpp"
 #include "optimize/evaluate/evaluation.hpp"
 #include "optimize/problem/problem.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
@@ -40,6 +41,21 @@ private:
         return {"area"};
     }
 };
+
+/// Gradients of volume and area at x against the values along p, which leave a remainder of second order; with a
+/// control.
+inline ShapeEvaluation expect_exact_gradients(Evaluated& e, const Eigen::VectorXd& x, const Eigen::VectorXd& p) {
+    ShapeEvaluation here = e.at(x);
+    if (here.status != EvaluationStatus::ok) return here;
+    e.evaluator.differentiate(here);
+    for (int i = 0; i < 2; ++i) {
+        const Eigen::VectorXd g = here.gradients.row(i);
+        const auto J = [&](const Eigen::VectorXd& y) { return e.at(y).values.at(i); };
+        EXPECT_NEAR(taylor_order(J, x, g, p, 1e-2), 2, 0.15) << i;
+        EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
+    }
+    return here;
+}
 
 /// A run gains, and from its design as it was stored another one starts where it ended; mixed with itself it is itself.
 /// @param gain of the objective, over one; @param rounding of the mixed shape

@@ -100,15 +100,7 @@ TEST(KeptSectionsRun, GradientsAreExact) {
             SCOPED_TRACE(testing::Message() << (has_shell ? "shell" : "fields") << (has_planform ? ", planform" : ""));
             Evaluated e(kept_run(has_shell, has_planform).problem);
             const Eigen::VectorXd x = 0.15 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
-            ShapeEvaluation here = e.evaluator.evaluate(x, 1);
-            ASSERT_EQ(here.status, EvaluationStatus::ok) << here.reason;
-            e.evaluator.differentiate(here);
-            for (int i = 0; i < 2; ++i) {
-                const Eigen::VectorXd g = here.gradients.row(i);
-                const auto J = [&](const Eigen::VectorXd& y) { return e.evaluator.evaluate(y, 1).values.at(i); };
-                EXPECT_NEAR(taylor_order(J, x, g, p, 1e-2), 2, 0.15) << i;
-                EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
-            }
+            expect_exact_gradients(e, x, p);
         }
 }
 
@@ -143,15 +135,7 @@ TEST(KeptSectionsRun, GradientsThroughAWrapAreExact) {
     const KeptRun run = wrapped_run();
     Evaluated e(run.problem);
     const Eigen::VectorXd x = 0.1 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
-    ShapeEvaluation here = e.evaluator.evaluate(x, 1);
-    ASSERT_EQ(here.status, EvaluationStatus::ok) << here.reason;
-    e.evaluator.differentiate(here);
-    for (int i = 0; i < 2; ++i) {
-        const Eigen::VectorXd g = here.gradients.row(i);
-        const auto J = [&](const Eigen::VectorXd& y) { return e.evaluator.evaluate(y, 1).values.at(i); };
-        EXPECT_NEAR(taylor_order(J, x, g, p, 1e-2), 2, 0.15) << i;
-        EXPECT_NEAR(taylor_order(J, x, 1.1 * g, p, 1e-3), 1, 0.15) << "the control must fail, " << i;
-    }
+    expect_exact_gradients(e, x, p);
     // Without changes of the planform every shape keeps the edges.
     Eigen::VectorXd kept = x;
     for (int j = 0; j < e.space.size(); ++j)

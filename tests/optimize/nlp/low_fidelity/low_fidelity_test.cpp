@@ -79,6 +79,14 @@ struct Case {
     VectorXd with_volume(double drag, const VectorXd& x) const {
         return is_constrained ? vec({drag, volume(x)}) : vec({drag});
     }
+    static void fail_where(NonlinearProgram& p, const std::function<bool(const VectorXd&)>& there) {
+        p.evaluate = [there, inner = p.evaluate](const VectorXd& x) {
+            if (!there(x)) return inner(x);
+            Evaluation none;
+            none.failure = "no steady flow";
+            return none;
+        };
+    }
     NonlinearProgram program(Cheap cheap) {
         NonlinearProgram p = of(
             [this](const VectorXd& x) {
@@ -94,15 +102,11 @@ struct Case {
         differences.step = 1e-3;
         if (is_constrained) differences.rows = {0};
         p.differences = differences;
-        if (fails)
-            p.evaluate = [this, inner = p.evaluate](const VectorXd& x) {
-                if (!fails(x)) return inner(x);
-                Evaluation none;
-                none.failure = "no steady flow";
-                ++failures;
-                return none;
-            };
-        if (cheap == Cheap::none) return p;
+        if (fails) fail_where(p, [this](const VectorXd& x) { return fails(x) && ++failures > 0; });
+        if (cheap != Cheap::none) p.low_fidelity = low_fidelity(cheap);
+        return p;
+    }
+    LowFidelity low_fidelity(Cheap cheap) {
         LowFidelity low;
         low.values = {LowFidelityValue::approximate};
         if (is_constrained) low.values.push_back(LowFidelityValue::same);
@@ -124,15 +128,9 @@ struct Case {
                 return with_volume(drag(x), x);
             },
             [this, slope](const VectorXd& x) { return slopes(slope(x), x); });
-        if (cheap_fails)
-            modelled.evaluate = [this, inner = modelled.evaluate](const VectorXd& x) {
-                Evaluation at = inner(x);
-                if (cheap_fails(x)) at.failure = "no panel method here";
-                return at;
-            };
+        if (cheap_fails) fail_where(modelled, cheap_fails);
         low.program = std::make_shared<const NonlinearProgram>(std::move(modelled));
-        p.low_fidelity = low;
-        return p;
+        return low;
     }
     MatrixXd slopes(const VectorXd& drag, const VectorXd& x) const {
         MatrixXd all(is_constrained ? 2 : 1, x.size());

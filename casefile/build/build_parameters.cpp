@@ -40,10 +40,6 @@ void ProblemBuilder::set_parameters() {
     set_user_values();
     if (!case_.parameters.planform.empty() && errors_.empty()) set_planform();
     if (case_.parameters.fields.is_wanted && errors_.empty()) set_fields();
-    if (entry.is_limit_stated && entry.is_planform_alone())
-        out_.warnings.emplace_back(
-            "parameters.max_displacement has no effect: only planform variables move the surface here, and the motion "
-            "limit is about what moves it beside them; their `range` limits them");
     if (purpose_ == Purpose::deform) return;
     if (errors_.empty()) set_kept_sections();
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
@@ -63,6 +59,10 @@ void ProblemBuilder::set_motion_limits() {
     p.is_limit_stated = entry.is_limit_stated;
     p.limits_variables = entry.limits_variables;
     if (entry.variable_scale) p.variable_scale = share(*entry.variable_scale);
+    if (entry.is_limit_stated && entry.is_planform_alone())
+        out_.warnings.emplace_back(
+            "parameters.max_displacement has no effect: only planform variables move the surface here, and the motion "
+            "limit is about what moves it beside them; their `range` limits them");
     if (purpose_ == Purpose::deform) return;
     if (!entry.max_displacement_by_region.empty())
         p.max_outward = p.max_inward = Eigen::VectorXd::Constant(start_.mesh.num_vertices(), no_limit_yet);

@@ -50,12 +50,13 @@ std::string failures_note(const RunEnd& end) {
                 " evaluations of this level failed: look at why (history.csv, the report) before you raise anything");
 }
 
-/// Fewer than the limit: the rest is too few for another step and the way back onto the constraints.
+/// Fewer than the limit: the rest is too few for another step and the way back onto the constraints, or the share of
+/// other starts.
 std::string limit_words(const RunResult& r, const RunEnd& end) {
-    return text(
-        "the limit of evaluations is reached (",
-        r.evaluations < end.max_evaluations ? text(r.evaluations, " of ", end.max_evaluations) : text(r.evaluations),
-        ")");
+    if (r.evaluations >= end.max_evaluations) return text("the limit of evaluations is reached (", r.evaluations, ")");
+    const bool is_kept = !end.rows.rows.empty() && end.level.reason.find(" starts, number ") == std::string::npos;
+    return text("the limit of evaluations is reached (", r.evaluations, " of ", end.max_evaluations,
+                is_kept ? "; the rest is kept for the way back onto the constraints)" : ")");
 }
 
 /// The words may end with lines of a program's log.
@@ -84,7 +85,8 @@ void infeasible(RunResult& r, const RunEnd& end, const std::string& words) {
                           ", the least violation is ", r.max_violation, " (", words,
                           "); raise optimize.budget, or relax the constraints", bounds_note(r, end))
                    : text("no design within the bounds meets ", unmet, ", the least violation is ", r.max_violation,
-                          " (", words, "); relax it or allow a larger max_displacement", bounds_note(r, end));
+                          end.level.conflict.empty() ? text(" (", words, ")") : "",  // else it says the same
+                          "; relax it or allow a larger max_displacement", bounds_note(r, end));
 }
 
 void gradient_inconsistent(RunResult& r, const RunEnd& end, const std::string& words) {

@@ -4,6 +4,7 @@
 #include "optimize/evaluate/evaluation.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/space/field_conditions.hpp"
+#include "optimize/space/parameters.hpp"
 #include "problems.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
 
@@ -307,6 +308,34 @@ TEST_P(WrongGradients, NoRunConvergesByOneInAnySpace) {
     const bool is_small = std::string(fault.name) == "noise" || std::string(fault.name) == "times_3";
     EXPECT_GE(told, fault.is_wrong && !is_small ? 3 : 0);
     EXPECT_GE(converged, fault.is_wrong ? 0 : 5);
+}
+
+/// The derivative by a parameter (an angle of attack) that the program gives beside those of the shape. One that is
+/// zero throughout is not noticed yet (docs/reliability.md).
+TEST(WrongDerivativesByParameters, NoRunConvergesByOne) {
+    constexpr double optimum = 0.06;
+    for (const double factor : {1.0, -1.0, 57.3}) {
+        SCOPED_TRACE(factor);
+        Problem problem = problem_of(bodies[0], 1, [](QuantityResult&, const TriMesh&) {});
+        problem.program_parameters = {{"alpha", 0.02, 0, 0.1, true}};
+        Quantity& q = problem.quantities[0];
+        q.evaluate = [honest = q.evaluate, factor](const QuantityRequest& request) {
+            QuantityResult result = honest(request);
+            const double off = request.parameters[0].second - optimum;
+            result.values[0] += 1e4 * off * off;
+            if (request.want_sensitivities) result.dJ_dp = {VectorXd::Constant(1, factor * 2e4 * off)};
+            return result;
+        };
+        const RunResult r = optimize(problem);
+        const double alpha = parameter_values(r.space, r.x).at(0).second;
+        if (std::getenv("STRAKE_TELL"))
+            std::cout << "TELL parameter " << factor << ": " << r.status << ", at " << alpha << ", " << r.evaluations
+                      << " evaluations: " << r.reason << "\n";
+        const bool is_optimum = std::abs(alpha - optimum) < 1e-3;  // 4e-4 of what is gained by the parameter
+        EXPECT_TRUE(r.status != "converged" || is_optimum) << alpha << " " << r.reason;
+        EXPECT_TRUE(factor != 1 || (r.status == "converged" && is_optimum)) << r.status << " " << r.reason;
+        EXPECT_EQ(r.status == "gradient_inconsistent", factor < 0) << r.status << " " << r.reason;
+    }
 }
 
 INSTANTIATE_TEST_SUITE_P(All, WrongGradients, testing::Range(0, 10), [](const auto& test) {

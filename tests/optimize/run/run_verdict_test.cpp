@@ -44,6 +44,17 @@ TEST(RunVerdict, TwoConstraintsThatExcludeEachOtherAreNamed) {
     EXPECT_FALSE(r.is_done());
 }
 
+TEST(RunVerdict, AConstraintOutOfReachIsNamedOnceAndByItsName) {
+    Problem problem = volume_problem();
+    problem.constraints = {{"volume", 3, {}, {}, true}};
+    problem.optimize.max_evaluations = 60;
+    const RunResult r = optimize(problem);
+    EXPECT_EQ(r.status, "infeasible") << r.reason;
+    EXPECT_TRUE(says(r.reason, "no design within the bounds meets volume >= ")) << r.reason;
+    EXPECT_FALSE(says(r.reason, "constraint 0")) << r.reason;
+    EXPECT_EQ(r.reason.find("the least violation is"), r.reason.rfind("the least violation is")) << r.reason;
+}
+
 TEST(RunVerdict, AGradientThatContradictsTheValuesIsNamed) {
     Problem problem = volume_problem();
     tamper(problem, 0, [](QuantityResult& result) {
@@ -189,7 +200,8 @@ TEST(RunVerdict, CountsAgreeWithWhatWasEvaluated) {
         if (r.status != "budget" || !says(r.reason, "limit of evaluations")) continue;
         ended_before += r.evaluations < budget;
         EXPECT_TRUE(says(r.reason, r.evaluations < budget
-                                       ? "(" + std::to_string(r.evaluations) + " of " + std::to_string(budget) + ")"
+                                       ? "(" + std::to_string(r.evaluations) + " of " + std::to_string(budget) +
+                                             "; the rest is kept for the way back onto the constraints)"
                                        : "(" + std::to_string(budget) + ")"))
             << r.reason;
     }

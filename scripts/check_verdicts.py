@@ -1,0 +1,80 @@
+#!/usr/bin/python3
+"""Runs the examples under cases/ and counts doubts about their gradients, all of which are right: check_verdicts.py BIN [--evaluations N]
+[--triangles N] [--only PART] [--out FOLDER]
+
+BIN holds strake and make_surface. Left out are the cases with OpenFOAM and those that deform or fit. A run accuses a gradient where its
+status is `gradient_inconsistent`, and doubts it where its reason names a wrong gradient; both count. N evaluations a run at most (default
+60), N triangles of the larger surfaces (default 2000).
+Exit status: 0 no gradient is accused or doubted and every run has a verdict, 1 else, 2 wrong usage.
+"""
+
+import argparse
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+
+ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+def is_run(text):
+    return re.search(r"^objective:", text, re.M) is not None
+
+
+def verdict_of(case, run, strake):
+    done = subprocess.run([strake, "run", case, "--out", run, "--quiet"], stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+                          stderr=subprocess.PIPE, text=True, check=False)
+    try:
+        with open(os.path.join(run, "run.json"), encoding="utf-8") as file:
+            return json.load(file)
+    except OSError:
+        return {"status": f"exit {done.returncode}", "reason": done.stderr.strip(), "evaluations": 0}
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("bin")
+    parser.add_argument("--evaluations", type=int, default=60)
+    parser.add_argument("--triangles", type=int, default=2000)
+    parser.add_argument("--only", default="")
+    parser.add_argument("--out")
+    args = parser.parse_args()
+    programs, work = os.path.abspath(args.bin), args.out or tempfile.mkdtemp()
+    cases = os.path.join(work, "cases")
+    shutil.copytree(os.path.join(ROOT, "cases"), cases, dirs_exist_ok=True,
+                    ignore=shutil.ignore_patterns("generated", "openfoam*", "geometry"))
+    for folder in ("openfoam_drag", "openfoam_supersonic", "openfoam_wing"):  # examples.sh makes their surfaces, too
+        os.makedirs(os.path.join(cases, "external", folder), exist_ok=True)
+    subprocess.run([os.path.join(ROOT, "scripts/examples.sh"), cases, programs, str(args.triangles), str(args.triangles)],
+                   check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    runs, accused, doubted, without = 0, 0, 0, 0
+    for folder, _, files in sorted(os.walk(cases)):
+        for name in sorted(files):
+            path = os.path.join(folder, name)
+            if not name.endswith(".yaml") or args.only not in path:
+                continue
+            with open(path, encoding="utf-8") as file:
+                text = file.read()
+            if not is_run(text):
+                continue
+            text = re.sub(r"(evaluations: *)(\d+)", lambda m: m[1] + str(min(int(m[2]), args.evaluations)), text)
+            with open(path, "w", encoding="utf-8") as file:
+                file.write(text)
+            shown = os.path.relpath(path, cases)
+            run = os.path.join(work, "runs", shown[:-5].replace(os.sep, "_"))
+            result = verdict_of(path, run, os.path.join(programs, "strake"))
+            runs += 1
+            is_accused = result["status"] == "gradient_inconsistent"
+            accused += is_accused
+            doubted += not is_accused and "wrong gradient" in result["reason"]
+            without += result["status"].startswith("exit")
+            print(f"{shown}: {result['status']}, {result['evaluations']} evaluations: {result['reason'].splitlines()[0]}", flush=True)
+    print(f"{runs} runs, {accused} accuse a gradient, {doubted} doubt one, {without} without a verdict")
+    return 1 if accused + doubted + without > 0 or runs == 0 else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

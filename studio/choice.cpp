@@ -131,8 +131,7 @@ std::vector<char> with_image(const TriMesh& mesh, double diagonal, std::vector<c
         if (marks[t] || (image.array() < low.array() - room).any() || (image.array() > high.array() + room).any())
             continue;
         const ClosestPoint nearest = tree.find(image);
-        if (nearest.distance <= reach * diagonal && before[static_cast<std::size_t>(nearest.triangle)])
-            marks[t] = 1;
+        if (nearest.distance <= reach * diagonal && before[static_cast<std::size_t>(nearest.triangle)]) marks[t] = 1;
     }
     return marks;
 }

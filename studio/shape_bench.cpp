@@ -41,7 +41,9 @@ struct ShapeBench::Impl {
     struct Level {
         DesignSpace space;
         std::vector<BenchVariable> variables;
-        std::unique_ptr<ShapeEvaluator> evaluator = {};  ///< keeps the shell's analysis from shape to shape
+        /// Keep the shell's analysis from shape to shape. `near` begins at the nearest of the last shapes, which takes
+        /// a fraction of the time; `careful` from the datum, by any way that the shell knows, as a sweep does.
+        std::unique_ptr<ShapeEvaluator> near = {}, careful = {};
         std::shared_ptr<const LinearPreview> preview = {};
     };
     std::map<int, Level> levels;
@@ -62,15 +64,24 @@ struct ShapeBench::Impl {
         return levels.emplace(number, std::move(made)).first->second;
     }
 
-    ShapeEvaluator& evaluator_of(int number) {
+    ShapeEvaluator& evaluator_of(int number, bool is_careful) {
         Level& at = level(number);
-        if (!at.evaluator) {
-            at.evaluator = std::make_unique<ShapeEvaluator>(built.problem, rest, std::vector<std::string>{});
-            at.evaluator->solve_each_from_datum();  // shapes do not depend on the way to them, beyond rounding
-            if (built.problem.parameters.is_limit_stated) at.evaluator->limit_motion();
-            at.evaluator->enter(at.space);
+        std::unique_ptr<ShapeEvaluator>& evaluator = is_careful ? at.careful : at.near;
+        if (!evaluator) {
+            evaluator = std::make_unique<ShapeEvaluator>(built.problem, rest, std::vector<std::string>{});
+            if (is_careful) evaluator->solve_each_from_datum();
+            if (built.problem.parameters.is_limit_stated) evaluator->limit_motion();
+            evaluator->enter(at.space);
         }
-        return *at.evaluator;
+        return *evaluator;
+    }
+    /// Nothing: `deformed` wants no more.
+    std::optional<ShapeEvaluation> evaluate(int number, bool is_careful, const Eigen::VectorXd& x,
+                                            const std::function<bool(const Points&)>& deformed) {
+        ShapeEvaluator& evaluator = evaluator_of(number, is_careful);
+        if (deformed)
+            if (const Points found = evaluator.equilibrium(x); found.rows() > 0 && !deformed(found)) return {};
+        return evaluator.evaluate(x, 1);
     }
 
     /// Value of a quantity and its derivative by the vertices.
@@ -133,21 +144,21 @@ BenchShape ShapeBench::at(int level, const std::vector<double>& x, const std::fu
         if (!std::isfinite(x[i]) || x[i] < known[i].lower || x[i] > known[i].upper)
             throw InvalidInput(
                 text(known[i].name, " = ", x[i], " must be in [", known[i].lower, ", ", known[i].upper, "]"));
-    ShapeEvaluator& evaluator = impl_->evaluator_of(level);
     BenchShape shape;
-    shape.names = evaluator.names();
     const Eigen::VectorXd design = Eigen::VectorXd::Map(x.data(), static_cast<Eigen::Index>(x.size()));
     try {
-        if (deformed)
-            if (const Points found = evaluator.equilibrium(design); found.rows() > 0 && !deformed(found)) {
-                shape.status = "overtaken";
-                return shape;
-            }
-        ShapeEvaluation found = evaluator.evaluate(design, 1);
-        shape.status = to_string(found.status);
-        shape.reason = found.reason;
-        shape.values = found.values;
-        shape.vertices = std::move(found.vertices);
+        shape.names = impl_->evaluator_of(level, false).names();
+        std::optional<ShapeEvaluation> found = impl_->evaluate(level, false, design, deformed);
+        // Only the careful way refuses: the near one may have ended in another equilibrium.
+        if (found && found->status != EvaluationStatus::ok) found = impl_->evaluate(level, true, design, deformed);
+        if (!found) {
+            shape.status = "overtaken";
+            return shape;
+        }
+        shape.status = to_string(found->status);
+        shape.reason = found->reason;
+        shape.values = found->values;
+        shape.vertices = std::move(found->vertices);
     } catch (const SolverError& error) {
         shape.status = "not_converged";
         shape.reason = error.what();

@@ -39,8 +39,8 @@ public:
     const std::vector<BenchVariable>& variables(int level);
     /// The shape where variable i of the level is x[i]. @throws InvalidInput: another number of values, or not finite,
     /// or outside of [lower, upper].
-    /// @param deformed is told the shape before the guard and the quantities look at it, valid or not. False: they need
-    /// not, the status is "overtaken".
+    /// @param deformed is told the shape before the guard and the quantities look at it, valid or not; twice, where the
+    /// first equilibrium found is not a valid one. False: they need not look, the status is "overtaken".
     BenchShape at(int level, const std::vector<double>& x, const std::function<bool(const Points&)>& deformed = {});
     /// What the variables of a level do to first order, begun when it is asked for the first time.
     std::shared_ptr<const LinearPreview> preview(int level);

@@ -335,9 +335,10 @@ class Server(unittest.TestCase):
         shapes = []
         for step in (0.0, 0.02, 0.04):
             x = [step] + [0.0] * (len(variables) - 1)
-            answer = self.felt(self.studio.post("feel", text=yaml, level=1, x=x, slope=True)[1]["wish"])["answer"]
+            wish = self.studio.post("feel", text=yaml, level=1, x=x, slope=True)[1]["wish"]
+            answer = self.felt(wish)["answer"]
             self.assertEqual(answer["status"], "ok", answer)
-            shapes.append((self.numbers("api/felt/shape"), answer["values"]["volume"], self.numbers("api/felt/slope")))
+            shapes.append((self.numbers(f"api/felt/shape?of={wish}"), answer["values"]["volume"], self.numbers("api/felt/slope")))
         end = time.monotonic() + 60
         while json.loads(self.studio.request("api/felt_state")[1])["modes"] < len(variables) and time.monotonic() < end:
             time.sleep(0.05)
@@ -351,6 +352,7 @@ class Server(unittest.TestCase):
         rate = sum(a * b for a, b in zip(shapes[0][2], mode))
         self.assertAlmostEqual((shapes[2][1] - shapes[0][1]) / 0.04 / rate, 1, delta=0.1)
         self.assertEqual(self.studio.request("api/felt/mode?j=99")[0], 404)
+        self.assertEqual(self.studio.request(f"api/felt/shape?of={wish - 1}")[0], 404, "another wish's shape is there now")
         envelope = self.numbers("api/felt/envelope")
         self.assertEqual(len(envelope), 2 * len(mode) // 3)
         self.assertGreaterEqual(min(envelope), 0)

@@ -61,6 +61,24 @@ TEST_F(Bench, ShapesAreThoseOfASweepAndDoNotDependOnTheWay) {
     for (std::size_t k = 0; k < one.names.size(); ++k) EXPECT_NEAR(one.values[k], by_command.points[0].values[k], 1e-9);
 }
 
+TEST_F(Bench, ShapesAreToldBeforeTheyAreJudged) {
+    ShapeBench bench(read("objective: {maximize: volume}\n"));
+    std::vector<double> x(bench.variables(1).size(), 0.0);
+    x[0] = 0.2;
+    Points told(0, 3);
+    const BenchShape shape = bench.at(1, x, [&](const Points& vertices) {
+        told = vertices;
+        return true;
+    });
+    ASSERT_EQ(shape.status, "ok") << shape.reason;
+    EXPECT_EQ(told, shape.vertices);
+    x[0] = 0.1;
+    const BenchShape left = bench.at(1, x, [](const Points&) { return false; });
+    EXPECT_EQ(left.status, "overtaken");
+    EXPECT_EQ(left.vertices.rows(), 0);
+    EXPECT_TRUE(left.values.empty()) << "nothing was measured";
+}
+
 TEST_F(Bench, ProgramsAreNotRun) {
     const std::string trap = (folder / "trap").string();
     ShapeBench bench(read("quantities: {q: {command: [touch, '" + trap + "']}}\nobjective: {maximize: q}\n"));

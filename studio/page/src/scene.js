@@ -143,7 +143,7 @@ export class Scene3D {
     this.viewer.draw();
   }
 
-  dispose() { this.viewer.controls.dispose(); this.viewer.renderer.dispose(); this.viewer.onrender = null; this.labels.replaceChildren(); }
+  dispose() { clearTimeout(this.viewer.timer); this.viewer.controls.dispose(); this.viewer.renderer.dispose(); this.viewer.onrender = null; this.labels.replaceChildren(); }
 
   label(text, at, kind) { this.words.push({ at, element: h('span', { class: kind }, text) }); }
 
@@ -341,7 +341,7 @@ export class Scene3D {
     this.model.setQuickly(p);
     this.creaseLines.visible = false;
     if (this.trailingLine) this.trailingLine.visible = false;
-    this.viewer.hurry();
+    this.viewer.hurry(2000);  // or until the exact shape is there
     this.viewer.draw();
   }
 

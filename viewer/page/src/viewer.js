@@ -263,16 +263,11 @@ export class Viewer {
     requestAnimationFrame(() => { this.waiting = false; this.render(); });
   }
 
-  /** Something moves: for a moment a frame that takes long is drawn without smoothing. */
-  hurry() {
-    this.hurriedUntil = performance.now() + rest;
-    if (this.timer) return;
-    const wait = () => {
-      const left = this.hurriedUntil - performance.now();
-      this.timer = left > 0 ? setTimeout(wait, left) : null;
-      if (!this.timer && this.isRough) this.draw();
-    };
-    this.timer = setTimeout(wait, rest);
+  /** Something moves: for so long a frame that takes long is drawn without smoothing. */
+  hurry(time = rest) {
+    this.hurriedUntil = performance.now() + time;
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => { if (this.isRough) this.draw(); }, time + 1);
   }
 
   /** Smoothing takes long here, by the least of the last three frames with it. */

@@ -58,6 +58,7 @@ void ProblemBuilder::set_motion_limits() {
     p.max_displacement = share(entry.max_displacement);
     p.is_limit_stated = entry.is_limit_stated;
     p.limits_variables = entry.limits_variables;
+    p.counts_kept_motion_alone = entry.counts_kept_motion_alone;
     if (entry.variable_scale) p.variable_scale = share(*entry.variable_scale);
     if (entry.is_limit_stated && entry.is_planform_alone())
         out_.warnings.emplace_back(

@@ -216,8 +216,9 @@ struct ParameterEntry {
     Length max_displacement;  ///< outside of `max_displacement_by_region`
     Place max_displacement_place;
     std::vector<MotionLimitEntry> max_displacement_by_region;
-    bool is_limit_stated = false;   ///< in the file, not by default
-    bool limits_variables = false;  ///< as `Parameters::limits_variables`: of a run that began so
+    bool is_limit_stated = false;           ///< in the file, not by default
+    bool limits_variables = false;          ///< as `Parameters::limits_variables`: of a run that began so
+    bool counts_kept_motion_alone = false;  ///< the same
     std::optional<Length> variable_scale;
     bool strain_rotates = true, strain_translates = true;  ///< with strain variables
     double free_border = 0.4;

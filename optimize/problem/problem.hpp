@@ -74,6 +74,8 @@ struct Parameters {
     /// The meaning of runs before 1.0: `max_displacement` bounds each variable by its own linear response, and no
     /// shape.
     bool limits_variables = false;
+    /// The meaning of earlier runs: a change of fields counts by what wings that keep their sections leave of it.
+    bool counts_kept_motion_alone = false;
     /// Unit of the variables: their linear response at x = 1, in diagonals, > 0; 0: `max_displacement`, or 5 % where
     /// that is infinite.
     double variable_scale = 0;

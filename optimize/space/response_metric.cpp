@@ -138,7 +138,7 @@ Eigen::MatrixXd leaf_tractions(const DesignSpace& space) {
 int held_field(const DesignSpace& space, int j) {
     const Parameters& p = space.rest->parameters;
     const Variable& variable = space.variables[static_cast<std::size_t>(j)];
-    if (!p.kept_sections || variable.kind != VariableKind::field) return -1;
+    if (!p.kept_sections || p.counts_kept_motion_alone || variable.kind != VariableKind::field) return -1;
     return p.user_variables[static_cast<std::size_t>(variable.component)].field;
 }
 

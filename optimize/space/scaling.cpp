@@ -25,7 +25,8 @@ double unit_of(const RestFacts& rest, const Variable& variable, double largest) 
         if (given.unit > 0) return given.unit;
         if (given.max_displacement > 0) reach = given.max_displacement;
         // Of a field it is 1, of which wings that keep their sections may leave little.
-        if (variable.kind == VariableKind::field && rest.parameters.kept_sections)
+        if (variable.kind == VariableKind::field && rest.parameters.kept_sections &&
+            !rest.parameters.counts_kept_motion_alone)
             largest = std::max(largest, held_share);
     }
     return reach * rest.diagonal / largest;

@@ -134,6 +134,9 @@ TEST(KeptSectionsRun, NoSmallChangeIsMadeOfLargeMotions) {
         if (keeps) {
             EXPECT_LT(most, 1.05 / held_share);
             EXPECT_LT(farthest, 1.01 / held_share);
+            problem.parameters.counts_kept_motion_alone = true;
+            const Evaluated before(problem);
+            EXPECT_GT((before.space.metric - e.space.metric).norm(), 0.1 * e.space.metric.norm()) << "of earlier runs";
         } else {
             EXPECT_NEAR(most, 1, 0.05) << "fields that stay as they are";
         }

@@ -255,8 +255,9 @@ bool is_wing(const TriMesh& mesh, std::size_t num_sections, Candidate& found) {
         found.area = facts.area.value;
         found.wing.why = text(num_sections, " thin sections in a row, aspect ratio ",
                               std::round(100 * facts.aspect_ratio.value) / 100);
-        return facts.aspect_ratio.value > min_aspect_ratio &&
-               std::abs(wing.station(mesh, 0.5).camber.value) <= max_camber;
+        const auto is_flat = [&](double at) { return std::abs(wing.station(mesh, at).camber.value) <= max_camber; };
+        return facts.aspect_ratio.value > min_aspect_ratio && is_flat(0.5) &&
+               std::all_of(wing.stations().begin(), wing.stations().end(), is_flat);
     } catch (const InvalidInput&) {
         return false;
     }

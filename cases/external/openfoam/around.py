@@ -173,7 +173,7 @@ def write_parts(mesh, parts):
     start, entries = inner, []
     for name, (rows, _, _) in parts.items():
         if name:
-            entries.append(f"{name} {{ type {KINDS[name]}; nFaces {len(rows)}; startFace {start}; }}")
+            entries.append(f"{name} {{ type {KINDS.get(name, 'patch')}; nFaces {len(rows)}; startFace {start}; }}")
             start += len(rows)
     with open(os.path.join(mesh, "boundary"), "w", encoding="ascii") as file:
         file.write(foam.header("polyBoundaryMesh", "boundary") + f"{len(entries)}\n(\n" + "\n".join(entries) + "\n)\n")

@@ -139,7 +139,7 @@ TEST_F(Programs, AGradientThatFailsEndsTheRunAsAnEvaluation) {
 }
 
 /// A wing through a body: what is buried counts in both.
-TEST(Check, TellsThatTheUnionOfPartsIsNotKnown) {
+TEST(CheckEvaluate, TellsThatTheUnionOfPartsIsNotKnown) {
     const TempFolder folder;
     TriMesh both = ellipsoid({1, 0.3, 0.3}, 2), wing = ellipsoid({0.2, 1, 0.05}, 2);
     for (const bool pierces : {true, false}) {

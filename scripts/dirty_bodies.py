@@ -185,7 +185,7 @@ def one_body(name, path, args):
         return False, False, False
     other, other_seconds, words = (None, 0, "") if args.no_reference else reference_of(name, case, path, args)
     share = found["gain"] / other["gain"] if other and other["gain"] > 0 else float("nan")
-    if other and abs(other["start"] - found["start"]) > 0.02 * abs(found["start"]):
+    if other and None not in (other["start"], found["start"]) and abs(other["start"] - found["start"]) > 0.02 * abs(found["start"]):
         print(f"{name}: the goal starts at {found['start']:.5g}, by hand at {other['start']:.5g}: not the same body", file=sys.stderr)
     beside = f"{other['gain']:.2f} | {share:.2f}" if other else f"- | {words}"
     print(f"| {name} | {goal} | {way_of(case)} | {found['gain']:.2f} | {beside} | {found['failed']} of {found['designs']} | "

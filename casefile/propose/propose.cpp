@@ -288,9 +288,13 @@ std::optional<double> volume_in_cones(const TriMesh& mesh, const std::optional<S
     }
 }
 
-std::string remesh_text(const std::string& reason) {
+/// The mean edge of needles is that of their length, which new triangles would cut the body's curves to.
+std::string remesh_text(const Checkup& c, const std::string& reason) {
+    constexpr double follows = 0.02;  // of the diagonal
+    const bool is_of_needles = !has_slivers(c) && c.quality.edge_mean > follows * c.diagonal;
     return (reason.empty() ? "" : "\n# " + reason) + "\n" +
-           padded("remesh: {edge_length: auto}", "new triangles for the same shape; regions refer to them");
+           padded(is_of_needles ? "remesh: {edge_length: 2%}" : "remesh: {edge_length: auto}",
+                  "new triangles for the same shape; regions refer to them");
 }
 
 /// Fields alone: nothing has to be held.
@@ -430,7 +434,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
     const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
-    const bool is_mended = cut || proposal.is_dirty || was_mended(surface);
+    const bool is_remeshed = options.way == ProposedWay::remeshed_shell;
+    const bool is_mended = cut || proposal.is_dirty || is_remeshed || was_mended(surface);
     const std::string shown = case_file.filename().string();
     const std::string shell =
         "\n# The elastic shell: a thicker one bends less.\nshell:\n" +
@@ -440,7 +445,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         "# Proposed by strake init from the surface alone. Next: strake check " + typed_path(shown) + ", strake run " +
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
-        (options.way == ProposedWay::remeshed_shell ? remesh_text(options.reason) : "") + hold_of(options, holds) +
+        (is_remeshed ? remesh_text(surface.checkup, options.reason) : "") + hold_of(options, holds) +
         (half ? symmetry_text(*half, cut) : "") + axes_text(surface.checkup, proposal.plane, proposal.down) +
         (by_wrap     ? wrap_text(mirror, options.reason, farthest)
          : by_fields ? fields_text(mirror, options.reason, farthest)

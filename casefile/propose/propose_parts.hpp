@@ -15,8 +15,9 @@ struct RepairedSurface {
 /// Debris is dropped first. @throws InputError if no repair helps.
 RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh);
 
-/// Pieces of a few triangles away from everything else, open and without area: what an export left behind. They say
-/// nothing about the body, but would turn its plane of symmetry, and leave it without a volume.
+/// Pieces of a few triangles away from everything else, open, of next to no area and without a name of their own: what
+/// an export left behind. They say nothing about the body, but would turn its plane of symmetry, and leave it without a
+/// volume.
 struct Debris {
     int pieces = 0, triangles = 0;
     double share = 0;             ///< of the area

@@ -96,7 +96,7 @@ class Browser:
         if method == "Runtime.consoleAPICalled" and what["type"] in ("error", "warning", "assert"):
             self.errors.append(" ".join(str(a.get("value", a.get("description", ""))) for a in what["args"]))
         if method == "Log.entryAdded" and what["entry"]["level"] in ("error", "warning"):
-            self.errors.append(what["entry"]["text"])
+            self.errors.append(f'{what["entry"]["text"]} {what["entry"].get("url", "")}'.strip())
         if method == "Network.requestWillBeSent":
             url = what["request"]["url"]
             if not url.startswith((self.page, "data:", "blob:")):

@@ -127,6 +127,7 @@ BenchWorker::Json BenchWorker::shape_json(int level, const Wish& wish, int numbe
         shape_seconds = seconds();
         shape_ = vertices;
         state_.shape_of = number;
+        ++state_.shapes;
         return !waiting_;
     });
     Json values = Json::object(), slope = nullptr;

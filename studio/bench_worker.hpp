@@ -34,6 +34,7 @@ public:
         bool is_busy = false;
         Json answer;        ///< of that wish; {error: words} where it failed
         int shape_of = 0;   ///< number of the wish whose shape is there: before its answer, and while newer ones wait
+        int shapes = 0;     ///< how many were there so far: a wish may get a second one in place of its first
         int num_modes = 0;  ///< variables whose first-order motion is there
         bool has_envelope = false;
         std::string mode_trouble;

@@ -53,7 +53,7 @@ Studio::Impl::Json Studio::Impl::feel(const Asked& asked) {
     return {{"wish", worker->wish(std::move(wish))}};
 }
 
-/// {done, is_busy, answer, shape_of, modes, envelope, trouble}.
+/// {done, is_busy, answer, shape_of, shapes, modes, envelope, trouble}.
 Studio::Impl::Json Studio::Impl::felt_state() {
     BenchWorker* at_work = nullptr;
     {
@@ -61,16 +61,21 @@ Studio::Impl::Json Studio::Impl::felt_state() {
         at_work = worker.get();
     }
     if (!at_work)
-        return {{"done", 0},     {"is_busy", false}, {"answer", nullptr},
-                {"shape_of", 0}, {"modes", 0},       {"envelope", false}};
+        return {{"done", 0},   {"is_busy", false}, {"answer", nullptr}, {"shape_of", 0},
+                {"shapes", 0}, {"modes", 0},       {"envelope", false}};
     BenchWorker::State state = at_work->state();
-    return {{"done", state.done},           {"is_busy", state.is_busy}, {"answer", std::move(state.answer)},
-            {"shape_of", state.shape_of},   {"modes", state.num_modes}, {"envelope", state.has_envelope},
+    return {{"done", state.done},
+            {"is_busy", state.is_busy},
+            {"answer", std::move(state.answer)},
+            {"shape_of", state.shape_of},
+            {"shapes", state.shapes},
+            {"modes", state.num_modes},
+            {"envelope", state.has_envelope},
             {"trouble", state.mode_trouble}};
 }
 
-/// Arrays of the sliders: "shape" (as positions of /api/surface; of the wish `of`, if that is still the last), "slope"
-/// (n x 3), "envelope" (outward, then inward), "mode" (n x 3) of variable `j`.
+/// Arrays of the sliders: "shape" (as positions of /api/surface; of the wish `of`; nothing if that is not the last),
+/// "slope" (n x 3), "envelope" (outward, then inward), "mode" (n x 3) of variable `j`.
 WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request) {
     const auto shown = need_subject();
     BenchWorker* at_work = nullptr;
@@ -88,7 +93,9 @@ WebAnswer Studio::Impl::felt(const std::string& what, const WebRequest& request)
     };
     if (!at_work) return nothing_there("no variables were asked for");
     if (what == "shape") {
-        const Points shape = at_work->shape(number("of"));
+        const auto wish = number("of");
+        const Points shape = at_work->shape(wish);
+        if (wish && shape.rows() == 0) return numbers_answer("");  // the next one overtook it
         if (shape.rows() != vertices)
             return nothing_there("there is no shape, or it belongs to another surface than the one shown");
         return numbers_answer(centred_positions(shape, shown->ground.start.mesh));

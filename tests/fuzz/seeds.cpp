@@ -199,7 +199,8 @@ void volumes(Seeds& seeds) {
 /// Requests to the studio; the first byte says what the rest is (fuzz_studio.cpp).
 void requests(Seeds& seeds) {
     const std::string head = " HTTP/1.1\r\nHost: $H\r\n";
-    for (const char* path : {"", "api/state?from=0", "api/surface", "studio.js", "report", "../x", "api/felt/mode?j=1"})
+    for (const char* path : {"", "api/state?from=0", "api/surface", "studio.js", "report", "../x", "api/felt/mode?j=1",
+                             "api/felt/shape?of=1"})
         seeds.add("studio", text(std::string(1, '\0'), "GET /$T/", path, head, "\r\n"));
     seeds.add("studio",
               text(std::string(1, '\0'), "GET /x/", head, "Origin: http://evil.example\r\nCookie: a=b\r\n\r\n"));
@@ -220,6 +221,7 @@ void requests(Seeds& seeds) {
                  ",\"steps\":[{\"plane\":{\"normal\":[0,0,1],\"at\":0.1,\"above\":true}},{\"op\":\"&\",\"box\":[[0,0,0]"
                  ",["
                  "1,1,1]]}]",
+             "choose" + with_text + ",\"steps\":[{\"triangles\":[0]},{\"mirror\":{\"normal\":[0,1,0],\"offset\":0.5}}]",
              "choose" + with_text +
                  ",\"steps\":[{\"wing\":{\"of\":\"\",\"chord\":[0,1],\"span\":[0,1]}},{\"flood\":{\"point\":[0,0,0],"
                  "\"angle\":30}}]",

@@ -294,6 +294,13 @@ class Page(unittest.TestCase):
             b.resize(width, 800)
             b.settle()
             self.assertLessEqual(b.run("document.documentElement.scrollWidth"), width)
+        for width, scale in ((390, 1.1), (1001, 1.25)):  # pixels are no whole numbers of the page's
+            b.resize(width, 844, scale)
+            b.settle()
+            dark = b.run("""(() => { const view = document.querySelector('canvas.view'), { width, height } = view, copy = document.createElement('canvas');
+                Object.assign(copy, { width, height }); const g = copy.getContext('2d', { willReadFrequently: true }); g.drawImage(view, 0, 0);
+                return [[0, 0, width, 1], [0, height - 1, width, 1], [0, 0, 1, height], [width - 1, 0, 1, height]].map((side) => g.getImageData(...side).data.filter((v) => v < 128).length); })()""")
+            self.assertEqual(dark, [0, 0, 0, 0], "the panes reach the edges of the view")
         b.resize(1100, 800)
         printed = b.call("Page.printToPDF", printBackground=True)["data"]
         self.assertGreater(len(printed), 40000)

@@ -336,8 +336,11 @@ class Server(unittest.TestCase):
         for step in (0.0, 0.02, 0.04):
             x = [step] + [0.0] * (len(variables) - 1)
             wish = self.studio.post("feel", text=yaml, level=1, x=x, slope=True)[1]["wish"]
-            answer = self.felt(wish)["answer"]
+            state = self.felt(wish)
+            answer = state["answer"]
             self.assertEqual(answer["status"], "ok", answer)
+            self.assertEqual(state["shape_of"], wish)
+            self.assertGreater(state["shapes"], len(shapes), "each new shape counts")
             shapes.append((self.numbers(f"api/felt/shape?of={wish}"), answer["values"]["volume"], self.numbers("api/felt/slope")))
         end = time.monotonic() + 60
         while json.loads(self.studio.request("api/felt_state")[1])["modes"] < len(variables) and time.monotonic() < end:
@@ -352,7 +355,8 @@ class Server(unittest.TestCase):
         rate = sum(a * b for a, b in zip(shapes[0][2], mode))
         self.assertAlmostEqual((shapes[2][1] - shapes[0][1]) / 0.04 / rate, 1, delta=0.1)
         self.assertEqual(self.studio.request("api/felt/mode?j=99")[0], 404)
-        self.assertEqual(self.studio.request(f"api/felt/shape?of={wish - 1}")[0], 404, "another wish's shape is there now")
+        for old in (wish - 1, -1, "", "x", "99999999999"):
+            self.assertEqual(self.studio.request(f"api/felt/shape?of={old}"), (200, b""), "another wish's shape is there now")
         envelope = self.numbers("api/felt/envelope")
         self.assertEqual(len(envelope), 2 * len(mode) // 3)
         self.assertGreaterEqual(min(envelope), 0)

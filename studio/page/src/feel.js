@@ -16,7 +16,7 @@ export class Feel {
     this.modes = new Map();
     this.times = { preview: [], exact: [], judged: [] };
     this.asked = new Map();  // of wishes that may still get a shape: {x, begin, text, level}
-    this.newest = this.shapeOf = 0;
+    this.calls = this.newest = this.shapes = 0;
     this.shows = 'patches';
   }
 
@@ -44,32 +44,35 @@ export class Feel {
     this.isOpen = false;
   }
 
-  /** The answer to a wish that is the newest; null: another one came. */
-  async wish(more, begin = performance.now()) {
-    const { text } = this, { wish } = await post('feel', { text, ...more });
-    if (wish <= this.shapeOf) { this.shapeOf = 0; this.asked.clear(); }  // the studio was started again
+  /** The answer to a wish that is the newest; null: another one came. Its shape is shown if it has a `begin`. */
+  async wish(more, begin = 0) {
+    const call = ++this.calls, { text } = this, { wish } = await post('feel', { text, ...more });
+    if (begin) this.asked.set(wish, { x: more.x, begin, text, level: more.level });
+    if (call !== this.calls) return null;
+    if (wish < this.newest) this.shapes = 0;  // the studio was started again
     this.newest = wish;
-    if (more.x) this.asked.set(wish, { x: more.x, begin, text, level: more.level });
     for (let wait = 12; ; wait = Math.min(40, wait * 1.1)) {
       const state = await get('api/felt_state');
       this.noteModes(state);
-      if (state.shape_of > this.shapeOf) this.taking = this.takeShape(state.shape_of);
+      if (state.shapes !== this.shapes) this.taking = this.takeShape(state.shape_of, state.shapes);
       await this.taking;
-      if (wish !== this.newest) return null;
-      if (state.done >= wish) return state.answer;
+      if (call !== this.calls) return null;
+      if (state.done > wish || (state.done === wish && state.answer.status === 'overtaken')) throw new Error('Another page of this studio has asked meanwhile; move a slider to ask again.');
+      if (state.done === wish) return state.answer;
       await pause(wait);
     }
   }
 
-  /** The exact shape of a wish, before it is judged. That of an older one brings the first-order shape closer. */
-  async takeShape(wish) {
-    this.shapeOf = wish;
+  /** The exact shape of a wish, before it is judged; a second one where the first was refused. That of an older wish brings
+   * the first-order shape closer. */
+  async takeShape(wish, shapes) {
+    this.shapes = shapes;
     const of = this.asked.get(wish), { scene } = this.studio;
-    for (const older of [...this.asked.keys()]) if (older <= wish) this.asked.delete(older);
+    for (const older of [...this.asked.keys()]) if (older < wish) this.asked.delete(older);
     if (!of || of.text !== this.text || of.level !== this.level) return;
     let p = null;
-    try { p = new Float32Array(await bytes(`api/felt/shape?of=${wish}`)); } catch { return; }  // the next one is there already
-    if (wish !== this.shapeOf || of.text !== this.text || of.level !== this.level || p.length !== scene.body.start.length) return;
+    try { p = new Float32Array(await bytes(`api/felt/shape?of=${wish}`)); } catch { return; }  // empty: the next one is there already
+    if (shapes !== this.shapes || this.asked.get(wish) !== of || of.text !== this.text || of.level !== this.level || p.length !== scene.body.start.length) return;
     this.last = p;
     this.exactX = of.x;
     if (!this.isOpen) return;
@@ -237,7 +240,7 @@ export class Feel {
   /** A slider was moved before the start shape was answered: its values, while nothing else is asked. */
   async askStart(shown) {
     const text = this.text, level = this.level;
-    const found = await this.wish({ level, x: this.x.map(() => 0), slope: false });
+    const found = await this.wish({ level, x: this.x.map(() => 0), slope: false });  // the shape shown stays
     if (!found || found.error || this.text !== text || this.level !== level) return;
     this.start = found.values;
     this.listValues(shown);

@@ -302,7 +302,7 @@ export class Viewer {
       this.renderer.setScissor(x, y, w, h);
       return;
     }
-    target.viewport.set(x, y, w, h).multiplyScalar(ratio).floor();
+    target.viewport.set(x, y, w, h).multiplyScalar(ratio).round();  // panes reach the edge
     target.scissor.copy(target.viewport);
     target.scissorTest = true;
     this.renderer.setRenderTarget(target);

@@ -44,7 +44,7 @@ int last_accepted(const Journal& journal) {
 
 void keep_meaning(Case& the_case, int meaning) {
     constexpr int since_shapes_are_limited = 2, since_outlines_are_kept = 3, since_ranges_widen = 4,
-                  since_held_motion_counts = 4;
+                  since_held_motion_counts = 5;
     for (WingEntry& wing : the_case.planform)
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
     the_case.parameters.limits_variables = meaning < since_shapes_are_limited;

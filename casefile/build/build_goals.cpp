@@ -20,7 +20,9 @@ namespace {
 
 /// The folder of an evaluation has files of these names of its own.
 bool is_handed_over(const std::string& word) {
-    return word.starts_with("surface.") || word == "request.json" || word == "result.json";
+    constexpr const char* names[] = {"surface_positions.dat", "points.npy",  "points.csv",   "request.json",
+                                     "gradient_request.json", "result.json", "gradient.json"};
+    return word.starts_with("surface.") || std::ranges::find(names, word) != std::end(names);
 }
 
 /// A program runs in the folder of its evaluation: `python3 solve.py` does not find the script beside the case.

@@ -92,7 +92,8 @@ struct Start {
     ::_exit(127);
 }
 
-[[noreturn]] void run_child(const Start& start) {
+/// Never inlined: its variables must not take the place of those that the parent uses after vfork.
+[[noreturn, gnu::noinline]] void run_child(const Start& start) {
     ::dup2(start.in, 0);
     ::dup2(start.out, 1);
     ::dup2(start.err, 2);

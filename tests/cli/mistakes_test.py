@@ -174,7 +174,8 @@ MISTAKES = [
         ", gradients: false", "").replace(", method: cobyla", "")})(program('echo \'{"value": 0.5}\' > "$1"'))}, RUN, 5),
     ("a solver that may not be run", {**program("exit 0"), "mode": 0o644}, RUN, 2),
     ("a script beside the case, which the program looks for where it runs",
-     {"solve.py": "", "case.yaml": program("")["case.yaml"].replace("./solver.sh", "python3, solve.py, \"{case_dir}/solve.py\"")},
+     {"solve.py": "", "points.csv": "", "case.yaml": program("")["case.yaml"].replace(
+         "./solver.sh", "python3, solve.py, points.csv, \"{case_dir}/solve.py\"")},
      CHECK, 0),
 ]
 

@@ -104,7 +104,7 @@ class MotionLimit(unittest.TestCase):
             (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
             strake("run", "wing.yaml", "--out", name, "-q")
         case = (folder / "before/case.yaml").read_text()
-        for old, new in ((", keep: none, ", ", "), ("keys: 4", "keys: 2")):
+        for old, new in ((", keep: none, ", ", "), ("keys: 5", "keys: 2")):
             self.assertEqual(case.count(old), 1, case)
             case = case.replace(old, new)
         (folder / "before/case.yaml").write_text(case)
@@ -125,6 +125,25 @@ class MotionLimit(unittest.TestCase):
         for name in ("before", "none"):
             strake("mix", name, "less", "-o", f"{name}.obj")
         self.assertEqual((folder / "before.obj").read_bytes(), (folder / "none.obj").read_bytes())
+
+    def test_fields_of_a_run_of_before_count_as_they_did(self):
+        """What sections that are kept take out of fields: a run from when it did not count goes on so."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", "wing.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        (folder / "first.yaml").write_text(WING.replace("KEEP", "").replace("evaluations: 3", "evaluations: 1"))
+        rows = {}
+        for meaning in (3, 4, 5):
+            run = f"meaning{meaning}"
+            strake("run", "first.yaml", "--out", run, "-q")
+            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
+                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+                journal.execute("DELETE FROM facts WHERE name = 'hash'")
+            journal.close()
+            strake("resume", run, "--evaluations", "3", "-q")
+            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+        self.assertEqual(rows[3], rows[4])
+        self.assertNotEqual(rows[4], rows[5])
 
     def test_regions_have_limits_of_their_own(self):
         write("regions.yaml", "max_displacement: {default: 0.5%, tail: {inward: 0, outward: 0.1%}}")

@@ -23,6 +23,7 @@ constexpr double max_bend_two_sided = 0.5;  ///< of what is wrong with the slope
 constexpr double noises = 15;               ///< 3 deviations, times what the extrapolation makes of noise
 constexpr double deviations = 5;            ///< of the last confirmed steps from the rule
 constexpr double cancelling = 0.02;         ///< of the sum of the entries: a slope nearly along the level set
+constexpr double nearly_confirmed = 0.1;    ///< of a direction, at most this is left of it
 constexpr double min_unconfirmed = 1e-6;    ///< of a random direction: less is rounding
 constexpr int reflections = 4;              ///< at limits that the direction would cross
 
@@ -53,7 +54,10 @@ public:
             return accuse("over the last steps");
         }
         if (guard_.evaluations + 2 > guard_.limit) return;
-        if (!has_converged) return check_descent();
+        // Where a search has converged though more is expected along a way that its steps confirm, what they have not
+        // taken may hold it back.
+        const bool is_old = !has_converged && result_.stop == MinimizeStop::converged && is_confirmed(descent());
+        if (!has_converged && !is_old) return check_descent();
         check_unconfirmed();
     }
 
@@ -112,27 +116,43 @@ private:
         return d.allFinite() && norm(d) > 0.01 * probe ? d : VectorXd();
     }
 
+    Eigen::LLT<MatrixXd> free_metric() const {
+        return Eigen::LLT<MatrixXd>(MatrixXd(metric_of(p_)(guard_.free, guard_.free)));
+    }
+
+    /// What is left of a direction, whitened, of length 1, without those that the steps have confirmed.
+    VectorXd without_confirmed(const Eigen::LLT<MatrixXd>& metric, VectorXd r) const {
+        const auto& steps = guard_.evidence.confirmed();
+        if (steps.empty()) return r;
+        MatrixXd known(r.size(), static_cast<Eigen::Index>(steps.size()));
+        for (std::size_t k = 0; k < steps.size(); ++k) {
+            const VectorXd whitened = metric.matrixU() * VectorXd(steps[k](guard_.free));
+            known.col(static_cast<Eigen::Index>(k)) = whitened.normalized();
+        }
+        Eigen::ColPivHouseholderQR<MatrixXd> qr(known);
+        qr.setThreshold(1e-3);  // steps that differ by less confirm one direction
+        const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
+        r -= basis * (basis.transpose() * r).eval();
+        return r;
+    }
+
+    bool is_confirmed(const VectorXd& d) const {
+        if (d.size() == 0) return false;
+        const Eigen::LLT<MatrixXd> metric = free_metric();
+        const VectorXd whitened = metric.matrixU() * VectorXd(d(guard_.free));
+        return whitened.norm() > 0 && without_confirmed(metric, whitened.normalized()).norm() < nearly_confirmed;
+    }
+
     /// Random, but for what the steps have confirmed: the same at every run. Empty: all directions are.
     VectorXd unconfirmed(bool& leaves_bounds) const {
         const std::vector<int>& free = guard_.free;
         const auto n = static_cast<Eigen::Index>(free.size());
-        const Eigen::LLT<MatrixXd> metric(MatrixXd(metric_of(p_)(free, free)));
+        const Eigen::LLT<MatrixXd> metric = free_metric();
         std::mt19937 random(guard_.options.seed);
         VectorXd r(n);
         for (Eigen::Index j = 0; j < n; ++j) r[j] = 2 * (static_cast<double>(random()) / std::mt19937::max()) - 1;
         r.normalize();
-        const auto& steps = guard_.evidence.confirmed();
-        MatrixXd known(n, static_cast<Eigen::Index>(steps.size()));
-        for (std::size_t k = 0; k < steps.size(); ++k) {
-            const VectorXd whitened = metric.matrixU() * VectorXd(steps[k](free));
-            known.col(static_cast<Eigen::Index>(k)) = whitened.normalized();
-        }
-        if (known.cols() > 0) {
-            Eigen::ColPivHouseholderQR<MatrixXd> qr(known);
-            qr.setThreshold(1e-3);  // steps that differ by less confirm one direction
-            const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
-            r -= basis * (basis.transpose() * r).eval();
-        }
+        r = without_confirmed(metric, r);
         if (!(r.norm() > min_unconfirmed)) return {};
         VectorXd d = VectorXd::Zero(x_.size());
         d(free) = VectorXd(metric.matrixU().solve(r));

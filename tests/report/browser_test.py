@@ -51,7 +51,9 @@ output: {report: true}
 
 
 def canvas(browser):
+    """The picture at rest: where drawing is slow, edges are rough while something moves."""
     browser.settle()
+    browser.until("document.querySelector('canvas.view').dataset.edges === 'smooth'")
     return browser.run("document.querySelector('canvas.view').toDataURL()")
 
 

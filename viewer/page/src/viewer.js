@@ -277,6 +277,7 @@ export class Viewer {
     if (!this.width || !this.design.p) return;
     const begin = performance.now();
     this.isRough = this.isSlow && begin < this.hurriedUntil;
+    this.canvas.dataset.edges = this.isRough ? 'rough' : 'smooth';
     this.renderer.setRenderTarget(this.isRough ? null : this.smoothed);
     this.drawPanes();
     this.renderer.setRenderTarget(null);

@@ -146,7 +146,7 @@ TEST(Newtonian, GradientsAreExactAlsoAtTheRimOfAShadow) {
         flow.mach = 3;
         const Quantity n = newtonian("n", mesh, flow);
         for (std::size_t i = 0; i < n.names.size(); ++i) {
-            EXPECT_NEAR(order(n, mesh, 1, i, 1e-4), 2, 0.15) << n.names[i] << " lee " << static_cast<int>(leeward);
+            EXPECT_NEAR(order(n, mesh, 1, i, 1e-4), 2, 0.15) << n.names[i] << " leeward " << static_cast<int>(leeward);
             EXPECT_NEAR(order(n, mesh, 1.1, i, 1e-4), 1, 0.1) << n.names[i];
         }
     }

@@ -2,9 +2,8 @@
 // Each row: vertices of body and wrap; milliseconds, the least of fifteen, of the gradients of volume and area, of
 // those of six functionals, of one shape (equilibrium, guard and values; mean of six), each by the wrap and by a shell
 // on the wrap alone, as a body without one.
-#include "cases/geometry/dirty_body.hpp"
+#include "bench/dirty_bodies.hpp"
 #include "core/error.hpp"
-#include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/patches/automatic.hpp"
 #include "core/wrap/wrap_map.hpp"
@@ -87,17 +86,4 @@ void row(const std::string& name, const TriMesh& body) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    std::vector<std::string> bodies(argv + 1, argv + argc);
-    if (bodies.empty()) bodies = {"gaps", "crossing_boxes"};
-    const std::vector<std::string>& kinds = example::dirty_body_kinds();
-    int failed = 0;
-    for (const std::string& body : bodies) try {
-            const bool is_kind = std::ranges::find(kinds, body) != kinds.end();
-            row(body.substr(body.rfind('/') + 1), is_kind ? example::dirty_body(body) : read_surface(body).mesh);
-        } catch (const std::exception& error) {
-            std::printf("%-24s %s\n", body.c_str(), error.what());
-            ++failed;
-        }
-    return failed > 0 ? 1 : 0;
-}
+int main(int argc, char** argv) { return table_of_bodies(argc, argv, {"gaps", "crossing_boxes"}, row); }

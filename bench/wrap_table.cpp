@@ -3,9 +3,8 @@
 // that are known exactly, given to the wrap's vertices: the body's farthest vertex from the exact motion over D, the
 // change of its dihedral angles beyond those of the exact motion (degrees, rms), and intersecting pairs beyond those of
 // the exact motion.
-#include "cases/geometry/dirty_body.hpp"
+#include "bench/dirty_bodies.hpp"
 #include "core/error.hpp"
-#include "core/formats/io.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/topology.hpp"
@@ -121,17 +120,4 @@ void row(const std::string& name, const TriMesh& body) {
 
 }  // namespace
 
-int main(int argc, char** argv) {
-    std::vector<std::string> bodies(argv + 1, argv + argc);
-    if (bodies.empty()) bodies = example::dirty_body_kinds();
-    const std::vector<std::string>& kinds = example::dirty_body_kinds();
-    int failed = 0;
-    for (const std::string& body : bodies) try {
-            const bool is_kind = std::ranges::find(kinds, body) != kinds.end();
-            row(body.substr(body.rfind('/') + 1), is_kind ? example::dirty_body(body) : read_surface(body).mesh);
-        } catch (const std::exception& error) {
-            std::printf("%-28s %s\n", body.c_str(), error.what());
-            ++failed;
-        }
-    return failed > 0 ? 1 : 0;
-}
+int main(int argc, char** argv) { return table_of_bodies(argc, argv, example::dirty_body_kinds(), row); }

@@ -56,8 +56,8 @@ public:
         if (guard_.evaluations + 2 > guard_.limit) return;
         // Where a search has converged though more is expected along a way that its steps confirm, what they have not
         // taken may hold it back.
-        const bool is_old = !has_converged && result_.stop == MinimizeStop::converged && is_confirmed(descent());
-        if (!has_converged && !is_old) return check_descent();
+        const bool is_held_back = !has_converged && result_.stop == MinimizeStop::converged && is_confirmed(descent());
+        if (!has_converged && !is_held_back) return check_descent();
         check_unconfirmed();
     }
 

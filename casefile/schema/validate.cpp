@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <sstream>
 
 namespace strake {
 namespace {
@@ -107,12 +108,23 @@ private:
         return path.empty() ? name : path + "." + name;
     }
 
+    /// "python3 {case_dir}/solve.py" as [python3, "{case_dir}/solve.py"]: what a user meant who forgot the brackets.
+    static std::string list_of_words(const std::string& line) {
+        std::istringstream words(line);
+        std::string list;
+        for (std::string word; words >> word;) {
+            const bool is_plain = word.find_first_of("{}[],:#&*!|>'\"%@`\\") == std::string::npos;
+            list += text(list.empty() ? "" : ", ", is_plain ? printable(word) : '"' + printable(word) + '"');
+        }
+        return list;
+    }
+
     void wrong_form(const Value& value, const std::vector<const Key*>& rows, const std::string& shown) {
         const bool wants_list = rows.size() == 1 && rows[0]->type == Type::list;
         std::string got = value.form == Value::Form::map ? "a map" : "a list";
         if (value.form == Value::Form::scalar) got = text("'", printable(value.text), "'");
         const std::string hint = wants_list && value.form == Value::Form::scalar && rows[0]->count == 0
-                                     ? text("; write [", printable(value.text), "]")
+                                     ? text("; write [", list_of_words(value.text), "]")
                                      : "";
         errors_.add(value.place, text(shown, " must be ", expected(rows), ", got ", got, hint));
     }

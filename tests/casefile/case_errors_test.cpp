@@ -82,6 +82,8 @@ const Broken broken[] = {
     {"fixed: [root]", "fixed: [root, tpi]",
      "case.yaml:7:15: region 'tpi' is not declared; did you mean 'tip'? Regions: root, tip, flap"},
     {"fixed: [root]", "fixed: root", "case.yaml:7:8: fixed must be a list, got 'root'; write [root]"},
+    {"fixed: [root]", "fixed: root of/{both}",
+     "case.yaml:7:8: fixed must be a list, got 'root of/{both}'; write [root, \"of/{both}\"]"},
     {"fixed: [root]", "fixed: [root, tip]",
      "case.yaml:11:14: region 'tip' is under loads and under fixed; a held region cannot be loaded"},
     {"region: flap", "region: tip",

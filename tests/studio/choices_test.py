@@ -307,10 +307,8 @@ class Pointed(Choices):
                 for through, expected in ((True, inside), (False, seen)):
                     found = set(b.run(f"strakeStudio.scene.inLasso({json.dumps(loop)}, {json.dumps(through)})"))
                     self.assertGreater(len(expected), 20)
-                    near = found ^ expected
-                    share = len(near) / len(expected)
-                    print(f"{self.body}, {len(middle)} triangles: {tool}{' through' if through else ''}: {len(found)} chosen, {len(near)} differ", flush=True)
-                    self.assertLess(share, 0.001 if through else 0.06)
+                    print(f"{self.body}, {len(middle)} triangles: {tool}{' through' if through else ''}: {len(found)} chosen, {len(found ^ expected)} differ", flush=True)
+                    self.assertEqual(found ^ expected, set())
             self.assertEqual(b.errors, [])
 
 

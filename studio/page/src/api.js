@@ -1,7 +1,8 @@
 // What the page asks of the server; paths are relative to the address with its token.
 
-export async function get(path) {
-  const answer = await fetch(path);
+/** @param seconds after which a connection that says nothing counts as lost: a tunnel may die without a word. */
+export async function get(path, seconds) {
+  const answer = await fetch(path, seconds ? { signal: AbortSignal.timeout(1000 * seconds) } : {});
   if (!answer.ok) throw new Error((await answer.text()).trim() || `status ${answer.status}`);
   return answer.json();
 }

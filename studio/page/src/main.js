@@ -159,7 +159,7 @@ class Studio {
 
   async refresh() {
     let state;
-    try { state = await get(`api/state?from=${this.runs.rows.length}`); } catch (error) {
+    try { state = await get(`api/state?from=${this.runs.rows.length}`, 20); } catch (error) {
       this.isLost = true;
       this.tell('The studio does not answer. A run that it started goes on; this page finds its way back when the same address answers.');
       return;

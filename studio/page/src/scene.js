@@ -2,11 +2,12 @@
 
 import {
   ArrowHelper, BufferAttribute, BufferGeometry, CanvasTexture, Color, DoubleSide, Group, LineBasicMaterial, LineLoop, LineSegments, Mesh,
-  MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Vector3, WebGLRenderTarget,
+  MeshBasicMaterial, MeshLambertMaterial, Points, PointsMaterial, Vector3,
 } from 'three';
 import { h } from '../../../viewer/page/src/dom.js';
 import { Viewer, likelyUp } from '../../../viewer/page/src/viewer.js';
 import { categories, colorAt, patchColors, scaleOf } from '../../../viewer/page/src/colors.js';
+import { unhidden } from './sight.js';
 
 const grey = [196, 200, 206], chosen = [230, 159, 0], held = [86, 180, 233], region = [0, 158, 115];
 const names = ['x', 'y', 'z'];
@@ -384,46 +385,10 @@ export class Scene3D {
     return through ? found : this.seen(found);
   }
 
-  /** The triangle that a picture of w x h pixels shows where the middle of `t` is lies clearly in front of it. */
-  isHidden(t, shown, w, h) {
-    const { camera } = this.viewer, e = camera.matrixWorldInverse, { triangles } = this.body, p = this.model.p;
-    const seenFrom = (s) => [0, 1, 2].map((k) => new Vector3().fromArray(p, 3 * triangles[3 * s + k]).applyMatrix4(e));
-    const middle = seenFrom(t).reduce((sum, v) => sum.addScaledVector(v, 1 / 3), new Vector3()), place = middle.clone().applyMatrix4(camera.projectionMatrix);
-    const x = Math.floor(((place.x + 1) / 2) * w), y = Math.floor(((place.y + 1) / 2) * h), other = x >= 0 && x < w && y >= 0 && y < h ? shown[y * w + x] : -1;
-    if (other < 0 || other === t) return false;
-    const corners = seenFrom(other), normal = corners[1].clone().sub(corners[0]).cross(corners[2].clone().sub(corners[0]));
-    const depths = corners.map((c) => c.z), [low, high] = [Math.min(...depths), Math.max(...depths)];
-    const across = normal.x * (middle.x - corners[0].x) + normal.y * (middle.y - corners[0].y);
-    const depth = normal.z === 0 ? high : Math.min(high, Math.max(low, corners[0].z - across / normal.z));
-    return depth - middle.z > 2 * this.viewer.lengthPerPixel(this.viewer.width, this.viewer.height);  // neighbours in the pixel do not hide it
-  }
-
-  /** Those of the triangles that a picture with one colour a triangle shows; or whose middle nothing hides: triangles
-   * smaller than a pixel are in no picture. */
+  /** Those of the triangles whose middle is seen: nothing lies between it and the eye. */
   seen(triangles) {
-    const { renderer, camera, width, height } = this.viewer, ratio = renderer.getPixelRatio();
-    const saved = this.model.geometry.attributes.color.array.slice(), { material } = this.model.mesh;
-    const flat = new MeshBasicMaterial({ vertexColors: true, side: DoubleSide });
-    this.model.setColors((t, v, out, at) => { out[at] = (t + 1) & 255; out[at + 1] = ((t + 1) >> 8) & 255; out[at + 2] = ((t + 1) >> 16) & 255; });
-    const { background } = this.model.scene, hidden = this.model.scene.children.filter((one) => one !== this.model.mesh && !one.isLight && one.visible);
-    this.model.mesh.material = flat;
-    this.model.scene.background = new Color(0x000000);
-    for (const one of hidden) one.visible = false;
-    const w = Math.floor(width * ratio), hgt = Math.floor(height * ratio), pixels = new Uint8Array(4 * w * hgt), target = new WebGLRenderTarget(w, hgt);
-    renderer.setRenderTarget(target);  // edges are not smoothed there: a mix of two numbers is a third triangle's
-    renderer.render(this.model.scene, camera);
-    renderer.readRenderTargetPixels(target, 0, 0, w, hgt, pixels);
-    renderer.setRenderTarget(null);
-    target.dispose();
-    const shown = new Int32Array(w * hgt), visible = new Set();
-    for (let k = 0; k < shown.length; ++k) { shown[k] = pixels[4 * k] + 256 * pixels[4 * k + 1] + 65536 * pixels[4 * k + 2] - 1; visible.add(shown[k]); }
-    this.model.mesh.material = material;
-    this.model.scene.background = background;
-    for (const one of hidden) one.visible = true;
-    this.model.geometry.attributes.color.array.set(saved);
-    this.model.geometry.attributes.color.needsUpdate = true;
-    flat.dispose();
-    this.viewer.draw();
-    return triangles.filter((t) => visible.has(t) || !this.isHidden(t, shown, w, hgt));
+    const { body, model, viewer } = this, p = model.p, e = viewer.camera.matrixWorldInverse.elements, view = new Float64Array(p.length);
+    for (let v = 0; v < p.length; v += 3) for (let r = 0; r < 3; ++r) view[v + r] = e[r] * p[v] + e[4 + r] * p[v + 1] + e[8 + r] * p[v + 2] + e[12 + r];
+    return unhidden(view, body.triangles, triangles, 1e-6 * body.diagonal);
   }
 }

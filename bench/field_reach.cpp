@@ -5,6 +5,7 @@
 
 #include <fmt/core.h>
 #include <Eigen/QR>
+#include <algorithm>
 #include <cstdlib>
 #include <filesystem>
 
@@ -22,6 +23,8 @@ struct Body {
     std::string name;
     TriMesh mesh;
     FieldConditions conditions;
+    char length =
+        0;  ///< the coordinate direction that droops; 0: that of the sections. A flying wing is longest across
 };
 
 /// The triangles of which all corners are below the share of the extent.
@@ -56,16 +59,19 @@ std::vector<Body> bodies(const std::string& folder) {
         if (!std::filesystem::exists(path)) continue;
         all.push_back({name, read_surface(path).mesh, {}});
         all.back().conditions.held = low_end(all.back().mesh, axis, 0.05);
+        if (axis == 0) all.back().length = 'x';
     }
     return all;
 }
 
-/// The front half bends down, and its top rises in the middle.
-Points droop(const TriMesh& mesh, const FieldFrame& frame, bool front_is_high) {
+/// The upper half along the body bends down, and its top rises in the middle.
+Points droop(const TriMesh& mesh, const FieldFrame& frame, char length) {
+    const auto named = std::find(frame.letter.begin(), frame.letter.end(), length);
+    const auto along = named == frame.letter.end() ? 0 : named - frame.letter.begin();
     Points u(mesh.num_vertices(), 3);
     for (int v = 0; v < mesh.num_vertices(); ++v) {
         const Vector3d at = frame.local(mesh.vertices.row(v));
-        const double s = front_is_high ? at[0] : -at[0];
+        const double s = at[along];
         const double down = std::max(0.0, s) * std::max(0.0, s), r = (s - 0.2) / 0.5;
         const double canopy = std::abs(r) < 1 ? 0.5 * (1 - r * r) * (1 - r * r) * std::max(0.0, at[2]) : 0;
         u.row(v) = (canopy - down) * frame.axes.col(2);
@@ -133,7 +139,7 @@ int main(int argc, char** argv) {
         }
         fmt::print("{:>7}", "27+9");
         std::vector<TypicalMotion> motions = typical_motions(body.mesh, body.conditions);
-        Points down = droop(body.mesh, fields[0].frame(), true);
+        Points down = droop(body.mesh, fields[0].frame(), body.length);
         for (const int t : body.conditions.held)
             for (int k = 0; k < 3; ++k) down.row(body.mesh.triangles(t, k)).setZero();
         motions.push_back({"droop", down});

@@ -21,6 +21,7 @@ import lattice  # noqa: E402
 import newton  # noqa: E402
 import nose  # noqa: E402
 import published  # noqa: E402
+import sbend  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
 import trefftz  # noqa: E402
@@ -177,6 +178,24 @@ class Nose(unittest.TestCase):
         np.testing.assert_allclose(published.best_power(drags), (0.67, 2), atol=1e-12)
         rising = [2 + 3 * (n - 0.5) ** 2 for n in published.EXPONENTS]
         self.assertAlmostEqual(published.best_power(rising)[0], 0.5, delta=1e-9)
+
+
+class Duct(unittest.TestCase):
+    def test_columns_move_alike(self):
+        draw = np.random.default_rng(1)
+        flat = draw.random((50, 2))
+        start = np.concatenate([np.c_[flat, np.zeros(50)], np.c_[flat, np.full(50, 0.1)]])[draw.permutation(100)]
+        moved, gradient = draw.random((2, 100, 3))
+        mean = sbend.column_means(start, moved)
+        for place in flat:
+            pair = np.flatnonzero(np.all(start[:, :2] == place, axis=1))
+            np.testing.assert_allclose(mean[pair, :2], np.tile(moved[pair, :2].mean(axis=0), (2, 1)), atol=1e-15)
+        np.testing.assert_array_equal(mean[:, 2], moved[:, 2])
+        self.assertAlmostEqual(np.sum(gradient * mean), np.sum(sbend.column_means(start, gradient) * moved), delta=1e-12)
+
+    def test_more_than_one_layer_is_refused(self):
+        with self.assertRaises(SystemExit):
+            sbend.column_means(np.random.default_rng(2).random((10, 3)), np.zeros((10, 3)))
 
 
 class WingAndBody(unittest.TestCase):

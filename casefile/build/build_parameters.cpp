@@ -120,11 +120,13 @@ void ProblemBuilder::set_kept_sections() {
     const bool moves = !p.kinds.empty() || p.fields || !case_.parameters.user_variables.empty();
     if (!moves || is_motion_listed || !case_.fit.empty() || p.invariance || !out_.problem.attached.empty()) return;
     std::vector<std::shared_ptr<const Wing>> wings;
+    const KeptRules rules = case_.parameters.keeps_edges_as_before ? KeptRules::earlier : KeptRules::latest;
     for (const WingEntry& entry : case_.planform)
         if (entry.keeps_outline) {
             wings.push_back(wings_.at(entry.name));
-            at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "),
-               [&] { p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed); });
+            at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "), [&] {
+                p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed, rules);
+            });
         }
 }
 

@@ -418,6 +418,22 @@ std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, con
 
 namespace {
 
+std::optional<FoundWing> searched(const TriMesh& mesh, const std::optional<SymmetryPlane>& half) {
+    if (mesh.num_triangles() > max_searched) return {};
+    return find_wing(mesh, {.symmetry = half});
+}
+
+void tell(const std::optional<FoundWing>& wing, std::vector<std::string>& found) {
+    if (wing)
+        found.push_back(text("a wing along ", way_word(wing->declaration.span), wing->has_body ? " beside a body" : "",
+                             ": ", wing->why, "; the case holds its declaration as a comment (planform)"));
+}
+
+std::string directions_text(const std::optional<FoundWing>& wing, const Checkup& checkup,
+                            const ProposedCase& proposal) {
+    return wing ? wing_text(*wing) : axes_text(checkup, proposal.plane, proposal.down);
+}
+
 /// A wrap is one part, whatever the body is.
 std::string hold_of(const ProposalOptions& options, const ProposedHolds& holds) {
     if (options.way == ProposedWay::fields) return "";
@@ -450,17 +466,13 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     proposal.may_remesh = may_remesh(surface, proposal.has_volume, std::abs(thickness));
     proposal.is_dirty = is_dirty(surface);
     proposal.plane = half ? half : mirror;
-    std::optional<FoundWing> wing;
-    if (proposal.num_triangles <= max_searched) wing = find_wing(surface.mesh, {.symmetry = half});
+    const std::optional<FoundWing> wing = searched(surface.mesh, half);
     proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)
                                : sentences(surface, holds, half, mirror, proposal.has_volume, options.hold);
     if (cut)
         proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
                                       " and is moved onto it (symmetry.snap)"));
-    if (wing)
-        proposal.found.push_back(text("a wing along ", way_word(wing->declaration.span),
-                                      wing->has_body ? " beside a body" : "", ": ", wing->why,
-                                      "; the case holds its declaration as a comment (planform)"));
+    tell(wing, proposal.found);
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
     const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
@@ -476,8 +488,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
         (is_remeshed ? remesh_text(surface.checkup, options.reason) : "") + hold_of(options, holds) +
-        (half ? symmetry_text(*half, cut) : "") +
-        (wing ? wing_text(*wing) : axes_text(surface.checkup, proposal.plane, proposal.down)) +
+        (half ? symmetry_text(*half, cut) : "") + directions_text(wing, surface.checkup, proposal) +
         (by_wrap     ? wrap_text(mirror, options.reason, farthest)
          : by_fields ? fields_text(mirror, options.reason, farthest)
                      : shell + parameters_text(surface, mirror, options.hold, is_mended ? farthest : "")) +

@@ -273,6 +273,7 @@ private:
 struct Candidate {
     FoundWing wing;
     double area = 0;
+    double root_off = 0;  ///< beside a body
 };
 
 bool is_enough(const std::vector<Followed>& sections) {
@@ -361,6 +362,48 @@ double root_off(const TriMesh& mesh, const FoundWing& found, const Vector3d& out
     return off;
 }
 
+bool has_open_edges(const Adjacency& adjacent) {
+    for (int e = 0; e < adjacent.num_edges(); ++e)
+        if (adjacent.edge_triangles[e].size() == 1) return true;
+    return false;
+}
+
+/// What was followed from both tips.
+struct Trace {
+    const TriMesh& mesh;
+    const Adjacency& adjacent;
+    const WingSearch& search;
+    const Ways& ways;
+    const Follower& follower;
+    const std::array<std::vector<Followed>, 2>& sides;
+};
+
+/// Nothing where it makes no wing. @param with_crossing as of `Flood`
+std::optional<Candidate> marked(const Trace& of, bool with_crossing) {
+    Candidate found;
+    std::vector<char> marks(static_cast<std::size_t>(of.mesh.num_triangles()), 0);
+    const bool has_both = !of.sides[0].empty() && !of.sides[1].empty();
+    int last = 0;
+    for (const int sign : {-1, 1}) {
+        const auto& side = of.sides[sign > 0 ? 0 : 1];
+        if (side.empty()) continue;
+        const double end = sign > 0 ? of.follower.extent().low : -of.follower.extent().high;
+        const double root = root_of(of.follower, sign, side, has_both);
+        if (root > end) found.wing.has_body = true, found.wing.root = root;
+        Flood(of.mesh, of.adjacent, of.ways, with_crossing, marks).run(sign, root, side);
+        last = sign;
+    }
+    WingDeclaration& declared = found.wing.declaration;
+    declared.span = of.ways.span, declared.downstream = of.ways.downstream, declared.up = of.ways.up;
+    declared.symmetry = of.search.symmetry;
+    if (!declared.symmetry && found.wing.has_body)
+        declared.symmetry = open_end(of.mesh, of.adjacent, of.ways.span, of.follower.extent());
+    declared.triangles = listed(marks);
+    if (!is_wing(of.mesh, has_open_edges(of.adjacent), of.sides[0].size() + of.sides[1].size(), found)) return {};
+    if (found.wing.has_body) found.root_off = root_off(of.mesh, found.wing, last * of.ways.span);
+    return found;
+}
+
 std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search,
                                    Ways ways) {
     const Follower follower(mesh, ways);
@@ -376,37 +419,10 @@ std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacen
         ways.downstream = -ways.downstream;
         return candidate(mesh, adjacent, {ways.downstream, ways.up, search.symmetry}, ways);
     }
-    bool is_open = false;
-    for (int e = 0; e < adjacent.num_edges() && !is_open; ++e) is_open = adjacent.edge_triangles[e].size() == 1;
-    std::optional<Candidate> best;
-    double best_off = 0;
-    for (const bool with_crossing : {false, true}) {
-        Candidate found;
-        std::vector<char> marks(static_cast<std::size_t>(mesh.num_triangles()), 0);
-        const bool has_both = !sides[0].empty() && !sides[1].empty();
-        int first = 0;
-        for (const int sign : {-1, 1}) {
-            const auto& side = sides[sign > 0 ? 0 : 1];
-            if (side.empty()) continue;
-            const double end = sign > 0 ? follower.extent().low : -follower.extent().high;
-            const double root = root_of(follower, sign, side, has_both);
-            if (root > end) found.wing.has_body = true, found.wing.root = root;
-            Flood(mesh, adjacent, ways, with_crossing, marks).run(sign, root, side);
-            first = sign;
-        }
-        WingDeclaration& declared = found.wing.declaration;
-        declared.span = ways.span, declared.downstream = ways.downstream, declared.up = ways.up;
-        declared.symmetry = search.symmetry;
-        if (!declared.symmetry && found.wing.has_body)
-            declared.symmetry = open_end(mesh, adjacent, ways.span, follower.extent());
-        declared.triangles = listed(marks);
-        if (is_wing(mesh, is_open, sides[0].size() + sides[1].size(), found)) {
-            const double off = found.wing.has_body ? root_off(mesh, found.wing, first * ways.span) : 0;
-            if (!best || off < best_off) best = found, best_off = off;
-        }
-        if (!best || !found.wing.has_body) break;  // triangles at the joint make no wing
-    }
-    return best;
+    std::optional<Candidate> best = marked({mesh, adjacent, search, ways, follower, sides}, false);
+    if (!best || !best->wing.has_body) return best;
+    std::optional<Candidate> other = marked({mesh, adjacent, search, ways, follower, sides}, true);
+    return other && other->root_off < best->root_off ? other : best;
 }
 
 }  // namespace

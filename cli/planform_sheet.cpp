@@ -44,7 +44,7 @@ std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vect
                                 mesh.num_vertices(), "; both need the same triangles in the same order"));
     auto found = find_wing(start ? *start : mesh);
     if (!found) return {};
-    found->declaration.stations = stations;
+    if (!stations.empty()) found->declaration.stations = stations;
     PlanformSheet sheet;
     sheet.found = *found;
     const Wing wing(start ? *start : mesh, found->declaration);

@@ -146,7 +146,8 @@ Quantity ProblemBuilder::make(const QuantityEntry& entry, const BuiltInEntry& ma
     };
     try {
         const auto wing = [&](const std::string& name) { return wings_.at(name); };
-        return shortening(made.make(entry.name, {start_.mesh, start_.diagonal, case_.symmetry, marks, wing}));
+        const auto body = [&](const std::string& name) { return bodies_.at(name); };
+        return shortening(made.make(entry.name, {start_.mesh, start_.diagonal, case_.symmetry, marks, wing, body}));
     } catch (const InputError& error) {
         throw InvalidInput(error.what());
     }

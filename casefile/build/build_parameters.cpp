@@ -89,15 +89,22 @@ void ProblemBuilder::set_motion_limits() {
 void ProblemBuilder::set_planform() {
     const std::vector<PlanformRangeEntry>& entries = case_.parameters.planform;
     std::vector<std::shared_ptr<const Wing>> wings;
-    std::vector<std::string> names;
-    for (const PlanformRangeEntry& entry : entries)
-        if (std::find(names.begin(), names.end(), entry.wing) == names.end()) {
+    std::vector<std::shared_ptr<const Fuselage>> bodies;
+    std::vector<std::string> names;  // of wings, then of bodies
+    for (const bool is_body : {false, true})
+        for (const PlanformRangeEntry& entry : entries) {
+            if (bodies_.contains(entry.wing) != is_body) continue;
+            if (std::find(names.begin(), names.end(), entry.wing) != names.end()) continue;
             names.push_back(entry.wing);
-            wings.push_back(wings_.at(entry.wing));
+            if (is_body)
+                bodies.push_back(bodies_.at(entry.wing));
+            else
+                wings.push_back(wings_.at(entry.wing));
         }
     std::shared_ptr<PlanformMotion> planform;
     const std::string path = "parameters.planform: ";
-    at(entries.front().place, path, [&] { planform = std::make_shared<PlanformMotion>(start_.mesh, wings); });
+    at(entries.front().place, path,
+       [&] { planform = std::make_shared<PlanformMotion>(start_.mesh, wings, std::vector<PlanformRange>(), bodies); });
     // One after the other, so that what is refused is said where it stands.
     for (const PlanformRangeEntry& entry : entries) {
         if (!errors_.empty()) return;
@@ -120,11 +127,13 @@ void ProblemBuilder::set_kept_sections() {
     const bool moves = !p.kinds.empty() || p.fields || !case_.parameters.user_variables.empty();
     if (!moves || is_motion_listed || !case_.fit.empty() || p.invariance || !out_.problem.attached.empty()) return;
     std::vector<std::shared_ptr<const Wing>> wings;
+    const KeptRules rules = case_.parameters.keeps_edges_as_before ? KeptRules::earlier : KeptRules::latest;
     for (const WingEntry& entry : case_.planform)
         if (entry.keeps_outline) {
             wings.push_back(wings_.at(entry.name));
-            at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "),
-               [&] { p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed); });
+            at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "), [&] {
+                p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed, rules);
+            });
         }
 }
 

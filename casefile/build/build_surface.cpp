@@ -191,6 +191,17 @@ void ProblemBuilder::evaluate_regions() {
             wings_[entry.name] = sets.wing(entry.name);
             out_.wings.push_back(wings_[entry.name]);
         });
+    for (const FuselageEntry& entry : case_.bodies)
+        at(entry.place, text("planform.", entry.name, ": "), [&] {
+            FuselageDeclaration declared{entry.name, {}, entry.length, setup.axes.up, case_.symmetry};
+            if (!entry.stations.empty()) declared.stations = entry.stations;
+            const std::vector<char> marks = entry.on ? sets.marks_of(entry.on->name) : std::vector<char>();
+            for (std::size_t t = 0; t < marks.size(); ++t)
+                if (marks[t]) declared.triangles.push_back(static_cast<int>(t));
+            if (entry.on && declared.triangles.empty())
+                throw InvalidInput(text("'", printable(entry.on->name), "' holds no triangles"));
+            bodies_[entry.name] = std::make_shared<const Fuselage>(start_.mesh, declared);
+        });
     for (std::size_t k = 0; k < case_.regions.size(); ++k)
         at(case_.regions[k].shape_place, "", [&] {
             const Region& region = case_.regions[k];

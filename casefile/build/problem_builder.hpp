@@ -35,6 +35,7 @@ private:
     std::shared_ptr<const StoredDesign> stored_;  ///< that `start_from` names
     std::vector<std::pair<TwistSpec, Place>> twists_;
     std::map<std::string, std::shared_ptr<const Wing>> wings_;
+    std::map<std::string, std::shared_ptr<const Fuselage>> bodies_;
 
     /// Runs `work`; what it refuses becomes an error at `place`.
     template <class Work>

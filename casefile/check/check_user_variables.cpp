@@ -49,6 +49,7 @@ void check_planform_name(const Case& c, const PlanformRangeEntry& entry, Diagnos
 void check_planform_ranges(const Case& c, Diagnostics& errors) {
     std::vector<std::string> wings;
     for (const WingEntry& wing : c.planform) wings.push_back(wing.name);
+    for (const FuselageEntry& body : c.bodies) wings.push_back(body.name);
     for (const PlanformRangeEntry& entry : c.parameters.planform) {
         if (std::find(wings.begin(), wings.end(), entry.wing) == wings.end()) {
             const std::string near = nearest(entry.wing, wings);

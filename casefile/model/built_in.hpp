@@ -11,6 +11,7 @@
 namespace strake {
 
 struct Value;
+class Fuselage;
 class Wing;
 
 /// A name used somewhere, and where.
@@ -43,6 +44,7 @@ struct QuantityContext {
     std::function<std::vector<char>(const Reference& region)> marks;  ///< per triangle
     /// A declared wing. @throws InvalidInput where it cannot be measured.
     std::function<std::shared_ptr<const Wing>(const std::string& name)> wing = {};
+    std::function<std::shared_ptr<const Fuselage>(const std::string& name)> body = {};  ///< likewise
 };
 
 struct BuiltInEntry {

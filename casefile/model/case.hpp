@@ -120,6 +120,16 @@ struct WingEntry {
     bool keeps_outline = true;                        ///< loads, strains and fields leave its edges where they are
 };
 
+/// A body by its length, under planform, too.
+struct FuselageEntry {
+    std::string name;
+    Place place;
+    std::optional<Reference> on;                        ///< as of a wing
+    Eigen::Vector3d length = Eigen::Vector3d::UnitX();  ///< unit, from nose to tail
+    std::vector<double> stations;                       ///< fractions of the length; empty: five
+    std::vector<Reference> values;                      ///< to record
+};
+
 struct LoadEntry {
     Reference region;
     Place place;
@@ -219,6 +229,7 @@ struct ParameterEntry {
     bool is_limit_stated = false;           ///< in the file, not by default
     bool limits_variables = false;          ///< as `Parameters::limits_variables`: of a run that began so
     bool counts_kept_motion_alone = false;  ///< the same
+    bool keeps_edges_as_before = false;     ///< `KeptRules::earlier`: the same
     std::optional<Length> variable_scale;
     bool strain_rotates = true, strain_translates = true;  ///< with strain variables
     double free_border = 0.4;
@@ -337,6 +348,7 @@ struct Case {
     Place symmetry_place;
     std::optional<Length> symmetry_snap;  ///< open edges so near to the plane are moved onto it
     std::vector<WingEntry> planform;
+    std::vector<FuselageEntry> bodies;
     AeroGround aero;  ///< axes and coefficients; its plane is `symmetry`
     Length thickness;
     Place thickness_place;

@@ -6,6 +6,7 @@
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/planform/find_wings.hpp"
 #include "core/text/shell_word.hpp"
 #include "objectives/geometry/measures.hpp"
 #include "optimize/space/mirror.hpp"
@@ -17,6 +18,8 @@
 
 namespace strake {
 namespace {
+
+constexpr int max_searched = 400000;  ///< triangles: on larger surfaces no wing is looked for
 
 using namespace proposing;
 
@@ -127,6 +130,27 @@ int longest_axis(const Eigen::Vector3d& size, int across, int up) {
     for (int k = 0; k < 3; ++k)
         if (k != across && k != up && (longest < 0 || size[k] > size[longest])) longest = k;
     return longest;
+}
+
+std::string way_word(const Eigen::Vector3d& way) {
+    Eigen::Index k = 0;
+    way.cwiseAbs().maxCoeff(&k);
+    return std::string(way[k] < 0 ? "-" : "+") + axis_letter(Eigen::Vector3d::Unit(k));
+}
+
+/// Where a wing shows the axes, they are its own. It is not declared at once: loads and fields would keep its edges.
+std::string wing_text(const FoundWing& wing) {
+    const WingDeclaration& declared = wing.declaration;
+    const char letter = way_word(declared.span)[1];
+    const std::string on = declared.triangles.empty() ? "" : "on: NAME, ";
+    return "\n# Where the air goes and where up is, as a wing shows: strake check says where it puts nose, right wing "
+           "and "
+           "top.\naxes: {downstream: " +
+           way_word(declared.downstream) + ", up: " + way_word(declared.up) + "}\n\n# A wing: " + wing.why +
+           ". Without the # of the next line its span, sweep, chord and twist have names,\n# and loads and fields keep "
+           "its edges; strake info --planform prints its sheet.\n# planform: {wing: {" +
+           on + "span: " + letter + "}}\n" +
+           (on.empty() ? "" : "# NAME: a region of its triangles, beside a body; strake studio chooses them.\n");
 }
 
 /// A guess: the air goes along the longest axis, and the right wing lies along the plane's normal. A flat end that the
@@ -394,6 +418,22 @@ std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, con
 
 namespace {
 
+std::optional<FoundWing> searched(const TriMesh& mesh, const std::optional<SymmetryPlane>& half) {
+    if (mesh.num_triangles() > max_searched) return {};
+    return find_wing(mesh, {.symmetry = half});
+}
+
+void tell(const std::optional<FoundWing>& wing, std::vector<std::string>& found) {
+    if (wing)
+        found.push_back(text("a wing along ", way_word(wing->declaration.span), wing->has_body ? " beside a body" : "",
+                             ": ", wing->why, "; the case holds its declaration as a comment (planform)"));
+}
+
+std::string directions_text(const std::optional<FoundWing>& wing, const Checkup& checkup,
+                            const ProposedCase& proposal) {
+    return wing ? wing_text(*wing) : axes_text(checkup, proposal.plane, proposal.down);
+}
+
 /// A wrap is one part, whatever the body is.
 std::string hold_of(const ProposalOptions& options, const ProposedHolds& holds) {
     if (options.way == ProposedWay::fields) return "";
@@ -426,11 +466,13 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     proposal.may_remesh = may_remesh(surface, proposal.has_volume, std::abs(thickness));
     proposal.is_dirty = is_dirty(surface);
     proposal.plane = half ? half : mirror;
+    const std::optional<FoundWing> wing = searched(surface.mesh, half);
     proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)
                                : sentences(surface, holds, half, mirror, proposal.has_volume, options.hold);
     if (cut)
         proposal.found.push_back(text("the cut of the half misses the plane by up to ", cut->deviation,
                                       " and is moved onto it (symmetry.snap)"));
+    tell(wing, proposal.found);
     if (!options.reason.empty()) proposal.found.insert(proposal.found.begin(), options.reason);
     const MeanMotion mean = mean_motion(thickness, surface.checkup.diagonal, proposal.has_volume);
     const std::string farthest = farthest_motion_text(mean, surface.checkup.diagonal);
@@ -446,7 +488,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         typed_path(shown) + ".\n# What a key means: strake explain KEY.\ncase: " + name_of_case(file) + "\n" +
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
         (is_remeshed ? remesh_text(surface.checkup, options.reason) : "") + hold_of(options, holds) +
-        (half ? symmetry_text(*half, cut) : "") + axes_text(surface.checkup, proposal.plane, proposal.down) +
+        (half ? symmetry_text(*half, cut) : "") + directions_text(wing, surface.checkup, proposal) +
         (by_wrap     ? wrap_text(mirror, options.reason, farthest)
          : by_fields ? fields_text(mirror, options.reason, farthest)
                      : shell + parameters_text(surface, mirror, options.hold, is_mended ? farthest : "")) +

@@ -29,6 +29,8 @@ private:
     void read_planform_range(const Entry& entry);
     bool read_change_range(const Value* list, const std::string& shown, PlanformRange& range);
     void read_wing(const Entry& entry);
+    void read_body(const Entry& entry);
+    std::vector<double> read_sections(const Value* list, const std::string& shown);
     bool read_wing_region(const Value& map, const Value& of, Region& region);
     bool read_range(const Value* list, const std::string& shown, std::array<double, 2>& range);
     // read_surface.cpp

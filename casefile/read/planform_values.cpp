@@ -1,4 +1,5 @@
 #include "casefile/read/read_case.hpp"
+#include "objectives/geometry/fuselage_values.hpp"
 #include "objectives/geometry/wing_values.hpp"
 
 #include <algorithm>
@@ -66,40 +67,71 @@ void expand_grid(Case& c, const WingEntry& wing) {
     c.constraints = std::move(all);
 }
 
-void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
-    BuiltInEntry made;
-    Place place = wing.place;
+/// What objective, constraints and formulas name of a wing or a body, and what it records itself.
+struct Named {
+    std::vector<std::string> values = {};
+    Place place = {};
+};
+
+template <class Parse>
+Named named_values(const Case& c, const std::string& name, const Place& declared,
+                   const std::vector<Reference>& recorded, const Parse& parse, Diagnostics& errors) {
+    Named found{{}, declared};
     const auto take = [&](const std::string& value, const Place& where) {
-        if (std::find(made.outputs.begin(), made.outputs.end(), value) != made.outputs.end()) return;
+        if (std::find(found.values.begin(), found.values.end(), value) != found.values.end()) return;
         try {
-            parse_wing_value(value);
+            parse(value);
         } catch (const InvalidInput& error) {
-            errors.add(where, text("planform.", wing.name, ": ", error.what()));
+            errors.add(where, text("planform.", name, ": ", error.what()));
             return;
         }
-        if (made.outputs.empty()) place = where;
-        made.outputs.push_back(value);
+        if (found.values.empty()) found.place = where;
+        found.values.push_back(value);
     };
     const auto take_all = [&](const std::string& formula, const Place& where) {
-        for (const std::string& value : values_in(formula, wing.name)) take(value, where);
+        for (const std::string& value : values_in(formula, name)) take(value, where);
     };
     take_all(c.objective.name, c.objective.place);
     for (const QuantityEntry& quantity : c.quantities)
         if (const auto* formula = std::get_if<FormulaEntry>(&quantity.what))
             take_all(formula->text.name, formula->text.place);
     for (const ConstraintEntry& entry : c.constraints) take_all(entry.constraint.quantity, entry.place);
-    for (const Reference& value : wing.values) take(value.name, value.place);
-    if (made.outputs.empty()) return;
-    made.make = [wing, values = made.outputs](const std::string& name, const QuantityContext& ground) {
+    for (const Reference& value : recorded) take(value.name, value.place);
+    return found;
+}
+
+void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
+    const Named found = named_values(c, wing.name, wing.place, wing.values, parse_wing_value, errors);
+    if (found.values.empty()) return;
+    BuiltInEntry made;
+    made.outputs = found.values;
+    made.make = [wing, values = found.values](const std::string& name, const QuantityContext& ground) {
         return wing_values(name, ground.start, ground.wing(wing.name), values, {wing.box_chord, wing.box_span});
     };
-    c.quantities.push_back({wing.name, place, std::move(made)});
+    c.quantities.push_back({wing.name, found.place, std::move(made)});
+}
+
+void take_values(Case& c, const FuselageEntry& body, Diagnostics& errors) {
+    const Named found = named_values(c, body.name, body.place, body.values, parse_fuselage_value, errors);
+    if (found.values.empty()) return;
+    BuiltInEntry made;
+    made.outputs = found.values;
+    made.make = [values = found.values](const std::string& name, const QuantityContext& ground) {
+        return fuselage_values(name, ground.start, ground.body(name), values);
+    };
+    c.quantities.push_back({body.name, found.place, std::move(made)});
+}
+
+bool is_body_value(const Case& c, const std::string& name) {
+    return std::any_of(c.bodies.begin(), c.bodies.end(),
+                       [&](const FuselageEntry& body) { return name.starts_with(body.name + "."); });
 }
 
 }  // namespace
 
 bool is_wing_value(const Case& the_case, const std::string& name) {
-    return std::any_of(the_case.planform.begin(), the_case.planform.end(),
+    return is_body_value(the_case, name) ||
+           std::any_of(the_case.planform.begin(), the_case.planform.end(),
                        [&](const WingEntry& wing) { return name.starts_with(wing.name + "."); });
 }
 
@@ -107,6 +139,7 @@ std::optional<bool> is_wing_angle(const Case& the_case, const std::string& name)
     // Only a wing's values have '@': of a wing that is not declared.
     if (!is_wing_value(the_case, name))
         return name.find('@') == std::string::npos ? std::optional(false) : std::nullopt;
+    if (is_body_value(the_case, name)) return false;
     const std::string value = name.substr(name.find('.') + 1);
     for (const WingWord& known : wing_words())
         if (value == known.word + "_grid") return known.is_angle;
@@ -119,14 +152,19 @@ std::optional<bool> is_wing_angle(const Case& the_case, const std::string& name)
 
 void set_planform_values(Case& the_case, Diagnostics& errors) {
     const std::vector<QuantityEntry> declared = the_case.quantities;
+    const auto is_free = [&](const std::string& name, const Place& place) {
+        const bool is_taken =
+            std::any_of(declared.begin(), declared.end(), [&](const auto& q) { return q.name == name; });
+        if (is_taken) errors.add(place, text("planform.", name, " has the name of a quantity; rename one of them"));
+        return !is_taken;
+    };
     for (const WingEntry& wing : the_case.planform) {
-        if (std::any_of(declared.begin(), declared.end(), [&](const auto& q) { return q.name == wing.name; })) {
-            errors.add(wing.place, text("planform.", wing.name, " has the name of a quantity; rename one of them"));
-            continue;
-        }
+        if (!is_free(wing.name, wing.place)) continue;
         expand_grid(the_case, wing);
         take_values(the_case, wing, errors);
     }
+    for (const FuselageEntry& body : the_case.bodies)
+        if (is_free(body.name, body.place)) take_values(the_case, body, errors);
 }
 
 }  // namespace strake

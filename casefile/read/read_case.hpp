@@ -15,7 +15,7 @@ void set_formulas(Case& the_case, Diagnostics& errors);
 /// thickness_grid becomes one on each of its places. Before `set_formulas`.
 void set_planform_values(Case& the_case, Diagnostics& errors);
 
-/// A value of a declared wing, "wing.twist@0.37", legal or not: `set_planform_values` reports what is not.
+/// A value of a declared wing or body, "wing.twist@0.37", legal or not: `set_planform_values` reports what is not.
 bool is_wing_value(const Case& the_case, const std::string& name);
 
 /// Whether a value is an angle of a declared wing; nothing: it is refused elsewhere, and cannot be said.

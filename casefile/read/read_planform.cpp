@@ -46,22 +46,44 @@ bool CaseReader::read_range(const Value* list, const std::string& shown, std::ar
     return false;
 }
 
+std::vector<double> CaseReader::read_sections(const Value* list, const std::string& shown) {
+    if (!list || list->form != Value::Form::list) return {};
+    std::vector<double> stations = fractions_of(list);
+    for (std::size_t i = 0; i < stations.size(); ++i)
+        if (!(stations[i] >= 0 && stations[i] <= 1) || (i > 0 && stations[i] <= stations[i - 1]))
+            errors_.add(list->place, text(shown, ".stations[", i, "] = ", stations[i],
+                                          " must be in [0, 1] and above the one before"));
+    return stations;
+}
+
+void CaseReader::read_body(const Entry& entry) {
+    const Value& map = entry.value;
+    const std::string shown = "planform." + printable(entry.key);
+    FuselageEntry body;
+    body.name = entry.key;
+    body.place = entry.key_place;
+    if (const Value* on = map.find("on")) body.on = Reference{on->text, on->place};
+    if (const auto length = span_of(map.find("length"), shown + ".length", errors_)) body.length = *length;
+    body.stations = read_sections(map.find("stations"), shown);
+    body.values = references(map.find("values"));
+    case_.bodies.push_back(std::move(body));
+}
+
 void CaseReader::read_wing(const Entry& entry) {
     const Value& map = entry.value;
     const std::string shown = "planform." + printable(entry.key);
+    const Value *span = map.find("span"), *length = map.find("length");
+    if (!span == !length)
+        return errors_.add(entry.key_place,
+                           text(shown, span ? " has span and length; a wing has a span, a body a length"
+                                            : ".span is missing; a body has length in its place"));
+    if (length) return read_body(entry);
     WingEntry wing;
     wing.name = entry.key;
     wing.place = entry.key_place;
     if (const Value* on = map.find("on")) wing.on = Reference{on->text, on->place};
     if (const auto span = span_of(map.find("span"), shown + ".span", errors_)) wing.span = *span;
-    if (const Value* list = map.find("stations"); list && list->form == Value::Form::list) {
-        wing.stations = fractions_of(list);
-        for (std::size_t i = 0; i < wing.stations.size(); ++i)
-            if (!(wing.stations[i] >= 0 && wing.stations[i] <= 1) ||
-                (i > 0 && wing.stations[i] <= wing.stations[i - 1]))
-                errors_.add(list->place, text(shown, ".stations[", i, "] = ", wing.stations[i],
-                                              " must be in [0, 1] and above the one before"));
-    }
+    wing.stations = read_sections(map.find("stations"), shown);
     if (const Value* axis = map.find("axis")) {
         const auto fraction = axis_of(axis->text);
         if (fraction)
@@ -103,10 +125,11 @@ void CaseReader::read_planform_range(const Entry& entry) {
     const std::string change = dot == std::string::npos ? "" : word.substr(dot + 1);
     const auto known = std::find(words.begin(), words.end(), change);
     if (known == words.end())
-        return errors_.add(entry.key_place, text(shown,
-                                                 " must be a wing and what of it changes, for example wing.twist; "
-                                                 "changes: ",
-                                                 joined(words)));
+        return errors_.add(entry.key_place,
+                           text(shown,
+                                " must be a wing or a body and what of it changes, for example wing.twist; "
+                                "changes: ",
+                                joined(words)));
     found.wing = word.substr(0, dot);
     found.range.change = static_cast<PlanformChange>(known - words.begin());
     const Value& map = entry.value;

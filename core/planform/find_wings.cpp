@@ -23,6 +23,8 @@ constexpr double min_aspect_ratio = 1.0;
 constexpr double max_camber = 0.12;  ///< of the chord: blades of turbines have more
 constexpr double tip_share = 0.04;   ///< of half the extent: roundings are passed over
 constexpr double max_twist = 0.5;    ///< radians
+constexpr double end_rel = 1e-4;     ///< of the extent: open edges in the plane of symmetry
+constexpr double hung_share = 0.15;  ///< of the exposed semispan: closed parts that are shorter hang on the wing
 constexpr int min_sections = 12;
 
 struct Ways {
@@ -52,11 +54,12 @@ struct Followed {
 class Follower {
 public:
     Follower(const TriMesh& mesh, const Ways& ways) : mesh_(mesh), ways_(ways) {
-        all_.resize(static_cast<std::size_t>(mesh.num_triangles()));
-        for (std::size_t t = 0; t < all_.size(); ++t) {
-            all_[t] = static_cast<int>(t);
-            for (const int v : mesh.triangles.row(static_cast<int>(t)))
-                extent_.add(ways.span.dot(mesh.vertices.row(v)));
+        const auto along = [&](int v) { return ways.span.dot(mesh.vertices.row(v)); };
+        for (const int v : mesh.triangles.reshaped()) extent_.add(along(v));
+        for (int t = 0; extent_.size() > 0 && t < mesh.num_triangles(); ++t) {
+            Range y;
+            for (const int v : mesh.triangles.row(t)) y.add(along(v));
+            for (std::size_t k = slab(y.low); k <= slab(y.high); ++k) slabs_[k].push_back(t);
         }
     }
     const Range& extent() const { return extent_; }
@@ -75,10 +78,14 @@ public:
     }
 
 private:
+    std::size_t slab(double y) const {
+        const double k = std::floor((y - extent_.low) / extent_.size() * num_steps);
+        return static_cast<std::size_t>(std::clamp(k, 0.0, num_steps - 1.0));
+    }
     std::vector<Loop> loops(int sign, double at) const {
         const SectionFrame frame{sign * ways_.span, ways_.downstream, ways_.up, at};
         std::vector<Loop> found;
-        for (Outline& outline : cut(mesh_, all_, frame, {false, 2e-3 * extent_.size()})) {
+        for (Outline& outline : cut(mesh_, slabs_[slab(sign * at)], frame, {false, 2e-3 * extent_.size()})) {
             Loop loop{std::move(outline), {}, {}};
             for (const PlanePoint& p : loop.outline.points) loop.x.add(p.x.value), loop.z.add(p.z.value);
             found.push_back(std::move(loop));
@@ -161,8 +168,8 @@ private:
 
     const TriMesh& mesh_;
     Ways ways_;
-    std::vector<int> all_;
     Range extent_;
+    std::array<std::vector<int>, num_steps> slabs_;  ///< triangles that reach into each slab along the span
 };
 
 /// Whether the triangle lies in one of the sections.
@@ -181,37 +188,92 @@ bool is_in(const TriMesh& mesh, int t, const Ways& ways, int sign, const std::ve
     return false;
 }
 
-/// Triangles beyond `root` that are connected to the sections.
-void flood(const TriMesh& mesh, const Adjacency& adjacent, const Ways& ways, int sign, double root,
-           const std::vector<Followed>& sections, std::vector<char>& marks) {
-    std::vector<char> beyond(static_cast<std::size_t>(mesh.num_triangles()), 0);
-    std::vector<int> open;
-    for (int t = 0; t < mesh.num_triangles(); ++t) {
-        double low = std::numeric_limits<double>::infinity();
-        for (const int v : mesh.triangles.row(t)) low = std::min(low, sign * ways.span.dot(mesh.vertices.row(v)));
-        beyond[static_cast<std::size_t>(t)] = low >= root;
-        if (low >= root && is_in(mesh, t, ways, sign, sections)) open.push_back(t);
+/// Marks the triangles beyond `root` that are connected to the sections. Those that cross the root's plane belong to
+/// the wing where they are cut within its section there: a coarse mesh has no row of vertices along the joint.
+class Flood {
+public:
+    Flood(const TriMesh& mesh, const Adjacency& adjacent, const Ways& ways, bool with_crossing,
+          std::vector<char>& marks)
+        : mesh_(mesh), adjacent_(adjacent), ways_(ways), with_crossing_(with_crossing), marks_(marks) {}
+
+    void run(int sign, double root, const std::vector<Followed>& sections) {
+        std::vector<char> beyond(static_cast<std::size_t>(mesh_.num_triangles()), 0);
+        std::vector<int> seeds;
+        for (int t = 0; t < mesh_.num_triangles(); ++t) {
+            const auto i = static_cast<std::size_t>(t);
+            double low = std::numeric_limits<double>::infinity();
+            for (const int v : mesh_.triangles.row(t)) low = std::min(low, sign * at(v, ways_.span));
+            beyond[i] = low >= root || (with_crossing_ && is_cut_in(t, sign, root, sections.back()));
+            if (beyond[i] && is_in(mesh_, t, ways_, sign, sections)) seeds.push_back(t);
+        }
+        const double reach = sections.front().at - root;
+        std::vector<int> hung;
+        for (const int t : seeds) {
+            if (marks_[static_cast<std::size_t>(t)]) continue;
+            const std::vector<int> piece = connected(t, beyond);
+            if (is_hung(piece, reach)) hung.insert(hung.end(), piece.begin(), piece.end());
+        }
+        for (const int t : hung) marks_[static_cast<std::size_t>(t)] = 0;
     }
-    for (const int t : open) marks[static_cast<std::size_t>(t)] = 1;
-    while (!open.empty()) {
-        const int t = open.back();
-        open.pop_back();
+
+private:
+    double at(int v, const Vector3d& way) const { return way.dot(mesh_.vertices.row(v)); }
+
+    bool is_cut_in(int t, int sign, double root, const Followed& section) const {
+        Range x, z;
         for (int k = 0; k < 3; ++k) {
-            const auto beside = adjacent.edge_triangles[adjacent.triangle_edges(t, k)];
-            if (beside.size() > 2) continue;  // a wake hangs at an edge of three
-            for (const int other : beside) {
-                const auto o = static_cast<std::size_t>(other);
-                if (marks[o] || !beyond[o]) continue;
-                marks[o] = 1;
-                open.push_back(other);
+            const int a = mesh_.triangles(t, k), b = mesh_.triangles(t, (k + 1) % 3);
+            const double from = sign * at(a, ways_.span) - root, to = sign * at(b, ways_.span) - root;
+            if ((from < 0) == (to < 0)) continue;
+            const auto cut = [&](const Vector3d& way) { return (to * at(a, way) - from * at(b, way)) / (to - from); };
+            x.add(cut(ways_.downstream)), z.add(cut(ways_.up));
+        }
+        const double slack = 1e-3 * section.x.size();
+        return x.size() >= 0 && x.low >= section.x.low - slack && x.high <= section.x.high + slack &&
+               z.low >= section.z.low - slack && z.high <= section.z.high + slack;
+    }
+    std::vector<int> connected(int seed, const std::vector<char>& beyond) {
+        std::vector<int> piece{seed};
+        marks_[static_cast<std::size_t>(seed)] = 1;
+        for (std::size_t i = 0; i < piece.size(); ++i)
+            for (int k = 0; k < 3; ++k) {
+                const auto beside = adjacent_.edge_triangles[adjacent_.triangle_edges(piece[i], k)];
+                if (beside.size() > 2) continue;  // a wake hangs at an edge of three
+                for (const int other : beside) {
+                    const auto o = static_cast<std::size_t>(other);
+                    if (marks_[o] || !beyond[o]) continue;
+                    marks_[o] = 1;
+                    piece.push_back(other);
+                }
+            }
+        return piece;
+    }
+    /// A short closed part of its own: a nacelle or a tank.
+    bool is_hung(const std::vector<int>& piece, double reach) const {
+        Range y;
+        for (const int t : piece) {
+            for (const int v : mesh_.triangles.row(t)) y.add(at(v, ways_.span));
+            for (int k = 0; k < 3; ++k) {
+                const auto beside = adjacent_.edge_triangles[adjacent_.triangle_edges(t, k)];
+                if (beside.size() != 2) return false;
+                for (const int other : beside)
+                    if (!marks_[static_cast<std::size_t>(other)]) return false;
             }
         }
+        return y.size() < hung_share * reach;
     }
-}
+
+    const TriMesh& mesh_;
+    const Adjacency& adjacent_;
+    const Ways& ways_;
+    bool with_crossing_;
+    std::vector<char>& marks_;
+};
 
 struct Candidate {
     FoundWing wing;
     double area = 0;
+    double root_off = 0;  ///< beside a body
 };
 
 bool is_enough(const std::vector<Followed>& sections) {
@@ -247,20 +309,99 @@ std::vector<int> listed(const std::vector<char>& marks) {
     return found;
 }
 
-/// Measures it; false where it has not the proportions of a wing.
-bool is_wing(const TriMesh& mesh, std::size_t num_sections, Candidate& found) {
+/// Measures it; false where it has not the proportions of a wing. Where a surface has open edges, stations at a gap in
+/// the outline are left out.
+bool is_wing(const TriMesh& mesh, bool is_open, std::size_t num_sections, Candidate& found) {
     try {
         const Wing wing(mesh, found.wing.declaration);
         const WingFacts facts = wing.facts(mesh);
         found.area = facts.area.value;
         found.wing.why = text(num_sections, " thin sections in a row, aspect ratio ",
                               std::round(100 * facts.aspect_ratio.value) / 100);
-        const auto is_flat = [&](double at) { return std::abs(wing.station(mesh, at).camber.value) <= max_camber; };
-        return facts.aspect_ratio.value > min_aspect_ratio && is_flat(0.5) &&
-               std::all_of(wing.stations().begin(), wing.stations().end(), is_flat);
+        const auto is_flat = [&](double at) {
+            const auto airfoils = wing.sections(mesh, at);
+            return std::abs(airfoils.front().max_camber().value) <= max_camber;
+        };
+        if (!(facts.aspect_ratio.value > min_aspect_ratio && is_flat(0.5))) return false;
+        std::vector<double> measured;
+        for (const double at : wing.stations()) try {
+                if (std::abs(wing.station(mesh, at).camber.value) > max_camber) return false;
+                measured.push_back(at);
+            } catch (const InvalidInput&) {
+                if (!is_open) return false;
+            }
+        if (measured.size() < 2 || 2 * measured.size() < wing.stations().size()) return false;
+        if (measured.size() < wing.stations().size()) found.wing.declaration.stations = measured;
+        return true;
     } catch (const InvalidInput&) {
         return false;
     }
+}
+
+/// The plane at an end of the extent where the surface is open: it is half a body. Of a wing alone its root.
+std::optional<SymmetryPlane> open_end(const TriMesh& mesh, const Adjacency& adjacent, const Vector3d& span,
+                                      const Range& extent) {
+    std::array<int, 2> open{};
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        if (adjacent.edge_triangles[e].size() != 1) continue;
+        const auto [a, b] = adjacent.edges[static_cast<std::size_t>(e)];
+        const double ya = span.dot(mesh.vertices.row(a)), yb = span.dot(mesh.vertices.row(b));
+        open[0] += std::max(ya, yb) <= extent.low + end_rel * extent.size();
+        open[1] += std::min(ya, yb) >= extent.high - end_rel * extent.size();
+    }
+    if ((open[0] > 2) == (open[1] > 2)) return {};
+    return SymmetryPlane{span, open[0] > 2 ? extent.low : extent.high};
+}
+
+/// How far the root that triangles make is from where the sections end at the body.
+double root_off(const TriMesh& mesh, const FoundWing& found, const Vector3d& outboard) {
+    const Wing wing(mesh, found.declaration);
+    double off = std::numeric_limits<double>::infinity();
+    for (int side = 0; side < wing.num_sides(); ++side)
+        if (wing.span(side).dot(outboard) > 0) off = std::abs(wing.root(side) - found.root);
+    return off;
+}
+
+bool has_open_edges(const Adjacency& adjacent) {
+    for (int e = 0; e < adjacent.num_edges(); ++e)
+        if (adjacent.edge_triangles[e].size() == 1) return true;
+    return false;
+}
+
+/// What was followed from both tips.
+struct Trace {
+    const TriMesh& mesh;
+    const Adjacency& adjacent;
+    const WingSearch& search;
+    const Ways& ways;
+    const Follower& follower;
+    const std::array<std::vector<Followed>, 2>& sides;
+};
+
+/// Nothing where it makes no wing. @param with_crossing as of `Flood`
+std::optional<Candidate> marked(const Trace& of, bool with_crossing) {
+    Candidate found;
+    std::vector<char> marks(static_cast<std::size_t>(of.mesh.num_triangles()), 0);
+    const bool has_both = !of.sides[0].empty() && !of.sides[1].empty();
+    int last = 0;
+    for (const int sign : {-1, 1}) {
+        const auto& side = of.sides[sign > 0 ? 0 : 1];
+        if (side.empty()) continue;
+        const double end = sign > 0 ? of.follower.extent().low : -of.follower.extent().high;
+        const double root = root_of(of.follower, sign, side, has_both);
+        if (root > end) found.wing.has_body = true, found.wing.root = root;
+        Flood(of.mesh, of.adjacent, of.ways, with_crossing, marks).run(sign, root, side);
+        last = sign;
+    }
+    WingDeclaration& declared = found.wing.declaration;
+    declared.span = of.ways.span, declared.downstream = of.ways.downstream, declared.up = of.ways.up;
+    declared.symmetry = of.search.symmetry;
+    if (!declared.symmetry && found.wing.has_body)
+        declared.symmetry = open_end(of.mesh, of.adjacent, of.ways.span, of.follower.extent());
+    declared.triangles = listed(marks);
+    if (!is_wing(of.mesh, has_open_edges(of.adjacent), of.sides[0].size() + of.sides[1].size(), found)) return {};
+    if (found.wing.has_body) found.root_off = root_off(of.mesh, found.wing, last * of.ways.span);
+    return found;
 }
 
 std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search,
@@ -278,23 +419,10 @@ std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacen
         ways.downstream = -ways.downstream;
         return candidate(mesh, adjacent, {ways.downstream, ways.up, search.symmetry}, ways);
     }
-    Candidate found;
-    std::vector<char> marks(static_cast<std::size_t>(mesh.num_triangles()), 0);
-    const bool has_both = !sides[0].empty() && !sides[1].empty();
-    for (const int sign : {1, -1}) {
-        const auto& side = sides[sign > 0 ? 0 : 1];
-        if (side.empty()) continue;
-        const double end = sign > 0 ? follower.extent().low : -follower.extent().high;
-        const double root = root_of(follower, sign, side, has_both);
-        if (root > end) found.wing.has_body = true, found.wing.root = root;
-        flood(mesh, adjacent, ways, sign, root, side, marks);
-    }
-    WingDeclaration& declared = found.wing.declaration;
-    declared.span = ways.span, declared.downstream = ways.downstream, declared.up = ways.up;
-    declared.symmetry = search.symmetry;
-    declared.triangles = listed(marks);
-    if (!is_wing(mesh, sides[0].size() + sides[1].size(), found)) return {};
-    return found;
+    std::optional<Candidate> best = marked({mesh, adjacent, search, ways, follower, sides}, false);
+    if (!best || !best->wing.has_body) return best;
+    std::optional<Candidate> other = marked({mesh, adjacent, search, ways, follower, sides}, true);
+    return other && other->root_off < best->root_off ? other : best;
 }
 
 }  // namespace

@@ -10,6 +10,13 @@
 /// What of a motion is left where wings keep the edges of their sections.
 namespace strake {
 
+/// Which leading edges are kept as sections show them (others by their linear motion at the start), and how many knots
+/// there may be over the semispan.
+enum class KeptRules {
+    latest,  ///< wherever a polynomial gives the edge; 128
+    earlier  ///< of noses of ten points or more; 64: the meaning of earlier runs
+};
+
 /// Motions of a surface without what they do to the planform of its wings: u = S d - B a, so that on the surface
 /// x0 + u leading and trailing edge of each wing, as its sections show them, are where the start has them. Chord,
 /// twist, sweep, dihedral and span then are those of the start; thickness and camber are what d makes them.
@@ -17,9 +24,9 @@ namespace strake {
 /// S takes out what goes across the sections, so that these stay in their planes. B a moves each section by a map
 /// w -> alpha(s) (1 - zeta) + beta(s) zeta of its complex plane, zeta = 0 at the leading and 1 at the trailing edge: a
 /// rotation, a scaling and a translation. alpha and beta are piecewise linear along the span, with knots at the rows
-/// of vertices of each edge, at most 64 over the semispan, fewer where an irregular mesh could not bring the edges back
-/// there, and a their values, found by Newton's method. A motion that
-/// turns, scales and moves the sections in their planes is taken out whole.
+/// of vertices of each edge, at most 128 over the semispan, fewer where an irregular mesh could not bring the edges
+/// back there, and a their values, found by Newton's method. A motion that turns, scales and moves the sections in
+/// their planes is taken out whole.
 ///
 /// What is fixed stays fixed: towards it B fades to zero, over a quarter of the root chord. Where the wing shares
 /// edges with a body, B and S fade to zero on the body, over half of the root chord. Parts of their own (a body that a
@@ -28,7 +35,7 @@ class KeptSections {
 public:
     /// @param fixed triangles. @throws InvalidInput: a wing whose edges cannot be kept, with the reason.
     KeptSections(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
-                 const std::vector<int>& fixed);
+                 const std::vector<int>& fixed, KeptRules rules = KeptRules::latest);
 
     int num_vertices() const { return start_.num_vertices(); }
     int num_knots() const { return num_knots_; }
@@ -102,6 +109,7 @@ private:
     Eigen::Vector3d across_rate(int v, const Eigen::Vector3d& normal, const Eigen::VectorXd& knots) const;
 
     TriMesh start_;
+    KeptRules rules_;
     std::vector<Side> sides_;
     std::vector<Section> sections_;
     int num_knots_ = 0;

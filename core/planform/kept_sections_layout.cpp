@@ -16,19 +16,19 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Vector3d;
 
-constexpr int table_rows = 48;         ///< of the table of edges
-constexpr double min_gap = 1.0 / 64;   ///< of the semispan, between knots
-constexpr double widest_gap = 0.3;     ///< likewise, beyond which a wing has too few to be kept
-constexpr double largest_return = 50;  ///< of what edges are off, by which vertices move
-constexpr double edge_share = 0.05;    ///< of the chord: vertices that tell where rows are
-constexpr double fixed_reach = 0.25;   ///< of the root chord
-constexpr double body_reach = 0.5;     ///< likewise
+constexpr int table_rows = 48;                                 ///< of the table of edges
+constexpr double min_gap = 1.0 / 128, earlier_gap = 1.0 / 64;  ///< of the semispan, between knots
+constexpr double widest_gap = 0.3;                             ///< likewise, beyond which a wing has too few to be kept
+constexpr double largest_return = 50;                          ///< of what edges are off, by which vertices move
+constexpr double edge_share = 0.05;                            ///< of the chord: vertices that tell where rows are
+constexpr double fixed_reach = 0.25;                           ///< of the root chord
+constexpr double body_reach = 0.5;                             ///< likewise
 constexpr double plane_margin = 0.02;  ///< of the semispan: triangles that a streamwise plane may come to meet
 constexpr double steep_margin = 0.15;  ///< likewise, on wings with winglets
 constexpr double same_place = 1e-9;
-constexpr double sharp_turn = 0.5;  ///< cosine between neighbouring rows of the table
-constexpr int round_nose = 10;      ///< points: more than a polynomial needs, so that none of them decides
-constexpr double min_share = 1e-3;  ///< of a knot that is left to edges which are fixed
+constexpr double sharp_turn = 0.5;                      ///< cosine between neighbouring rows of the table
+constexpr int polynomial_points = 7, many_points = 10;  ///< of a nose
+constexpr double min_share = 1e-3;                      ///< of a knot that is left to edges which are fixed
 
 /// 0 at 0, 1 from 1 on, with no slope at either.
 double smooth_step(double t) {
@@ -114,11 +114,12 @@ void each_near_root(const TriMesh& mesh, const std::vector<int>& wing, double re
 }  // namespace
 
 KeptSections::KeptSections(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
-                           const std::vector<int>& fixed)
-    : start_(start) {
+                           const std::vector<int>& fixed, KeptRules rules)
+    : start_(start), rules_(rules) {
     // Knots that are closer than what a mesh has there are taken back by each other alone, with amounts that grow from
     // one to the next.
-    for (double gap = min_gap; gap < widest_gap; gap *= 2) {
+    const double first = rules == KeptRules::latest ? min_gap : earlier_gap;
+    for (double gap = first; gap < widest_gap; gap *= 2) {
         lay_out(wings, fixed, gap);
         if (num_knots_ == 0) return;
         Eigen::VectorXd reach(2 * num_knots_);  // how far a knot moves vertices: less beside what is fixed
@@ -253,7 +254,7 @@ void KeptSections::add_sections(const Side& of) {
                                     " % of its semispan, where its edges have to be kept"));
         section.chord = (at->trailing_point - at->leading_point).norm();
         section.leading_at = {at->leading.x.value, at->leading.z.value};
-        section.is_round = at->num_nose_points >= round_nose;
+        section.is_round = at->num_nose_points >= (rules_ == KeptRules::latest ? polynomial_points : many_points);
         sections_.push_back(std::move(section));
     }
 }

@@ -14,6 +14,7 @@ using Eigen::Vector3d;
 using Edge = std::pair<int, int>;
 
 constexpr double repeated_rel = 1e-7;  ///< of the outline's size
+constexpr double sheet_length = 1.5;   ///< over its size: an outline that is longer goes around something
 constexpr double rear_share = 0.05;    ///< of the outline's length along the stream: a trailing edge may be open there
 
 /// The cut edges in the order in which triangles join them.
@@ -179,6 +180,18 @@ void close_at_nose(Outline& outline, double reach) {
     drop_repeated(outline);
 }
 
+/// Whether an open outline goes there and not back: a wake, or a plate without thickness.
+bool is_sheet(const Outline& outline) {
+    double length = 0, low[2] = {outline.points[0].x.value, outline.points[0].z.value}, high[2] = {low[0], low[1]};
+    for (std::size_t i = 0; i < outline.points.size(); ++i) {
+        const PlanePoint& p = outline.points[i];
+        if (i > 0) length += apart(p, outline.points[i - 1]);
+        low[0] = std::min(low[0], p.x.value), high[0] = std::max(high[0], p.x.value);
+        low[1] = std::min(low[1], p.z.value), high[1] = std::max(high[1], p.z.value);
+    }
+    return length < sheet_length * std::hypot(high[0] - low[0], high[1] - low[1]);
+}
+
 }  // namespace
 
 std::vector<Outline> cut(const TriMesh& mesh, const std::vector<int>& triangles, const SectionFrame& frame,
@@ -208,10 +221,9 @@ std::vector<Outline> cut(const TriMesh& mesh, const std::vector<int>& triangles,
         join_ends(found, options.join);
         for (Outline& outline : found) close_at_nose(outline, options.join);
     }
-    // Beside closed outlines open ones are sheets: a wake that has vertices of its own.
-    const auto is_closed = [](const Outline& outline) { return outline.is_closed; };
-    if (std::any_of(found.begin(), found.end(), is_closed))
-        std::erase_if(found, [&](auto& o) { return !is_closed(o); });
+    // Beside closed outlines open ones that go one way are sheets: a wake that has vertices of its own.
+    if (std::any_of(found.begin(), found.end(), [](const Outline& o) { return o.is_closed; }))
+        std::erase_if(found, [](const Outline& o) { return !o.is_closed && is_sheet(o); });
     return found;
 }
 

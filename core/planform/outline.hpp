@@ -25,7 +25,7 @@ struct CutOptions {
 /// Where the plane cuts the listed triangles. Each point lies on an edge from a (distance below the plane's offset) to
 /// b: p = a + (offset - n . a) / (n . (b - a)) (b - a), with derivatives by both and by the offset. Vertices in the
 /// plane count as above it. Outlines are in the order of their first triangle;
-/// where some are closed, open ones (wakes) are left out.
+/// where some are closed, open ones that go one way (wakes) are left out.
 std::vector<Outline> cut(const TriMesh& mesh, const std::vector<int>& triangles, const SectionFrame& frame,
                          const CutOptions& options = {});
 

@@ -74,15 +74,18 @@ struct Between {
 }  // namespace
 
 const std::vector<std::string>& planform_changes() {
-    static const std::vector<std::string> words{"span", "sweep", "dihedral", "chord", "twist", "thickness", "camber"};
+    static const std::vector<std::string> words{"span",      "sweep",  "dihedral", "chord", "twist",
+                                                "thickness", "camber", "length",   "width", "height"};
     return words;
 }
 
 PlanformMotion::PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
-                               const std::vector<PlanformRange>& ranges)
+                               const std::vector<PlanformRange>& ranges,
+                               const std::vector<std::shared_ptr<const Fuselage>>& bodies)
     : start_(start.vertices), triangles_(start.triangles) {
     for (const auto& wing : wings) add_wing(start, wing);
     place_vertices(start);
+    for (const auto& body : bodies) add_body(start, body);
     for (const PlanformRange& range : ranges) add(start, range);
 }
 
@@ -193,13 +196,16 @@ void PlanformMotion::check_range(const PlanformRange& range, const std::string& 
 }
 
 void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
-    if (range.wing < 0 || range.wing >= static_cast<int>(wings_.size()))
-        throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", wings_.size(), ")"));
+    const std::size_t count = wings_.size() + bodies_.size();
+    if (range.wing < 0 || range.wing >= static_cast<int>(count))
+        throw InvalidInput(text("planform range: wing ", range.wing, " must be in [0, ", count, ")"));
+    if (range.wing >= static_cast<int>(wings_.size())) return add_body_range(start, range);
     MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
     const std::string shown =
         text(moved.wing->declaration().name, ".", planform_changes()[static_cast<std::size_t>(range.change)]);
-    check_range(range, shown);
     const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
+    if (!is_of_wings(range.change)) refuse(" is a change of bodies; declare one by its length");
+    check_range(range, shown);
     if (!range.by_station && range.root_held) refuse(": root: held belongs to by: station");
     const bool is_root_named = std::find(range.only.begin(), range.only.end(), 0.0) != range.only.end();
     if (range.root_held && is_root_named) refuse("@0: root: held leaves the root no variable; remove one of the two");
@@ -374,6 +380,10 @@ PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) 
             case PlanformChange::camber:
                 add_to(now.camber);
                 break;
+            case PlanformChange::length:
+            case PlanformChange::width:
+            case PlanformChange::height:
+                break;  // of bodies
         }
     }
     for (Eigen::Index n = 0; n < count; ++n) {
@@ -477,6 +487,8 @@ Points PlanformMotion::displacement(const VectorXd& z) const {
     Points result = Points::Zero(start_.rows(), 3);
     for (std::size_t i = 0; i < places_.size(); ++i)
         result.row(vertices_[i]) = moved(places_[i], now[static_cast<std::size_t>(places_[i].wing)]);
+    for (int j = 0; j < size(); ++j)
+        if (const Points* field = body_field(j); field && z[j] != 0) result += z[j] * *field;
     return result;
 }
 
@@ -488,6 +500,10 @@ Points PlanformMotion::rate(const VectorXd& z, const VectorXd& dz) const {
     Points result = Points::Zero(start_.rows(), 3);
     for (int j = 0; j < size(); ++j) {
         if (dz[j] == 0) continue;
+        if (const Points* field = body_field(j)) {
+            result += dz[j] * *field;
+            continue;
+        }
         const int wing = variables_[static_cast<std::size_t>(j)].wing;
         const Changes& of = now[static_cast<std::size_t>(wing)];
         const Changes by = rates(of, j, z);
@@ -501,6 +517,10 @@ VectorXd PlanformMotion::gradient(const VectorXd& z, const Points& dJ_dv) const 
     const std::vector<Changes> now = changes(z);
     VectorXd result = VectorXd::Zero(size());
     for (int j = 0; j < size(); ++j) {
+        if (const Points* field = body_field(j)) {
+            result[j] = field->cwiseProduct(dJ_dv).sum();
+            continue;
+        }
         const int wing = variables_[static_cast<std::size_t>(j)].wing;
         const Changes& of = now[static_cast<std::size_t>(wing)];
         const Changes by = rates(of, j, z);
@@ -538,6 +558,7 @@ std::vector<Eigen::Matrix3d> PlanformMotion::local_maps(const VectorXd& z) const
                 maps[static_cast<std::size_t>(t)] += slope_at(static_cast<int>(w), s, x, now[w]);
             }
     }
+    add_body_maps(z, maps);
     return maps;
 }
 

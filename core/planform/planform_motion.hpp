@@ -1,11 +1,13 @@
 #pragma once
+#include "core/planform/fuselage.hpp"
 #include "core/planform/wing.hpp"
 
 #include <complex>
 #include <functional>
 #include <memory>
 
-/// Design variables of a wing designer: the exact motion of a surface by changes of the planforms of its wings.
+/// Design variables of a wing designer: the exact motion of a surface by changes of the planforms of its wings; and of
+/// bodies by their length.
 namespace strake {
 
 /// What of a wing varies. Values are changes; span is of the whole wing.
@@ -16,7 +18,10 @@ enum class PlanformChange {
     chord,      ///< as a share of it; t/c stays, or the thickness where `keeps_thickness`
     twist,      ///< radians, nose up, about the wing's axis
     thickness,  ///< t/c, as a share of it; the mean line and the thickness of the trailing edge stay
-    camber      ///< of the mean line where it is highest, as a share of the chord, up
+    camber,     ///< of the mean line where it is highest, as a share of the chord, up; of a body, of its length
+    length,     ///< of a body, from its nose on, as a share of it
+    width,      ///< of its sections about their middle, as a share of it
+    height      ///< likewise
 };
 
 /// "span" and so on, in the order of `PlanformChange`.
@@ -24,7 +29,12 @@ const std::vector<std::string>& planform_changes();
 inline bool is_angle(PlanformChange change) {
     return change == PlanformChange::sweep || change == PlanformChange::dihedral || change == PlanformChange::twist;
 }
-inline bool has_stations(PlanformChange change) { return change != PlanformChange::span; }
+inline bool has_stations(PlanformChange change) {
+    return change != PlanformChange::span && change != PlanformChange::length;
+}
+/// Camber is one of both.
+inline bool is_of_bodies(PlanformChange change) { return change >= PlanformChange::camber; }
+inline bool is_of_wings(PlanformChange change) { return change <= PlanformChange::camber; }
 /// Of the axis, by panels between the stations; others are of the sections at them.
 inline bool has_panels(PlanformChange change) {
     return change == PlanformChange::sweep || change == PlanformChange::dihedral;
@@ -32,7 +42,7 @@ inline bool has_panels(PlanformChange change) {
 
 /// What the user gives a range to.
 struct PlanformRange {
-    int wing = 0;  ///< number of the wing
+    int wing = 0;  ///< number of the wing; bodies follow the wings
     PlanformChange change = PlanformChange::span;
     bool by_station = false;  ///< one variable for each station (panel) of the wing, instead of one for all sections
     bool root_held = false;   ///< by station: section or panel at the root keeps its value, also where it is no station
@@ -73,7 +83,8 @@ public:
     /// station of what has none, a wing joined to other triangles whose root section would change, wings that share
     /// vertices; as Wing.
     PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
-                   const std::vector<PlanformRange>& ranges = {});
+                   const std::vector<PlanformRange>& ranges = {},
+                   const std::vector<std::shared_ptr<const Fuselage>>& bodies = {});
     /// One more range. @param start the same. @throws as above.
     void add(const TriMesh& start, const PlanformRange& range);
 
@@ -101,6 +112,23 @@ public:
     std::vector<Eigen::Matrix3d> local_maps(const Eigen::VectorXd& z) const;
 
 private:
+    /// A smooth function of the fraction of a body's length: the cubic spline through values at some places, level or
+    /// free at its ends, constant beyond.
+    struct Along {
+        std::vector<double> places;
+        Eigen::VectorXd values, slopes;
+        Along() = default;
+        Along(std::vector<double> at, Eigen::VectorXd by, bool has_free_ends);
+        double operator()(double s) const;
+    };
+    /// At s of the length: width and height change about the middle of the section at the start.
+    struct MovedBody {
+        std::shared_ptr<const Fuselage> body;
+        std::vector<int> vertices;
+        double nose, length;         ///< at the start, along the axis
+        std::vector<double> places;  ///< where the middles are
+        std::vector<Eigen::Vector2d> middles;
+    };
     using Complex = std::complex<double>;
     /// A section of the start between which changes are interpolated; of both sides in the mean.
     struct Node {
@@ -175,15 +203,32 @@ private:
     Eigen::Vector3d moved_rate(const Place& at, const Changes& by, const Changes& rate) const;
     Eigen::Vector3d in_space(const Place& at, const Eigen::Vector3d& axis, Complex section) const;
     void check_size(const Eigen::VectorXd& z) const;
+    // fuselage_variables.cpp
+    void add_body(const TriMesh& start, const std::shared_ptr<const Fuselage>& body);
+    void add_body_range(const TriMesh& start, const PlanformRange& range);
+    std::vector<double> body_stations(const TriMesh& start, const MovedBody& moved, const PlanformRange& range,
+                                      const std::string& shown) const;
+    Eigen::Vector3d body_motion(const MovedBody& moved, PlanformChange change, const Along& along,
+                                const Eigen::Vector3d& x) const;
+    Points body_field(const MovedBody& moved, PlanformChange change, const Along& along) const;
+    void add_body_maps(const Eigen::VectorXd& z, std::vector<Eigen::Matrix3d>& maps) const;
+    /// The motion by a unit of a variable of a body; null of one of a wing.
+    const Points* body_field(int j) const {
+        const auto k = static_cast<std::size_t>(j);
+        return k < fields_.size() && fields_[k].rows() > 0 ? &fields_[k] : nullptr;
+    }
 
     Points start_;
     Triangles triangles_;
     std::vector<MovedWing> wings_;
+    std::vector<MovedBody> bodies_;
     std::vector<Variable> variables_;
     /// Per variable: what the nodes have of it, of panels per unit of slope; empty for the whole axis.
     std::vector<Eigen::VectorXd> shares_;
     std::vector<double> angles_;  ///< per variable: sweep or dihedral at the start
-    std::vector<int> vertices_;   ///< that move
+    std::vector<Points> fields_;  ///< per variable of a body: the motion by a unit; else without rows
+    std::vector<Along> alongs_;   ///< likewise: how much of it at s
+    std::vector<int> vertices_;   ///< of wings, that move
     std::vector<Place> places_;   ///< of them
 };
 

@@ -39,6 +39,8 @@ planform:
   left: {on: tip + ball, span: y, keep: none, stations: [0, 37%, 1], axis: 25% chord, values: [area, twist@0.5],
          grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
   fin: {span: [0, 0, 1]}
+  hull: {on: all - tip, length: -x, stations: [0, 0.4, 1], values: [length, width@0.5]}
+  pod: {length: [1, 0, 0]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
 loads:
   - {region: tip, traction: [0.0, 0.0, 0.001]}
@@ -46,7 +48,7 @@ loads:
 strains:
   - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
 attach: [{part: nacelle, to: 0, how: follow}, {part: flap, to: nacelle, how: rigid}]
-parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, planform: {left.chord: {by: station, root: held, thickness: kept, range: [-4%, 4%]}, left.span: {range: [-5%, 5%]}, left.twist@0.37: {range: [-1deg, 1deg]}}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
+parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, planform: {left.chord: {by: station, root: held, thickness: kept, range: [-4%, 4%]}, left.span: {range: [-5%, 5%]}, left.twist@0.37: {range: [-1deg, 1deg]}, hull.width: {by: station, range: [-3%, 3%]}}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], outputs: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,

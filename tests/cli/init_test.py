@@ -247,13 +247,29 @@ def names_that_are_not_utf8():
         expect(not (folder / "new.yaml").exists(), "a case that cannot be read")
 
 
+def the_wing_it_proposes_can_be_declared():
+    """Its line without the # is a case; a body without a wing has no such line."""
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        _, text = init(folder, made("wing", 1200, "wing.obj", turned)(folder))
+        expect("\naxes: {downstream: -x, up: +z}" in text, "a wing shows where the air goes:\n" + text)
+        (folder / "new.yaml").write_text(text.replace("\n# planform:", "\nplanform:"))
+        run(folder, STRAKE, "check", "new.yaml", "--quick")
+        expect("\nplanform:" in (folder / "new.yaml").read_text(), "the line")
+    with tempfile.TemporaryDirectory() as where:
+        folder = pathlib.Path(where)
+        _, text = init(folder, made("lifting_body", 1500, "body.obj")(folder))
+        expect("planform:" not in text, "no wing on a lifting body")
+
+
 def main():
-    one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^axes: \{downstream: \+x, up: \+z\}", r"^  root: ", r"^objective: \{maximize: volume\}",
+    one("wing", made("wing", 1200, "wing.obj"), [r"^symmetry: \{plane: y, at: 0\}", r"^# A wing: .* aspect ratio", r"^# planform: \{wing: \{span: y\}\}", r"^axes: \{downstream: \+x, up: \+z\}", r"^  root: ", r"^objective: \{maximize: volume\}",
                                               r"^  change: \{type: displacement\}", r"^  change: \{max: .*5 % of the mean thickness",
                                               "^# REPLACE", r"^  # Number of patches from creases alone"], True)
     one("lifting body", made("lifting_body", 1500, "body.stl"), [r"^  base: .*normal: \[1, 0, 0\]", "mirror: true",
                                                                 r"^axes: \{downstream: \+x, up: \+z\}"], True)
     one("turned lifting body", made("lifting_body", 1500, "turned.obj", turned), [r"^axes: \{downstream: -x, up: \+z\}"], False)
+    the_wing_it_proposes_can_be_declared()
     one("torn body", made("lifting_body", 1500, "body.obj", torn), ["duplicates: true", "orient: true", r"holes: \d+%"], True)
     one("two bodies", made("lifting_body", 1500, "apart.obj", lambda text: twice(text, 20, 0.3)), ["part_1: "], False)
     what_decides_is_what_was_tried()

@@ -104,7 +104,7 @@ class MotionLimit(unittest.TestCase):
             (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
             strake("run", "wing.yaml", "--out", name, "-q")
         case = (folder / "before/case.yaml").read_text()
-        for old, new in ((", keep: none, ", ", "), ("keys: 5", "keys: 2")):
+        for old, new in ((", keep: none, ", ", "), ("keys: 6", "keys: 2")):
             self.assertEqual(case.count(old), 1, case)
             case = case.replace(old, new)
         (folder / "before/case.yaml").write_text(case)

@@ -2,8 +2,8 @@
 
 #include "core/formats/io.hpp"
 #include "core/mesh/geometry.hpp"
-#include "lofted_wing.hpp"
 #include "surfaces.hpp"
+#include "wing_bodies.hpp"
 
 #include <gtest/gtest.h>
 
@@ -47,6 +47,49 @@ TEST(FindWings, NotOnBodiesWithoutOne) {
     EXPECT_FALSE(find_wing(TriMesh{}));
 }
 
+/// A closed body below the wing that spans little of it.
+TEST(FindWings, ANacelleIsNoPart) {
+    const TriMesh wing = lofted(Loft{});
+    TriMesh tank = ellipsoid({0.4, 0.12, 0.12}, 3);
+    tank.vertices.rowwise() += Eigen::RowVector3d(0.9, 1.5, -0.05);
+    const auto found = find_wing(both(wing, tank));
+    ASSERT_TRUE(found);
+    ASSERT_EQ(static_cast<int>(found->declaration.triangles.size()), wing.num_triangles());
+    EXPECT_EQ(found->declaration.triangles.back(), wing.num_triangles() - 1);
+}
+
+/// Half a body, open at y = 0: the span goes to that plane, and the root is where the sections get thick.
+TEST(FindWings, BesideHalfABody) {
+    Loft loft;
+    loft.cells = 12;
+    loft.thickness = [](double s) { return s < 0.2 ? 0.14 + 4 * (0.2 - s) : 0.14; };  // a body: thicker than a wing
+    const TriMesh mesh = lofted(loft);
+    const auto found = find_wing(mesh);
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->has_body);
+    const Wing wing(mesh, found->declaration);
+    EXPECT_NEAR(wing.facts(mesh).span.value, 6, 0.01) << "from tip to tip";
+    EXPECT_NEAR(wing.root(0), found->root, 0.03);
+}
+
+/// Where no row of vertices follows the joint, triangles that cross its plane belong to the wing: the next row lies far
+/// out.
+TEST(FindWings, BesideABodyWithoutARowAtTheJoint) {
+    Loft loft;
+    loft.cells = 12;
+    loft.thickness = [](double s) { return s < 0.16 ? 0.14 + 2 * (0.16 - s) : 0.14; };
+    TriMesh mesh = lofted(loft);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        double& y = mesh.vertices(v, 1);
+        y = y < 0.1 ? 0 : y < 0.3 ? 0.45 : 2 + 0.1 * (y - 0.5) / 0.25;
+    }
+    const auto found = find_wing(mesh);
+    ASSERT_TRUE(found);
+    EXPECT_TRUE(found->has_body);
+    EXPECT_LT(found->root, 0.5);
+    EXPECT_NEAR(Wing(mesh, found->declaration).root(0), 0.45, 1e-9) << "not where the next row is: 2";
+}
+
 /// Wings from outside (STRAKE_DATA). Their span, area and sweep without sections: extents of the vertices, half of the
 /// area that the triangles project onto the plane of span and stream, and the quarter chord of the foremost and aftmost
 /// vertices of each slab along the span.
@@ -54,7 +97,17 @@ struct Independent {
     double span = 0, area = 0, sweep = 0;
 };
 
-Independent by_vertices(const TriMesh& mesh, const WingDeclaration& declared, int sides) {
+/// How much of a triangle lies beyond the plane of the root, by the heights of its corners above it.
+double share_beyond(std::array<double, 3> height) {
+    std::sort(height.begin(), height.end());
+    const auto [a, b, c] = height;
+    if (a >= 0 || c <= 0) return a >= 0 ? 1 : 0;
+    return b <= 0 ? c / (c - a) * c / (c - b) : 1 - a / (a - b) * a / (a - c);
+}
+
+Independent by_vertices(const TriMesh& mesh, const Wing& wing) {
+    const WingDeclaration& declared = wing.declaration();
+    const int sides = wing.num_sides();
     std::vector<char> is_in(static_cast<std::size_t>(mesh.num_triangles()), declared.triangles.empty());
     for (const int t : declared.triangles) is_in[static_cast<std::size_t>(t)] = 1;
     Independent found;
@@ -62,7 +115,15 @@ Independent by_vertices(const TriMesh& mesh, const WingDeclaration& declared, in
     std::vector<Eigen::Vector2d> points;  // along the span, along the stream
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         if (!is_in[static_cast<std::size_t>(t)]) continue;
-        found.area += 0.5 * std::abs(area_vector(mesh, t).dot(declared.up));
+        double share = 0;  // each side goes on to its own root
+        for (int side = 0; side < sides; ++side) {
+            std::array<double, 3> height{};
+            for (std::size_t k = 0; k < 3; ++k)
+                height[k] =
+                    wing.span(side).dot(mesh.vertices.row(mesh.triangles(t, static_cast<int>(k)))) - wing.root(side);
+            share += share_beyond(height);
+        }
+        found.area += 0.5 * share * std::abs(area_vector(mesh, t).dot(declared.up));
         for (const int v : mesh.triangles.row(t)) {
             const Eigen::Vector3d p = mesh.vertices.row(v);
             points.emplace_back(declared.span.dot(p), declared.downstream.dot(p));
@@ -113,7 +174,7 @@ TEST_P(WingsFromOutside, AreFoundWithSpanAreaAndSweep) {
     ASSERT_TRUE(found);
     const Wing wing(*surface, found->declaration);
     const WingFacts facts = wing.facts(*surface);
-    const Independent known = by_vertices(*surface, found->declaration, wing.num_sides());
+    const Independent known = by_vertices(*surface, wing);
     EXPECT_NEAR(facts.span.value, known.span, 0.01 * known.span);
     // The projected chord is shorter by the twist: ten degrees on one of them.
     const double shown = std::cos(wing.station(*surface, 0.5).twist.value);
@@ -140,6 +201,26 @@ INSTANTIATE_TEST_SUITE_P(All, BodiesFromOutside,
                                          "of_DTC-scaled.stl.gz", "of_wigley.stl.gz", "platonic_shelf_be.ply",
                                          "threeplugs_pynastran.tri", "turbineblade_vtkdata.ply",
                                          "two_objects_mixed_case_trimesh.stl"));
+
+/// Of raw models, by sections that a program of its own made (bench/wings/found_wings.py).
+TEST(FindWings, OnRawModelsOfManyParts) {
+    const char* folder = std::getenv("STRAKE_DATA");
+    if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";
+    const std::tuple<const char*, double, double, double> known[] = {{"citationX_raw.ply", 19.6447, 42.3987, 37.34},
+                                                                     {"hsct_pypan.tri", 0.62218, 0.133587, 52.80}};
+    for (const auto& [name, span, area, sweep] : known) {
+        SCOPED_TRACE(name);
+        const auto file = std::filesystem::path(folder) / name;
+        if (!std::filesystem::exists(file)) GTEST_SKIP() << name << " is not there";
+        const TriMesh mesh = read_surface(file).mesh;
+        const auto found = find_wing(mesh);
+        ASSERT_TRUE(found);
+        const WingFacts facts = Wing(mesh, found->declaration).facts(mesh);
+        EXPECT_NEAR(facts.span.value, span, 0.01 * span);
+        EXPECT_NEAR(facts.area.value, area, 0.01 * area);
+        EXPECT_NEAR(facts.sweep.value / degree, sweep, 0.01 * sweep);
+    }
+}
 
 // What AGARD AR-138 says of the ONERA M6, and the workshop of its wing W1.
 TEST(FindWings, KnowsTheSweepOfTwoPublishedWings) {

@@ -63,6 +63,27 @@ TEST(KeptSections, EdgesAndTwistStayWhereSectionsChange) {
     }
 }
 
+/// Nine points within 4 % of the chord: enough for the polynomial that sections are measured by. Runs of before kept
+/// such noses by their linear motion.
+TEST(KeptSections, NosesOfFewPointsAreKeptAsTheyAreMeasured) {
+    WingBody body = wing_bodies()[0];
+    Loft loft;
+    loft.panels = 32;
+    loft.cells = 25;
+    body.mesh = lofted(loft);
+    const std::vector<std::shared_ptr<const Wing>> wings{std::make_shared<const Wing>(body.mesh, body.declared)};
+    Points motion = Points::Zero(body.mesh.num_vertices(), 3);  // half as thick again, and drooped
+    for (Eigen::Index v = 0; v < motion.rows(); ++v) {
+        const double x = body.mesh.vertices(v, 0), y = body.mesh.vertices(v, 1), z = body.mesh.vertices(v, 2) - 0.1 * y;
+        motion(v, 2) = 0.5 * z + 0.02 * std::sin(3 * (x - 0.4 * y));
+    }
+    const auto now = off(body, KeptSections(body.mesh, wings, {}).kept(motion)),
+               before = off(body, KeptSections(body.mesh, wings, {}, KeptRules::earlier).kept(motion));
+    EXPECT_LT(now[0], 2e-4) << "between rows of a coarse nose";
+    EXPECT_LT(now[1], 0.02);
+    EXPECT_GT(before[0], 3 * now[0]);
+}
+
 /// A mesh without rows along the span (STRAKE_DATA): with knots at all its vertices amounts grew without limit.
 TEST(KeptSections, AnIrregularMeshHasFewerKnots) {
     const char* folder = std::getenv("STRAKE_DATA");

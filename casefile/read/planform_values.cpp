@@ -72,7 +72,11 @@ void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
     const auto take = [&](const std::string& value, const Place& where) {
         if (std::find(made.outputs.begin(), made.outputs.end(), value) != made.outputs.end()) return;
         try {
-            parse_wing_value(value);
+            if (is_slot(parse_wing_value(value)) && !wing.behind) {
+                errors.add(where, text(wing.name, ".", value, ": of which wing? Write planform.", wing.name,
+                                       ": {behind: NAME} with that of the wing ahead"));
+                return;
+            }
         } catch (const InvalidInput& error) {
             errors.add(where, text("planform.", wing.name, ": ", error.what()));
             return;
@@ -91,9 +95,21 @@ void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
     for (const Reference& value : wing.values) take(value.name, value.place);
     if (made.outputs.empty()) return;
     made.make = [wing, values = made.outputs](const std::string& name, const QuantityContext& ground) {
-        return wing_values(name, ground.start, ground.wing(wing.name), values, {wing.box_chord, wing.box_span});
+        return wing_values(name, ground.start, ground.wing(wing.name), values,
+                           {wing.box_chord, wing.box_span, wing.behind ? ground.wing(wing.behind->name) : nullptr});
     };
     c.quantities.push_back({wing.name, place, std::move(made)});
+}
+
+void check_behind(const Case& c, const WingEntry& wing, Diagnostics& errors) {
+    std::vector<std::string> others;
+    for (const WingEntry& other : c.planform)
+        if (other.name != wing.name) others.push_back(other.name);
+    if (!wing.behind || std::ranges::find(others, wing.behind->name) != others.end()) return;
+    const std::string near = nearest(wing.behind->name, others);
+    errors.add(wing.behind->place,
+               text("planform.", wing.name, ".behind = '", printable(wing.behind->name),
+                    "' must be another wing under planform", near.empty() ? "" : text("; did you mean '", near, "'?")));
 }
 
 }  // namespace
@@ -124,6 +140,7 @@ void set_planform_values(Case& the_case, Diagnostics& errors) {
             errors.add(wing.place, text("planform.", wing.name, " has the name of a quantity; rename one of them"));
             continue;
         }
+        check_behind(the_case, wing, errors);
         expand_grid(the_case, wing);
         take_values(the_case, wing, errors);
     }

@@ -62,6 +62,7 @@ void CaseReader::read_wing(const Entry& entry) {
                 errors_.add(list->place, text(shown, ".stations[", i, "] = ", wing.stations[i],
                                               " must be in [0, 1] and above the one before"));
     }
+    if (const Value* behind = map.find("behind")) wing.behind = Reference{behind->text, behind->place};
     if (const Value* axis = map.find("axis")) {
         const auto fraction = axis_of(axis->text);
         if (fraction)

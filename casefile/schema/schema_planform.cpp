@@ -1,15 +1,17 @@
 #include "casefile/schema/schema_parts.hpp"
 
 namespace strake {
+namespace {
 
-std::vector<Key> planform_keys() {
+std::vector<Key> wing_keys() {
     return {
         {.path = "planform",
          .doc = "Wings. Their values (area, span, aspect_ratio, taper, sweep, dihedral, mean_chord, box_volume; chord, "
                 "twist, thickness_to_chord, camber, leading_edge_radius, trailing_edge_angle, trailing_edge_thickness "
                 "at a fraction of the semispan, for example wing.twist@0.37; sweep and dihedral there of the panel "
                 "between two stations; thickness at fractions of semispan and "
-                "chord, wing.thickness@0.37@0.15) are quantities: docs/planform.md.",
+                "chord, wing.thickness@0.37@0.15; gap and overlap behind another wing, flap.gap@0.37) are quantities: "
+                "docs/planform.md.",
          .may_be_empty = true},
         {.path = "planform.*", .doc = "A wing, by its name."},
         {.path = "planform.*.on",
@@ -40,6 +42,10 @@ std::vector<Key> planform_keys() {
          .type = Type::text,
          .doc = "Fraction of the chord whose line gives sweep and dihedral, for example 25% chord.",
          .fallback = "25% chord"},
+        {.path = "planform.*.behind",
+         .type = Type::name,
+         .doc = "The wing ahead of it, whose trailing edge its gap and overlap are measured from: behind: main for a "
+                "flap, behind: slat for a main wing."},
         {.path = "planform.*.keep",
          .type = Type::word,
          .doc =
@@ -48,6 +54,11 @@ std::vector<Key> planform_keys() {
              "camber. none: nothing. Changes under parameters.planform are made in either case.",
          .fallback = "outline",
          .words = {"outline", "none"}},
+    };
+}
+
+std::vector<Key> planform_value_keys() {
+    return {
         {.path = "planform.*.values",
          .type = Type::list,
          .doc = "Values to record in history.csv beside those that objective, constraints and formulas use, for "
@@ -83,6 +94,10 @@ std::vector<Key> planform_keys() {
          .count = 2},
     };
 }
+
+}  // namespace
+
+std::vector<Key> planform_keys() { return in_order({wing_keys(), planform_value_keys()}); }
 
 /// Regions of a declared wing.
 std::vector<Key> wing_region_keys() {

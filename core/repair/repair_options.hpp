@@ -27,9 +27,10 @@ struct RepairOptions {
     int keep_largest = 0;       ///< keep only this many components of the largest area; 0: all
     double min_area_share = 0;  ///< drop components with less than this share of the area; in [0, 1)
     int min_triangles = 0;      ///< drop components with fewer triangles
-    bool isolated = false;      ///< remove unused vertices
+    std::optional<double> joints;  ///< halve edges of triangles that another part cuts until they are at most this long
+    bool isolated = false;         ///< remove unused vertices
 };
-enum class RepairKind { weld, duplicate, degenerate, crack, orient, split, component, hole, isolated };
+enum class RepairKind { weld, duplicate, degenerate, crack, orient, split, component, hole, joint, isolated };
 
 /// One repair, in numbers of the input.
 struct RepairItem {

@@ -23,7 +23,7 @@ namespace {
 
 struct RepairArguments {
     std::string surface, out, list;
-    std::string weld, cracks, holes, fill = "planar", components;
+    std::string weld, cracks, holes, joints, fill = "planar", components;
     RepairOptions repair;
     bool all = false, json = false, quiet = false;
 };
@@ -77,6 +77,7 @@ RepairOptions resolved(const RepairArguments& options, double diagonal) {
     }
     if (!options.weld.empty()) repair.weld = length_of(options.weld, "--weld", diagonal);
     if (!options.cracks.empty()) repair.cracks = length_of(options.cracks, "--cracks", diagonal);
+    if (!options.joints.empty()) repair.joints = length_of(options.joints, "--joints", diagonal);
     if (options.holes == "all")
         repair.holes = std::numeric_limits<double>::infinity();
     else if (!options.holes.empty())
@@ -92,12 +93,12 @@ RepairOptions resolved(const RepairArguments& options, double diagonal) {
 
 bool is_any_requested(const RepairOptions& r) {
     return r.weld || r.cracks || r.holes || r.duplicates || r.degenerate || r.orient || r.split || r.isolated ||
-           r.keep_largest > 0 || r.min_area_share > 0 || r.min_triangles > 0;
+           r.joints || r.keep_largest > 0 || r.min_area_share > 0 || r.min_triangles > 0;
 }
 
-constexpr RepairKind kinds[] = {RepairKind::weld,      RepairKind::duplicate, RepairKind::degenerate,
-                                RepairKind::crack,     RepairKind::orient,    RepairKind::split,
-                                RepairKind::component, RepairKind::hole,      RepairKind::isolated};
+constexpr RepairKind kinds[] = {RepairKind::weld,   RepairKind::duplicate, RepairKind::degenerate, RepairKind::crack,
+                                RepairKind::orient, RepairKind::split,     RepairKind::component,  RepairKind::hole,
+                                RepairKind::joint,  RepairKind::isolated};
 
 /// Names and numbers of defects, the same as in `info --json`.
 std::vector<std::pair<const char*, long>> counts(const Checkup& c) {
@@ -184,7 +185,7 @@ void repair_file(const RepairArguments& options) {
     if (!is_any_requested(resolved(options, 1)))
         throw InvalidInput(
             "repair: no repair is requested; give --all, or some of --weld, --duplicates, --degenerate, --cracks, "
-            "--orient, --split, --holes, --components, --isolated");
+            "--orient, --split, --holes, --joints, --components, --isolated");
     end_on_signals("strake: repair: interrupted; nothing was written\n");
     const SurfaceFile file = read_logged(options.surface);
     const TriMesh& mesh = file.mesh;
@@ -206,10 +207,10 @@ void add_repair(CLI::App& app) {
     command->add_option("SURFACE", options->surface, "surface file, any format that info reads")->required();
     command->add_option("-o,--out,--output", options->out, "surface file; the extension selects the format")
         ->required();
-    command->add_flag(
-        "--all", options->all,
-        "everything except dropping components: weld 1e-7%, cracks 1e-3%, holes up to 10% across that do not "
-        "lie in a symmetry plane; other options override these");
+    command->add_flag("--all", options->all,
+                      "everything except dropping components and joints: weld 1e-7%, cracks 1e-3%, holes up to 10% "
+                      "across that do not "
+                      "lie in a symmetry plane; other options override these");
     command->add_option("--weld", options->weld,
                         "merge vertices at most this far apart: a length, or a percentage of the diagonal like 1e-6%");
     command->add_flag("--duplicates", options->repair.duplicates,
@@ -221,6 +222,8 @@ void add_repair(CLI::App& app) {
     command->add_flag("--split", options->repair.split, "separate parts that meet only in a vertex or an edge");
     command->add_option("--holes", options->holes,
                         "close boundary loops at most this far across: a length, a percentage, or all");
+    command->add_option("--joints", options->joints,
+                        "halve edges where parts pass through each other until they are at most this long");
     command->add_option("--fill", options->fill, "planar: no new vertices (default); smooth: refined and curved")
         ->type_name("planar|smooth");
     command->add_option(

@@ -43,7 +43,7 @@ void ProblemBuilder::set_parameters() {
     if (purpose_ == Purpose::deform) return;
     if (errors_.empty()) set_kept_sections();
     const bool is_search = !case_.objective.name.empty() || !case_.fit.empty();
-    if (is_search && p.mirror && !plane_of_symmetry(start_.mesh))
+    if (is_search && p.mirror && !start_plane())
         errors_.add(entry.mirror_place,
                     "parameters.mirror: the surface has no plane of symmetry (to 1e-3 of the diagonal)");
     if (is_search && errors_.empty() && !p.kinds.empty()) check_dof();

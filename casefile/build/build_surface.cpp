@@ -94,6 +94,11 @@ void ProblemBuilder::check_symmetry_plane() {
                          plane.offset + highest, " along that normal", snap_remedy(nearest / start_.diagonal)));
 }
 
+const std::optional<SymmetryPlane>& ProblemBuilder::start_plane() {
+    if (!plane_) plane_ = plane_of_symmetry(start_.mesh);
+    return *plane_;
+}
+
 Split ProblemBuilder::split() {
     const SplitEntry& entry = case_.parameters.split;
     if (entry.kind == SplitEntry::Kind::largest) return SplitLargest{entry.largest};
@@ -178,7 +183,8 @@ void ProblemBuilder::build_tree() {
         tree = segment_automatically(elastic().mesh, elastic().adjacent, automatic);
     }
     if (p.mirror)
-        if (const auto plane = plane_of_symmetry(elastic().mesh))  // without one `set_parameters` reports an error
+        if (const auto plane = wrap_ ? plane_of_symmetry(wrap_->mesh)
+                                     : start_plane())  // without one `set_parameters` reports an error
             tree = mirrored(tree, elastic().mesh, elastic().adjacent, *plane);
     if (wrap_) start_tree_ = carried(tree, wrap_triangle_, start_.mesh);
 }

@@ -54,7 +54,7 @@ void ProblemBuilder::make_wrap() {
     if (entry.edge_length) options.edge_length = entry.edge_length->in(diagonal);
     options.plane = case_.symmetry;
     options.is_half = case_.symmetry.has_value();
-    if (!options.plane && case_.parameters.mirror) options.plane = plane_of_symmetry(start_.mesh);
+    if (!options.plane && case_.parameters.mirror) options.plane = start_plane();
     at(entry.place, "", [&] {
         Wrap wrap = wrap_around(start_.mesh, options);
         wrap_.emplace();
@@ -123,7 +123,7 @@ void ProblemBuilder::set_wrap() {
     }
     options.plane = case_.symmetry;
     options.is_half = case_.symmetry.has_value();
-    if (!options.plane && case_.parameters.mirror) options.plane = plane_of_symmetry(start_.mesh);
+    if (!options.plane && case_.parameters.mirror) options.plane = start_plane();
     at(case_.wrap->place, "",
        [&] { problem.wrap = std::make_shared<const WrapMap>(wrap_->mesh, start_.mesh, options); });
     if (problem.wrap && !problem.fixed.empty()) hold_wrap();

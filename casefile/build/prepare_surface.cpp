@@ -20,6 +20,7 @@ RepairOptions options_of(const RepairEntry& entry, double diagonal) {
     }
     if (entry.weld) options.weld = entry.weld->in(diagonal);
     if (entry.cracks) options.cracks = entry.cracks->in(diagonal);
+    if (entry.joints) options.joints = entry.joints->in(diagonal);
     if (entry.holes) {
         options.holes = entry.holes->in(diagonal);
         options.keep_symmetry_loops = false;

@@ -36,6 +36,7 @@ private:
     std::vector<std::pair<TwistSpec, Place>> twists_;
     std::map<std::string, std::shared_ptr<const Wing>> wings_;
     std::map<std::string, std::shared_ptr<const Fuselage>> bodies_;
+    std::optional<std::optional<SymmetryPlane>> plane_;  ///< of `start_`, once it was looked for
 
     /// Runs `work`; what it refuses becomes an error at `place`.
     template <class Work>
@@ -56,6 +57,7 @@ private:
 
     // build_surface.cpp
     void read_start();
+    const std::optional<SymmetryPlane>& start_plane();  ///< `plane_of_symmetry` of the surface
     void check_symmetry_plane();
     Split split();
     void build_tree();

@@ -33,7 +33,7 @@ struct Length {
 struct RepairEntry {
     RepairOptions options;
     bool all = false;
-    std::optional<Length> weld, cracks, holes;
+    std::optional<Length> weld, cracks, holes, joints;
     Place place;
 };
 struct RemeshEntry {
@@ -114,6 +114,7 @@ struct WingEntry {
     Eigen::Vector3d span = Eigen::Vector3d::UnitY();  ///< unit
     std::vector<double> stations;                     ///< fractions of the semispan; empty: kinks
     double axis = 0.25;                               ///< fraction of the chord
+    std::optional<Reference> behind;                  ///< the wing ahead of it, for gap and overlap
     std::vector<double> grid_span, grid_chord;        ///< of thickness_grid and others
     std::array<double, 2> box_span{}, box_chord{};    ///< of box_volume
     std::vector<Reference> values;                    ///< to record

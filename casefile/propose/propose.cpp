@@ -233,9 +233,10 @@ MeanMotion mean_motion(double thickness, double diagonal, bool has_volume) {
 /// Of fields: the mean motion has no slope at the start, so that the first steps do not see its limit: this one stops
 /// them. A point moves by some four times the mean where a motion is local.
 std::string farthest_motion_text(const MeanMotion& mean, double diagonal) {
+    constexpr double least_percent = 1e-3;  // a power line is 17 km long and a metre thick
     std::ostringstream percent;
     percent.imbue(std::locale::classic());
-    percent << std::setprecision(1) << std::clamp(400 * mean.rms / diagonal, 0.1, 5.0);
+    percent << std::setprecision(1) << std::clamp(400 * mean.rms / diagonal, least_percent, 5.0);
     return padded("  max_displacement: " + percent.str() + "%",
                   "of the diagonal: the farthest that any point may move");
 }

@@ -42,12 +42,22 @@ void set_defaults_without_shell(Value& root) {
 
 /// Unless the case says anything of its variables, it has displacement fields in front of the patches. What a run began
 /// with is stated in its own case; one of before that had none goes on so.
-void set_automatic_fields(Value& root, const std::string& fields = "auto") {
+/// @return whether it has them by this
+bool set_automatic_fields(Value& root, const std::string& fields = "auto") {
     Value* parameters = parameters_of(root);
-    if (!parameters) return;
+    if (!parameters) return false;
     for (const char* stated : {"fields", "variables", "given", "planform"})
-        if (child(*parameters, stated)) return;
+        if (child(*parameters, stated)) return false;
     add_default(*parameters, "fields", fields);
+    return true;
+}
+
+/// Nothing that a shell could stand on is named: no region and no spring.
+bool holds_nothing(Value& root) {
+    for (const char* holds : {"hold", "fixed", "strains", "loads"})
+        if (child(root, holds)) return false;
+    Value* shell = child(root, "shell");
+    return !shell || (shell->form == Value::Form::map && !child(*shell, "spring"));
 }
 
 /// Loads hardly taper, widen or flatten a body.
@@ -142,7 +152,7 @@ bool has_cheap_model(Value& root) {
 }
 
 /// Nor does a short run by values alone that says nothing of its variables nor of its method: few evaluations are best
-/// spent on smooth motions of the whole.
+/// spent on smooth motions of the whole. One that holds nothing is held by a point.
 void set_defaults_by_values(Value& root) {
     if (root.form != Value::Form::map || child(root, "fit")) return;
     const std::vector<std::string> blind = quantities_without_gradients(root);
@@ -155,7 +165,7 @@ void set_defaults_by_values(Value& root) {
             if (child(*optimize, stated)) return;
         if (is_more_than(child(*optimize, "budget"), max_evaluations_by_fields)) return;
     }
-    set_automatic_fields(root);
+    if (set_automatic_fields(root) && holds_nothing(root)) add_default(root, "hold", "point");
 }
 
 const Value* fields_of(Value& root) {

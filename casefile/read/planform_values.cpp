@@ -101,12 +101,18 @@ Named named_values(const Case& c, const std::string& name, const Place& declared
 }
 
 void take_values(Case& c, const WingEntry& wing, Diagnostics& errors) {
-    const Named found = named_values(c, wing.name, wing.place, wing.values, parse_wing_value, errors);
+    const auto parse = [&](const std::string& value) {
+        if (is_slot(parse_wing_value(value)) && !wing.behind)
+            throw InvalidInput(text(value, ": of which wing? Write planform.", wing.name,
+                                    ": {behind: NAME} with that of the wing ahead"));
+    };
+    const Named found = named_values(c, wing.name, wing.place, wing.values, parse, errors);
     if (found.values.empty()) return;
     BuiltInEntry made;
     made.outputs = found.values;
     made.make = [wing, values = found.values](const std::string& name, const QuantityContext& ground) {
-        return wing_values(name, ground.start, ground.wing(wing.name), values, {wing.box_chord, wing.box_span});
+        return wing_values(name, ground.start, ground.wing(wing.name), values,
+                           {wing.box_chord, wing.box_span, wing.behind ? ground.wing(wing.behind->name) : nullptr});
     };
     c.quantities.push_back({wing.name, found.place, std::move(made)});
 }
@@ -125,6 +131,17 @@ void take_values(Case& c, const FuselageEntry& body, Diagnostics& errors) {
 bool is_body_value(const Case& c, const std::string& name) {
     return std::any_of(c.bodies.begin(), c.bodies.end(),
                        [&](const FuselageEntry& body) { return name.starts_with(body.name + "."); });
+}
+
+void check_behind(const Case& c, const WingEntry& wing, Diagnostics& errors) {
+    std::vector<std::string> others;
+    for (const WingEntry& other : c.planform)
+        if (other.name != wing.name) others.push_back(other.name);
+    if (!wing.behind || std::ranges::find(others, wing.behind->name) != others.end()) return;
+    const std::string near = nearest(wing.behind->name, others);
+    errors.add(wing.behind->place,
+               text("planform.", wing.name, ".behind = '", printable(wing.behind->name),
+                    "' must be another wing under planform", near.empty() ? "" : text("; did you mean '", near, "'?")));
 }
 
 }  // namespace
@@ -160,6 +177,7 @@ void set_planform_values(Case& the_case, Diagnostics& errors) {
     };
     for (const WingEntry& wing : the_case.planform) {
         if (!is_free(wing.name, wing.place)) continue;
+        check_behind(the_case, wing, errors);
         expand_grid(the_case, wing);
         take_values(the_case, wing, errors);
     }

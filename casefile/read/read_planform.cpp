@@ -84,6 +84,7 @@ void CaseReader::read_wing(const Entry& entry) {
     if (const Value* on = map.find("on")) wing.on = Reference{on->text, on->place};
     if (const auto span = span_of(map.find("span"), shown + ".span", errors_)) wing.span = *span;
     wing.stations = read_sections(map.find("stations"), shown);
+    if (const Value* behind = map.find("behind")) wing.behind = Reference{behind->text, behind->place};
     if (const Value* axis = map.find("axis")) {
         const auto fraction = axis_of(axis->text);
         if (fraction)

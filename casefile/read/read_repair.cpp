@@ -23,6 +23,7 @@ void CaseReader::read_repair(const Value& map) {
     entry.weld = optional_length(map, "weld");
     entry.cracks = optional_length(map, "cracks");
     entry.holes = optional_length(map, "holes");
+    entry.joints = optional_length(map, "joints");
     if (const Value* v = map.find("holes"); v && v->text == "all")
         entry.holes = Length{std::numeric_limits<double>::infinity(), false};
     RepairOptions& options = entry.options;

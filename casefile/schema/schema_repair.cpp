@@ -11,7 +11,8 @@ std::vector<Key> repair_keys() {
          .doc = "Repairs of the surface before anything else, as `strake repair` makes them. The run folder gets a "
                 "list of every repair (start-repairs.csv) and the repaired surface."},
         flag("repair.all",
-             "All repairs except the removal of components: weld 1e-7%, cracks 1e-3%, holes up to 10% that do not lie "
+             "All repairs except joints and the removal of components: weld 1e-7%, cracks 1e-3%, holes up to 10% that "
+             "do not lie "
              "in a symmetry plane."),
         {.path = "repair.weld",
          .type = Type::length,
@@ -35,6 +36,12 @@ std::vector<Key> repair_keys() {
          .doc = "planar: fill without new vertices; smooth: refine the fill and continue the curvature around it.",
          .words = {"planar", "smooth"},
          .when = "holes|all"},
+        {.path = "repair.joints",
+         .type = Type::length,
+         .doc = "Where parts pass through each other, halve edges until they are at most this long: joints then stay "
+                "closed under motion to edge^2 / 8 times its curvature. The surface stays where it is; it has more "
+                "vertices.",
+         .limits = positive},
         {.path = "repair.components", .doc = "Connected components to keep."},
         {.path = "repair.components.largest",
          .type = Type::integer,

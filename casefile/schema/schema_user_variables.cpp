@@ -76,7 +76,8 @@ std::vector<Key> planform_range_keys() {
          .doc =
              "What of the wings under planform may change: wing.span, wing.sweep, wing.dihedral (of the whole axis or "
              "by the panels between stations), wing.chord, wing.twist, wing.thickness, wing.camber (of all sections or "
-             "by station), or one station, wing.twist@0.37. What is not listed stays. The variables are the changes, "
+             "by station), or one station, wing.twist@0.37; wing.aft, wing.up (all of it, as it is, for flaps and "
+             "slats). What is not listed stays. The variables are the changes, "
              "wing.delta_twist@0.37, 0 at "
              "the start: docs/planform.md.",
          .may_be_empty = true},
@@ -85,7 +86,8 @@ std::vector<Key> planform_range_keys() {
          .type = Type::list,
          .doc =
              "Smallest and largest change, around 0: with deg or rad for sweep (tip aft), dihedral (tip up) and twist "
-             "(nose up), in % for span, chord and thickness (t/c), of their own values, and camber, of the chord. "
+             "(nose up), in % for span, chord and thickness (t/c), of their own values, and camber, aft and up, of the "
+             "chord. "
              "max_displacement does not limit it.",
          .required = true,
          .element = Type::text,

@@ -74,8 +74,8 @@ struct Between {
 }  // namespace
 
 const std::vector<std::string>& planform_changes() {
-    static const std::vector<std::string> words{"span",      "sweep",  "dihedral", "chord", "twist",
-                                                "thickness", "camber", "length",   "width", "height"};
+    static const std::vector<std::string> words{"span", "sweep", "dihedral", "chord",  "twist", "thickness",
+                                                "aft",  "up",    "camber",   "length", "width", "height"};
     return words;
 }
 
@@ -144,6 +144,7 @@ void PlanformMotion::add_wing(const TriMesh& start, const std::shared_ptr<const 
     moved.span = facts.span.value;
     moved.sweep = facts.sweep.value;
     moved.dihedral = facts.dihedral.value;
+    moved.mean_chord = facts.mean_chord.value;
     wings_.push_back(std::move(moved));
 }
 
@@ -210,7 +211,10 @@ void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
     const bool is_root_named = std::find(range.only.begin(), range.only.end(), 0.0) != range.only.end();
     if (range.root_held && is_root_named) refuse("@0: root: held leaves the root no variable; remove one of the two");
     const bool is_of_axis = range.change == PlanformChange::span || has_panels(range.change);
-    if (is_of_axis && !range.by_station) return add_variable(range, -1, {}, angle_of(moved, range.change));
+    if (is_shift(range.change) && (moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1)))
+        refuse(": the wing is joined to other triangles at its root, which cannot move with it");
+    if ((is_of_axis || is_shift(range.change)) && !range.by_station)
+        return add_variable(range, -1, {}, angle_of(moved, range.change));
     const bool is_joined = moved.wing->is_joined(0) || moved.wing->is_joined(moved.wing->num_sides() - 1);
     const bool is_root_held = range.root_held || (!range.only.empty() && !is_root_named);
     if (has_panels(range.change)) return add_panels(start, range, is_root_held, shown);
@@ -384,6 +388,12 @@ PlanformMotion::Changes PlanformMotion::changes_of(int wing, const VectorXd& z) 
             case PlanformChange::width:
             case PlanformChange::height:
                 break;  // of bodies
+            case PlanformChange::aft:
+                now.shift_aft = z[j] * moved.mean_chord;
+                break;
+            case PlanformChange::up:
+                now.shift_up = z[j] * moved.mean_chord;
+                break;
         }
     }
     for (Eigen::Index n = 0; n < count; ++n) {
@@ -410,6 +420,8 @@ PlanformMotion::Changes PlanformMotion::rates(const Changes& now, int j, const V
     Changes rate = zero(v.wing);
     const double cosine = std::cos(angles_[static_cast<std::size_t>(j)] + z[j]), slope = 1 / (cosine * cosine);
     if (v.change == PlanformChange::span) rate.stretch = 0.5 * moved.span / moved.reach.front();
+    if (v.change == PlanformChange::aft) rate.shift_aft = moved.mean_chord;
+    if (v.change == PlanformChange::up) rate.shift_up = moved.mean_chord;
     if (v.change == PlanformChange::sweep && shares.size() == 0) rate.sweep = slope;
     if (v.change == PlanformChange::dihedral && shares.size() == 0) rate.dihedral = slope;
     for (Eigen::Index n = 0; n < shares.size(); ++n) {
@@ -475,6 +487,8 @@ Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Ch
     };
     axis[1] += sheared(rate, rate.sweep, rate.aft) * (1 + stretch);
     axis[2] += sheared(rate, rate.dihedral, rate.rise) * (1 + stretch);
+    axis[1] += rate.shift_aft;
+    axis[2] += rate.shift_up;
     if (!is_whole) {
         axis[1] += sheared(by, by.sweep, by.aft) * rate.stretch;
         axis[2] += sheared(by, by.dihedral, by.rise) * rate.stretch;

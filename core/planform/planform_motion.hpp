@@ -18,6 +18,8 @@ enum class PlanformChange {
     chord,      ///< as a share of it; t/c stays, or the thickness where `keeps_thickness`
     twist,      ///< radians, nose up, about the wing's axis
     thickness,  ///< t/c, as a share of it; the mean line and the thickness of the trailing edge stay
+    aft,        ///< the whole wing along the stream, as a share of its mean aerodynamic chord at the start
+    up,         ///< likewise, up
     camber,     ///< of the mean line where it is highest, as a share of the chord, up; of a body, of its length
     length,     ///< of a body, from its nose on, as a share of it
     width,      ///< of its sections about their middle, as a share of it
@@ -29,8 +31,10 @@ const std::vector<std::string>& planform_changes();
 inline bool is_angle(PlanformChange change) {
     return change == PlanformChange::sweep || change == PlanformChange::dihedral || change == PlanformChange::twist;
 }
+/// Of the whole wing, which keeps its shape.
+inline bool is_shift(PlanformChange change) { return change == PlanformChange::aft || change == PlanformChange::up; }
 inline bool has_stations(PlanformChange change) {
-    return change != PlanformChange::span && change != PlanformChange::length;
+    return change != PlanformChange::span && change != PlanformChange::length && !is_shift(change);
 }
 /// Camber is one of both.
 inline bool is_of_bodies(PlanformChange change) { return change >= PlanformChange::camber; }
@@ -55,15 +59,15 @@ struct PlanformRange {
 /// (at a fraction s of the semispan) and in it the complex place w = downstream + i up from the axis. With e the chord
 /// vector of the section, zeta = xi - axis + i eta = w / e, and the changes at s,
 ///
-///   u(s, w) = a(s) + [(M(s) - 1) zeta + M(s) H(s, zeta)] e(s),   M = m exp(-i theta)
+///   u(s, w) = d + a(s) + [(M(s) - 1) zeta + M(s) H(s, zeta)] e(s),   M = m exp(-i theta)
 ///   H = i h - (1 - xi - i eta) l,   h = (q (1 + t (1 - b(xi))) - 1) (eta - mean line) + k B(xi)
 ///
-/// a is the motion of the axis (stretched by the span, sheared by sweep and dihedral; a panel between two stations by
-/// itself, what is outboard of it moves as far as its outer end), m the factor on the chord, theta
-/// the change of twist, t that of t/c, k that of camber; q = 1/m where the chord keeps the thickness, else 1; B the
-/// mean line of NACA's four digits with its top at that of the section; b = xi^8 where the trailing edge is blunt,
-/// which keeps its thickness, else 0; l is what h does to the leading edge, to first order, so that this stays where a
-/// section shows it. Between two stations, r from the first to the second,
+/// d is the shift of the whole wing, aft and up; a is the motion of the axis (stretched by the span, sheared by sweep
+/// and dihedral; a panel between two stations by itself, what is outboard of it moves as far as its outer end), m the
+/// factor on the chord, theta the change of twist, t that of t/c, k that of camber; q = 1/m where the chord keeps the
+/// thickness, else 1; B the mean line of NACA's four digits with its top at that of the section; b = xi^8 where the
+/// trailing edge is blunt, which keeps its thickness, else 0; l is what h does to the leading edge, to first order, so
+/// that this stays where a section shows it. Between two stations, r from the first to the second,
 ///
 ///   M = ((1 - r) e_0 M_0 + r e_1 M_1) / ((1 - r) e_0 + r e_1):
 ///
@@ -162,12 +166,13 @@ private:
         std::vector<double> thickness, kept, camber;  ///< kept: q - 1
         std::vector<double> aft, rise;                ///< lengths
         double stretch = 0, sweep = 0, dihedral = 0;
+        double shift_aft = 0, shift_up = 0;  ///< lengths
     };
     struct MovedWing {
         std::shared_ptr<const Wing> wing;
         std::vector<Node> nodes;
-        std::vector<double> reach;                 ///< per side
-        double span = 0, sweep = 0, dihedral = 0;  ///< at the start
+        std::vector<double> reach;                                 ///< per side
+        double span = 0, sweep = 0, dihedral = 0, mean_chord = 0;  ///< at the start
         bool keeps_thickness = false;
         /// Along the span: what a unit of i (eta - mean line), and of i B, does to the leading edge that is measured.
         std::vector<double> nose_places;

@@ -111,12 +111,17 @@ void keep_nearest(std::vector<Outline>& outlines, const SectionFrame& frame, con
 
 }  // namespace
 
+std::vector<Outline> Wing::outlines(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
+                                    const std::vector<int>* triangles) const {
+    std::vector<Outline> found =
+        cut(surface, triangles ? *triangles : side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
+    if (plane.near) keep_nearest(found, plane.frame, *plane.near);
+    return found;
+}
+
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                      const std::vector<int>* triangles) const {
-    std::vector<Outline> outlines =
-        cut(surface, triangles ? *triangles : side.triangles, plane.frame, {sensitivities, join_rel * side.scale});
-    if (plane.near) keep_nearest(outlines, plane.frame, *plane.near);
-    return Airfoil::from(std::move(outlines));
+    return Airfoil::from(outlines(surface, side, plane, sensitivities, triangles));
 }
 
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const {

@@ -55,6 +55,12 @@ struct PanelFacts {
     Varying dihedral;  ///< of that line seen from the front, against the span; tip up
 };
 
+/// The slot between a wing and the one ahead of it, a main wing and its flap, lengths.
+struct SlotFacts {
+    Varying gap;      ///< distance of the trailing edge ahead from this section; negative inside of it
+    Varying overlap;  ///< how far the trailing edge ahead lies downstream of this section's leading edge
+};
+
 /// Those of the vertices, at these positions (one row each), that are farthest along n, within 1e-6 of `scale`.
 std::vector<int> outermost(const Points& positions, const std::vector<int>& vertices, const Eigen::Vector3d& n,
                            double scale);
@@ -87,6 +93,8 @@ public:
     std::vector<double> panel_ends() const;
     /// The panel from a station outward, or in which it lies; of the tip the last.
     PanelFacts panel(const TriMesh& surface, double station, bool sensitivities = false) const;
+    /// In this wing's section at a station, both sides half each. @throws InvalidInput where one of the two has none.
+    SlotFacts slot(const TriMesh& surface, const Wing& ahead, double station, bool sensitivities = false) const;
     /// The sections at a station, one a side.
     std::vector<Airfoil> sections(const TriMesh& surface, double station, bool sensitivities = false) const;
     /// The same with where they are, in space.
@@ -181,6 +189,8 @@ private:
     std::vector<double> kinks(const TriMesh& start) const;
     // wing.cpp
     Plane plane(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    std::vector<Outline> outlines(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
+                                  const std::vector<int>* triangles = nullptr) const;
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                    const std::vector<int>* triangles = nullptr) const;

@@ -88,6 +88,7 @@ void validate(const RepairOptions& o) {
     if (o.weld && !(*o.weld >= 0 && std::isfinite(*o.weld))) refuse("weld", *o.weld, "a length >= 0");
     if (o.cracks && !(*o.cracks > 0 && std::isfinite(*o.cracks))) refuse("cracks", *o.cracks, "a length > 0");
     if (o.holes && !(*o.holes > 0)) refuse("holes", *o.holes, "a length > 0");
+    if (o.joints && !(*o.joints > 0 && std::isfinite(*o.joints))) refuse("joints", *o.joints, "a length > 0");
     if (o.keep_largest < 0) refuse("keep_largest", o.keep_largest, ">= 0");
     if (!(o.min_area_share >= 0 && o.min_area_share < 1)) refuse("min_area_share", o.min_area_share, "in [0, 1)");
     if (o.min_triangles < 0) refuse("min_triangles", o.min_triangles, ">= 0");
@@ -104,8 +105,8 @@ RepairOptions all_repairs(double diagonal) {
 }
 
 std::string name_of(RepairKind kind) {
-    static constexpr const char* names[] = {"weld",  "duplicate", "degenerate", "crack",   "orient",
-                                            "split", "component", "hole",       "isolated"};
+    static constexpr const char* names[] = {"weld",  "duplicate", "degenerate", "crack", "orient",
+                                            "split", "component", "hole",       "joint", "isolated"};
     return names[static_cast<int>(kind)];
 }
 
@@ -136,6 +137,7 @@ RepairResult repair(const TriMesh& mesh, const RepairOptions& options) {
     mending::drop_components(surface, options);
     const int refused_fills = options.holes ? mending::fill_holes(surface, options) : 0;
     if (options.degenerate) mending::remove_degenerate(surface);  // fills of loops that touch themselves
+    if (options.joints) mending::split_joints(surface, *options.joints);
     if (surface.mesh.num_triangles() == 0) throw InvalidInput("repair: no triangle would be left");
     mending::leave_out_vertices(surface, had_triangles, options.isolated);
     result.mesh = std::move(surface.mesh);

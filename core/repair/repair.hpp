@@ -13,7 +13,7 @@ void validate(const RepairOptions& options);  ///< throws InvalidInput: field, v
 std::string name_of(RepairKind kind);         ///< "weld", "duplicate", ...
 
 /// Options for most surfaces: weld 1e-9, cracks 1e-5, holes 10 % of the diagonal (except symmetry planes), and all
-/// other repairs except dropping components.
+/// other repairs except dropping components and halving edges at joints.
 RepairOptions all_repairs(double diagonal);
 
 struct RepairResult {
@@ -28,7 +28,7 @@ struct RepairResult {
 };
 
 /// The repairs in this order: weld, duplicates, degenerate, cracks, orient (these repeat until nothing changes),
-/// holes, split, orient, components, holes again, degenerate again, isolated.
+/// holes, split, orient, components, holes again, degenerate again, joints, isolated.
 ///
 /// - weld: vertices within the distance merge into the one of the smallest number; triangles that lose a corner are
 /// removed.
@@ -41,6 +41,8 @@ struct RepairResult {
 ///   part is unchanged.
 /// - split: at edges of more than two triangles, the pairs that bound the same solid stay together, else the flattest
 /// consistent pair; then every fan gets its own vertex.
+/// - joints: edges of triangles that another part cuts are halved, in all triangles at them, until those are short
+/// enough. The surface stays where it is.
 /// - holes: each loop separately, unless its fill would pass through the surface; new triangles take the group of most
 /// of the loop's edges.
 ///

@@ -24,12 +24,13 @@ struct RepairOptions {
     bool keep_symmetry_loops = false;  ///< `holes` leaves loops that look like the cut of a half model
     /// Open loops in this plane belong to a half model: neither closed nor reported.
     std::optional<SymmetryPlane> symmetry = {};
-    int keep_largest = 0;       ///< keep only this many components of the largest area; 0: all
-    double min_area_share = 0;  ///< drop components with less than this share of the area; in [0, 1)
-    int min_triangles = 0;      ///< drop components with fewer triangles
-    bool isolated = false;      ///< remove unused vertices
+    int keep_largest = 0;          ///< keep only this many components of the largest area; 0: all
+    double min_area_share = 0;     ///< drop components with less than this share of the area; in [0, 1)
+    int min_triangles = 0;         ///< drop components with fewer triangles
+    std::optional<double> joints;  ///< halve edges of triangles that another part cuts until they are at most this long
+    bool isolated = false;         ///< remove unused vertices
 };
-enum class RepairKind { weld, duplicate, degenerate, crack, orient, split, component, hole, isolated };
+enum class RepairKind { weld, duplicate, degenerate, crack, orient, split, component, hole, joint, isolated };
 
 /// One repair, in numbers of the input.
 struct RepairItem {

@@ -36,6 +36,7 @@ void close_cracks(Surface& surface, double tolerance);
 void orient(Surface& surface);
 void split_nonmanifold(Surface& surface);
 void drop_components(Surface& surface, const RepairOptions& options);
+void split_joints(Surface& surface, double limit);
 /// Returns the number of loops left open because their fill would pass through the surface.
 int fill_holes(Surface& surface, const RepairOptions& options);
 

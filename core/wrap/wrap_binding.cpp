@@ -6,6 +6,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/point_tree.hpp"
 #include "core/parallel.hpp"
+#include "core/wrap/wide_product.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
@@ -106,6 +107,7 @@ struct WrapBinding::Impl {
     MatrixXd kernel(const Points& at, int begin, int end) const;
     Points radial(const Points& at, const MatrixXd& weights) const;
     MatrixXd radial_transpose(const Points& at, const MatrixXd& values) const;
+    MatrixXd local_transpose(const MatrixXd& of_body) const;
     MatrixXd transposed(const MatrixXd& of_body) const;
     template <class Rows>
     void hold(Rows& rows) const;
@@ -253,7 +255,7 @@ WrapBinding::Impl::Smooth WrapBinding::Impl::smooth(const Points& of_wrap) const
     parts.rest = of_wrap - wrap_affine * parts.nearest;
     MatrixXd right = MatrixXd::Zero(k + 4, 3);
     right.topRows(k) = parts.rest(centers, Eigen::all);
-    const MatrixXd solved = system.solve(right);
+    const MatrixXd solved = system.transpose().solve(right);
     parts.weights = solved.topRows(k);
     parts.linear = solved.bottomRows(4);
     return parts;
@@ -296,16 +298,37 @@ std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, cons
     return maps;
 }
 
+/// Adds local^T g to a matrix of as many columns: what they add to a vertex of the wrap stands together.
+template <int columns>
+void add_local_transpose(const Eigen::SparseMatrix<double, Eigen::RowMajor>& local, const MatrixXd& g, Index first,
+                         MatrixXd& sums) {
+    Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor> of_wrap =
+        Eigen::Matrix<double, Eigen::Dynamic, columns, Eigen::RowMajor>::Zero(local.cols(), columns);
+    for (Index v = 0; v < local.outerSize(); ++v) {
+        const Eigen::Matrix<double, 1, columns> now = g.block<1, columns>(v, first);
+        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator at(local, v); at; ++at)
+            of_wrap.row(at.col()) += at.value() * now;
+    }
+    sums.middleCols<columns>(first) = of_wrap;
+}
+
+/// Of several functionals: two at a time.
+MatrixXd WrapBinding::Impl::local_transpose(const MatrixXd& g) const {
+    MatrixXd sums(wrap.rows(), g.cols());
+    Index first = 0;
+    for (; first + 6 <= g.cols(); first += 6) add_local_transpose<6>(local, g, first, sums);
+    if (first < g.cols()) add_local_transpose<3>(local, g, first, sums);
+    return sums;
+}
+
 /// B^T of several functionals side by side, N x 3m.
 MatrixXd WrapBinding::Impl::transposed(const MatrixXd& g) const {
     const Index k = center.rows();
     const MatrixXd by_affine = body_affine.transpose() * g;
-    MatrixXd by_wrap = local.transpose() * g;  // by what the radial part leaves, then by what the affine part leaves
+    MatrixXd by_wrap = local_transpose(g);  // by what the radial part leaves, then by what the affine part leaves
     MatrixXd right(k + 4, g.cols());
     if (by_weights.size() > 0)
-        for_blocks(static_cast<int>(k), centers_at_once, [&](int begin, int end) {
-            right.middleRows(begin, end - begin).noalias() = by_weights.middleCols(begin, end - begin).transpose() * g;
-        });
+        right.topRows(k) = wide_product(by_weights, g);
     else
         right.topRows(k) = radial_transpose(body, g) - radial_transpose(wrap, by_wrap);
     right.bottomRows(4) = by_affine - wrap_affine.transpose() * by_wrap;

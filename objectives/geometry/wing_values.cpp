@@ -32,6 +32,7 @@ public:
         if (word == "chord_step") return at_station("chord", *value.second) - at_station("chord", *value.station);
         if (word == "sweep" && value.station) return panel_at(*value.station).sweep;
         if (word == "dihedral" && value.station) return panel_at(*value.station).dihedral;
+        if (is_slot(value)) return word == "gap" ? slot_at(*value.station).gap : slot_at(*value.station).overlap;
         if (word == "spar_offset") return spar_offset(*value.station, *value.chord);
         return value.station ? at_station(word, *value.station) : of_wing(word);
     }
@@ -62,6 +63,13 @@ private:
             known = panels_.emplace(station, wing_.panel(surface_, station, sensitivities_)).first;
         return known->second;
     }
+    const SlotFacts& slot_at(double station) {
+        if (!options_.ahead) throw InvalidInput("no wing is ahead of this one");
+        auto known = slots_.find(station);
+        if (known == slots_.end())
+            known = slots_.emplace(station, wing_.slot(surface_, *options_.ahead, station, sensitivities_)).first;
+        return known->second;
+    }
     const StationFacts& facts_at(double station) {
         auto known = stations_.find(station);
         if (known == stations_.end())
@@ -90,6 +98,7 @@ private:
     std::optional<WingFacts> facts_;
     std::map<double, StationFacts> stations_;
     std::map<double, PanelFacts> panels_;
+    std::map<double, SlotFacts> slots_;
 };
 
 Points dense(const Varying& value, int num_vertices) {
@@ -136,7 +145,9 @@ const std::vector<WingWord>& wing_words() {
         {"chord_step", "likewise of the chord", 2, false, true},
         {"spar_offset",
          "how far aft a fraction of the chord lies of the straight line through it at root and tip, a length", 2,
-         false}};
+         false},
+        {"gap", "distance of the trailing edge of the wing ahead (behind)", 1, false, false, false, true},
+        {"overlap", "how far that trailing edge lies downstream of the leading edge", 1, false, false, false, true}};
     return words;
 }
 
@@ -183,6 +194,11 @@ WingValue parse_wing_value(const std::string& name) {
 bool is_angle(const WingValue& value) {
     const WingWord* known = word_named(value.word);
     return known && known->is_angle;
+}
+
+bool is_slot(const WingValue& value) {
+    const WingWord* known = word_named(value.word);
+    return known && known->is_slot;
 }
 
 Quantity wing_values(const std::string& name, const TriMesh& start, std::shared_ptr<const Wing> wing,

@@ -11,6 +11,7 @@ namespace strake {
 /// What the wing's own values need beyond its declaration.
 struct WingValueOptions {
     std::array<double, 2> box_chord{0.15, 0.65}, box_span{0, 0.95};  ///< of box_volume, fractions
+    std::shared_ptr<const Wing> ahead = {};                          ///< of gap and overlap
 };
 
 /// A value's name behind the wing's: a word, and the fractions of the semispan and of the chord where it is taken.
@@ -25,6 +26,7 @@ struct WingWord {
     bool is_angle = false;       ///< radians
     bool is_step = false;        ///< both places are of the semispan
     bool is_also_whole = false;  ///< without a fraction: of the whole wing
+    bool is_slot = false;        ///< between it and the wing ahead
 };
 const std::vector<WingWord>& wing_words();
 
@@ -32,6 +34,7 @@ const std::vector<WingWord>& wing_words();
 /// nearest), fractions that are missing, superfluous or outside of [0, 1].
 WingValue parse_wing_value(const std::string& name);
 bool is_angle(const WingValue& value);
+bool is_slot(const WingValue& value);
 
 /// The named values of the wing, in this order, with exact derivatives by the vertices; those of the whole wing, also
 /// on half a model (`WingFacts`, `StationFacts`). Leading-edge radii are over the chord.

@@ -15,7 +15,7 @@ namespace {
 
 const char* optimization = R"(case: wing
 surface: {file: wing.obj, units: mm}
-repair: {weld: 1e-6, duplicates: true, degenerate: true, cracks: 0.1mm, orient: true, split: true, holes: 5%,
+repair: {joints: 2%, weld: 1e-6, duplicates: true, degenerate: true, cracks: 0.1mm, orient: true, split: true, holes: 5%,
          fill: smooth, components: {largest: 2, min_area: 1%, min_triangles: 4}, isolated: true}
 regions:
   root: &r {box: [[-1, -1, -1], [1, 0.01, 1]]}
@@ -38,7 +38,7 @@ symmetry: {plane: y, at: 0, snap: 0.01%}
 planform:
   left: {on: tip + ball, span: y, keep: none, stations: [0, 37%, 1], axis: 25% chord, values: [area, twist@0.5],
          grid: {span: [10%, 90%], chord: [15%, 65%]}, box: {chord: [20%, 60%], span: [0, 0.9]}}
-  fin: {span: [0, 0, 1]}
+  fin: {span: [0, 0, 1], behind: left, values: [gap@0.5]}
   hull: {on: all - tip, length: -x, stations: [0, 0.4, 1], values: [length, width@0.5]}
   pod: {length: [1, 0, 0]}
 shell: {thickness: {default: 2%, root: 4%}, spring: 0, nonmanifold: couple, solver: multigrid}
@@ -48,7 +48,7 @@ loads:
 strains:
   - {region: flap, translate: [0, 0, 0.1], rotate: [0deg, 5deg, 0.1rad], about: [1mm, 0, 0]}
 attach: [{part: nacelle, to: 0, how: follow}, {part: flap, to: nacelle, how: rigid}]
-parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, planform: {left.chord: {by: station, root: held, thickness: kept, range: [-4%, 4%]}, left.span: {range: [-5%, 5%]}, left.twist@0.37: {range: [-1deg, 1deg]}, hull.width: {by: station, range: [-3%, 3%]}}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
+parameters: {levels: [20deg, 10deg], min_patch: 1%, variables: [load], variable_scale: 4%, max_displacement: {default: 3%, tip: {inward: 1%, outward: 0}, flap: 2%}, planform: {left.chord: {by: station, root: held, thickness: kept, range: [-4%, 4%]}, left.span: {range: [-5%, 5%]}, fin.aft: {range: [-2%, 1%]}, left.twist@0.37: {range: [-1deg, 1deg]}, hull.width: {by: station, range: [-3%, 3%]}}, fields: {number: 12, on: tip, axis: [0, 1, 0]}, keep: smooth_border, split: {containing: [1, {near: [0, 0, 0]}]}}
 quantities:
   match: {type: target_shape, file: wing.obj, match: same}
   aero: {command: [sh, "-c", "true"], outputs: [drag, lift], timeout: 2h, format: stl, retries: 2, on_failure: shrink_step,
@@ -68,7 +68,7 @@ output: {dir: runs/wing, paraview: best, report: true}
 
 const char* ties_and_starts = R"(case: body
 surface: {file: wing.obj, units: in}
-repair: {all: true, fill: planar}
+repair: {joints: 2%, all: true, fill: planar}
 remesh: {edge_length: 1%, angle: 20deg, iterations: 3, curvature: 0.1%, shortest_edge: 0.1 in, gradation: 0.5}
 regions:
   nose: {component: 0}

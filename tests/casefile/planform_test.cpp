@@ -31,6 +31,40 @@ protected:
     }
 };
 
+TEST_F(Planform, AFlapHasGapAndOverlapBehindTheWing) {
+    Loft flap = loft_;
+    flap.chord = [](double s) { return 0.25 * (1 - 0.5 * s); };
+    flap.quarter = [](double s) { return 1.1 + 0.76 * s; };
+    flap.height = [](double s) { return 0.3 * s - 0.06; };
+    const TriMesh main = lofted(loft_), rear = lofted(flap);
+    TriMesh both;
+    both.vertices.resize(main.num_vertices() + rear.num_vertices(), 3);
+    both.vertices << main.vertices, rear.vertices;
+    both.triangles.resize(main.num_triangles() + rear.num_triangles(), 3);
+    both.triangles << main.triangles, Triangles(rear.triangles.array() + main.num_vertices());
+    surface(both);
+    const auto text_of = [&](const std::string& behind, const std::string& goal) {
+        return "regions: {rear: {component: 1}, front: {component: 0}}\nsymmetry: {plane: y, at: 0}\nshell: none\n"
+               "planform: {main: {on: front, span: y}, flap: {on: rear, span: y" +
+               behind +
+               "}}\n"
+               "parameters: {planform: {flap.aft: {range: [-20%, 20%]}, flap.up: {range: [-20%, 20%]}}}\n" +
+               goal;
+    };
+    const std::string goal =
+        "objective: {minimize: area}\nconstraints: {flap.gap@0.5: {min: 0.02}, flap.overlap_grid: "
+        "{min: -0.1}}\n";
+    std::map<std::string, double> found;
+    for (const auto& quantity : check_start(build(text_of(", behind: main", goal)).problem).quantities)
+        for (const auto& value : quantity.values) found[value.name] = value.value;
+    EXPECT_GT(found.at("flap.gap@0.5"), 0.01);
+    EXPECT_LT(found.at("flap.gap@0.5"), 0.1);
+    EXPECT_TRUE(found.contains("flap.overlap@0.1"));
+    EXPECT_TRUE(contains(error(text_of("", goal), Purpose::run), "of which wing? Write planform.flap: {behind: NAME}"));
+    EXPECT_TRUE(contains(error(text_of(", behind: mian", goal), Purpose::run), "did you mean 'main'?"));
+    EXPECT_TRUE(contains(error(text_of(", behind: flap", goal), Purpose::run), "must be another wing under planform"));
+}
+
 TEST_F(Planform, ValuesAreQuantities) {
     const auto found = values(
         "planform: {wing: {span: y, values: [taper, chord@0.25]}}\n"

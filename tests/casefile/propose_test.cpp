@@ -193,6 +193,15 @@ void add_stray(TriMesh& mesh, const Eigen::RowVector3d& at, double size = 0.01) 
     mesh.triangles.row(m) << n, n + 1, n + 2;
 }
 
+/// As far as its thickness allows, not a share of its length: 2 V / A is 0.2, 5 % of which are the mean motion.
+TEST_F(Proposed, ALongThinBodyMayMoveAFewTimesItsMeanMotion) {
+    surface(box_surface({1000, 0.4, 0.4}, 4));
+    const std::string yaml = propose_case(folder.path() / "s.obj", folder.path() / "new.yaml",
+                                          {60, ProposedHold::band, ProposedWay::fields, ""})
+                                 .yaml;
+    EXPECT_TRUE(contains(yaml, "max_displacement: 0.004%")) << yaml;
+}
+
 TEST_F(Proposed, StrayTrianglesSayNothingAboutTheBody) {
     const TriMesh clean = ellipsoid({2, 0.6, 0.4}, 3);
     TriMesh mesh = clean;

@@ -56,6 +56,23 @@ TEST_F(FieldsOfACase, AreTheDefaultOfFits) {
     EXPECT_FALSE(load_case(yaml, Purpose::fit, yaml.parent_path()).parameters.fields.is_wanted);
 }
 
+/// Such a run that holds nothing is held by a point; what names anything that holds is left as it is.
+TEST_F(FieldsOfACase, ByValuesAloneAPointHoldsWhatNothingElseDoes) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    const std::string region = "regions:\n  root: {box: [[-9, -9, -9], [0.5, 9, 9]]}\n",
+                      goal =
+                          "quantities: {flow: {command: [cat], outputs: [drag], gradients: false}}\n"
+                          "objective: {minimize: flow.drag}\n";
+    const auto supports = [&](const std::string& words) {
+        return build(region + words + goal).problem.supports.size();
+    };
+    EXPECT_EQ(supports(""), 1);
+    EXPECT_EQ(supports("variables: {alpha: {start: 1, min: 0, max: 2}}\n"), 1);
+    EXPECT_EQ(supports("fixed: [root]\n"), 0);
+    EXPECT_EQ(supports("shell: {spring: 3}\n"), 0);
+    EXPECT_EQ(build(region + "objective: {minimize: area}\n").problem.supports.size(), 0) << "not by gradients";
+}
+
 /// By values alone a run that says nothing of its variables nor of its method begins with fields.
 TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     surface(box_surface({4, 1, 0.5}, 8));

@@ -7,6 +7,7 @@
 #include "wing_bodies.hpp"
 
 #include <gtest/gtest.h>
+#include <numeric>
 
 namespace strake {
 namespace {
@@ -94,7 +95,10 @@ TEST(PlanformMotion, IsMeasuredBackAtItsLimits) {
 TEST(PlanformMotion, DerivativesAreExact) {
     for (const WingBody& body : wing_bodies()) {
         SCOPED_TRACE(body.name);
-        const PlanformMotion motion = motion_of(body, all_ranges(body.is_joined));
+        std::vector<PlanformRange> ranges = all_ranges(body.is_joined);
+        for (const PlanformChange change : {PlanformChange::aft, PlanformChange::up})
+            if (!body.is_joined) ranges.push_back({.change = change, .lower = -0.1, .upper = 0.1});
+        const PlanformMotion motion = motion_of(body, ranges);
         const Eigen::Index n = body.mesh.num_vertices();
         const VectorXd by = random_vector(3 * n, 7), more = random_vector(3 * n, 8);
         const auto points = [&](const VectorXd& flat) {
@@ -122,6 +126,88 @@ TEST(PlanformMotion, DerivativesAreExact) {
             EXPECT_NEAR(taylor_order(J, at, 1.1 * g, p, 1e-3), 1, 0.1) << "the control must fail";
         }
     }
+}
+
+/// A flap behind the wing of Loft, 12 % of the chord below its trailing edge at the tip as at the root.
+struct Slotted {
+    Loft main, flap;
+    TriMesh mesh;
+    std::shared_ptr<const Wing> of_main, of_flap;
+
+    explicit Slotted(bool whole = false) {
+        main.panels = flap.panels = 60;
+        main.cells = flap.cells = 20;
+        flap.chord = [](double s) { return 0.25 * (1 - 0.5 * s); };
+        flap.quarter = [](double s) { return 1.1 + 0.76 * s; };
+        flap.height = [](double s) { return 0.3 * s - 0.06; };
+        mesh = both(lofted(main, whole), lofted(flap, whole));
+        WingDeclaration declared;
+        declared.stations = {0, 0.5, 1};
+        if (!whole) declared.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
+        const int half = mesh.num_triangles() / 2;
+        for (int part = 0; part < 2; ++part) {
+            declared.name = part == 0 ? "main" : "flap";
+            declared.triangles.resize(static_cast<std::size_t>(half));
+            std::iota(declared.triangles.begin(), declared.triangles.end(), part * half);
+            (part == 0 ? of_main : of_flap) = std::make_shared<const Wing>(mesh, declared);
+        }
+    }
+};
+
+TEST(PlanformMotion, GapAndOverlapAreThoseOfTheSection) {
+    const Slotted slotted;
+    for (const double s : {0.25, 0.5, 0.75}) {
+        const SlotFacts slot = slotted.of_flap->slot(slotted.mesh, *slotted.of_main, s);
+        // By the lofts: the trailing edge of the one, and points of the other.
+        const auto at = [&](const Loft& loft, double x, double side) {
+            const double c = loft.chord(s), a = loft.twist(s), dx = (x - 0.25) * c;
+            const double half = example::naca_half_thickness(loft.thickness(s), x);
+            const double dz = (4 * loft.camber(s) * x * (1 - x) + side * half) * c;
+            return Eigen::Vector2d(loft.quarter(s) + std::cos(a) * dx + std::sin(a) * dz,
+                                   loft.height(s) - std::sin(a) * dx + std::cos(a) * dz);
+        };
+        const Eigen::Vector2d edge = at(slotted.main, 1, 0);
+        double gap = 9, nose = 9;
+        for (int i = 0; i <= 20000; ++i)
+            for (const double side : {-1.0, 1.0}) {
+                const double x = 0.5 * (1 - std::cos(std::numbers::pi * i / 20000));
+                gap = std::min(gap, (at(slotted.flap, x, side) - edge).norm());
+                nose = std::min(nose, at(slotted.flap, x, side)[0]);
+            }
+        EXPECT_NEAR(slot.gap.value, gap, 2e-4) << s;
+        EXPECT_NEAR(slot.overlap.value, edge[0] - nose, 3e-4) << s;
+        EXPECT_GT(gap, 0.01);
+    }
+    const Slotted whole(true);
+    EXPECT_NEAR(whole.of_flap->slot(whole.mesh, *whole.of_main, 0.5).gap.value,
+                slotted.of_flap->slot(slotted.mesh, *slotted.of_main, 0.5).gap.value, 1e-9);
+}
+
+TEST(PlanformMotion, AFlapMovesAftAndUpAsItIs) {
+    const Slotted slotted;
+    PlanformMotion motion(slotted.mesh, {slotted.of_main, slotted.of_flap},
+                          {{.wing = 1, .change = PlanformChange::aft, .lower = -0.2, .upper = 0.2},
+                           {.wing = 1, .change = PlanformChange::up, .lower = -0.2, .upper = 0.2}});
+    EXPECT_EQ(motion.variables()[0].name, "flap.delta_aft");
+    EXPECT_EQ(motion.variables()[1].name, "flap.delta_up");
+    const double chord = slotted.of_flap->facts(slotted.mesh).mean_chord.value;
+    const VectorXd z = Eigen::Vector2d(0.1, -0.05);
+    const Points u = motion.displacement(z);
+    const int half = slotted.mesh.num_vertices() / 2;
+    EXPECT_EQ(u.topRows(half).cwiseAbs().maxCoeff(), 0) << "the main wing stays, to the last bit";
+    const Eigen::RowVector3d way(0.1 * chord, 0, -0.05 * chord);
+    EXPECT_LT((u.bottomRows(half).rowwise() - way).cwiseAbs().maxCoeff(), 1e-14);
+    const auto slot = [&](const TriMesh& of) { return slotted.of_flap->slot(of, *slotted.of_main, 0.5); };
+    const SlotFacts before = slot(slotted.mesh), after = slot(with_vertices(slotted.mesh, slotted.mesh.vertices + u));
+    EXPECT_NEAR(after.overlap.value, before.overlap.value - 0.1 * chord, 1e-12);
+    EXPECT_GT(after.gap.value, before.gap.value + 0.01);
+    // Over the main wing's edge: what pierces has a gap below zero.
+    const Vector3d nose = slotted.of_flap->station(slotted.mesh, 0.5).leading_edge,
+                   edge = slotted.of_main->station(slotted.mesh, 0.5).trailing_edge;
+    const Eigen::Vector2d over((edge[0] - nose[0]) / chord - 0.25, (edge[2] - nose[2]) / chord);
+    const TriMesh pierced = with_vertices(slotted.mesh, slotted.mesh.vertices + motion.displacement(over));
+    EXPECT_LT(slot(pierced).gap.value, 0);
+    EXPECT_GT(slot(pierced).gap.value, -0.1 * chord);
 }
 
 TEST(PlanformMotion, HalfIsWholeAndPairsStaySymmetric) {

@@ -107,6 +107,44 @@ TEST(WingValues, GradientsAreExact) {
     EXPECT_EQ(one.dJ_dv[2], at.dJ_dv[2]);
 }
 
+/// A flap behind and below the small wing; values of the flap.
+TEST(WingValues, GapAndOverlapHaveExactGradients) {
+    Loft flap;
+    flap.cells = 8;
+    flap.panels = 24;
+    flap.chord = [](double s) { return 0.25 * (1 - 0.5 * s); };
+    flap.quarter = [](double s) { return 1.1 + 0.76 * s; };
+    flap.height = [](double s) { return 0.3 * s - 0.06; };
+    const TriMesh main = small_wing(), rear = lofted(flap);
+    TriMesh mesh;
+    mesh.vertices.resize(main.num_vertices() + rear.num_vertices(), 3);
+    mesh.vertices << main.vertices, rear.vertices;
+    mesh.triangles.resize(main.num_triangles() + rear.num_triangles(), 3);
+    mesh.triangles << main.triangles, Triangles(rear.triangles.array() + main.num_vertices());
+    WingDeclaration ahead, behind;
+    behind.name = "flap";
+    for (int t = 0; t < mesh.num_triangles(); ++t) (t < main.num_triangles() ? ahead : behind).triangles.push_back(t);
+    WingValueOptions options;
+    options.ahead = std::make_shared<const Wing>(mesh, ahead);
+    const auto of = std::make_shared<const Wing>(mesh, behind);
+    const Quantity quantity = wing_values("flap", mesh, of, {"gap@0.37", "overlap@0.37"}, options);
+    const QuantityResult at = ask(quantity, mesh, true);
+    ASSERT_FALSE(at.failure);
+    Points way(mesh.num_vertices(), 3);
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        const Eigen::Vector3d x = mesh.vertices.row(v);
+        way.row(v) << 0.3 * std::sin(1.1 * x[1] + x[0]) + 0.2 * x[2], 0.1 * x[1] * std::cos(0.7 * x[0]),
+            0.3 * std::cos(0.9 * x[1]) * (x[0] + 0.5) + 0.8 * x[2];
+    }
+    for (std::size_t i = 0; i < 2; ++i) {
+        const auto J = [&](const Eigen::VectorXd& x) { return value(quantity, with_vertices(mesh, points(x)), i); };
+        const Eigen::VectorXd g = flat(at.dJ_dv[i]);
+        EXPECT_GT(taylor_order(J, flat(mesh.vertices), g, flat(way), 4e-3), 1.8) << i;
+        EXPECT_NEAR(taylor_order(J, flat(mesh.vertices), 1.2 * g, flat(way), 4e-3), 1, 0.2) << i;
+    }
+    EXPECT_TRUE(has(refusal([&] { wing_values("flap", mesh, of, {"gap@0.5"}); }), "no wing is ahead"));
+}
+
 TEST(WingValues, WhatIsNoValueIsRefusedInWords) {
     const auto refused = [](const std::string& name) { return refusal([&] { parse_wing_value(name); }); };
     EXPECT_TRUE(has(refused("twits@0.5"), "did you mean 'twist'?"));

@@ -130,7 +130,7 @@ private:
             known.col(static_cast<Eigen::Index>(k)) = whitened.normalized();
         }
         Eigen::ColPivHouseholderQR<MatrixXd> qr(known);
-        qr.setThreshold(1e-3);  // steps that differ by less confirm one direction
+        qr.setThreshold(guard_.options.confirmed_share);
         const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
         r -= basis * (basis.transpose() * r).eval();
         return r;

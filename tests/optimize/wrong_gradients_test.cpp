@@ -289,9 +289,7 @@ TEST_P(WrongGradients, NoRunConvergesByOneInAnySpace) {
     for (const auto& [space, name] : all_spaces) {
         SCOPED_TRACE(std::string(fault.name) + " " + name);
         const Problem problem = problem_in(space, fault.apply);
-        RunEvents events;
-        events.note = [](const std::string& w) { if (std::getenv("STRAKE_NOTES")) std::cout << "NOTE " << w << "\n"; };
-        const RunResult r = optimize(problem, events);
+        const RunResult r = optimize(problem);
         const auto [start, end] = ends_by_the_right_gradient(space);
         // Of the gain that a run has by the right gradient; a constant that was added counts for nothing.
         const double missed = (r.objective - (r.objective_start - start) - end) / (start - end);

@@ -38,7 +38,6 @@ constexpr double beyond_limit = 1.2;  ///< of it that wider ranges are to reach:
 constexpr double min_widening = 1.2, max_widening = 4;  ///< times: the first order is only good for so much
 constexpr int max_widenings = 6;                        ///< of a level
 constexpr double max_range_ratio = 16;  ///< times the longest step, where ranges begin wide: more was not faster
-constexpr double any_share = 1e-3;      ///< of a step that confirmed the gradient, in runs of before
 constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
 
 class Optimization {
@@ -47,7 +46,9 @@ public:
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
         const OptimizeOptions& options = problem.optimize;
-        state_.begins_with_wide_ranges = options.method == Method::sqp && !options.begins_with_narrow_ranges;
+        // With a shell wide ranges lead on to where it buckles.
+        state_.begins_with_wide_ranges =
+            options.method == Method::sqp && !problem.has_shell && !options.begins_with_narrow_ranges;
     }
 
     RunResult run() {
@@ -326,7 +327,6 @@ private:
         if (std::isfinite(gained)) how.gained_before = gained;
         how.largest_gradient = largest_gradient_;
         how.is_relative_to_objective = options.is_relative_to_objective;
-        if (options.begins_with_narrow_ranges) how.confirmed_share = any_share;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

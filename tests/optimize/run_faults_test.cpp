@@ -90,7 +90,6 @@ double least_possible() {
     static const double objective = [] {
         Problem problem = sound_problem();
         problem.optimize.max_evaluations = 200;
-        problem.optimize.begins_with_narrow_ranges = true;  // as those of methods that do not know the motion limit
         return optimize(problem).objective;
     }();
     return objective;

@@ -57,19 +57,12 @@ public:
         // Where a search has converged though more is expected along a way that its steps confirm, what they have not
         // taken may hold it back.
         const bool is_held_back = !has_converged && result_.stop == MinimizeStop::converged && is_confirmed(descent());
-        if (!has_converged && !is_held_back) {
-            check_descent();
-            // A right slope along the descent says nothing of the rest, by which a search has come to an end.
-            const bool ends_here = result_.stop != MinimizeStop::converged || result_.gradient_inconsistent;
-            if (ends_here || is_as_before() || guard_.evaluations + 2 > guard_.limit) return;
-        }
+        if (!has_converged && !is_held_back) return check_descent();
         check_unconfirmed();
     }
 
 private:
     double norm(const VectorXd& d) const { return metric_norm(p_, d); }
-    /// Runs of before take any share of a step for its direction.
-    bool is_as_before() const { return guard_.options.confirmed_share < nearly_confirmed; }
     VectorXd clamped(const VectorXd& x) const { return x.cwiseMax(p_.lower).cwiseMin(p_.upper); }
     /// Where a limit lets nothing go there, the values say nothing of the gradient.
     bool goes_to(const VectorXd& x) const {
@@ -137,7 +130,7 @@ private:
             known.col(static_cast<Eigen::Index>(k)) = whitened.normalized();
         }
         Eigen::ColPivHouseholderQR<MatrixXd> qr(known);
-        qr.setThreshold(guard_.options.confirmed_share);
+        qr.setThreshold(1e-3);  // steps that differ by less confirm one direction
         const MatrixXd basis = MatrixXd(qr.householderQ()).leftCols(qr.rank());
         r -= basis * (basis.transpose() * r).eval();
         return r;

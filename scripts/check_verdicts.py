@@ -1,10 +1,13 @@
 #!/usr/bin/python3
 """Runs the examples under cases/ and counts doubts about their gradients, all of which are right: check_verdicts.py BIN [--evaluations N]
 [--triangles N] [--only PART] [--out FOLDER]
+or counts those of the tests: check_verdicts.py --tests PROGRAM...
 
 BIN holds strake and make_surface. Left out are the cases with OpenFOAM and those that deform or fit. A run accuses a gradient where its
 status is `gradient_inconsistent`, and doubts it where its reason names a wrong gradient; both count. N evaluations a run at most (default
 60), N triangles of the larger surfaces (default 2000).
+With --tests gdb counts searches and accusations while each program of tests runs; tests that give wrong gradients on purpose
+(WRONG) are told apart.
 Exit status: 0 no gradient is accused or doubted and every run has a verdict, 1 else, 2 wrong usage.
 """
 
@@ -18,6 +21,49 @@ import sys
 import tempfile
 
 ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
+
+
+# What these tests give as a gradient is wrong, also beside right ones.
+WRONG = re.compile(r"^All/WrongGradients\.\w+/(?!none$|large_constant$)|^WrongDerivativesByParameters\.|"
+                   r"^SlopeCheck\.(ABudgetThat|AFactor|AFlippedSign|AGradientThatIsZero|AZeroGradient|AtABound)|"
+                   r"^Verdict\.(AWrongGradient|TheConstraintWithTheWrong)|^RunVerdict\.AGradientThatContradicts")
+
+
+def count_tests(programs):
+    """Per test the searches, the runs and the accusations, in the order of the output: gdb prints at each."""
+    places = {"conclude_run": "run", "check_slopes": "search", "SlopeCheck::accuse": "accused"}
+    counts, per_test, failed = dict.fromkeys(places.values(), 0), {}, 0
+    for program in programs:
+        names = subprocess.run(["nm", "-C", program], check=True, capture_output=True, text=True).stdout
+        at = []
+        for place, word in places.items():
+            found = re.search(rf"^([0-9a-f]+) [tT] strake::(?:\(anonymous namespace\)::)?{place}\([^\n]*\)$", names, re.M)
+            if found:
+                at.append((found[1], word))
+        base = ["-ex", "starti"]  # addresses are those of the file once it is loaded without randomization
+        where = [f"dprintf *(0x{address} + 0x555555554000), \"\\n@{word}\\n\"" for address, word in at]
+        commands = [argument for line in where for argument in ("-ex", line)]
+        done = subprocess.run(["gdb", "-q", "-batch", "-nx", *base, *commands, "-ex", "continue", program],
+                              stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True,
+                              errors="replace", check=False)
+        test = ""
+        for line in done.stdout.splitlines():
+            if line.startswith("[ RUN      ] "):
+                test = line[13:]
+            elif line.startswith("[  FAILED  ] ") and " ms)" in line:
+                failed += 1
+            elif line.startswith("@") and line[1:] in counts:
+                counts[line[1:]] += 1
+                per_test.setdefault(test, dict.fromkeys(counts, 0))[line[1:]] += 1
+    wrongly = {test: seen["accused"] for test, seen in per_test.items() if seen["accused"] > 0 and not WRONG.search(test)}
+    meant = {test: seen["accused"] for test, seen in per_test.items() if seen["accused"] > 0 and WRONG.search(test)}
+    for test, number in sorted(meant.items()):
+        print(f"wrong on purpose: {test}: {number} accused")
+    for test, number in sorted(wrongly.items()):
+        print(f"ACCUSED: {test}: {number}")
+    print(f"{len(per_test)} tests with searches: {counts['run']} runs, {counts['search']} searches whose gradients were looked at, "
+          f"{counts['accused']} accused, {sum(wrongly.values())} of them in tests whose gradients are right; {failed} tests failed")
+    return 1 if wrongly or counts["search"] == 0 else 0
 
 
 def is_run(text):
@@ -36,12 +82,17 @@ def verdict_of(case, run, strake):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("bin")
+    parser.add_argument("bin", nargs="?")
+    parser.add_argument("--tests", nargs="+", metavar="PROGRAM")
     parser.add_argument("--evaluations", type=int, default=60)
     parser.add_argument("--triangles", type=int, default=2000)
     parser.add_argument("--only", default="")
     parser.add_argument("--out")
     args = parser.parse_args()
+    if bool(args.bin) == bool(args.tests):
+        parser.error("either BIN or --tests PROGRAM...")
+    if args.tests:
+        return count_tests(args.tests)
     programs, work = os.path.abspath(args.bin), args.out or tempfile.mkdtemp()
     cases = os.path.join(work, "cases")
     shutil.copytree(os.path.join(ROOT, "cases"), cases, dirs_exist_ok=True,

@@ -69,6 +69,8 @@ void ShapeEvaluator::enter(const DesignSpace& space) {
     enters_ = true;
 }
 
+void ShapeEvaluator::set_ranges(const DesignSpace& space) { solver_.set_ranges(space.lower, space.upper); }
+
 void ShapeEvaluator::limit_motion() {
     std::optional<Poses> poses;
     try {

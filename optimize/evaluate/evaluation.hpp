@@ -38,6 +38,8 @@ public:
 
     /// Evaluates in this space from now on; the poses are kept.
     void enter(const DesignSpace& space);
+    /// Of the space that it is in, which is this one but for its ranges.
+    void set_ranges(const DesignSpace& space);
 
     /// Deforms and evaluates; gradients of quantities come along, those by x only with `differentiate`.
     /// @param number of the evaluation within the run, for external programs. Failing is a result.

@@ -62,6 +62,11 @@ void ShapeSolver::enter(const DesignSpace& space) {
     settled_x_.resize(0);
 }
 
+void ShapeSolver::set_ranges(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper) {
+    space_.lower = lower;
+    space_.upper = upper;
+}
+
 void ShapeSolver::set_limit(MotionLimit limit, std::optional<Poses> poses) {
     limit_ = std::move(limit);
     if (poses) accepted_ = std::move(poses);

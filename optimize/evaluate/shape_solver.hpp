@@ -28,6 +28,7 @@ public:
 
     /// Solves in this space from now on; the accepted poses are kept.
     void enter(const DesignSpace& space);
+    void set_ranges(const Eigen::VectorXd& lower, const Eigen::VectorXd& upper);
     const DesignSpace& space() const { return space_; }
     /// Asked after every iteration; true: `Interrupted` is thrown. May be empty.
     void set_stop(std::function<bool()> stop_wanted) { stop_wanted_ = std::move(stop_wanted); }

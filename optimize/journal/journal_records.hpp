@@ -40,8 +40,9 @@ struct JournalFacts {
     /// `objective_tolerance` is a share of the gain (`OptimizeOptions::is_relative_to_objective`), and a budget is
     /// shared among the levels that it can move (`OptimizeOptions::shares_with_all_levels`); 3: what moves a wing keeps
     /// its edges (`Parameters::kept_sections`); 4: ranges of variables widen (`OptimizeOptions::keeps_ranges`); 5: what
-    /// sections that are kept take out of fields counts (`Parameters::counts_kept_motion_alone`); 6: edges
-    /// of sections are kept by `KeptRules::latest`.
+    /// sections that are kept take out of fields counts (`Parameters::counts_kept_motion_alone`); 6: edges of sections
+    /// are kept by `KeptRules::latest`, and ranges are as wide as the motion limit lets variables be together
+    /// (`OptimizeOptions::begins_with_narrow_ranges`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -103,10 +103,13 @@ VectorXd random_start(const NonlinearProgram& p, unsigned seed, int number) {
     std::seed_seq words{seed, static_cast<unsigned>(number)};
     std::mt19937_64 random(words);
     VectorXd x = p.start;
+    const bool are_narrower = p.lower_of_starts.size() > 0;
+    const VectorXd &lower = are_narrower ? p.lower_of_starts : p.lower,
+                   &upper = are_narrower ? p.upper_of_starts : p.upper;
     for (Eigen::Index j = 0; j < x.size(); ++j) {
         // By hand: the standard's distributions differ from library to library.
         const double share = static_cast<double>(random() >> 11) * 0x1.0p-53;
-        if (p.lower[j] < p.upper[j]) x[j] = p.lower[j] + share * (p.upper[j] - p.lower[j]);
+        if (lower[j] < upper[j]) x[j] = lower[j] + share * (upper[j] - lower[j]);
     }
     return x;
 }

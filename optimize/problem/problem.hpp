@@ -170,6 +170,8 @@ struct OptimizeOptions {
     bool shares_with_all_levels = false;
     /// The meaning of earlier runs: ranges of variables stay as they are where a level has converged at them.
     bool keeps_ranges = false;
+    /// The meaning of earlier runs: without a shell, too, a level begins with what a variable may do alone.
+    bool begins_with_narrow_ranges = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -37,13 +37,18 @@ constexpr double full_limit = 0.97;   ///< they go on to become wider up to here
 constexpr double beyond_limit = 1.2;  ///< of it that wider ranges are to reach: then the limit stops the search
 constexpr double min_widening = 1.2, max_widening = 4;  ///< times: the first order is only good for so much
 constexpr int max_widenings = 6;                        ///< of a level
-constexpr double max_correction = 100;                  ///< for expected decreases that turned out too small
+constexpr double max_range_ratio = 16;  ///< times the longest step, where ranges begin wide: more was not faster
+constexpr double max_correction = 100;  ///< for expected decreases that turned out too small
 
 class Optimization {
 public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
+        const OptimizeOptions& options = problem.optimize;
+        // With a shell wide ranges lead on to where it buckles.
+        state_.begins_with_wide_ranges =
+            options.method == Method::sqp && !problem.has_shell && !options.begins_with_narrow_ranges;
     }
 
     RunResult run() {
@@ -75,6 +80,7 @@ private:
             bool refines = finish_or_refine(x, level, next);
             while (!refines && ended_at_limit(level) && state_.limits_were_raised()) {
                 level = run_again(x);
+                if (!state_.problem.optimize.begins_with_narrow_ranges) level = in_wider_ranges(std::move(level));
                 x = level.x;
                 refines = finish_or_refine(x, level, next);
             }
@@ -183,7 +189,10 @@ private:
     enum class Entry { first, refined, again, finished };
 
     MinimizeResult search_level(const Eigen::VectorXd& start, Entry entry) {
-        MinimizeResult level = run_level(start, entry);
+        return in_wider_ranges(run_level(start, entry));
+    }
+
+    MinimizeResult in_wider_ranges(MinimizeResult level) {
         for (int k = 0; k < max_widenings && widens_ranges(level.x, level); ++k) level = run_again(level.x);
         return level;
     }
@@ -195,8 +204,10 @@ private:
         return run_level(x, Entry::again);
     }
 
-    /// The metric, in which 1 is a reasonable step, takes the ranges for reasonable ones.
-    double max_step() const { return widened_ * MinimizeOptions().max_step; }
+    /// The metric, in which 1 is a reasonable step, takes what one variable may do alone for reasonable.
+    double max_step() const {
+        return widened_ * std::min(state_.range_ratio, max_range_ratio) * MinimizeOptions().max_step;
+    }
 
     bool may_continue(const MinimizeResult& level) const {
         return level.stop != MinimizeStop::failed && !level.gradient_inconsistent && state_.evaluations_left() > 0 &&

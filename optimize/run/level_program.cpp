@@ -125,7 +125,7 @@ const NonlinearProgram& LevelProgram::enter(const Eigen::VectorXd& start, bool i
     program_.start = start.cwiseProduct(weight_);
     program_.lower = space.lower.cwiseProduct(weight_);
     program_.upper = space.upper.cwiseProduct(weight_);
-    if (!is_widened) narrow_bounds();
+    narrow_bounds(is_widened);
     program_.num_inequalities = num_inequalities_;
     program_.num_equalities = num_equalities_;
     program_.evaluate = [this](const Eigen::VectorXd& y) { return evaluate(unscaled(y)); };
@@ -273,14 +273,18 @@ Evaluation LevelProgram::from_values(const std::vector<double>& values) const {
     return known;
 }
 
-void LevelProgram::narrow_bounds() {
+void LevelProgram::narrow_bounds(bool is_widened) {
     if (!needs_narrow_bounds(state_.problem.optimize) || state_.evaluator.motion_limit().is_none()) return;
+    if (is_widened && !state_.begins_with_wide_ranges) return;
     const Parameters& p = state_.rest->parameters;
     const double limit = largest_limit(p), room = std::isfinite(limit) ? limit / variable_scale(p) : 1;
+    Eigen::VectorXd lower = program_.lower, upper = program_.upper;
     for (int j = 0; j < state_.space.num_shape(); ++j) {
-        program_.lower[j] = std::min(std::max(program_.lower[j], -room * weight_[j]), program_.start[j]);
-        program_.upper[j] = std::max(std::min(program_.upper[j], room * weight_[j]), program_.start[j]);
+        lower[j] = std::min(std::max(lower[j], -room * weight_[j]), program_.start[j]);
+        upper[j] = std::max(std::min(upper[j], room * weight_[j]), program_.start[j]);
     }
+    (state_.begins_with_wide_ranges ? program_.lower_of_starts : program_.lower) = std::move(lower);
+    (state_.begins_with_wide_ranges ? program_.upper_of_starts : program_.upper) = std::move(upper);
 }
 
 void LevelProgram::keep_slack() {

@@ -76,7 +76,7 @@ private:
     std::string contradiction(const std::vector<double>& at_start) const;
     Evaluation from_values(const std::vector<double>& values) const;
     void keep_slack();
-    void narrow_bounds();
+    void narrow_bounds(bool is_widened);
     StepLimits step_limits(const MotionConditions& at, const FoldConditions& folds) const;
     Eigen::VectorXd limit_multipliers(const Evaluation& at) const;
     double sign() const { return state_.problem.maximize ? -1 : 1; }

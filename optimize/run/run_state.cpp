@@ -5,6 +5,7 @@
 #include "optimize/run/stored_design.hpp"
 #include "optimize/space/parameters.hpp"
 #include "optimize/space/refinement.hpp"
+#include "optimize/space/scaling.hpp"
 
 namespace strake {
 namespace {
@@ -216,7 +217,11 @@ Eigen::VectorXd RunState::next_level(const Eigen::VectorXd& x, const LevelSet* n
         start = std::move(inherited.x);
         prolongation = std::move(inherited.prolongation);
     }
-    if (!result.levels.empty()) evaluator.enter(space);
+    range_ratio = begins_with_wide_ranges ? widen_to_limit(space) : 1;
+    if (!result.levels.empty())
+        evaluator.enter(space);
+    else
+        evaluator.set_ranges(space);
     level_limits_ = limits();
     LevelSummary summary;
     summary.level = space.level;

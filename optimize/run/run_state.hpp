@@ -85,6 +85,9 @@ public:
     int level_best_evaluation = 0;
     Eigen::VectorXd level_best_x;  ///< empty: the level has no evaluation that is ok
     double level_best_objective = std::numeric_limits<double>::quiet_NaN();
+    /// Of the next levels: ranges of variables are as wide as the motion limit lets them be together.
+    bool begins_with_wide_ranges = false;
+    double range_ratio = 1;  ///< of the present level: the most that this has made of a range
     bool is_trying = false;  ///< only the first evaluation of the level counts as its best: the others are differences
 
 private:

@@ -6,6 +6,7 @@
 #include "optimize/space/null_directions.hpp"
 #include "optimize/space/response_metric.hpp"
 
+#include <Eigen/Cholesky>
 #include <numbers>
 
 namespace strake {
@@ -95,6 +96,17 @@ void leave_out_dependent(DesignSpace& space) {
     if (!space.weak.empty()) space.notes.push_back(weak_words(space, least));
 }
 
+/// Variables whose ranges come from the motion limit.
+std::vector<int> follow_limit(const DesignSpace& space) {
+    std::vector<int> follow;
+    for (int j = 0; j < space.num_shape(); ++j) {
+        const Variable& variable = space.variables[static_cast<std::size_t>(j)];
+        if (variable.kind != VariableKind::planform && !has_range_of_its_own(space.rest->parameters, variable))
+            follow.push_back(j);
+    }
+    return follow;
+}
+
 }  // namespace
 
 void scale_variables(DesignSpace& space) {
@@ -129,14 +141,32 @@ void scale_variables(DesignSpace& space) {
     note_out_of_reach(space, responses);
 }
 
-bool widen_ranges(DesignSpace& space, const Eigen::VectorXd& x, double times) {
+double widen_to_limit(DesignSpace& space) {
     const Parameters& p = space.rest->parameters;
-    std::vector<int> follow;
+    const double limit = largest_limit(p) * space.rest->diagonal;
+    const std::vector<int> follow = follow_limit(space);
+    if (follow.empty() || !limits_motion(p) || !std::isfinite(limit)) return 1;
+    const Eigen::MatrixXd moves = responses_at_rest(space).samples(Eigen::all, follow);
+    const Eigen::LLT<Eigen::MatrixXd> mean_square(moves.transpose() * moves);
+    if (mean_square.info() != Eigen::Success) return 1;
+    const auto size = static_cast<Eigen::Index>(follow.size());
+    const Eigen::MatrixXd inverse = mean_square.solve(Eigen::MatrixXd::Identity(size, size));
+    double most = 1;
+    for (Eigen::Index i = 0; i < size; ++i) {
+        const int j = follow[static_cast<std::size_t>(i)];
+        const double extent = std::min(limit * std::sqrt(inverse(i, i)), room_without_limit);
+        if (!(extent > space.upper[j])) continue;  // an inherited value may have widened it
+        most = std::max(most, extent / space.upper[j]);
+        space.upper[j] = extent;
+        space.lower[j] = std::min(space.lower[j], -extent);
+    }
+    return most;
+}
+
+bool widen_ranges(DesignSpace& space, const Eigen::VectorXd& x, double times) {
+    const std::vector<int> follow = follow_limit(space);
     bool is_any_at_end = false;
-    for (int j = 0; j < space.num_shape(); ++j) {
-        const Variable& variable = space.variables[static_cast<std::size_t>(j)];
-        if (variable.kind == VariableKind::planform || has_range_of_its_own(p, variable)) continue;
-        follow.push_back(j);
+    for (const int j : follow) {
         const double near = 1e-6 * (space.upper[j] - space.lower[j]);
         is_any_at_end |= x[j] <= space.lower[j] + near || x[j] >= space.upper[j] - near;
     }

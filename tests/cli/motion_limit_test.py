@@ -104,15 +104,14 @@ class MotionLimit(unittest.TestCase):
             (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
             strake("run", "wing.yaml", "--out", name, "-q")
         case = (folder / "before/case.yaml").read_text()
-        for old, new in ((", keep: none, ", ", "), ("keys: 6", "keys: 2")):
-            self.assertEqual(case.count(old), 1, case)
-            case = case.replace(old, new)
-        (folder / "before/case.yaml").write_text(case)
-        with sqlite3.connect(folder / "before/journal.sqlite") as journal:
-            journal.execute("UPDATE facts SET value = replace(value, ', keep: none, ', ', ') WHERE name = 'case'")
-            journal.execute("UPDATE facts SET value = '2' WHERE name = 'meaning'")
-            journal.execute("DELETE FROM facts WHERE name = 'hash'")
-        journal.close()
+        self.assertEqual((case.count(", keep: none, "), case.count("keys: 6")), (1, 1), case)
+        (folder / "before/case.yaml").write_text(case.replace(", keep: none, ", ", ").replace("keys: 6", "keys: 2"))
+        for name, said in (("before", ", keep: none, "), ("none", ", ")):
+            with sqlite3.connect(folder / name / "journal.sqlite") as journal:
+                journal.execute(f"UPDATE facts SET value = replace(value, '{said}', ', ') WHERE name = 'case'")
+                journal.execute("UPDATE facts SET value = '2' WHERE name = 'meaning'")
+                journal.execute("DELETE FROM facts WHERE name = 'hash'")
+            journal.close()
         (folder / "kept.yaml").write_text(WING.replace("KEEP", ""))
         strake("run", "kept.yaml", "--out", "kept", "-q")
         self.assertIn("planform: keep", strake("mix", "kept", "before", "-o", "m.obj", status=2).stderr)
@@ -210,6 +209,34 @@ class MotionLimit(unittest.TestCase):
         self.assertEqual(told["status"], "converged")
         self.assertIn("the variables' own range ends there", told["reason"])
         self.assertLess(told["motion_limit"]["used"], 0.05)
+
+    def test_fields_that_hold_each_other_back_begin_with_wide_ranges(self):
+        """Without a shell what the limit lets fields be together is known. A run of before goes on with what one may do alone."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "1000", "-o", "free.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        (folder / "free.yaml").write_text(
+            "surface: {file: free.obj}\nshell: none\nhold: point\nobjective: {maximize: volume}\n"
+            "optimize: {budget: {evaluations: 30}}\nparameters: {fields: 24, max_displacement: 0.5%}\n")
+        gain = {}
+        for meaning in (5, 6):
+            run = f"free{meaning}"
+            strake("run", "free.yaml", "--out", run, "-q")
+            with sqlite3.connect(folder / run / "journal.sqlite") as journal:  # as if it had ended after one
+                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+                journal.execute("DELETE FROM facts WHERE name = 'hash'")
+                journal.execute("DELETE FROM evaluations WHERE number > 1")
+                journal.execute("DELETE FROM calls WHERE evaluation > 1")
+            journal.close()
+            history = folder / run / "history.csv"
+            whole = history.read_text()
+            history.write_text("".join(whole.splitlines(True)[:2]))
+            strake("resume", run, "-q")
+            (self.assertEqual if meaning == 6 else self.assertNotEqual)(history.read_text(), whole)
+            told = self.result(run)
+            self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
+            gain[meaning] = told["objective"] - told["objective_start"]
+        self.assertGreater(gain[6], 1.003 * gain[5])
 
     def test_a_limit_beyond_reason_is_told(self):
         write("far.yaml", "max_displacement: 90%")

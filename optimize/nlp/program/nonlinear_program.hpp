@@ -82,6 +82,7 @@ struct KnownPoint {
 
 struct NonlinearProgram {
     Eigen::VectorXd start, lower, upper;
+    Eigen::VectorXd lower_of_starts, upper_of_starts;  ///< where random ones are drawn; empty: within the bounds
     int num_inequalities = 0, num_equalities = 0;
     std::function<Evaluation(const Eigen::VectorXd& x)> evaluate;
     /// Adds the gradients to the last evaluation, which was at this x. Local gradient-free methods never call it,

@@ -1,5 +1,7 @@
 #include "optimize/space/motion_limit.hpp"
 
+#include "optimize/space/rest_shell.hpp"
+#include "optimize/space/scaling.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
@@ -88,6 +90,37 @@ TEST(MotionLimit, WithoutANormalTheSmallerLimitHolds) {
     EXPECT_EQ(limit.excess(moved_by(0.0049)), "");
     EXPECT_NE(limit.excess(moved_by(0.0051)), "");
     EXPECT_NE(limit.excess(moved_by(-0.0051)), "");
+}
+
+/// No design whose surface is within the limit, to first order, is cut off; what one variable may do alone cuts most.
+TEST(MotionLimit, RangesHoldEverySurfaceWithinIt) {
+    Problem problem = ellipsoid_problem(2, 3);
+    problem.parameters.kinds = {VariableKind::normal_load};
+    problem.parameters.max_displacement = 0.01;
+    const auto rest = rest_facts(problem);
+    DesignSpace space = design_space(rest, 2);
+    const Eigen::VectorXd alone = space.upper;
+    ASSERT_EQ(alone, Eigen::VectorXd::Ones(space.size()));
+    const double ratio = widen_to_limit(space);
+    EXPECT_GT(ratio, 3) << "a closed body under even pressure hardly moves";
+    EXPECT_EQ(ratio, space.upper.cwiseQuotient(alone).maxCoeff());
+    EXPECT_EQ(space.lower, -space.upper);
+    const auto shell = shell_at_rest(space);
+    std::vector<Points> moved;
+    design_response(space, shell.get(), [&](int, const Points& dv) { moved.push_back(dv); });
+    int beyond_alone = 0;
+    for (unsigned seed = 1; seed <= 200; ++seed) {
+        // Long where the surface hardly moves.
+        const Eigen::VectorXd x = space.metric.ldlt().solve(random_vector(space.size(), seed));
+        Points sum = Points::Zero(problem.surface.num_vertices(), 3);
+        for (int j = 0; j < space.size(); ++j) sum += x[j] * moved[static_cast<std::size_t>(j)];
+        const double most = sum.rowwise().norm().maxCoeff() / (0.01 * rest->diagonal);
+        const Eigen::VectorXd at_limit = x.cwiseAbs() / most;
+        EXPECT_LE(at_limit.cwiseQuotient(space.upper).maxCoeff(), 1 + 1e-6) << seed;
+        beyond_alone += at_limit.maxCoeff() > 1;
+    }
+    EXPECT_GT(beyond_alone, 20);
+    EXPECT_EQ(widen_to_limit(space), 1) << "once is enough";
 }
 
 }  // namespace strake

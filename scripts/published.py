@@ -313,6 +313,7 @@ def main():
         parser.error("--write needs all problems at their full size")
     options.out.mkdir(parents=True, exist_ok=True)
     options.out, options.bin = options.out.resolve(), options.bin.resolve()
+    os.environ["STRAKE"] = str(options.bin / "strake")  # for the programs that call it
     results, is_complete = [], True
     for name in options.names or [n for n in PROBLEMS if not (options.quick and PROBLEMS[n].is_slow)]:
         if PROBLEMS[name].needs and not shutil.which(PROBLEMS[name].needs):

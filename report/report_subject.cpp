@@ -8,8 +8,10 @@
 #include "optimize/nlp/program/methods.hpp"
 
 #include <fmt/core.h>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -79,10 +81,21 @@ std::string user_variable_words(const UserVariableEntry& variable, const std::st
     return variable.name;
 }
 
+std::string planform_words(const Case& c) {
+    const auto is_of_body = [&](const PlanformRangeEntry& range) {
+        return std::ranges::any_of(c.bodies, [&](const FuselageEntry& body) { return body.name == range.wing; });
+    };
+    const auto& ranges = c.parameters.planform;
+    const auto bodies = std::ranges::count_if(ranges, is_of_body);
+    return bodies == 0                             ? "changes of wings"
+           : std::cmp_equal(bodies, ranges.size()) ? "changes of bodies"
+                                                   : "changes of wings and bodies";
+}
+
 std::string variable_words(const Case& c) {
     std::vector<std::string> kinds;
     for (const VariableKind kind : c.parameters.variables) kinds.push_back(word_of(kind));
-    if (!c.parameters.planform.empty()) kinds.push_back("changes of wings");
+    if (!c.parameters.planform.empty()) kinds.push_back(planform_words(c));
     if (c.parameters.fields.is_wanted) kinds.push_back("displacement fields");
     for (const UserVariableEntry& variable : c.parameters.user_variables)
         kinds.push_back(user_variable_words(variable, c.units));

@@ -339,7 +339,8 @@ std::vector<char> RegionSets::marks_named(const std::string& name) {
     }
 }
 
-bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEntry>& wings, const TriMesh& mesh) {
+bool needs_patches(const Case& the_case, const TriMesh& mesh) {
+    const std::vector<Region>& regions = the_case.regions;
     std::set<std::string> known{"all"};
     for (const Region& region : regions) known.insert(region.name);
     if (!mesh.group.empty()) known.insert(mesh.group_names.begin(), mesh.group_names.end());
@@ -351,8 +352,8 @@ bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEnt
             return false;  // reported where it is evaluated
         }
     };
-    if (std::any_of(wings.begin(), wings.end(),
-                    [&](const auto& wing) { return wing.on && names_patch(wing.on->name); }))
+    const auto is_on_patch = [&](const auto& entry) { return entry.on && names_patch(entry.on->name); };
+    if (std::ranges::any_of(the_case.planform, is_on_patch) || std::ranges::any_of(the_case.bodies, is_on_patch))
         return true;
     return std::any_of(regions.begin(), regions.end(), [&](const Region& region) {
         std::string formula;

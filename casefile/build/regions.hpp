@@ -69,7 +69,7 @@ private:
 /// shrink, by growing the rest. What `grow` does.
 std::vector<char> grown_marks(const StartSurface& start, const std::vector<char>& marks, double by);
 
-/// Some region or wing names a patch: the tree is needed before them.
-bool needs_patches(const std::vector<Region>& regions, const std::vector<WingEntry>& wings, const TriMesh& mesh);
+/// Some region, wing or body names a patch: the tree is needed before them.
+bool needs_patches(const Case& the_case, const TriMesh& mesh);
 
 }  // namespace strake

@@ -54,9 +54,9 @@ void check_planform_ranges(const Case& c, Diagnostics& errors) {
         if (std::find(wings.begin(), wings.end(), entry.wing) == wings.end()) {
             const std::string near = nearest(entry.wing, wings);
             errors.add(entry.place,
-                       text("parameters.planform: no wing '", printable(entry.wing), "' is declared under planform",
-                            near.empty() ? "" : text("; did you mean '", near, "'?"),
-                            wings.empty() ? "" : text("; wings: ", joined(wings))));
+                       text("parameters.planform: no wing or body '", printable(entry.wing),
+                            "' is declared under planform", near.empty() ? "" : text("; did you mean '", near, "'?"),
+                            wings.empty() ? "" : text("; declared: ", joined(wings))));
         }
         check_planform_name(c, entry, errors);
         if (!c.fit.empty()) errors.add(entry.place, "parameters.planform is not supported together with fit");

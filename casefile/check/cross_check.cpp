@@ -198,12 +198,13 @@ std::string unknown_value(const Case& c, const std::string& name) {
                 if (name == quantity.name + "." + value)
                     return text("quantity '", printable(name),
                                 "' is left out: a half model at no sideslip has no side force, roll or yaw");
-    if (name.find('@') != std::string::npos) {  // only values of wings have it
+    if (name.find('@') != std::string::npos) {  // only values of wings and bodies have it
         std::vector<std::string> wings;
         for (const WingEntry& wing : c.planform) wings.push_back(wing.name);
-        return text("quantity '", printable(name), "' is not known: no wing '",
+        for (const FuselageEntry& body : c.bodies) wings.push_back(body.name);
+        return text("quantity '", printable(name), "' is not known: no wing or body '",
                     printable(name.substr(0, name.find('.'))), "' is declared under planform",
-                    wings.empty() ? "" : text("; wings: ", joined(wings)));
+                    wings.empty() ? "" : text("; declared: ", joined(wings)));
     }
     std::vector<std::string> known = known_values(c);
     const std::string near = nearest(name, known);

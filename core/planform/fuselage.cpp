@@ -16,7 +16,7 @@ using Eigen::Vector3d;
 constexpr double square_tolerance = 1e-6;  ///< of directions that must be perpendicular
 constexpr double end_rel = 1e-6;           ///< of the length: vertices of nose and tail
 constexpr double end_margin = 1e-3;        ///< of the length: planes stay so far inside
-constexpr double plane_rel = 1e-4;         ///< of the length: a half lies on one side of the plane
+constexpr double plane_rel = 1e-4;         ///< of the length: a half ends at the plane
 
 Varying along(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
     Varying result(n.dot(mesh.vertices.row(v)));
@@ -86,8 +86,8 @@ Fuselage::Fuselage(const TriMesh& start, const FuselageDeclaration& declaration)
     }
     if (declared_.symmetry && std::abs(declared_.symmetry->normal.dot(across())) > 1 - square_tolerance) {
         plane_ = declared_.symmetry->offset * declared_.symmetry->normal.dot(across());
-        if (left >= plane_ - plane_rel * (high - low)) half_ = 1;
-        if (right <= plane_ + plane_rel * (high - low)) half_ = -1;
+        const auto ends_at_plane = [&](double at) { return std::abs(at - plane_) <= plane_rel * (high - low); };
+        if (ends_at_plane(left) != ends_at_plane(right)) half_ = ends_at_plane(left) ? 1 : -1;
     }
     for (const double s : declared_.stations) station(start, s);
 }

@@ -17,7 +17,7 @@ struct FuselageDeclaration {
     std::vector<int> triangles = {};  ///< of the surface; empty: all
     /// Unit vectors, perpendicular to each other. `axis` from the nose to the tail.
     Eigen::Vector3d axis = Eigen::Vector3d::UnitX(), up = Eigen::Vector3d::UnitZ();
-    std::optional<SymmetryPlane> symmetry = {};              ///< the surface is half a body
+    std::optional<SymmetryPlane> symmetry = {};              ///< what ends at it is half a body
     std::vector<double> stations = {0, 0.25, 0.5, 0.75, 1};  ///< fractions of the length in [0, 1], ascending
 };
 

@@ -255,7 +255,7 @@ WrapBinding::Impl::Smooth WrapBinding::Impl::smooth(const Points& of_wrap) const
     parts.rest = of_wrap - wrap_affine * parts.nearest;
     MatrixXd right = MatrixXd::Zero(k + 4, 3);
     right.topRows(k) = parts.rest(centers, Eigen::all);
-    const MatrixXd solved = system.transpose().solve(right);
+    const MatrixXd solved = system.solve(right);
     parts.weights = solved.topRows(k);
     parts.linear = solved.bottomRows(4);
     return parts;

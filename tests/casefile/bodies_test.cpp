@@ -35,14 +35,29 @@ TEST_F(Bodies, HaveValuesAndVariables) {
     EXPECT_NEAR(found.at("hull.height@0.7") / found.at("hull.width@0.7"), 0.8, 0.01);
 }
 
+/// `deform` looks for patches only where the case names one.
+TEST_F(Bodies, MayBeAPatch) {
+    surface(box_surface({4, 1, 0.5}, 8));
+    const std::string rest = "parameters: {fields: {number: 4}}\nobjective: {minimize: area}\n";
+    const auto on = [&](const std::string& name) {
+        return "hold: none\nshell: none\nplanform: {hull: {on: " + name + ", length: x}}\n" + rest;
+    };
+    const std::string patch = build(on("all")).problem.tree.levels.back().patches.back().name;
+    EXPECT_EQ(error(on(patch), Purpose::deform), "") << patch;
+    EXPECT_TRUE(contains(error(on("no" + patch), Purpose::deform), "is no region, part of the surface file or patch"));
+}
+
 TEST_F(Bodies, WhatIsWrongIsSaidWhereItStands) {
     const std::string goal = "objective: {minimize: area}\nparameters:\n  planform:\n    ";
     for (const auto& [line, words] : std::vector<std::pair<std::string, std::string>>{
              {"hull.twist: {range: [-1deg, 1deg]}", "hull.twist is a change of wings"},
              {"hull.width@0.4: {range: [-1%, 1%]}", "there is no such station; stations: 0, 0.3, 0.7, 1"},
              {"hull.width: {range: [-1, 1]}", "needs a unit: a percentage"},
-             {"hul.width: {range: [-1%, 1%]}", "did you mean 'hull'?"}})
+             {"hul.width: {range: [-1%, 1%]}",
+              "no wing or body 'hul' is declared under planform; did you mean 'hull'?"}})
         EXPECT_TRUE(contains(error(frame(goal + line + "\n")), words)) << error(frame(goal + line + "\n"));
+    const std::string of_another = "parameters: {fields: auto}\nobjective: {minimize: hul.width@0.5}\n";
+    EXPECT_TRUE(contains(error(frame(of_another)), "no wing or body 'hul' is declared under planform; declared: hull"));
     const std::string rest = "parameters: {fields: auto}\nobjective: {minimize: area}\n";
     for (const auto& [entry, words] : std::vector<std::pair<std::string, std::string>>{
              {"{length: x, span: y}", "has span and length; a wing has a span, a body a length"},

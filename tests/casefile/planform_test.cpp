@@ -150,7 +150,7 @@ TEST_F(Planform, ErrorsSayWhatToDo) {
     for (const auto& [limit, words] :
          {std::pair{"wing.twist@1.5: {max: 1deg}", "must be a fraction in [0, 1]"},
           {"wing.twst@0.5: {max: 1deg}", "did you mean 'twist'?"},
-          {"fin.twist@0.5: {max: 1deg}", "no wing 'fin' is declared under planform; wings: wing"}}) {
+          {"fin.twist@0.5: {max: 1deg}", "no wing or body 'fin' is declared under planform; declared: wing"}}) {
         const std::string said = in_case(wing + goal + "constraints: {" + limit + "}\n");
         EXPECT_TRUE(contains(said, words)) << said;
         EXPECT_EQ(count(said), 1) << said;
@@ -215,7 +215,7 @@ TEST_F(Planform, BadRangesAreRefused) {
             Purpose::run);
     };
     for (const auto& [range, words] : std::vector<std::pair<std::string, std::string>>{
-             {"wng.span: {range: [-1%, 1%]}", "no wing 'wng' is declared under planform; did you mean 'wing'?"},
+             {"wng.span: {range: [-1%, 1%]}", "no wing or body 'wng' is declared under planform; did you mean 'wing'?"},
              {"wing.spam: {range: [-1%, 1%]}", "changes: span, sweep, dihedral"},
              {"wing.span: {range: [-1, 1]}", "range[0] = -1 needs a unit"},
              {"wing.twist: {range: [-1, 1]}", "must be an angle with a unit"},

@@ -79,6 +79,19 @@ TEST_F(Report, HasTheSheetOfADeclaredWing) {
     EXPECT_EQ(data_of(bytes_of(path("again.html")))["wings"], wings);
 }
 
+TEST_F(Report, SaysWhetherWingsOrBodiesChange) {
+    write_surface(folder / "hull.ply", ellipsoid({2, 0.5, 0.4}, 3), SurfaceFormat::ply_binary);
+    const std::string yaml =
+        "case: hull\nsurface: {file: hull.ply, units: m}\nplanform: {hull: {length: x}}\nhold: none\nshell: none\n"
+        "parameters: {planform: {hull.width: {range: [-5%, 5%]}}}\nobjective: {minimize: area}\n"
+        "optimize: {budget: {evaluations: 3}}\n";
+    const ProgramRun run = run_strake({"run", folder.write("hull.yaml", yaml).string(), "--out", path("run"), "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const std::string html = bytes_of(path("run/report.html"));
+    EXPECT_NE(html.find("changes of bodies"), std::string::npos);
+    EXPECT_EQ(html.find("changes of wings"), std::string::npos);
+}
+
 TEST_F(Report, OfAFinishedRunIsTheSameBytes) {
     ASSERT_EQ(run_strake({"run", small_case(with_report), "--out", path("run"), "-q"}).status, 0);
     const ProgramRun again = run_strake({"report", path("run"), "-o", path("again.html")});

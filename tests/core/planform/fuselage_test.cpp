@@ -40,6 +40,21 @@ TEST(Fuselage, IsMeasuredAsItWasMade) {
     }
 }
 
+/// A nacelle beside the plane of symmetry of a half model.
+TEST(Fuselage, WhatEndsBesideThePlaneOfSymmetryIsWhole) {
+    TriMesh mesh = drooped();
+    const FuselageStation before = Fuselage(mesh, {}).station(mesh, 0.5);
+    FuselageDeclaration declared;
+    declared.symmetry = SymmetryPlane{Vector3d::UnitY(), 0};
+    for (const double shift : {0.7, -0.7}) {
+        mesh.vertices.col(1).array() += shift;
+        const FuselageStation at = Fuselage(mesh, declared).station(mesh, 0.5);
+        EXPECT_NEAR(at.width.value, before.width.value, 1e-10);
+        EXPECT_NEAR(at.across.value, before.across.value + shift, 1e-10);
+        mesh.vertices.col(1).array() -= shift;
+    }
+}
+
 TEST(Fuselage, HalfIsWhole) {
     const TriMesh mesh = drooped(), half = clipped(mesh, {Vector3d::UnitY(), 0}, 1e-9);
     FuselageDeclaration declared;

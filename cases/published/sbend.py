@@ -128,6 +128,8 @@ def by_points(folder):
 
 def move(folder, surface):
     """The base's case with its mesh moved to the walls."""
+    if not os.path.exists(POINTS):
+        foam.fail(f"{BASE}: no mesh yet; run sbend.py prepare first")
     shutil.rmtree(folder, ignore_errors=True)
     flow.clone(BASE, folder)
     apply(surface, "moved.npy")

@@ -13,6 +13,7 @@ class Surface:
 
     def __init__(self):
         self.vertices, self.triangles = [], []
+        self.groups = []  # (name, number of triangles before it)
 
     def ring(self, x, r, around):
         """Indices of a ring's vertices; one vertex where the radius is 0."""
@@ -41,7 +42,10 @@ class Surface:
         with open(path, "w", encoding="ascii") as out:
             for v in self.vertices:
                 out.write("v %.17g %.17g %.17g\n" % v)
-            for t in self.triangles:
+            for k, t in enumerate(self.triangles):
+                for name, first in self.groups:
+                    if first == k:
+                        out.write(f"g {name}\n")
                 out.write("f %d %d %d\n" % tuple(i + 1 for i in t))
 
 
@@ -223,7 +227,49 @@ def sphere(triangles):
     return surface
 
 
+def bend(triangles):
+    """Walls and ends of a channel with an S-bend between -1 and 1, one strip each, like those that sbend.py makes of OpenFOAM's mesh: to
+    look at the case without OpenFOAM.
+    """
+    made, n = Surface(), max(8, round(triangles / 14))
+
+    def wall_height(x):
+        s = min(max((x + 1) / 2, 0.0), 1.0)
+        return -0.2 * s**3 * (10 - 15 * s + 6 * s * s)
+
+    def strip(points):
+        first = len(made.vertices)
+        for x, y in points:
+            made.vertices += [(x, y, 0.0), (x, y, 0.1)]
+        for k in range(first, len(made.vertices) - 2, 2):
+            made.triangles += [(k, k + 2, k + 3), (k, k + 3, k + 1)]
+    places = [-1 + 2 * k / n for k in range(n + 1)]
+    for name, up, xs in (("lower", 0.0, places), ("upper", 0.38, places[::-1])):
+        made.groups.append((name, len(made.triangles)))
+        strip([(x, wall_height(x) + up) for x in xs])
+    made.groups.append(("sideWall", len(made.triangles)))
+    for begin, end in ((-3.0, -1.0), (1.0, 3.8)):
+        xs = [begin + (end - begin) * k / n for k in range(n + 1)]
+        strip([(x, wall_height(x)) for x in xs])
+        strip([(x, wall_height(x) + 0.38) for x in xs[::-1]])
+    for name, x, heights in (("Inlet", -3.0, (0.38, 0.19, 0.0)), ("Outlet", 3.8, (-0.2, -0.01, 0.18))):
+        made.groups.append((name, len(made.triangles)))
+        strip([(x, y) for y in heights])
+    return welded(made)
+
+
+def welded(surface):
+    """Vertices at the same place are one."""
+    made, number = Surface(), {}
+    made.groups = surface.groups
+    rows = [number.setdefault(tuple(round(c, 12) + 0.0 for c in v), len(number)) for v in surface.vertices]
+    made.vertices = list(number)
+    made.triangles = [tuple(rows[k] for k in t) for t in surface.triangles]
+    return made
+
+
 KINDS = {
+    "sbend": bend,
     "cylinder_with_cones": lambda n: slender(cylinder_with_cones, n),
     "bumped_spindle": lambda n: slender(bumped_spindle, n),
     "cone_and_cylinder": lambda n: slender(cone_and_cylinder, n, True),

@@ -254,6 +254,7 @@ def write(kind, triangles, path):
 
 
 def run_problem(name, options):
+    """None: its start surface cannot be made."""
     problem = PROBLEMS[name]
     is_small = options.quick and problem.quick is not None
     triangles = problem.quick if is_small else problem.triangles
@@ -262,7 +263,8 @@ def run_problem(name, options):
     if is_small:
         surface = options.out / f"{problem.start}_{triangles}.obj"
     if problem.prepare:
-        subprocess.run([CASES / problem.prepare, "prepare"], check=True)
+        if subprocess.run([CASES / problem.prepare, "prepare"], check=False).returncode != 0:
+            return None  # it has said why
     else:
         write(problem.start, triangles, surface)
     if problem.beside:
@@ -313,14 +315,19 @@ def main():
         parser.error("--write needs all problems at their full size")
     options.out.mkdir(parents=True, exist_ok=True)
     options.out, options.bin = options.out.resolve(), options.bin.resolve()
-    os.environ["STRAKE"] = str(options.bin / "strake")  # for the programs that call it
+    os.environ["STRAKE"] = str(options.bin / "strake")  # for programs that call it: not another one on PATH
     results, is_complete = [], True
     for name in options.names or [n for n in PROBLEMS if not (options.quick and PROBLEMS[n].is_slow)]:
         if PROBLEMS[name].needs and not shutil.which(PROBLEMS[name].needs):
             print(f"{name}: not run, {PROBLEMS[name].needs} is not installed: scripts/setup.sh openfoam")
             is_complete = False
             continue
-        results.append(run_problem(name, options))
+        result = run_problem(name, options)
+        if result is None:
+            print(f"{name}: not run, its start surface is not there: scripts/setup.sh openfoam")
+            is_complete = False
+            continue
+        results.append(result)
         print(tables(results[-1:]).split("\n", 2)[2], flush=True)
     (options.out / "results.json").write_text(json.dumps(
         [{"problem": r[0], "triangles": r[1], "evaluations": r[3], "seconds": r[4],

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <map>
-#include <sstream>
 
 namespace strake {
 namespace {
@@ -108,13 +107,46 @@ private:
         return path.empty() ? name : path + "." + name;
     }
 
+    /// Words of a command line or of a list without brackets; quotes hold words together if each has its other.
+    static std::vector<std::string> words_of(const std::string& line) {
+        const auto is_space = [](char c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r'; };
+        const bool has_spaces = std::any_of(line.begin(), line.end(), is_space);
+        std::vector<std::string> words;
+        std::string word;
+        char quote = 0;
+        bool is_word = false;
+        for (std::size_t k = 0; k < line.size(); ++k) {
+            const char c = line[k];
+            const bool is_comma = c == ',' && (!has_spaces || k + 1 == line.size() || is_space(line[k + 1]));
+            const bool begins_quote = (c == '"' || c == '\'') && !quote && line.find(c, k + 1) != std::string::npos;
+            if (begins_quote || (quote && c == quote)) {
+                quote = begins_quote ? c : 0;
+                is_word = true;
+            } else if (!quote && (is_space(c) || is_comma)) {
+                if (is_word) words.push_back(word);
+                word.clear();
+                is_word = false;
+            } else {
+                word += c;
+                is_word = true;
+            }
+        }
+        if (is_word) words.push_back(word);
+        return words;
+    }
+
     /// "python3 {case_dir}/solve.py" as [python3, "{case_dir}/solve.py"]: what a user meant who forgot the brackets.
     static std::string list_of_words(const std::string& line) {
-        std::istringstream words(line);
         std::string list;
-        for (std::string word; words >> word;) {
-            const bool is_plain = word.find_first_of("{}[],:#&*!|>'\"%@`\\") == std::string::npos;
-            list += text(list.empty() ? "" : ", ", is_plain ? printable(word) : '"' + printable(word) + '"');
+        for (const std::string& word : words_of(line)) {
+            const std::string shown = printable(word);
+            const bool is_plain = !word.empty() && word.find_first_of(" {}[],:#&*!|>'\"%@`\\") == std::string::npos;
+            const bool has_marks = word.find_first_of("\"\\") != std::string::npos;
+            if (!list.empty()) list += ", ";
+            if (is_plain)
+                list += shown;
+            else
+                list += has_marks && word.find('\'') == std::string::npos ? "'" + shown + "'" : '"' + shown + '"';
         }
         return list;
     }
@@ -123,9 +155,10 @@ private:
         const bool wants_list = rows.size() == 1 && rows[0]->type == Type::list;
         std::string got = value.form == Value::Form::map ? "a map" : "a list";
         if (value.form == Value::Form::scalar) got = text("'", printable(value.text), "'");
-        const std::string hint = wants_list && value.form == Value::Form::scalar && rows[0]->count == 0
-                                     ? text("; write [", list_of_words(value.text), "]")
-                                     : "";
+        const std::string hint =
+            wants_list && value.form == Value::Form::scalar && rows[0]->count == 0 && !value.text.empty()
+                ? text("; write [", list_of_words(value.text), "]")
+                : "";
         errors_.add(value.place, text(shown, " must be ", expected(rows), ", got ", got, hint));
     }
 

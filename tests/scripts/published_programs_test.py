@@ -1,7 +1,9 @@
 #!/usr/bin/python3
 """The programs of cases/published by themselves: closed forms, and derivatives of order 2. Argument: the repository."""
 import math
+import os
 import shutil
+import subprocess
 import sys
 import tempfile
 import unittest
@@ -196,6 +198,17 @@ class Duct(unittest.TestCase):
     def test_more_than_one_layer_is_refused(self):
         with self.assertRaises(SystemExit):
             sbend.column_means(np.random.default_rng(2).random((10, 3)), np.zeros((10, 3)))
+
+
+    def test_without_the_tutorial_it_is_told_and_left_out(self):
+        """The other problems still run."""
+        with tempfile.TemporaryDirectory() as folder:
+            done = subprocess.run([sys.executable, published.__file__, "--out", folder, "sbend"], env={**os.environ, "FOAM_TUTORIALS": folder},
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, check=False)
+        self.assertEqual(done.returncode, 1, done.stdout)
+        self.assertIn("sbend: not run", done.stdout)
+        self.assertIn("scripts/setup.sh openfoam", done.stdout)
+        self.assertNotIn("Traceback", done.stdout)
 
 
 class WingAndBody(unittest.TestCase):

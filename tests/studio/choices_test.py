@@ -23,6 +23,7 @@ import urllib.request
 
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[2] / "scripts"))
 from browser import Browser, find_chromium  # noqa: E402
+from studio_at_work import Studio  # noqa: E402
 
 STRAKE, MAKE_SURFACE = sys.argv[1:3]
 SIZES = [int(n) for n in sys.argv[3:]] or [2000]
@@ -290,7 +291,7 @@ class Pointed(Choices):
                         continue
                     (ax, ay, az), (bx, by, bz), (cx, cy, cz) = (flat[v] for v in self.file.triangles[s])
                     u, v = ((bx - x) * (cy - y) - (by - y) * (cx - x)) / whole, ((cx - x) * (ay - y) - (cy - y) * (ax - x)) / whole
-                    if min(u, v, 1 - u - v) > 0 and u * az + v * bz + (1 - u - v) * cz > z + 1e-6 * self.file.diagonal:
+                    if min(u, v, 1 - u - v) > -1e-9 and u * az + v * bz + (1 - u - v) * cz > z + 1e-6 * self.file.diagonal:
                         return False
                 return True
 
@@ -312,8 +313,32 @@ class Pointed(Choices):
             self.assertEqual(b.errors, [])
 
 
+class Plates(unittest.TestCase):
+    """Two plates of squares, the diagonals of one across those of the other: each middle of the one behind lies on a diagonal of the one before it."""
+
+    def test_what_lies_on_the_lines_of_others_is_hidden(self):
+        if not find_chromium():
+            self.skipTest("there is no chromium")
+        n, lines = 20, []
+        for z in (0, 3):
+            lines += [f"v {-z} {i / n} {j / n}" for i in range(n + 1) for j in range(n + 1)]
+        for k in (0, 1):
+            for a in (1 + k * (n + 1) ** 2 + i * (n + 1) + j for i in range(n) for j in range(n)):
+                b, c, d = a + n + 1, a + n + 2, a + 1
+                lines += [f"f {a} {c} {b}", f"f {a} {d} {c}"] if k else [f"f {a} {d} {b}", f"f {b} {d} {c}"]
+        with tempfile.TemporaryDirectory() as folder:
+            (pathlib.Path(folder) / "plates.obj").write_text("\n".join(lines) + "\n", encoding="ascii")
+            with Studio(STRAKE, folder, "plates.obj") as studio, Browser(1280, 860) as b:
+                b.open(studio.url.strip())
+                b.until("document.documentElement.dataset.ready > 0")
+                b.run("(() => { const v = strakeStudio.scene.viewer; v.look('front'); v.render(); v.camera.updateMatrixWorld(); })()")
+                found = [b.run(f"strakeStudio.scene.inLasso([[0, 0], [2000, 0], [2000, 2000], [0, 2000]], {through})") for through in ("true", "false")]
+        half = 2 * n * n
+        self.assertEqual(found, [list(range(2 * half)), list(range(half, 2 * half))])
+
+
 def load_tests(loader, _, __):
-    suite = unittest.TestSuite()
+    suite = unittest.TestSuite(loader.loadTestsFromTestCase(Plates))
     for size in SIZES:
         for body in ("lifting_body", "wing"):
             made = type(f"{body}_{size}", (Pointed,), {"body": body, "triangles": size})

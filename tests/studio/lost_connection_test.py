@@ -140,6 +140,22 @@ class LostConnection(unittest.TestCase):
             self.assertEqual(again.run("strakeStudio.runs.rows.map((r) => r[0])"), written, "each evaluation once, in order")
         self.assertEqual(studio.state()["run"]["status"], "interrupted", "it can be resumed")
 
+    def test_a_connection_that_is_lost_while_something_opens(self):
+        """The page asks again for what did not come, whatever it was."""
+        around = tempfile.TemporaryDirectory()
+        self.addCleanup(around.cleanup)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", pathlib.Path(around.name) / "body.stl"], check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        with Studio(STRAKE, around.name, "body.stl") as studio, Browser(1280, 860) as b:
+            b.open(studio.url.strip())
+            b.until("document.documentElement.dataset.ready > 0")
+            b.run("(() => { const ask = window.fetch; window.asked = {}; window.fetch = (path, how) => { const name = String(path).split('?')[0]; window.asked[name] = (window.asked[name] || 0) + 1; "
+                  "return window.lost === name && window.asked[name] === 1 ? Promise.reject(new TypeError('lost')) : ask(path, how); }; })()")
+            for lost in ("api/case", "api/files", "api/surface"):
+                b.run(f"window.asked = {{}}; window.lost = '{lost}'; strakeStudio.version = -1")
+                b.until(f"window.asked['{lost}'] > 1 && window.asked['api/surface'] > 0 && !strakeStudio.isLost", 20)
+                b.until("document.querySelector('.told').innerText === ''", 20)
+            self.assertEqual(b.errors, [])
+
 
 if __name__ == "__main__":
     if not find_chromium():

@@ -1,17 +1,26 @@
 // What the page asks of the server; paths are relative to the address with its token.
 
-/** @param seconds after which a connection that says nothing counts as lost: a tunnel may die without a word. */
-export async function get(path, seconds) {
-  const answer = await fetch(path, seconds ? { signal: AbortSignal.timeout(1000 * seconds) } : {});
-  if (!answer.ok) throw new Error((await answer.text()).trim() || `status ${answer.status}`);
-  return answer.json();
+export const silence = 20;  // seconds
+
+/** @return a Blob. A connection that says nothing for so long counts as lost, and is an error: a tunnel may die without a word.
+ * What the server refuses has `isAnswer`. @param seconds 0: the answer may take its time */
+async function fetched(path, seconds) {
+  const control = new AbortController();
+  let timer = 0;
+  const wait = () => { clearTimeout(timer); if (seconds) timer = setTimeout(() => control.abort(new Error('the connection is lost')), 1000 * seconds); };
+  try {
+    wait();
+    const answer = await fetch(path, { signal: control.signal });
+    if (!answer.ok) throw Object.assign(new Error((await answer.text()).trim() || `status ${answer.status}`), { isAnswer: true });
+    const parts = [], reader = answer.body.getReader();
+    for (let piece = await reader.read(); !piece.done; piece = await reader.read()) { parts.push(piece.value); wait(); }
+    return new Blob(parts);
+  } finally { clearTimeout(timer); }
 }
 
-export async function bytes(path) {
-  const answer = await fetch(path);
-  if (!answer.ok) throw new Error((await answer.text()).trim() || `status ${answer.status}`);
-  return answer.arrayBuffer();
-}
+export async function get(path, seconds = silence) { return JSON.parse(await (await fetched(path, seconds)).text()); }
+
+export async function bytes(path, seconds = 0) { return (await fetched(path, seconds)).arrayBuffer(); }
 
 export async function post(what, more = {}) {
   const answer = await fetch('api', { method: 'POST', headers: { 'Content-Type': 'application/json' }, body: JSON.stringify({ do: what, ...more }) });

@@ -3,7 +3,7 @@
 import './studio.css';
 import { h, choice } from '../../../viewer/page/src/dom.js';
 import { number } from '../../../viewer/page/src/format.js';
-import { get, post, bytes } from './api.js';
+import { get, post, bytes, silence } from './api.js';
 import { Body } from './body.js';
 import { Scene3D } from './scene.js';
 import { lookPanel, viewControls } from './look.js';
@@ -157,13 +157,14 @@ class Studio {
     } }, 'Open'));
   }
 
+  lose() {
+    this.isLost = true;
+    this.tell('The studio does not answer. A run that it started goes on; this page finds its way back when the same address answers.');
+  }
+
   async refresh() {
     let state;
-    try { state = await get(`api/state?from=${this.runs.rows.length}`, 20); } catch (error) {
-      this.isLost = true;
-      this.tell('The studio does not answer. A run that it started goes on; this page finds its way back when the same address answers.');
-      return;
-    }
+    try { state = await get(`api/state?from=${this.runs.rows.length}`); } catch { this.lose(); return; }
     if (this.isLost) {  // the studio was started again: it opens what this page shows
       this.isLost = false;
       this.version = -1;
@@ -176,7 +177,10 @@ class Studio {
     document.documentElement.dataset.opening = String(state.is_opening);
     if (state.version !== this.version && !state.is_opening) {
       this.version = state.version;
-      await this.load(state);
+      try { await this.load(state); } catch (error) {
+        if (!error.isAnswer) { this.lose(); return; }
+        this.tell(error.message);
+      }
     } else if (state.is_opening && !this.wasOpening) this.tell('Reading the surface, its patches and its defects …');
     this.wasOpening = state.is_opening;
     this.showTask(state.task);
@@ -209,7 +213,8 @@ class Studio {
     this.editor.fresh.hidden = Boolean(state.case) || !state.surface;
     await this.listFiles();
     if (state.has_surface) {
-      try { this.build(Body.read(await bytes('api/surface'))); } catch (error) {
+      const surface = await bytes('api/surface', silence);
+      try { this.build(Body.read(surface)); } catch (error) {
         this.tell(`The surface cannot be shown: ${error.message}. The view needs WebGL.`);
         console.warn(error);
       }
@@ -324,9 +329,12 @@ class Studio {
 
   /** Asks while the page is visible, more often while something goes on. */
   async live() {
-    if (!document.hidden) await this.refresh();
-    const isBusy = this.wasOpening || (this.runs.facts && ['running', 'starting'].includes(this.runs.facts.status));
-    setTimeout(() => this.live(), isBusy ? 200 : 500);
+    try {
+      if (!document.hidden) await this.refresh();
+    } finally {
+      const isBusy = this.wasOpening || (this.runs.facts && ['running', 'starting'].includes(this.runs.facts.status));
+      setTimeout(() => this.live(), isBusy ? 200 : 500);
+    }
   }
 }
 

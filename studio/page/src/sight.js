@@ -20,7 +20,7 @@ export function unhidden(view, triangles, wanted, slack) {
   const next = begin.slice();
   for (let i = 0; i < count; ++i) list[next[cell[i]]++] = i;
 
-  const round = 1e-9;  // of a cell: places on its lines
+  const round = 1e-9;  // of a cell, or of a triangle: places on its lines
   const hidden = new Uint8Array(count), x = [0, 0, 0], y = [0, 0, 0], z = [0, 0, 0];
   for (let t = 0; 3 * t < triangles.length; ++t) {
     for (let k = 0; k < 3; ++k) { const at = 3 * triangles[3 * t + k]; x[k] = view[at]; y[k] = view[at + 1]; z[k] = view[at + 2]; }
@@ -46,7 +46,8 @@ export function unhidden(view, triangles, wanted, slack) {
         if (hidden[m] || wanted[m] === t) continue;
         const px = middle[3 * m], py = middle[3 * m + 1];
         const u = ((x[1] - px) * (y[2] - py) - (x[2] - px) * (y[1] - py)) / whole, v = ((x[2] - px) * (y[0] - py) - (x[0] - px) * (y[2] - py)) / whole, w = 1 - u - v;
-        if (u > 0 && v > 0 && w > 0 && u * z[0] + v * z[1] + w * z[2] > middle[3 * m + 2] + slack) hidden[m] = 1;
+        // Its lines belong to it: on those between two triangles one would see through both.
+        if (u > -round && v > -round && w > -round && u * z[0] + v * z[1] + w * z[2] > middle[3 * m + 2] + slack) hidden[m] = 1;
       }
     }
   }

@@ -59,6 +59,7 @@ void ProblemBuilder::set_motion_limits() {
     p.is_limit_stated = entry.is_limit_stated;
     p.limits_variables = entry.limits_variables;
     p.counts_kept_motion_alone = entry.counts_kept_motion_alone;
+    p.lets_edges_fold = entry.lets_edges_fold;
     if (entry.variable_scale) p.variable_scale = share(*entry.variable_scale);
     if (entry.is_limit_stated && entry.is_planform_alone())
         out_.warnings.emplace_back(

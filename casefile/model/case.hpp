@@ -230,6 +230,7 @@ struct ParameterEntry {
     bool is_limit_stated = false;           ///< in the file, not by default
     bool limits_variables = false;          ///< as `Parameters::limits_variables`: of a run that began so
     bool counts_kept_motion_alone = false;  ///< the same
+    bool lets_edges_fold = false;           ///< the same
     bool keeps_edges_as_before = false;     ///< `KeptRules::earlier`: the same
     std::optional<Length> variable_scale;
     bool strain_rotates = true, strain_translates = true;  ///< with strain variables

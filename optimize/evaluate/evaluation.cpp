@@ -81,14 +81,14 @@ void ShapeEvaluator::limit_motion() {
     }
 }
 
-Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack) {
-    return moved_inside(solver_, x, inside_x_, slack);
+Eigen::VectorXd ShapeEvaluator::within(const Eigen::VectorXd& x, double slack, double angle) {
+    return moved_inside(solver_, x, inside_x_, slack, angle);
 }
 
 bool ShapeEvaluator::is_beyond(const Eigen::VectorXd& x, double slack) {
     ShapeEvaluation shape;
     return !solver_.limit().is_none() && solver_.settle(x, shape) &&
-           (!solver_.limit().is_within(solver_.beside_planform(shape.vertices), slack) || is_folded(space(), x));
+           (!is_inside(solver_, shape.vertices, slack, EdgeFolds::kept) || is_folded(space(), x));
 }
 
 FoldConditions ShapeEvaluator::fold_conditions(const Eigen::VectorXd& x, double below) const {
@@ -99,8 +99,9 @@ FoldConditions ShapeEvaluator::fold_conditions_between(const Eigen::VectorXd& fr
     return solver_.limit().is_none() ? FoldConditions() : strake::fold_conditions_between(space(), from, to);
 }
 
-MotionConditions ShapeEvaluator::motion_conditions(const Eigen::VectorXd& x, double min_used) {
-    return strake::motion_conditions(solver_, x, min_used);
+MotionConditions ShapeEvaluator::motion_conditions(const Eigen::VectorXd& x, double min_used,
+                                                   const EdgeFolds::Angles& angles) {
+    return strake::motion_conditions(solver_, x, min_used, angles);
 }
 
 void ShapeEvaluator::accept() {

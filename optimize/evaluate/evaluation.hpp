@@ -24,13 +24,13 @@ public:
     void solve_each_from_datum() { solver_.solve_each_from_datum(); }
     /// Ends the run between two evaluations: stops all programs. @throws Interrupted, with the jobs that are pending.
     [[noreturn]] void interrupt() { queue_.interrupt(); }
-    /// x, or where its shape does not keep `slack` of the motion limit, or its fields fold space, a design near it
-    /// whose shape does, if there is one (`moved_inside`).
-    Eigen::VectorXd within(const Eigen::VectorXd& x, double slack);
-    /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or its fields fold space.
+    /// x, or where its shape does not keep `slack` of the motion limit, has an edge above `angle` (degrees), or its
+    /// fields fold space, a design near it whose shape is within, if there is one (`moved_inside`).
+    Eigen::VectorXd within(const Eigen::VectorXd& x, double slack, double angle = EdgeFolds::kept);
+    /// The shape at x has an equilibrium that does not keep `slack` of the motion limit, or it or its fields fold.
     bool is_beyond(const Eigen::VectorXd& x, double slack);
-    /// Of vertices that use at least `min_used` of their limit at x; none without an equilibrium there.
-    MotionConditions motion_conditions(const Eigen::VectorXd& x, double min_used);
+    /// `strake::motion_conditions`: of vertices near their limits, and of edges that nearly fold.
+    MotionConditions motion_conditions(const Eigen::VectorXd& x, double min_used, const EdgeFolds::Angles& angles = {});
     /// Of triangles with a determinant below `below` at x; none without a motion limit.
     FoldConditions fold_conditions(const Eigen::VectorXd& x, double below) const;
     /// On steps from `from`, of triangles that would fold at `to`; none without a motion limit.

@@ -5,14 +5,19 @@
 #include "optimize/nlp/model/quadratic_model.hpp"
 #include "optimize/space/shape_map.hpp"
 
+#include <numbers>
+
 namespace strake {
 namespace {
 
-constexpr int max_conditions = 24;
-constexpr int max_steps = 6;                 ///< onto the conditions: each is exact to second order
-constexpr int max_bisections = 8;            ///< of the way back: leaves 1/256 of it
-constexpr double nearly_beyond = 0.97;       ///< of its limit: a step may take a vertex beyond that was not
-constexpr double nearly_folded = 0.2;        ///< determinant: the same of triangles
+constexpr int max_conditions = 24, max_folds = 12;
+constexpr int max_steps = 6;                     ///< onto the conditions: each is exact to second order
+constexpr int max_bisections = 8;                ///< of the way back: leaves 1/256 of it
+constexpr double nearly_beyond = 0.97;           ///< of its limit: a step may take a vertex beyond that was not
+constexpr double nearly_folded = 0.2;            ///< determinant: the same of triangles
+constexpr EdgeFolds::Angles below_kept{-8, -1};  ///< degrees: the same of edges, and what is aimed at
+constexpr double moved_angle = -0.1;             ///< below what they keep: of designs that are moved
+constexpr double degree = std::numbers::pi / 180;
 constexpr double adjoint_tolerance = 1e-11;  ///< that units and rounding choose no other designs
 
 bool is_moved(const RigidMotion& motion) { return !motion.rotation.isZero(0) || !motion.translation.isZero(0); }
@@ -32,11 +37,9 @@ bool settle(ShapeSolver& solver, const Eigen::VectorXd& x, Points& vertices) {
     return true;
 }
 
-/// The shape of x, which has these vertices, keeps `slack` of the limits and folds nowhere.
 bool is_inside(const ShapeSolver& solver, const Eigen::VectorXd& x, const Points& vertices, double slack,
-               double determinant) {
-    return solver.limit().is_within(solver.beside_planform(vertices), slack) &&
-           !is_folded(solver.space(), x, determinant);
+               double determinant, double angle) {
+    return is_inside(solver, vertices, slack, angle) && !is_folded(solver.space(), x, determinant);
 }
 
 /// The shortest step in the metric that keeps `slack` of the limits; empty: none was found.
@@ -60,15 +63,15 @@ Eigen::VectorXd step_inside(const ShapeSolver& solver, const Eigen::VectorXd& x,
 }
 
 Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, const Eigen::VectorXd& inside,
-                                double slack) {
+                                double slack, double angle) {
     if (inside.size() != x.size()) return x;
     double low = 0, high = 1;
     for (int k = 0; k < max_bisections; ++k) {
         const double middle = 0.5 * (low + high);
         Points vertices;
         const Eigen::VectorXd there = inside + middle * (x - inside);
-        const bool is_within =
-            settle(solver, there, vertices) && is_inside(solver, there, vertices, slack, moved_determinant);
+        const bool is_within = settle(solver, there, vertices) &&
+                               is_inside(solver, there, vertices, slack, moved_determinant, angle + moved_angle);
         (is_within ? low : high) = middle;
     }
     return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
@@ -100,19 +103,32 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
     return {*rest, Points(rest->surface.vertices + kept_motion(*rest, carried(*rest, shell.vertices() - start)))};
 }
 
-MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used) {
+bool is_inside(const ShapeSolver& solver, const Points& vertices, double slack, double angle) {
+    return solver.limit().is_within(solver.beside_planform(vertices), slack) &&
+           !solver.edge_folds().any_above(angle, vertices);
+}
+
+MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used,
+                                   const EdgeFolds::Angles& angles) {
     MotionConditions at;
     Points vertices;
     if (solver.limit().is_none() || !settle(solver, x, vertices)) return at;
     at.rows = solver.limit().rows(solver.beside_planform(vertices), min_used, max_conditions);
-    if (at.rows.empty()) return at;
-    std::vector<Points> functionals;
-    at.values.resize(static_cast<Eigen::Index>(at.rows.size()));
+    at.folds = solver.edge_folds().rows(vertices, angles.nearly, max_folds);
+    if (at.rows.empty() && at.folds.empty()) return at;
+    std::vector<Points> functionals(at.rows.size() + at.folds.size(), Points::Zero(vertices.rows(), 3));
+    at.values.resize(static_cast<Eigen::Index>(functionals.size()));
     const double unit = solver.limit().reference();
     for (std::size_t i = 0; i < at.rows.size(); ++i) {
-        functionals.push_back(Points::Zero(vertices.rows(), 3));
-        functionals.back().row(at.rows[i].vertex) = at.rows[i].direction / unit;
+        functionals[i].row(at.rows[i].vertex) = at.rows[i].direction / unit;
         at.values[static_cast<Eigen::Index>(i)] = at.rows[i].value / unit;
+    }
+    for (std::size_t i = 0; i < at.folds.size(); ++i) {
+        const EdgeFolds::Row& fold = at.folds[i];
+        for (int k = 0; k < 4; ++k)
+            functionals[at.rows.size() + i].row(fold.vertices[static_cast<std::size_t>(k)]) =
+                degree * fold.gradient.row(k);
+        at.values[at.num_rows() + static_cast<Eigen::Index>(i)] = degree * (fold.angle - angles.aimed);
     }
     AdjointOptions options;
     options.tolerance = adjoint_tolerance;
@@ -128,29 +144,43 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     for (Eigen::Index i = 0; i < at.values.size(); ++i)
         at.slopes.row(i) = design_gradient(solver.space(), x, at.sensitivities[static_cast<std::size_t>(i)]);
     for (int j = 0; j < space.num_shape(); ++j)  // the datum goes with the planform
-        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform) at.slopes.col(j).setZero();
+        if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform)
+            at.slopes.col(j).head(at.num_rows()).setZero();
     if (!at.slopes.allFinite()) return {};
     return at;
 }
 
+MotionConditions on_steps(MotionConditions at, const Eigen::VectorXd& way) {
+    if (at.values.size() == 0) return at;
+    at.values -= at.slopes * way;  // distances are convex: what is within is not cut off
+    const double length = way.squaredNorm();
+    for (Eigen::Index i = at.num_rows(); i < at.values.size(); ++i) {
+        if (!(at.values[i] > 0)) continue;
+        if (length > 0) at.slopes.row(i) += at.values[i] / length * way.transpose();
+        at.values[i] = 0;
+    }
+    return at;
+}
+
 Eigen::VectorXd moved_inside(ShapeSolver& solver, const Eigen::VectorXd& asked, const Eigen::VectorXd& inside,
-                             double slack) {
+                             double slack, double angle) {
     if (solver.limit().is_none()) return asked;
     Eigen::VectorXd x = asked;
     Points vertices;
-    if (!settle(solver, x, vertices) || is_inside(solver, x, vertices, slack, kept_determinant)) return asked;
+    if (!settle(solver, x, vertices) || is_inside(solver, x, vertices, slack, kept_determinant, angle)) return asked;
     const DesignSpace& space = solver.space();
     for (int k = 0; k < max_steps; ++k) {
-        const MotionConditions at = motion_conditions(solver, x, nearly_beyond);
+        const MotionConditions at =
+            motion_conditions(solver, x, nearly_beyond, {angle + below_kept.nearly, angle + below_kept.aimed});
         const FoldConditions folds = fold_conditions(space, x, nearly_folded);
-        if (at.rows.empty() && folds.values.size() == 0) break;
+        if (at.values.size() + folds.values.size() == 0) break;
         const Eigen::VectorXd step = step_inside(solver, x, at, folds, 2 * slack);
         if (step.size() == 0 || !step.allFinite()) break;
         x = (x + step).cwiseMax(space.lower).cwiseMin(space.upper);
         if (!settle(solver, x, vertices)) break;
-        if (is_inside(solver, x, vertices, slack, moved_determinant)) return x;
+        if (is_inside(solver, x, vertices, slack, moved_determinant, angle + moved_angle)) return x;
     }
-    return on_the_way_back(solver, x, inside, slack);
+    return on_the_way_back(solver, x, inside, slack, angle);
 }
 
 }  // namespace strake

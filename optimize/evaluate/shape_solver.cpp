@@ -72,6 +72,12 @@ void ShapeSolver::set_limit(MotionLimit limit, std::optional<Poses> poses) {
     if (poses) accepted_ = std::move(poses);
 }
 
+const EdgeFolds& ShapeSolver::edge_folds() const {
+    static const EdgeFolds none;
+    const bool keeps = shell_ && !guard_.wrap && !limit_.is_none() && !rest_->parameters.lets_edges_fold;
+    return keeps ? guard_.surface.edge_folds() : none;
+}
+
 void ShapeSolver::set_last(std::optional<Poses> poses, const Eigen::VectorXd& x) {
     last_ = std::move(poses);
     last_x_ = x;

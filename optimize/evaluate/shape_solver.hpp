@@ -35,6 +35,8 @@ public:
     /// Shapes beyond it are refused from now on. @param poses of its datum; equilibria are sought from there first.
     void set_limit(MotionLimit limit, std::optional<Poses> poses);
     const MotionLimit& limit() const { return limit_; }
+    /// Edges that designs keep from folding: of a shell's surface under a motion limit.
+    const EdgeFolds& edge_folds() const;
     /// Designs do not follow each other: from now on every equilibrium is sought from the datum (without a limit: from
     /// rest), by any way that the shell knows. What a design gives depends on it alone.
     void solve_each_from_datum() { is_each_from_datum_ = true; }

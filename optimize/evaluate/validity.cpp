@@ -4,7 +4,6 @@
 #include "core/mesh/geometry.hpp"
 
 #include <algorithm>
-#include <numbers>
 
 namespace strake {
 namespace {
@@ -12,7 +11,6 @@ namespace {
 constexpr double smallest_share = 1e-3;
 constexpr double chord_slack = 2;  ///< the estimate of a chord error, and how much a map shrinks
 constexpr double sliver = 1e-3;    ///< height over longest edge of triangles that say nothing
-constexpr double foldable_below = 120 * std::numbers::pi / 180, folded_above = 170 * std::numbers::pi / 180;
 
 double longest_edge(const Points& v, const Eigen::RowVector3i& t) {
     double longest = 0;
@@ -86,14 +84,7 @@ ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, con
             is_sliver_[static_cast<std::size_t>(t)] =
                 !(height_[t] > sliver * longest_edge(rest.vertices, triangles_.row(t)));
     }
-    for (int e = 0; e < adjacent.num_edges(); ++e) {
-        if (!adjacent.is_regular(e)) continue;
-        const int a = adjacent.edge_triangles[e][0], b = adjacent.edge_triangles[e][1];
-        if (!is_sliver_.empty() && (is_sliver_[a] || is_sliver_[b])) continue;
-        if (dihedral(normal_.row(a), normal_.row(b)) >= foldable_below) continue;
-        hinge_.push_back({a, b});
-        hinge_edge_.push_back(adjacent.edges[e]);
-    }
+    folds_ = EdgeFolds(rest, adjacent, is_sliver_);
 }
 
 void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjacent, const std::vector<int>& attached) {
@@ -197,18 +188,12 @@ std::string ValidityGuard::bad_triangles(const Points& vertices, const Expected&
 }
 
 std::string ValidityGuard::folded(const Points& vertices, const Points& normal) const {
-    // The angle itself is needed only beyond 90 degrees: n1.n2 decides about the others.
-    Finding folded;
-    for (std::size_t e = 0; e < hinge_.size(); ++e) {
-        const auto [a, b] = hinge_[e];
-        if (normal.row(a).dot(normal.row(b)) < 0 && dihedral(normal.row(a), normal.row(b)) > folded_above)
-            folded.add(static_cast<int>(e));
-    }
-    if (folded.count == 0) return {};
-    const auto [v, w] = hinge_edge_[folded.first];
-    const auto [s, t] = hinge_[folded.first];
+    const std::vector<int> folded = folds_.above(EdgeFolds::folded, normal);
+    if (folded.empty()) return {};
+    const auto [v, w] = folds_.ends(folded[0]);
+    const auto [s, t] = folds_.triangles(folded[0]);
     return text("the edge between vertices ", v, " and ", w, " (triangles ", s, " and ", t, ") is folded (",
-                folded.count, " in all), ", place(0.5 * (vertices.row(v) + vertices.row(w))));
+                folded.size(), " in all), ", place(0.5 * (vertices.row(v) + vertices.row(w))));
 }
 
 std::string ValidityGuard::intersection(const Points& vertices, const std::vector<Eigen::Matrix3d>* maps) const {

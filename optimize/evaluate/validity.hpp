@@ -2,6 +2,7 @@
 #include "core/mesh/intersection_tree.hpp"
 #include "optimize/evaluate/closed_parts.hpp"
 #include "optimize/evaluate/contacts.hpp"
+#include "optimize/evaluate/edge_folds.hpp"
 
 #include <functional>
 #include <optional>
@@ -49,6 +50,7 @@ public:
     /// The same of a surface that a map of space has moved. @param maps per triangle: its linear part at the centroid.
     /// @pre ValidityOptions::by_map.
     std::string defect(const Points& vertices, const std::vector<Eigen::Matrix3d>& maps) const;
+    const EdgeFolds& edge_folds() const { return folds_; }
 
 private:
     /// Per triangle: the vector that its rest normal becomes, of any length.
@@ -70,13 +72,12 @@ private:
     std::vector<int> component_;       ///< per triangle its connected part; empty where nothing is attached
     IntersectionTree tree_;
     ClosedParts parts_;
-    std::set<std::pair<int, int>> piercing_;      ///< connected parts whose cut may wander, the smaller number first
-    std::optional<Contacts> contacts_;            ///< of a surface that is moved by maps
-    std::vector<char> is_sliver_;                 ///< of the same, per triangle; else empty
-    Points normal_;                               ///< at rest
-    Eigen::VectorXd area_, height_;               ///< at rest: area and smallest height
-    std::vector<std::array<int, 2>> hinge_;       ///< the two triangles at interior edges that lie below 120 degrees
-    std::vector<std::array<int, 2>> hinge_edge_;  ///< their vertices
+    std::set<std::pair<int, int>> piercing_;  ///< connected parts whose cut may wander, the smaller number first
+    std::optional<Contacts> contacts_;        ///< of a surface that is moved by maps
+    std::vector<char> is_sliver_;             ///< of the same, per triangle; else empty
+    Points normal_;                           ///< at rest
+    Eigen::VectorXd area_, height_;           ///< at rest: area and smallest height
+    EdgeFolds folds_;
 };
 
 }  // namespace strake

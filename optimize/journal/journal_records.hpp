@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 6;
+constexpr int latest_meaning = 7;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -42,7 +42,9 @@ struct JournalFacts {
     /// its edges (`Parameters::kept_sections`); 4: ranges of variables widen (`OptimizeOptions::keeps_ranges`); 5: what
     /// sections that are kept take out of fields counts (`Parameters::counts_kept_motion_alone`); 6: edges of sections
     /// are kept by `KeptRules::latest`, and ranges are as wide as the motion limit lets variables be together
-    /// (`OptimizeOptions::begins_with_narrow_ranges`).
+    /// (`OptimizeOptions::begins_with_narrow_ranges`); 7: with a shell, too (`begins_with_narrow_shell_ranges`), and
+    /// what long steps leave open of a gradient is asked again (`MinimizeOptions::trusts_long_steps`), and searches
+    /// keep a shell's edges from folding (`Parameters::lets_edges_fold`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

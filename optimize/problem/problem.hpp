@@ -76,6 +76,7 @@ struct Parameters {
     bool limits_variables = false;
     /// The meaning of earlier runs: a change of fields counts by what wings that keep their sections leave of it.
     bool counts_kept_motion_alone = false;
+    bool lets_edges_fold = false;  ///< the same: designs of a shell that fold an edge are tried, and fail
     /// Unit of the variables: their linear response at x = 1, in diagonals, > 0; 0: `max_displacement`, or 5 % where
     /// that is infinite.
     double variable_scale = 0;
@@ -172,8 +173,10 @@ struct OptimizeOptions {
     bool keeps_ranges = false;
     /// The meaning of earlier runs: without a shell, too, a level begins with what a variable may do alone.
     bool begins_with_narrow_ranges = false;
-    double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
-    double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
+    bool begins_with_narrow_shell_ranges = false;  ///< the same with a shell
+    bool trusts_long_steps = false;                ///< the meaning of earlier runs: `MinimizeOptions`
+    double step_tolerance = 1e-6;                  ///< or below this change of the scaled variables
+    double constraint_tolerance = 1e-6;            ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
     double difference_step = 1e-4;    ///< of these, as a share of the size-1 step of the metric, in (0, 1]
     int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1

@@ -216,15 +216,15 @@ void CheapProgram::enter(NonlinearProgram& program, const Level& level,
     }
     if (!evaluator_.motion_limit().is_none()) {
         cheap->within = [this](const Eigen::VectorXd& y) {
-            const Eigen::VectorXd x = level_->unscaled(y), inside = evaluator_.within(x, level_->slack);
+            const Eigen::VectorXd x = level_->unscaled(y),
+                                  inside = evaluator_.within(x, level_->slack, EdgeFolds::kept);
             return inside == x ? y : Eigen::VectorXd(inside.cwiseProduct(level_->weight));
         };
         cheap->beyond = [this](const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
             const Eigen::VectorXd x0 = level_->unscaled(from), x = level_->unscaled(to);
             if (!evaluator_.is_beyond(x, level_->slack)) return StepLimits();
-            MotionConditions motion = evaluator_.motion_conditions(x, 1 - 2 * level_->slack);
-            if (!motion.rows.empty()) motion.values -= motion.slopes * (x - x0);
-            return level_->limits(motion, evaluator_.fold_conditions_between(x0, x));
+            const MotionConditions motion = evaluator_.motion_conditions(x, 1 - 2 * level_->slack);
+            return level_->limits(on_steps(motion, x - x0), evaluator_.fold_conditions_between(x0, x));
         };
     }
     program.low_fidelity = LowFidelity{std::move(cheap), kinds(),
@@ -297,8 +297,9 @@ void CheapProgram::differentiate(Evaluation& sample) {
     for (std::size_t i = 0; i < rows.size(); ++i)
         sample.jacobian.row(static_cast<Eigen::Index>(i)) =
             rows[i].sign / rows[i].scale * gradient_of(value_of(rows[i])).transpose();
-    sample.limits = level_->limits(evaluator_.motion_conditions(current_x_, near_limit),
-                                   evaluator_.fold_conditions(current_x_, nearly_folded));
+    sample.limits = level_->limits(
+        on_steps(evaluator_.motion_conditions(current_x_, near_limit), Eigen::VectorXd::Zero(current_x_.size())),
+        evaluator_.fold_conditions(current_x_, nearly_folded));
     evaluator_.accept();  // the next shape is made from here
 }
 

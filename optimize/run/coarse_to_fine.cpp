@@ -46,9 +46,9 @@ public:
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
         const OptimizeOptions& options = problem.optimize;
-        // With a shell wide ranges lead on to where it buckles.
-        state_.begins_with_wide_ranges =
-            options.method == Method::sqp && !problem.has_shell && !options.begins_with_narrow_ranges;
+        const bool are_narrow =
+            problem.has_shell ? options.begins_with_narrow_shell_ranges : options.begins_with_narrow_ranges;
+        state_.begins_with_wide_ranges = options.method == Method::sqp && !are_narrow;
     }
 
     RunResult run() {
@@ -327,6 +327,7 @@ private:
         if (std::isfinite(gained)) how.gained_before = gained;
         how.largest_gradient = largest_gradient_;
         how.is_relative_to_objective = options.is_relative_to_objective;
+        how.trusts_long_steps = options.trusts_long_steps;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

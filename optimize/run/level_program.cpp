@@ -302,7 +302,9 @@ void LevelProgram::limit_motion() {
     program_.within = [this](const Eigen::VectorXd& y) {
         // The start is the shape of the level above, whose slack may have been less.
         const Eigen::VectorXd x = unscaled(y);
-        const Eigen::VectorXd inside = state_.evaluator.within(x, y == program_.start ? min_slack : slack_);
+        const bool is_start = y == program_.start;
+        const Eigen::VectorXd inside =
+            state_.evaluator.within(x, is_start ? min_slack : slack_, is_start ? EdgeFolds::folded : EdgeFolds::kept);
         if (inside == x) return y;
         moved_x_ = inside;
         moved_y_ = inside.cwiseProduct(weight_);
@@ -311,10 +313,8 @@ void LevelProgram::limit_motion() {
     program_.beyond = [this](const Eigen::VectorXd& from, const Eigen::VectorXd& to) {
         const Eigen::VectorXd x0 = unscaled(from), x = unscaled(to);
         if (!state_.evaluator.is_beyond(x, slack_)) return StepLimits();
-        MotionConditions motion = state_.evaluator.motion_conditions(x, 1 - 2 * slack_);
-        if (!motion.rows.empty())  // distances are convex: what is within is not cut off
-            motion.values -= motion.slopes * (x - x0);
-        return step_limits(motion, state_.evaluator.fold_conditions_between(x0, x));
+        const MotionConditions motion = state_.evaluator.motion_conditions(x, 1 - 2 * slack_);
+        return step_limits(on_steps(motion, x - x0), state_.evaluator.fold_conditions_between(x0, x));
     };
 }
 
@@ -426,7 +426,8 @@ void LevelProgram::differentiate(Evaluation& sample) {
             sample.jacobian.row(static_cast<Eigen::Index>(i)) =
                 rows_.rows[i].sign / rows_.rows[i].scale *
                 current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
-    MotionConditions motion = state_.evaluator.motion_conditions(current_x_, near_limit);
+    MotionConditions motion =
+        on_steps(state_.evaluator.motion_conditions(current_x_, near_limit), Eigen::VectorXd::Zero(current_x_.size()));
     sample.limits = step_limits(motion, state_.evaluator.fold_conditions(current_x_, nearly_folded));
     if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank)) {
         known_ = {current_x_,

@@ -22,6 +22,8 @@ constexpr double max_bend = 0.1;            ///< of the slope: two steps to one 
 constexpr double max_bend_two_sided = 0.5;  ///< of what is wrong with the slope: a kink bends by all of it
 constexpr double noises = 15;               ///< 3 deviations, times what the extrapolation makes of noise
 constexpr double deviations = 5;            ///< of the last confirmed steps from the rule
+constexpr double repeats[] = {3, 1.0 / 3};  ///< times as far, the first that limits allow
+constexpr double max_repeat_error = 0.2;    ///< of what is wrong, in proportion to the length: noise does not repeat
 constexpr double cancelling = 0.02;         ///< of the sum of the entries: a slope nearly along the level set
 constexpr double nearly_confirmed = 0.1;    ///< of a direction, at most this is left of it
 constexpr double min_unconfirmed = 1e-6;    ///< of a random direction: less is rounding
@@ -75,8 +77,7 @@ private:
         if (d.size() == 0 || !goes_to(x_ + d)) return;
         const bool two_sided = goes_to(x_ - d);
         if (!two_sided && !goes_to(x_ + 0.5 * d)) return;
-        if (two_sided ? compare_two_sides(d) : compare_one_side(d, false))
-            accuse(text("along a step of length ", probe));
+        if (compare(d, two_sided, false)) accuse(text("along a step of length ", probe));
     }
 
     void check_unconfirmed() {
@@ -88,7 +89,7 @@ private:
             guard_.report_event("the gradient is not confirmed in all directions: a limit lets nothing go there");
             return;
         }
-        const bool is_wrong = two_sided ? compare_two_sides(d) : compare_one_side(d, true);
+        const bool is_wrong = compare(d, two_sided, true);
         if (has_values_)
             guard_.report_event(text("two evaluations in a direction that no step has taken ",
                                      is_wrong ? "contradict" : "confirm", " the gradient"));
@@ -187,47 +188,67 @@ private:
         return false;
     }
 
-    bool compare_one_side(const VectorXd& d, bool has_converged) {
-        VectorXd half, full;
-        if (!value_at(x_ + 0.5 * d, half) || !value_at(x_ + d, full)) return false;
+    /// Slopes of the values along d, of two evaluations, and how much they bend. False: one failed.
+    bool measure(const VectorXd& d, bool two_sided, VectorXd& slope, VectorXd& bend) {
+        VectorXd first, second;
+        if (!value_at(x_ + (two_sided ? 1 : 0.5) * d, first)) return false;
+        if (!value_at(x_ + (two_sided ? -1 : 1) * d, second)) return false;
         has_values_ = true;
-        const VectorXd here = values_of(at_);
-        const VectorXd slope = 4 * (half - here) - (full - here), bend = 2 * (full - here) - 4 * (half - here);
-        for (Eigen::Index i = 0; i < here.size(); ++i) {
+        first -= values_of(at_);
+        second -= values_of(at_);
+        slope = two_sided ? VectorXd(0.5 * (first - second)) : VectorXd(4 * first - second);
+        bend = two_sided ? VectorXd(0.5 * (first + second)) : VectorXd(2 * second - 4 * first);
+        return true;
+    }
+
+    bool compare(const VectorXd& d, bool two_sided, bool has_converged) {
+        VectorXd slope, bend;
+        if (!measure(d, two_sided, slope, bend)) return false;
+        std::vector<SlopeMismatch> hidden;
+        for (Eigen::Index i = 0; i < slope.size(); ++i) {
             const double by_gradient = gradient_of(at_, i).dot(d);
-            const double size = std::max(std::abs(by_gradient), std::abs(slope[i]));
-            if (!(std::abs(bend[i]) < 2 * max_bend * size)) continue;
+            const double size = std::max(std::abs(by_gradient), std::abs(slope[i])), off = slope[i] - by_gradient;
+            const double max = two_sided ? max_bend_two_sided * std::abs(off) : 2 * max_bend * size;
+            if (!(std::abs(bend[i]) < max)) continue;
             // Across a kink a convex value rises by more than its gradient says.
-            if (has_converged && slope[i] > by_gradient) continue;
-            if (is_wrong(i, d, by_gradient, slope[i], here[i])) return true;
+            if (!two_sided && has_converged && off > 0) continue;
+            if (!contradicts(i, d, by_gradient, slope[i])) continue;
+            found_ = {static_cast<int>(i) - 1, by_gradient, slope[i]};
+            if (std::abs(off) > hiding(i)) return true;
+            hidden.push_back(found_);
         }
-        return false;
+        return !hidden.empty() && !guard_.options.trusts_long_steps && is_repeated(hidden, d, two_sided);
     }
 
-    bool compare_two_sides(const VectorXd& d) {
-        VectorXd ahead, behind;
-        if (!value_at(x_ + d, ahead) || !value_at(x_ - d, behind)) return false;
-        has_values_ = true;
-        const VectorXd here = values_of(at_);
-        const VectorXd slope = 0.5 * (ahead - behind), bend = 0.5 * (ahead + behind) - here;
-        for (Eigen::Index i = 0; i < here.size(); ++i) {
-            const double by_gradient = gradient_of(at_, i).dot(d);
-            if (!(std::abs(bend[i]) < max_bend_two_sided * std::abs(slope[i] - by_gradient))) continue;
-            if (is_wrong(i, d, by_gradient, slope[i], here[i])) return true;
-        }
-        return false;
-    }
-
-    bool is_wrong(Eigen::Index i, const VectorXd& d, double by_gradient, double slope, double here) {
+    /// The slope is not the gradient's, by more than the resolution of the value leaves open.
+    bool contradicts(Eigen::Index i, const VectorXd& d, double by_gradient, double slope) const {
         const double size = std::max(std::abs(by_gradient), std::abs(slope)), off = std::abs(slope - by_gradient);
         if (!(off > max_difference * size)) return false;
         if (size < cancelling * gradient_of(at_, i).cwiseProduct(d).cwiseAbs().sum()) return false;
-        double unknown = noises * resolution(here, i == 0 ? guard_.evidence.noise() : 0);
-        if (const VectorXd known = guard_.evidence.deviations(); known.size() > i)
-            unknown = std::max(unknown, deviations * known[i]);
-        if (!(off > unknown)) return false;
-        found_ = {static_cast<int>(i) - 1, by_gradient, slope};
-        return true;
+        return off > noises * resolution(values_of(at_)[i], i == 0 ? guard_.evidence.noise() : 0);
+    }
+
+    /// Of what is wrong with a slope, as much as may be noise: that is not known better than by how far the last
+    /// confirmed steps are from the rule, or these were long.
+    double hiding(Eigen::Index i) const {
+        const VectorXd known = guard_.evidence.deviations();
+        return known.size() > i ? deviations * known[i] : 0;
+    }
+
+    /// What is wrong with a slope is so again, in proportion, along a longer or shorter step. Noise is not.
+    bool is_repeated(const std::vector<SlopeMismatch>& hidden, const VectorXd& d, bool two_sided) {
+        const auto times = std::find_if(std::begin(repeats), std::end(repeats), [&](double t) {
+            return goes_to(x_ + t * d) && goes_to(x_ + t * (two_sided ? -1 : 0.5) * d);
+        });
+        VectorXd slope, bend;
+        if (times == std::end(repeats) || guard_.evaluations + 2 > guard_.limit) return false;
+        if (!measure(*times * d, two_sided, slope, bend)) return false;
+        return std::any_of(hidden.begin(), hidden.end(), [&](const SlopeMismatch& one) {
+            const double off = *times * (one.found - one.expected), expected = *times * one.expected;
+            found_ = {one.row, expected, slope[one.row + 1]};
+            return std::abs(found_.found - expected - off) < max_repeat_error * std::abs(off) &&
+                   std::abs(bend[one.row + 1]) < max_bend_two_sided * std::abs(off);
+        });
     }
 
     void accuse(const std::string& where) {

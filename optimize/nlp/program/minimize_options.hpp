@@ -27,6 +27,8 @@ struct MinimizeOptions {
     /// As before 0.2: changes are relative to the objective or to 1e-3 of the gain, and gradients that led to an end
     /// are not confirmed. For runs that began so.
     bool is_relative_to_objective = false;
+    /// The meaning of earlier runs: what the values of long steps leave open of a gradient is not asked again.
+    bool trusts_long_steps = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row

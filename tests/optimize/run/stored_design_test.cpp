@@ -81,7 +81,7 @@ TEST(StoredDesign, ARunGoesOnWhereAnotherEnded) {
         EXPECT_NEAR(r.objective_start, before.result.objective, 1e-10 * before.result.objective);
         EXPECT_LE((first - before.result.vertices).rowwise().norm().maxCoeff(), 1e-10 * box_diagonal(a.surface));
         EXPECT_LE(r.levels[0].inherited_shape_change, 1e-10);
-        EXPECT_EQ(r.levels[0].level, before.result.level);
+        EXPECT_EQ(r.levels[0].level, before.best->level);
         EXPECT_GT(r.objective, r.objective_start * (1 + 1e-4)) << r.reason;
         EXPECT_LE(r.max_violation, 1e-6) << "relative limits are those of the first run";
         EXPECT_NEAR(r.values[1], 1.02 * before.result.values_start[1], 1e-3 * r.values[1]);

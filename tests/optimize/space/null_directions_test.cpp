@@ -146,7 +146,12 @@ TEST(NullDirections, ARepeatedVariableChangesNeitherConditionNorVerdictNorOptimu
                       twice = design_space(rest_facts(more_volume(true)), 1);
     EXPECT_EQ(twice.size(), alone.size());
     EXPECT_LT(condition(twice), 2 * condition(alone));
-    const RunResult a = optimize(more_volume(false)), b = optimize(more_volume(true));
+    const auto run = [](bool repeats) {
+        Problem problem = more_volume(repeats);
+        problem.parameters.max_displacement = 0.02;  // farther, the search ends beside buckling
+        return optimize(problem);
+    };
+    const RunResult a = run(false), b = run(true);
     EXPECT_EQ(a.status, "converged") << a.reason;
     EXPECT_EQ(b.status, a.status) << b.reason;
     EXPECT_NEAR(b.objective, a.objective, 1e-4 * a.objective);

@@ -1,14 +1,17 @@
 #!/usr/bin/env python3
-"""Do runs that OLD began go on in NEW with the same bits? same_bits.py [--method NAME] [--evaluations N] [--triangles N] OLD NEW
-[CASE...]
+"""Do runs that OLD began go on in NEW with the same bits? same_bits.py [OPTIONS] OLD NEW [CASE...]
 
 OLD and NEW are two programs `strake`; OLD lies in a build folder of its checkout, with make_surface beside it. OLD begins
 each case with one evaluation; from a copy of that folder on, OLD and NEW finish it. A run goes on with the meaning it began
 with, so histories, variables, values, answers of programs with their gradients, shapes and the report's numbers and pictures
-must be the same, but for times and for what only one of the two writes. The cases are the examples of OLD's checkout that need
-no solver from outside, and ten on the surfaces of STRAKE_DATA; shapes of `deform` and the numbers of `info` are compared as
-they are. With --method all runs, but fits, are by that method in place of their own: NLopt's tell whether two programs evaluate
-and differentiate alike where `sqp` itself has changed. N evaluations a run (default 6); N triangles of the examples' surfaces (default 2000, at least 1500).
+must be the same, but for times and for what only one of the two writes. The cases are the examples of OLD's checkout that
+need no solver from outside, and ten on the surfaces of STRAKE_DATA; shapes of `deform` and the numbers of `info` are compared
+as they are.
+--begins       NEW makes the first evaluation itself, in a journal that does not say what its keys mean: for programs that do
+               not take a folder of OLD
+--method NAME  of all runs but fits, in place of their own: NLopt's tell whether two programs evaluate and differentiate alike
+               where `sqp` itself has changed
+--evaluations N (default 6), --triangles N of the examples' surfaces (default 2000, at least 1500), --work DIR: keeps the runs
 Exit status: 0 the same, 1 different, 2 wrong usage.
 """
 
@@ -176,14 +179,25 @@ def compare_runs(one, other):
     return found, f"{len(table(other, 'evaluations'))} evaluations"
 
 
-def both_finish(old, new, work, name, command, case, evaluations):
+def begin_as_before(new, work, run, command, case):
+    """NEW's own first evaluation, in a journal that does not say what its keys mean: those do not before there were meanings."""
+    call(new, command, case, "--out", run, "-q", folder=work)
+    with sqlite3.connect(run / "journal.sqlite") as journal:
+        journal.execute("DELETE FROM facts WHERE name IN ('meaning', 'hash')")
+    journal.close()
+
+
+def both_finish(old, new, work, name, command, case, evaluations, begins):
     run = work / "runs" / name
     call(old, command, case, "--out", run, "-q", folder=work)
     begun, by_old = run.with_name(name + ".begun"), run.with_name(name + ".old")
     shutil.copytree(run, begun)
     call(old, "resume", run, "--evaluations", evaluations, "-q", folder=work)
-    run.rename(by_old)
-    begun.rename(run)  # where it began: both write the same paths
+    run.rename(by_old)  # NEW's stands where OLD's began: both write the same paths
+    if begins:
+        begin_as_before(new, work, run, command, case)
+    else:
+        begun.rename(run)
     call(new, "resume", run, "--evaluations", evaluations, "-q", folder=work)
     return compare_runs(by_old, run)
 
@@ -208,24 +222,26 @@ def both_inform(old, new, work, path):
     return found, "info"
 
 
-def tasks(old, new, work, evaluations, method):
+def tasks(old, new, work, evaluations, method, begins):
     """(name, what compares it)."""
     for command, names in (("run", RUNS), ("fit", FITS)):
         for name in names:
             case = work / "cases" / f"{name}.yaml"
             label = name.replace("/", "-")
-            yield label, lambda c=command, n=label, f=case: both_finish(old, new, work, n, c, f, evaluations)
+            yield label, lambda c=command, n=label, f=case: both_finish(old, new, work, n, c, f, evaluations, begins)
     for name in DEFORMS:
         yield f"deform {name}", lambda f=work / "cases" / f"{name}.yaml": both_deform(old, new, work, f)
     for row in SURFACES if os.environ.get("STRAKE_DATA") else []:
         label = row[0].split(".")[0]
-        yield label, lambda n=label, r=row: both_finish(old, new, work, n, "run", write_surface_case(old, work, r, method), evaluations)
+        yield label, lambda n=label, r=row: both_finish(old, new, work, n, "run", write_surface_case(old, work, r, method), evaluations,
+                                                  begins)
         yield f"info {label}", lambda r=row: both_inform(old, new, work, pathlib.Path(os.environ["STRAKE_DATA"]).resolve() / r[0])
 
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--method")
+    parser.add_argument("--begins", action="store_true")
     parser.add_argument("--evaluations", type=int, default=6)
     parser.add_argument("--triangles", type=int, default=2000)
     parser.add_argument("--work", type=pathlib.Path, help="folder for the runs, kept; it must not exist")
@@ -240,7 +256,7 @@ def main():
     copy_examples(old, work, args.triangles, args.method)
     different = count = 0
     print("| case | what | numbers, files | |\n|---|---|---|---|")
-    for name, compare in tasks(old, new, work, args.evaluations, args.method):
+    for name, compare in tasks(old, new, work, args.evaluations, args.method, args.begins):
         if args.cases and not any(word in name for word in args.cases):
             continue
         count += 1

@@ -54,14 +54,14 @@ Times times(const TriMesh& surface, std::shared_ptr<const WrapMap> wrap) {
         if (at.status != EvaluationStatus::ok) throw InvalidInput(at.reason);
     }
     const auto least = [&](const ShapeEvaluation& shape) {
-        double least_time = 1e300;
+        double min_time = 1e300;
         for (int i = 0; i < repetitions; ++i) {
             ShapeEvaluation again = shape;
             const double begin = milliseconds();
             evaluator.differentiate(again);
-            least_time = std::min(least_time, milliseconds() - begin);
+            min_time = std::min(min_time, milliseconds() - begin);
         }
-        return least_time;
+        return min_time;
     };
     const TriMesh now = with_vertices(surface, at.vertices);
     at.dJ_dv.clear();

@@ -45,7 +45,8 @@ int last_accepted(const Journal& journal) {
 void keep_meaning(Case& the_case, int meaning) {
     constexpr int since_shapes_are_limited = 2, since_outlines_are_kept = 3, since_ranges_widen = 4,
                   since_held_motion_counts = 5, since_latest_edges = 6, since_ranges_begin_wide = 6,
-                  since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7;
+                  since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
+                  since_large_bodies_are_quick = 8;
     for (WingEntry& wing : the_case.planform)
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
     the_case.parameters.limits_variables = meaning < since_shapes_are_limited;
@@ -54,6 +55,8 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.parameters.counts_kept_motion_alone = meaning < since_held_motion_counts;
     the_case.parameters.lets_edges_fold = meaning < since_edges_are_kept;
     the_case.parameters.keeps_edges_as_before = meaning < since_latest_edges;
+    if (the_case.wrap) the_case.wrap->sums_as_before = meaning < since_large_bodies_are_quick;
+    the_case.parameters.fields.products_as_before = meaning < since_large_bodies_are_quick;
     the_case.optimize.keeps_ranges = meaning < since_ranges_widen;
     the_case.optimize.begins_with_narrow_ranges = meaning < since_ranges_begin_wide;
     the_case.optimize.begins_with_narrow_shell_ranges = meaning < since_shell_ranges_begin_wide;

@@ -72,7 +72,8 @@ private:
 /// Six test deformations of some 40 000 triangles, or one of 300 000: a quarter of a minute of CPU.
 constexpr double max_trial_work = 1.5e6;
 constexpr int max_shell_triangles = 300000;  ///< the work of one test deformation; wrap and fields do without
-constexpr int many_triangles = 50000;        ///< each step takes seconds, and is told
+constexpr int max_examined_triangles = 4 * max_shell_triangles;  ///< so many are not left out by any repair
+constexpr int many_triangles = 50000;                            ///< each step takes seconds, and is told
 
 std::string way_words(ProposedWay way) {
     switch (way) {
@@ -196,7 +197,8 @@ struct Attempt {
 Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWay way, const std::string& reason) {
     Attempt made;
     try {
-        made.proposal = propose_case(args.surface, case_file, {args.evaluations, hold_of(args.hold), way, reason});
+        made.proposal = propose_case(args.surface, case_file,
+                                     {args.evaluations, hold_of(args.hold), way, reason, max_examined_triangles});
         const NewFile written(case_file, made.proposal.yaml);
         if (!args.quiet && !args.json && (made.proposal.num_triangles > many_triangles || ::isatty(STDERR_FILENO) == 1))
             say("trying       {}\n", way_words(way));

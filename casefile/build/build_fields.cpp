@@ -126,6 +126,7 @@ void ProblemBuilder::set_fields() {
     options.axis = entry.axis;
     options.motions = entry.motions;
     options.along = entry.along;
+    options.products_as_before = entry.products_as_before;
     at(entry.place, "parameters.fields: ", [&] {
         const auto fields = std::make_shared<const DisplacementFields>(start_.mesh, conditions, options);
         if (entry.number == 0)

@@ -201,6 +201,7 @@ struct FieldsEntry {
     std::optional<Eigen::Vector3d> axis;  ///< unit
     std::vector<std::string> motions;     ///< empty: all
     AlongAxis along = AlongAxis::polynomials;
+    bool products_as_before = false;  ///< `FieldOptions`: of a run that began so
     Place place;
 };
 
@@ -329,6 +330,7 @@ enum class Keep { all, failed, best, none };
 /// What is elastic in the place of the body.
 struct WrapEntry {
     std::optional<Length> alpha, offset, edge_length;  ///< without alpha: auto
+    bool sums_as_before = false;                       ///< `WrapBindingOptions`: of a run that began so
     Place place;
 };
 

@@ -233,10 +233,10 @@ MeanMotion mean_motion(double thickness, double diagonal, bool has_volume) {
 /// Of fields: the mean motion has no slope at the start, so that the first steps do not see its limit: this one stops
 /// them. A point moves by some four times the mean where a motion is local.
 std::string farthest_motion_text(const MeanMotion& mean, double diagonal) {
-    constexpr double least_percent = 1e-3;  // a power line is 17 km long and a metre thick
+    constexpr double min_percent = 1e-3;  // a power line is 17 km long and a metre thick
     std::ostringstream percent;
     percent.imbue(std::locale::classic());
-    percent << std::setprecision(1) << std::clamp(400 * mean.rms / diagonal, least_percent, 5.0);
+    percent << std::setprecision(1) << std::clamp(400 * mean.rms / diagonal, min_percent, 5.0);
     return padded("  max_displacement: " + percent.str() + "%",
                   "of the diagonal: the farthest that any point may move");
 }
@@ -322,8 +322,17 @@ std::string remesh_text(const Checkup& c, const std::string& reason) {
                   "new triangles for the same shape; regions refer to them");
 }
 
+/// Fields hold a number for each vertex and function: the 192 that `auto` may come to need 9 GB of ten million
+/// triangles.
+constexpr int many_for_fields = 2000000;
+
+std::string number_of_fields(int triangles, const std::string& comment) {
+    if (triangles <= many_for_fields) return padded("  fields: auto", comment);
+    return padded("  fields: 27", "smooth motions of the whole body; more (auto: up to 192) take more memory");
+}
+
 /// Fields alone: nothing has to be held.
-std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason,
+std::string fields_text(int triangles, const std::optional<SymmetryPlane>& mirror, const std::string& reason,
                         const std::string& farthest) {
     std::string out =
         "\n# No elastic shell: displacement fields, smooth motions of space, move the body as it is, whatever its "
@@ -332,21 +341,21 @@ std::string fields_text(const std::optional<SymmetryPlane>& mirror, const std::s
     out +=
         "# Nothing is held; motions of the whole body are left out. To hold something, declare a region and name it "
         "under fixed.\nshell: none\nparameters:\n";
-    out += padded("  fields: auto", "27 at first, then those that the gradient asks for; strake check lists them");
+    out += number_of_fields(triangles, "27 at first, then those that the gradient asks for; strake check lists them");
     out += farthest;
     if (mirror) out += padded("  mirror: true", "keeps the body symmetric");
     return out;
 }
 
 /// Patches of a wrap, and fields on the body.
-std::string wrap_text(const std::optional<SymmetryPlane>& mirror, const std::string& reason,
+std::string wrap_text(int triangles, const std::optional<SymmetryPlane>& mirror, const std::string& reason,
                       const std::string& farthest) {
     std::string out =
         "\n# The elastic shell stands on an even, closed surface around the body, and carries the body as it is along."
         "\n# See it with strake check --wrap FILE.vtp.\n";
     if (!reason.empty()) out += "# " + reason + "\n";
     out += padded("wrap: auto", "or {alpha: 2%}: slots and thicknesses below alpha move as one") + "parameters:\n";
-    out += padded("  fields: auto", "smooth motions of the whole body, and its thickness");
+    out += number_of_fields(triangles, "smooth motions of the whole body, and its thickness");
     out += padded("  variables: [normal]", "then patches of the wrap, finer from level to level");
     out += padded("  patches_per_level: [4, 12]", "approximate number, level by level");
     out += farthest;
@@ -435,6 +444,13 @@ std::string directions_text(const std::optional<FoundWing>& wing, const Checkup&
     return wing ? wing_text(*wing) : axes_text(checkup, proposal.plane, proposal.down);
 }
 
+void check_size(const TriMesh& mesh, const ProposalOptions& options) {
+    const bool is_for_shell = options.way == ProposedWay::shell || options.way == ProposedWay::remeshed_shell;
+    if (is_for_shell && mesh.num_triangles() > options.max_triangles)
+        throw InvalidInput(text(mesh.num_triangles(), " triangles, the limit of an examination for a shell is ",
+                                options.max_triangles));
+}
+
 /// A wrap is one part, whatever the body is.
 std::string hold_of(const ProposalOptions& options, const ProposedHolds& holds) {
     if (options.way == ProposedWay::fields) return "";
@@ -448,6 +464,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     if (options.evaluations < 1) throw InvalidInput(text("evaluations = ", options.evaluations, " must be >= 1"));
     SurfaceFile read = read_surface(file);
     check_coordinates(file, read.mesh);
+    check_size(read.mesh, options);
     const std::optional<NearCut> cut = near_cut(read.mesh);
     if (cut) snap_open_edges(cut->plane, cut->percent / 100 * box_diagonal(read.mesh), read.mesh);
     const bool by_wrap = options.way == ProposedWay::wrap;
@@ -490,8 +507,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
         surface_text(path_from(file, case_file), stated_units(file), surface.checkup) + repair_text(surface) +
         (is_remeshed ? remesh_text(surface.checkup, options.reason) : "") + hold_of(options, holds) +
         (half ? symmetry_text(*half, cut) : "") + directions_text(wing, surface.checkup, proposal) +
-        (by_wrap     ? wrap_text(mirror, options.reason, farthest)
-         : by_fields ? fields_text(mirror, options.reason, farthest)
+        (by_wrap     ? wrap_text(proposal.num_triangles, mirror, options.reason, farthest)
+         : by_fields ? fields_text(proposal.num_triangles, mirror, options.reason, farthest)
                      : shell + parameters_text(surface, mirror, options.hold, is_mended ? farthest : "")) +
         goal_text(mean, proposal.has_volume) + "\noptimize:\n" +
         padded(text("  budget: {evaluations: ", options.evaluations, "}"), "more: strake resume --evaluations +50");

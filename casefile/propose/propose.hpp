@@ -3,6 +3,7 @@
 #include "core/repair/checkup.hpp"
 
 #include <filesystem>
+#include <limits>
 #include <optional>
 #include <string>
 #include <vector>
@@ -30,6 +31,8 @@ struct ProposalOptions {
     ProposedHold hold = ProposedHold::band;  ///< not of `wrap` and `fields`, on the surface as it is
     ProposedWay way = ProposedWay::shell;
     std::string reason;  ///< why this way, for the case and `found`; empty: nothing is said
+    /// Of a surface for a shell, as the file has it: minutes of examination would lead to nothing.
+    int max_triangles = std::numeric_limits<int>::max();
 };
 
 /// A guess, with the reason that is written beside it.
@@ -58,6 +61,7 @@ struct ProposedCase {
 /// volume as the objective (area where nothing encloses a volume).
 /// @param case_file where the text will stand: paths in it are relative to its folder.
 /// @throws InputError: the surface cannot be read, or no repair makes it usable; the text says what to do.
+/// InvalidInput: more than `max_triangles`.
 ProposedCase propose_case(const std::filesystem::path& file, const std::filesystem::path& case_file,
                           const ProposalOptions& options = {});
 

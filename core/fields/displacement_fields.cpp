@@ -4,6 +4,7 @@
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/parallel.hpp"
 
 #include <Eigen/LU>
 #include <Eigen/QR>
@@ -292,32 +293,41 @@ Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, 
     return x;
 }
 
-constexpr Eigen::Index rows_in_cache = 1024;
+constexpr int rows_in_cache = 1024;
 
 /// The values times the coefficients. Products of three columns are bound by memory: each value is read once, where
 /// Eigen would copy all of them first.
 Points thin_product(const MatrixXd& values, const Coefficients& c) {
     Points sum = Points::Zero(values.rows(), 3);
     const std::vector<std::size_t> used = used_functions(c);
-    for (Eigen::Index row = 0; row < values.rows(); row += rows_in_cache) {
-        const Eigen::Index m = std::min(rows_in_cache, values.rows() - row);
+    for_blocks(static_cast<int>(values.rows()), rows_in_cache, [&](int begin, int end) {
+        const Eigen::Index m = end - begin;
         Eigen::Matrix<double, Eigen::Dynamic, 3> part = Eigen::Matrix<double, Eigen::Dynamic, 3>::Zero(m, 3);
         for (const std::size_t f : used) {
-            const auto column = values.col(static_cast<Eigen::Index>(f)).segment(row, m);
+            const auto column = values.col(static_cast<Eigen::Index>(f)).segment(begin, m);
             for (int k = 0; k < 3; ++k) part.col(k) += c(static_cast<Eigen::Index>(f), k) * column;
         }
-        sum.middleRows(row, m) = part;
-    }
+        sum.middleRows(begin, m) = part;
+    });
     return sum;
 }
 
+/// A few blocks of rows at a time: what each adds is added in their order.
 Coefficients thin_transposed_product(const MatrixXd& values, const Points& x) {
+    constexpr int blocks_a_time = 64;
     Coefficients sum = Coefficients::Zero(values.cols(), 3);
-    for (Eigen::Index row = 0; row < values.rows(); row += rows_in_cache) {
-        const Eigen::Index m = std::min(rows_in_cache, values.rows() - row);
-        const Eigen::Matrix<double, Eigen::Dynamic, 3> part = x.middleRows(row, m);
-        for (Eigen::Index f = 0; f < values.cols(); ++f)
-            for (int k = 0; k < 3; ++k) sum(f, k) += values.col(f).segment(row, m).dot(part.col(k));
+    std::vector<Coefficients> parts(blocks_a_time, sum);
+    const auto rows = static_cast<int>(values.rows());
+    for (int first = 0; first < rows; first += blocks_a_time * rows_in_cache) {
+        const int count = std::min(rows - first, blocks_a_time * rows_in_cache);
+        for_blocks(count, rows_in_cache, [&](int begin, int end) {
+            const Eigen::Matrix<double, Eigen::Dynamic, 3> part = x.middleRows(first + begin, end - begin);
+            Coefficients& own = parts[static_cast<std::size_t>(begin / rows_in_cache)];
+            for (Eigen::Index f = 0; f < values.cols(); ++f)
+                for (int k = 0; k < 3; ++k)
+                    own(f, k) = values.col(f).segment(first + begin, end - begin).dot(part.col(k));
+        });
+        for (int b = 0; b * rows_in_cache < count; ++b) sum += parts[static_cast<std::size_t>(b)];
     }
     return sum;
 }
@@ -417,7 +427,7 @@ const std::vector<std::string>& field_motions() {
 
 DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldConditions& conditions,
                                        const FieldOptions& options)
-    : along_(options.along) {
+    : along_(options.along), products_as_before_(options.products_as_before) {
     check(surface, conditions, options);
     const TriMesh rest = with_loose_vertices_joined(surface);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
@@ -540,7 +550,11 @@ Matrix3d polar_rotation(const Matrix3d& F) {
     return X;
 }
 
-Points DisplacementFields::field(int b) const { return values_ * coefficients_[static_cast<std::size_t>(b)]; }
+Points DisplacementFields::field(int b) const {
+    const Coefficients& own = coefficients_[static_cast<std::size_t>(b)];
+    if (products_as_before_) return values_ * own;
+    return thin_product(values_, own);
+}
 
 Points DisplacementFields::displacement(const VectorXd& z) const { return thin_product(values_, combined(z)); }
 
@@ -559,15 +573,18 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
 }
 
 std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
-    FunctionSum sum(frame_, along_, powers_, combined(z));
+    const FunctionSum all(frame_, along_, powers_, combined(z));
     std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
-    Vector3d u;
-    Matrix3d by_local;
-    for (Eigen::Index t = 0; t < centroid_.rows(); ++t) {
-        sum.at(centroid_.row(t), u, by_local);
-        maps[static_cast<std::size_t>(t)] =
-            Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
-    }
+    for_blocks(static_cast<int>(centroid_.rows()), 4096, [&](int begin, int end) {
+        FunctionSum sum = all;  // it remembers its last point
+        Vector3d u;
+        Matrix3d by_local;
+        for (Eigen::Index t = begin; t < end; ++t) {
+            sum.at(centroid_.row(t), u, by_local);
+            maps[static_cast<std::size_t>(t)] =
+                Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
+        }
+    });
     return maps;
 }
 

@@ -43,6 +43,7 @@ struct FieldOptions {
     /// words are those of `field_motions()`.
     std::vector<std::string> motions{};
     AlongAxis along = AlongAxis::polynomials;
+    bool products_as_before = false;  ///< of one field alone: the bits of earlier runs, in many times the time
 };
 
 /// move, scale, twist, tilt, shear, out, around: what a field does, as its name says it.
@@ -93,7 +94,8 @@ private:
     FieldFrame frame_;
     AlongAxis along_;
     std::optional<Eigen::Vector3d> still_;
-    std::vector<Powers> powers_;              ///< of the functions
+    std::vector<Powers> powers_;  ///< of the functions
+    bool products_as_before_ = false;
     Eigen::MatrixXd values_;                  ///< n x functions, cut-off included
     std::vector<Coefficients> coefficients_;  ///< per field
     std::vector<std::string> names_;

@@ -7,7 +7,7 @@
 namespace strake {
 namespace {
 
-constexpr double least_panel = 1e-3;  ///< of the semispan
+constexpr double min_panel = 1e-3;  ///< of the semispan
 
 }  // namespace
 
@@ -16,7 +16,7 @@ std::vector<double> Wing::panel_ends() const {
     for (const Side& side : sides_) tip = std::min(tip, place_of(side, 1));
     std::vector<double> ends;
     for (const double s : stations_)
-        if (s == 1 || s < tip - least_panel) ends.push_back(s);
+        if (s == 1 || s < tip - min_panel) ends.push_back(s);
     if (ends.empty() || ends.front() > 0) ends.insert(ends.begin(), 0.0);
     if (ends.back() < 1) ends.push_back(1.0);
     return ends;

@@ -6,6 +6,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/point_tree.hpp"
 #include "core/parallel.hpp"
+#include "core/wrap/radial_sums.hpp"
 #include "core/wrap/wide_product.hpp"
 
 #include <Eigen/LU>
@@ -25,6 +26,7 @@ constexpr double near_edges = 2, depth_share = 1.5;   ///< radius of the local p
 constexpr double full_until = 2, nothing_beyond = 5;  ///< it fades out between these, in edges from the wrap
 constexpr double flat = 1e-9;                         ///< smallest extent of a wrap over its largest
 constexpr int block = 64;
+constexpr Index rows_a_time = 65536;
 constexpr int centers_at_once = 16;
 constexpr double max_stored = 64e6;  ///< bytes: radial functions of a larger body are evaluated each time
 
@@ -84,6 +86,24 @@ void check(const TriMesh& wrap, const Points& body, const WrapBindingOptions& op
     if (options.centers < 4) throw InvalidInput(text("wrap: centers = ", options.centers, " must be >= 4"));
 }
 
+using Row = std::vector<std::pair<int, double>>;
+
+/// Adds rows from `first` on.
+void append(const std::vector<Row>& rows, Index first, Index count, Eigen::SparseMatrix<double, Eigen::RowMajor>& out) {
+    for (Index i = 0; i < count; ++i) {
+        out.startVec(first + i);
+        for (const auto& [w, weight] : rows[static_cast<std::size_t>(i)]) out.insertBack(first + i, w) = weight;
+    }
+}
+
+/// Numbers of a matrix, by those of its first rows.
+Index expected_entries(const std::vector<Row>& first, Index count, Index rows) {
+    std::size_t entries = 0;
+    for (Index i = 0; i < count; ++i) entries += first[static_cast<std::size_t>(i)].size();
+    return static_cast<Index>(1.1 * static_cast<double>(entries) * static_cast<double>(rows) /
+                              static_cast<double>(count));
+}
+
 }  // namespace
 
 struct WrapBinding::Impl {
@@ -100,6 +120,7 @@ struct WrapBinding::Impl {
     MatrixXd by_weights;
     std::vector<char> held;
     double edge = 0, depth = 0;  ///< unscaled
+    bool sums_as_before = false;
 
     void factorize();
     void spread(const TriMesh& surface);
@@ -137,30 +158,36 @@ void WrapBinding::Impl::spread(const TriMesh& surface) {
     const VectorXd area = vertex_areas(surface);
     const ClosestPointTree closest(surface);
     const PointTree tree(surface.vertices);
-    const Index rows = body.rows();
-    std::vector<std::vector<std::pair<int, double>>> weights(static_cast<std::size_t>(rows));
-    std::vector<double> depths(static_cast<std::size_t>(rows));
-    for_blocks(static_cast<int>(rows), block, [&](int begin, int end) {
-        std::vector<int> found;
-        for (int v = begin; v < end; ++v) {
-            const Eigen::Vector3d x = (scale * body.row(v) + middle).transpose();
-            const double away = depths[static_cast<std::size_t>(v)] = closest.find(x).distance;
-            const double share = fade(away / edge), radius = near_edges * edge + depth_share * away;
-            if (share == 0) continue;
-            tree.within(x, radius, found);
-            auto& row = weights[static_cast<std::size_t>(v)];
-            double sum = 0;
-            for (const int w : found) {
-                const double weight = area[w] * wendland((surface.vertices.row(w).transpose() - x).norm() / radius);
-                if (weight > 0) row.emplace_back(w, weight), sum += weight;
-            }
-            for (auto& [w, weight] : row) weight *= share / sum;
+    const auto set_row = [&](Index v, std::vector<int>& found, Row& row) {
+        row.clear();
+        const Eigen::Vector3d x = (scale * body.row(v) + middle).transpose();
+        const double away = closest.find(x).distance;
+        const double share = fade(away / edge), radius = near_edges * edge + depth_share * away;
+        if (share == 0) return away;
+        tree.within(x, radius, found);
+        double sum = 0;
+        for (const int w : found) {
+            const double weight = area[w] * wendland((surface.vertices.row(w).transpose() - x).norm() / radius);
+            if (weight > 0) row.emplace_back(w, weight), sum += weight;
         }
-    });
+        for (auto& [w, weight] : row) weight *= share / sum;
+        return away;
+    };
+    const Index rows = body.rows();
+    std::vector<double> depths(static_cast<std::size_t>(rows));
     local.resize(rows, wrap.rows());
-    for (Index v = 0; v < rows; ++v) {
-        local.startVec(v);
-        for (const auto& [w, weight] : weights[static_cast<std::size_t>(v)]) local.insertBack(v, w) = weight;
+    // Some rows at a time: all of them in vectors of their own would be twice the matrix once more.
+    std::vector<Row> weights(static_cast<std::size_t>(std::min(rows, rows_a_time)));
+    for (Index from = 0; from < rows; from += rows_a_time) {
+        const Index count = std::min(rows_a_time, rows - from);
+        for_blocks(static_cast<int>(count), block, [&](int begin, int end) {
+            std::vector<int> found;
+            for (int i = begin; i < end; ++i)
+                depths[static_cast<std::size_t>(from + i)] =
+                    set_row(from + i, found, weights[static_cast<std::size_t>(i)]);
+        });
+        if (from == 0) local.reserve(expected_entries(weights, count, rows));
+        append(weights, from, count, local);
     }
     local.finalize();
     depth = depths.empty() ? 0 : *std::max_element(depths.begin(), depths.end());
@@ -191,14 +218,16 @@ void WrapBinding::Impl::store() {
 
 /// sum_c weights_c |x - x_c|^3 at each point.
 Points WrapBinding::Impl::radial(const Points& at, const MatrixXd& weights) const {
+    if (!sums_as_before) return cubic_sums(at, center, weights);
     Points values(at.rows(), 3);
     for_blocks(static_cast<int>(at.rows()), block,
                [&](int begin, int end) { values.middleRows(begin, end - begin) = kernel(at, begin, end) * weights; });
     return values;
 }
 
-/// Its transpose: per centre the sum over the points, in their order.
+/// Its transpose: per centre the sum over the points.
 MatrixXd WrapBinding::Impl::radial_transpose(const Points& at, const MatrixXd& values) const {
+    if (!sums_as_before) return cubic_sums_transpose(at, center, values);
     MatrixXd sums(center.rows(), values.cols());
     for_blocks(static_cast<int>(center.rows()), centers_at_once, [&](int begin, int end) {
         Eigen::ArrayXd r2(at.rows());
@@ -229,6 +258,7 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     m.wrap_affine = affine_rows(m.wrap);
     m.body_affine = affine_rows(m.body);
     m.held = options.held;
+    m.sums_as_before = options.sums_as_before;
     m.edge = mean_edge(wrap);
     const VectorXd share = vertex_areas(wrap) / surface_area(wrap);
     const Eigen::Matrix4d moments = m.wrap_affine.transpose() * share.asDiagonal() * m.wrap_affine;
@@ -285,14 +315,23 @@ std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, cons
     const Impl::Smooth parts = m.smooth(of_wrap);
     const Eigen::Matrix3d affine = (parts.nearest + parts.linear).bottomRows<3>().transpose();
     const Points x = (at.rowwise() - m.middle) / m.scale;
-    std::vector<Eigen::Matrix3d> maps(static_cast<std::size_t>(at.rows()));
+    const auto map = [&](const Eigen::Matrix3d& radial) -> Eigen::Matrix3d {
+        return Eigen::Matrix3d::Identity() + (affine + radial) / m.scale;
+    };
+    std::vector<Eigen::Matrix3d> maps;
+    if (!m.sums_as_before) {
+        maps = cubic_slopes(x, m.center, parts.weights);
+        for (Eigen::Matrix3d& one : maps) one = map(one);
+        return maps;
+    }
+    maps.resize(static_cast<std::size_t>(at.rows()));
     for_blocks(static_cast<int>(at.rows()), block, [&](int begin, int end) {
         for (int p = begin; p < end; ++p) {
             Points away = (-m.center).rowwise() + x.row(p);
             const VectorXd slope = 3 * away.rowwise().norm();  // of r^3: 3 r times the vector
             const Eigen::Matrix3d radial =
                 parts.weights.transpose() * (away.array().colwise() * slope.array()).matrix();
-            maps[static_cast<std::size_t>(p)] = Eigen::Matrix3d::Identity() + (affine + radial) / m.scale;
+            maps[static_cast<std::size_t>(p)] = map(radial);
         }
     });
     return maps;

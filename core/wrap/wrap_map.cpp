@@ -56,6 +56,7 @@ WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& option
       held_(options.held),
       binding_([&] {
           WrapBindingOptions binding{options.held};
+          binding.sums_as_before = options.sums_as_before;
           const double diagonal = box_diagonal(mesh_);
           if (!options.plane) return WrapBinding(mesh_, body.vertices, binding);
           if (!options.is_half) {

@@ -10,7 +10,8 @@ struct WrapMapOptions {
     std::vector<char> held = {};  ///< per vertex of the body: stays where it is; empty: none
     /// The wrap is symmetric about this plane.
     std::optional<SymmetryPlane> plane = {};
-    bool is_half = false;  ///< wrap and body are halves that end on the plane
+    bool is_half = false;         ///< wrap and body are halves that end on the plane
+    bool sums_as_before = false;  ///< `WrapBindingOptions`: the same
 };
 
 class WrapMap {

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 7;
+constexpr int latest_meaning = 8;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -44,7 +44,8 @@ struct JournalFacts {
     /// are kept by `KeptRules::latest`, and ranges are as wide as the motion limit lets variables be together
     /// (`OptimizeOptions::begins_with_narrow_ranges`); 7: with a shell, too (`begins_with_narrow_shell_ranges`), and
     /// what long steps leave open of a gradient is asked again (`MinimizeOptions::trusts_long_steps`), and searches
-    /// keep a shell's edges from folding (`Parameters::lets_edges_fold`).
+    /// keep a shell's edges from folding (`Parameters::lets_edges_fold`); 8: large bodies follow their wraps by
+    /// sums in another order (`WrapBindingOptions::sums_as_before`), and fields are products in one (`FieldOptions`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -101,11 +101,12 @@ class MotionLimit(unittest.TestCase):
         subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", "wing.obj"], cwd=folder, check=True,
                        stdout=subprocess.DEVNULL)
         for name in ("before", "none"):
-            (folder / "wing.yaml").write_text(WING.replace("KEEP", ", keep: none"))
+            first = WING.replace("evaluations: 3", "evaluations: 1")  # designs after it differ by rounding
+            (folder / "wing.yaml").write_text(first.replace("KEEP", ", keep: none"))
             strake("run", "wing.yaml", "--out", name, "-q")
         case = (folder / "before/case.yaml").read_text()
-        self.assertEqual((case.count(", keep: none, "), case.count("keys: 6")), (1, 1), case)
-        (folder / "before/case.yaml").write_text(case.replace(", keep: none, ", ", ").replace("keys: 6", "keys: 2"))
+        self.assertEqual((case.count(", keep: none, "), case.count("keys: 8")), (1, 1), case)
+        (folder / "before/case.yaml").write_text(case.replace(", keep: none, ", ", ").replace("keys: 8", "keys: 2"))
         for name, said in (("before", ", keep: none, "), ("none", ", ")):
             with sqlite3.connect(folder / name / "journal.sqlite") as journal:
                 journal.execute(f"UPDATE facts SET value = replace(value, '{said}', ', ') WHERE name = 'case'")
@@ -143,6 +144,28 @@ class MotionLimit(unittest.TestCase):
             rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
         self.assertEqual(rows[3], rows[4])
         self.assertNotEqual(rows[4], rows[5])
+
+    def test_a_large_body_of_before_follows_its_wrap_as_it_did(self):
+        """Of more than 16 000 vertices; by the same sums in another order, and so do its fields."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "ellipsoid", "--triangles", "33000", "-o", "large.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        (folder / "large.yaml").write_text(
+            "surface: {file: large.obj}\nhold: point\nwrap: {alpha: 8%}\nobjective: {maximize: volume}\n"
+            "constraints: {area: {max: 1.01, relative: true}}\noptimize: {budget: {evaluations: 1}}\n"
+            "parameters: {fields: 6, variables: [normal], patches_per_level: [4], max_displacement: 0.5%}\n")
+        rows = {}
+        for meaning in (6, 7, 8):
+            run = f"large{meaning}"
+            strake("run", "large.yaml", "--out", run, "-q")
+            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
+                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+                journal.execute("DELETE FROM facts WHERE name = 'hash'")
+            journal.close()
+            strake("resume", run, "--evaluations", "4", "-q")
+            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+        self.assertEqual(rows[6], rows[7])
+        self.assertNotEqual(rows[7], rows[8])
 
     def test_regions_have_limits_of_their_own(self):
         write("regions.yaml", "max_displacement: {default: 0.5%, tail: {inward: 0, outward: 0.1%}}")
@@ -219,7 +242,7 @@ class MotionLimit(unittest.TestCase):
             "surface: {file: free.obj}\nshell: none\nhold: point\nobjective: {maximize: volume}\n"
             "optimize: {budget: {evaluations: 30}}\nparameters: {fields: 24, max_displacement: 0.5%}\n")
         gain = {}
-        for meaning in (5, 6):
+        for meaning in (5, 8):
             run = f"free{meaning}"
             strake("run", "free.yaml", "--out", run, "-q")
             with sqlite3.connect(folder / run / "journal.sqlite") as journal:  # as if it had ended after one
@@ -232,11 +255,11 @@ class MotionLimit(unittest.TestCase):
             whole = history.read_text()
             history.write_text("".join(whole.splitlines(True)[:2]))
             strake("resume", run, "-q")
-            (self.assertEqual if meaning == 6 else self.assertNotEqual)(history.read_text(), whole)
+            (self.assertEqual if meaning == 8 else self.assertNotEqual)(history.read_text(), whole)
             told = self.result(run)
             self.assertLessEqual(told["motion_limit"]["used"], 1 + 1e-9)
             gain[meaning] = told["objective"] - told["objective_start"]
-        self.assertGreater(gain[6], 1.003 * gain[5])
+        self.assertGreater(gain[8], 1.003 * gain[5])
 
     def test_a_limit_beyond_reason_is_told(self):
         write("far.yaml", "max_displacement: 90%")

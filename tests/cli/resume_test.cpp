@@ -16,7 +16,7 @@ bool is_long() { return std::getenv("STRAKE_LONG") != nullptr; }
 class Resume : public ProgramCase {
 protected:
     /// Kills the run again and again until one start comes to its end. @return how often.
-    int run_with_kills(const std::string& file, const std::string& out, int seed, int most_ms) const {
+    int run_with_kills(const std::string& file, const std::string& out, int seed, int max_ms) const {
         std::mt19937 random(static_cast<unsigned>(seed));
         int kills = 0;
         for (int status = -1; status != 0 && kills < 200;) {
@@ -28,7 +28,7 @@ protected:
             if (!begun) arguments = {"run", file, "--out", path(out), "-q"};
             const Started run(folder, arguments);
             // Later starts are given longer, so that there is an end.
-            pause_ms(static_cast<int>(random() % static_cast<unsigned>(most_ms + 40 * kills)));
+            pause_ms(static_cast<int>(random() % static_cast<unsigned>(max_ms + 40 * kills)));
             run.send(SIGKILL);
             status = run.wait();
             for (const int number : calls()) EXPECT_FALSE(paid.contains(number)) << number << " was paid again";
@@ -341,7 +341,7 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
     const std::string history = bytes_of(folder / "whole/history.csv"),
                       bytes = bytes_of(folder / "whole/journal.sqlite");
     ASSERT_GT(std::count(history.begin(), history.end(), '\n'), 8);
-    EXPECT_NE(bytes_of(folder / "whole/case.yaml").find("\n# meaning of its keys: 6\n"), std::string::npos);
+    EXPECT_NE(bytes_of(folder / "whole/case.yaml").find("\n# meaning of its keys: 8\n"), std::string::npos);
     for (const std::string damage : {"cut", "tried", "lost"}) {
         fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
         folder.write(damage + "/journal.sqlite", bytes.substr(0, damage == "lost" ? 0 : bytes.size() - 4096));

@@ -147,7 +147,7 @@ TEST_F(Regions, GrowingFollowsEdgesAndShrinkingGrowsTheRest) {
 }
 
 /// A triangle as a sphere, a box or a half-space sees it: thousands of its points.
-double least_excess(const RegionShape& shape, const TriMesh& mesh, int t) {
+double min_excess(const RegionShape& shape, const TriMesh& mesh, int t) {
     double least = 1e300;
     constexpr int n = 60;
     for (int i = 0; i <= n; ++i)
@@ -183,7 +183,7 @@ TEST(RegionShapes, TouchingAsksEveryPointOfATriangleNotItsVertices) {
                                inside = triangles_in(shape, mesh, 1.7, false);
         double nearest = 1e300;
         for (int t = 0; t < mesh.num_triangles(); ++t) {
-            const double least = least_excess(shape, mesh, t);  // of samples: up to their spacing too large
+            const double least = min_excess(shape, mesh, t);  // of samples: up to their spacing too large
             const bool touches = std::binary_search(touching.begin(), touching.end(), t);
             const bool is_seen = least <= 0, may_be_seen = least <= 0.02;
             EXPECT_GE(touches, is_seen) << i;

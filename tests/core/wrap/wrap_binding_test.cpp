@@ -135,6 +135,22 @@ TEST(WrapBinding, LargeBodiesMoveAsTheirPieces) {
     EXPECT_LT((back - of_piece.transpose(Points(g.topRows(3000)))).norm(), 1e-8 * back.norm());
 }
 
+/// Runs that began with the sums of before go on with them: alike, but not to the bit.
+TEST(WrapBinding, SumsOfBeforeAreKept) {
+    const Pair pair;
+    const Points large = example::superellipsoid(36000, {{2, 0.6, 0.45}, 2.5}).vertices;
+    const WrapBinding now(pair.wrap, large), before(pair.wrap, large, {{}, 500, {}, true});
+    const Points u = random_points(pair.wrap.num_vertices(), 1), g = random_points(large.rows(), 2);
+    const Points moved = now.displacement(u), back = now.transpose(g);
+    EXPECT_LT((moved - before.displacement(u)).norm(), 1e-8 * moved.norm());
+    EXPECT_NE(moved, before.displacement(u));
+    EXPECT_LT((back - before.transpose(g)).norm(), 1e-8 * back.norm());
+    EXPECT_NE(back, before.transpose(g));
+    const auto maps = now.local_maps(u, large.topRows(100)), maps_before = before.local_maps(u, large.topRows(100));
+    for (std::size_t p = 0; p < maps.size(); ++p)
+        EXPECT_LT((maps[p] - maps_before[p]).norm(), 1e-8 * (1 + maps[p].norm()));
+}
+
 TEST(WrapBinding, CentersAreInterpolatedAndHeldVerticesStay) {
     const Pair pair;
     const WrapBinding ahead(pair.wrap, pair.body.vertices, {{}, 200});

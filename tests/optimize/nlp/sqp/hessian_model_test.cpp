@@ -11,7 +11,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-double least_eigenvalue(const MatrixXd& m) { return Eigen::SelfAdjointEigenSolver<MatrixXd>(m).eigenvalues()[0]; }
+double min_eigenvalue(const MatrixXd& m) { return Eigen::SelfAdjointEigenSolver<MatrixXd>(m).eigenvalues()[0]; }
 
 }  // namespace
 
@@ -36,7 +36,7 @@ TEST(HessianModel, WhatItHasNotGotIsNotTakenAway) {
     EXPECT_EQ(model.matrix(), MatrixXd(program.hessian - 0.5 * program.guessed));
     model.start();
     model.remove_guess(1);
-    EXPECT_GT(least_eigenvalue(model.matrix()), 0);
+    EXPECT_GT(min_eigenvalue(model.matrix()), 0);
 }
 
 /// Steps along negative curvature while the gradient turns across them, as next to buckling: damping alone adds

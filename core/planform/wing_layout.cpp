@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -51,15 +51,7 @@ void check_directions(const WingDeclaration& declared) {
 
 Wing::Wing(const TriMesh& start, const WingDeclaration& declaration) : declared_(declaration) {
     check_directions(declared_);
-    if (declared_.triangles.empty()) {
-        declared_.triangles.resize(static_cast<std::size_t>(start.num_triangles()));
-        std::iota(declared_.triangles.begin(), declared_.triangles.end(), 0);
-    }
-    std::sort(declared_.triangles.begin(), declared_.triangles.end());
-    if (declared_.triangles.empty() || declared_.triangles.front() < 0 ||
-        declared_.triangles.back() >= start.num_triangles())
-        throw InvalidInput(text("wing '", declared_.name, "': triangles must be in [0, ", start.num_triangles(),
-                                "), and at least one"));
+    declared_.triangles = part_of(start, std::move(declared_.triangles), text("wing '", declared_.name, "'"));
     find_sides(start);
     for (Side& side : sides_) {
         find_winglet(start, side);

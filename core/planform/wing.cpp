@@ -114,7 +114,7 @@ std::vector<Outline> Wing::outlines(const TriMesh& surface, const Side& side, co
 
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                      const std::vector<int>* triangles) const {
-    return Airfoil::from(outlines(surface, side, plane, sensitivities, triangles));
+    return Airfoil::from(outlines(surface, side, plane, sensitivities, triangles), corner_of_noses());
 }
 
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const {
@@ -162,7 +162,8 @@ std::optional<Wing::Edges> Wing::edges(const TriMesh& surface, const TriMesh& pl
                  at.frame.up,
                  in_space(at, airfoil->leading_edge()),
                  in_space(at, airfoil->trailing_edge()),
-                 airfoil->num_nose_points()};
+                 airfoil->num_nose_points(),
+                 airfoil->nose_turning()};
 }
 
 Vector3d Wing::up_at(int number, double place) const {

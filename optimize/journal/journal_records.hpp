@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 6;
+constexpr int latest_meaning = 8;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -41,8 +41,9 @@ struct JournalFacts {
     /// shared among the levels that it can move (`OptimizeOptions::shares_with_all_levels`); 3: what moves a wing keeps
     /// its edges (`Parameters::kept_sections`); 4: ranges of variables widen (`OptimizeOptions::keeps_ranges`); 5: what
     /// sections that are kept take out of fields counts (`Parameters::counts_kept_motion_alone`); 6: edges of sections
-    /// are kept by `KeptRules::latest`, and ranges are as wide as the motion limit lets variables be together
-    /// (`OptimizeOptions::begins_with_narrow_ranges`).
+    /// are kept by `KeptRules::coarse_noses_move`, and ranges are as wide as the motion limit lets variables be
+    /// together (`OptimizeOptions::begins_with_narrow_ranges`); 8: by `KeptRules::latest`, and stations of a
+    /// wing are `StationCorners::level`, and wings are measured by `WingRules::latest`.
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

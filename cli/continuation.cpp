@@ -2,6 +2,7 @@
 
 #include "casefile/read/resolved_case.hpp"
 #include "core/error.hpp"
+#include "core/planform/kept_sections.hpp"
 #include "optimize/run/known_designs.hpp"
 #include "report/recorded_run.hpp"
 
@@ -44,19 +45,26 @@ int last_accepted(const Journal& journal) {
 
 void keep_meaning(Case& the_case, int meaning) {
     constexpr int since_shapes_are_limited = 2, since_outlines_are_kept = 3, since_ranges_widen = 4,
-                  since_held_motion_counts = 5, since_latest_edges = 6, since_ranges_begin_wide = 6,
+                  since_held_motion_counts = 5, since_polynomials_keep_edges = 6, since_ranges_begin_wide = 6,
                   since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
-                  since_large_bodies_are_quick = 8;
-    for (WingEntry& wing : the_case.planform)
+                  since_large_bodies_are_quick = 8, since_coarse_noses_stay = 8, since_stations_are_level = 8,
+                  since_latest_wings = 8;
+    for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
+        if (meaning < since_latest_wings) wing.rules = WingRules::earlier;
+    }
     the_case.parameters.limits_variables = meaning < since_shapes_are_limited;
     the_case.optimize.is_relative_to_objective = meaning < since_shapes_are_limited;
     the_case.optimize.shares_with_all_levels = meaning < since_shapes_are_limited;
     the_case.parameters.counts_kept_motion_alone = meaning < since_held_motion_counts;
     the_case.parameters.lets_edges_fold = meaning < since_edges_are_kept;
-    the_case.parameters.keeps_edges_as_before = meaning < since_latest_edges;
     if (the_case.wrap) the_case.wrap->sums_as_before = meaning < since_large_bodies_are_quick;
     the_case.parameters.fields.products_as_before = meaning < since_large_bodies_are_quick;
+    the_case.parameters.kept_rules = meaning < since_polynomials_keep_edges ? KeptRules::earlier
+                                     : meaning < since_coarse_noses_stay    ? KeptRules::coarse_noses_move
+                                                                            : KeptRules::latest;
+    the_case.parameters.station_corners =
+        meaning < since_stations_are_level ? StationCorners::kinked : StationCorners::level;
     the_case.optimize.keeps_ranges = meaning < since_ranges_widen;
     the_case.optimize.begins_with_narrow_ranges = meaning < since_ranges_begin_wide;
     the_case.optimize.begins_with_narrow_shell_ranges = meaning < since_shell_ranges_begin_wide;

@@ -104,8 +104,10 @@ void ProblemBuilder::set_planform() {
         }
     std::shared_ptr<PlanformMotion> planform;
     const std::string path = "parameters.planform: ";
-    at(entries.front().place, path,
-       [&] { planform = std::make_shared<PlanformMotion>(start_.mesh, wings, std::vector<PlanformRange>(), bodies); });
+    at(entries.front().place, path, [&] {
+        planform = std::make_shared<PlanformMotion>(start_.mesh, wings, std::vector<PlanformRange>(), bodies,
+                                                    case_.parameters.station_corners);
+    });
     // One after the other, so that what is refused is said where it stands.
     for (const PlanformRangeEntry& entry : entries) {
         if (!errors_.empty()) return;
@@ -128,12 +130,12 @@ void ProblemBuilder::set_kept_sections() {
     const bool moves = !p.kinds.empty() || p.fields || !case_.parameters.user_variables.empty();
     if (!moves || is_motion_listed || !case_.fit.empty() || p.invariance || !out_.problem.attached.empty()) return;
     std::vector<std::shared_ptr<const Wing>> wings;
-    const KeptRules rules = case_.parameters.keeps_edges_as_before ? KeptRules::earlier : KeptRules::latest;
     for (const WingEntry& entry : case_.planform)
         if (entry.keeps_outline) {
             wings.push_back(wings_.at(entry.name));
             at(entry.place, text("planform.", entry.name, ": keep: none lets its edges go; "), [&] {
-                p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed, rules);
+                p.kept_sections = std::make_shared<const KeptSections>(start_.mesh, wings, out_.problem.fixed,
+                                                                       case_.parameters.kept_rules);
             });
         }
 }

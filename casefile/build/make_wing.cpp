@@ -17,6 +17,7 @@ std::shared_ptr<const Wing> make_wing(const WingEntry& entry, const WingSetup& s
     declared.symmetry = setup.symmetry;
     declared.stations = entry.stations;
     declared.axis = entry.axis;
+    declared.rules = entry.rules;
     return std::make_shared<const Wing>(start, declared);
 }
 

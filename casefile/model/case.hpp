@@ -22,6 +22,8 @@
 /// their defaults and limits are in the tables of casefile/schema/; docs/cases.md is generated from them.
 namespace strake {
 
+enum class KeptRules : int;  // core/planform/kept_sections.hpp
+
 /// A length: in the surface's unit, or a fraction of the diagonal of its bounding box.
 struct Length {
     double value = 0;
@@ -119,6 +121,7 @@ struct WingEntry {
     std::array<double, 2> box_span{}, box_chord{};    ///< of box_volume
     std::vector<Reference> values;                    ///< to record
     bool keeps_outline = true;                        ///< loads, strains and fields leave its edges where they are
+    WingRules rules = WingRules::latest;              ///< of a run that began so
 };
 
 /// A body by its length, under planform, too.
@@ -232,7 +235,8 @@ struct ParameterEntry {
     bool limits_variables = false;          ///< as `Parameters::limits_variables`: of a run that began so
     bool counts_kept_motion_alone = false;  ///< the same
     bool lets_edges_fold = false;           ///< the same
-    bool keeps_edges_as_before = false;     ///< `KeptRules::earlier`: the same
+    KeptRules kept_rules{};                 ///< the same; by default the latest
+    StationCorners station_corners{};       ///< the same
     std::optional<Length> variable_scale;
     bool strain_rotates = true, strain_translates = true;  ///< with strain variables
     double free_border = 0.4;

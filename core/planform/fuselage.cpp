@@ -6,7 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numeric>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -18,24 +18,17 @@ constexpr double end_rel = 1e-6;           ///< of the length: vertices of nose 
 constexpr double end_margin = 1e-3;        ///< of the length: planes stay so far inside
 constexpr double plane_rel = 1e-4;         ///< of the length: a half ends at the plane
 
-Varying along(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
-    Varying result(n.dot(mesh.vertices.row(v)));
-    for (int c = 0; sensitivities && c < 3; ++c)
-        if (n[c] != 0) result.slope.emplace_back(3 * v + c, n[c]);
-    return result;
-}
-
 /// The middle between the lowest and the highest of some vertices.
 Varying middle(const TriMesh& mesh, const std::vector<int>& vertices, const Vector3d& n, bool sensitivities) {
     const auto at = [&](int v) { return n.dot(mesh.vertices.row(v)); };
     const auto [low, high] =
         std::minmax_element(vertices.begin(), vertices.end(), [&](int a, int b) { return at(a) < at(b); });
-    return 0.5 * (along(mesh, *low, n, sensitivities) + along(mesh, *high, n, sensitivities));
+    return 0.5 * (component(mesh, *low, n, sensitivities) + component(mesh, *high, n, sensitivities));
 }
 
 Varying mean(const TriMesh& mesh, const std::vector<int>& vertices, const Vector3d& n, bool sensitivities) {
     std::vector<Varying> terms;
-    for (const int v : vertices) terms.push_back(along(mesh, v, n, sensitivities));
+    for (const int v : vertices) terms.push_back(component(mesh, v, n, sensitivities));
     return (1.0 / static_cast<double>(vertices.size())) * sum(terms);
 }
 
@@ -57,15 +50,7 @@ void check(const FuselageDeclaration& declared) {
 
 Fuselage::Fuselage(const TriMesh& start, const FuselageDeclaration& declaration) : declared_(declaration) {
     check(declared_);
-    if (declared_.triangles.empty()) {
-        declared_.triangles.resize(static_cast<std::size_t>(start.num_triangles()));
-        std::iota(declared_.triangles.begin(), declared_.triangles.end(), 0);
-    }
-    std::sort(declared_.triangles.begin(), declared_.triangles.end());
-    if (declared_.triangles.empty() || declared_.triangles.front() < 0 ||
-        declared_.triangles.back() >= start.num_triangles())
-        throw InvalidInput(text("body '", declared_.name, "': triangles must be in [0, ", start.num_triangles(),
-                                "), and at least one"));
+    declared_.triangles = part_of(start, std::move(declared_.triangles), text("body '", declared_.name, "'"));
     std::vector<int> vertices;
     for (const int t : declared_.triangles)
         for (const int v : start.triangles.row(t)) vertices.push_back(v);

@@ -24,6 +24,15 @@ const Varying& value_of(const FuselageStation& at, PlanformChange change) {
     return change == PlanformChange::width ? at.width : change == PlanformChange::height ? at.height : at.camber;
 }
 
+double largest_height(const TriMesh& start, const Fuselage& body) {
+    double largest = 0;
+    for (int k = 1; k < 20; ++k) try {
+            largest = std::max(largest, body.station(start, k / 20.0).height.value);
+        } catch (const InvalidInput&) {  // between two parts of it
+        }
+    return largest;
+}
+
 void check_body(const PlanformRange& range, const std::vector<PlanformMotion::Variable>& variables,
                 const std::string& shown) {
     const auto refuse = [&](const std::string& why) { throw InvalidInput(shown + why); };
@@ -198,9 +207,7 @@ void PlanformMotion::add_body_range(const TriMesh& start, const PlanformRange& r
 std::vector<double> PlanformMotion::body_stations(const TriMesh& start, const MovedBody& moved,
                                                   const PlanformRange& range, const std::string& shown) const {
     const std::vector<double>& all = moved.body->declaration().stations;
-    double largest = 0;
-    for (int k = 1; k < 20; ++k)
-        largest = std::max(largest, value_of(moved.body->station(start, k / 20.0), PlanformChange::height).value);
+    const double largest = largest_height(start, *moved.body);
     std::vector<double> found;
     for (const double s : all) {
         const bool is_end = s == 0 || s == 1;

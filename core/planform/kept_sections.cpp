@@ -32,10 +32,11 @@ Points points(const VectorXd& flat) { return Eigen::Map<const Points>(flat.data(
 struct EdgeRows {
     std::vector<Eigen::Triplet<double>> entries = {};
 
-    void add(int knot, const PlanePoint& edge) {
+    /// @param freedom null: 1
+    void add(int knot, const PlanePoint& edge, const VectorXd* freedom) {
         for (int c = 0; knot >= 0 && c < 2; ++c)
             for (const auto& [coordinate, slope] : (c == 0 ? edge.x : edge.z).slope)
-                entries.emplace_back(2 * knot + c, coordinate, slope);
+                entries.emplace_back(2 * knot + c, coordinate, slope * (freedom ? (*freedom)[coordinate / 3] : 1));
     }
     void copy(int knot, const Eigen::SparseMatrix<double, Eigen::RowMajor>& from) {
         for (int c = 0; knot >= 0 && c < 2; ++c)
@@ -70,11 +71,14 @@ Points KeptSections::in_planes(const Points& motion) const {
     return result;
 }
 
+Points KeptSections::held(const Points& free) const { return freedom_.asDiagonal() * free; }
+
 /// How far the edges are from where the start has them. Corners of a trailing edge are points of the surface, known
 /// from the start, so that it does not jump from one corner to another; in planes that stay they move linearly. So do
 /// noses of too few points for a polynomial, and those that jump so that no step brings them back.
-VectorXd KeptSections::off(const TriMesh& surface, const std::vector<char>& is_linear) const {
-    VectorXd found = at_start_->edges * flat(surface.vertices - start_.vertices);
+/// @param free before `held`: what is taken out of noses that keep their shape
+VectorXd KeptSections::off(const TriMesh& surface, const Points& free, const std::vector<char>& is_linear) const {
+    VectorXd found = at_start_->edges * flat(free);
     for (const Section& section : sections_) {
         if (section.leading < 0 || !section.is_round || is_linear[static_cast<std::size_t>(section.leading)]) continue;
         const auto at = section.wing->edges(surface, start_, section.side, section.place, false, &section.triangles);
@@ -104,8 +108,9 @@ std::shared_ptr<const KeptSections::Tangent> KeptSections::tangent_at(const Poin
         const Eigen::Vector2d off = Eigen::Vector2d(at->leading.x.value, at->leading.z.value) - section.leading_at;
         const bool jumps = !is_first && is_end && off.norm() > told_apart * section.chord;  // as `kept` found it
         if (jumps) rows.copy(section.leading, at_start_->edges);
-        if (!jumps) rows.add(section.leading, at->leading);
-        if (is_first) rows.add(section.trailing, at->trailing);
+        const VectorXd* freedom = section.is_round ? &freedom_ : nullptr;
+        if (!jumps) rows.add(section.leading, at->leading, freedom);
+        if (is_first) rows.add(section.trailing, at->trailing, freedom);
     }
     auto tangent = std::make_shared<Tangent>();
     tangent->surface = vertices;
@@ -117,16 +122,19 @@ std::shared_ptr<const KeptSections::Tangent> KeptSections::tangent_at(const Poin
 }
 
 Points KeptSections::kept(const Points& motion) const {
-    Points moved = in_planes(motion);
-    if (moved.isZero(0) || num_knots_ == 0) return moved;
+    Points free = in_planes(motion), moved = free;
+    if (free.isZero(0)) return moved;
+    if (num_knots_ == 0) return held(free);
     const VectorXd chord = chords_of(sections_, num_knots_);
     std::shared_ptr<const Tangent> tangent = at_start_;
     std::vector<char> is_linear(static_cast<std::size_t>(num_knots_), 0);
     double before = std::numeric_limits<double>::infinity();
     TriMesh surface = start_;
     for (int k = 0; k < max_iterations; ++k) {
+        moved = held(free);
         surface.vertices = start_.vertices + moved;
-        const VectorXd left = off(surface, is_linear);
+        // Rounded as the surface is, where nothing is held: the same bits as ever.
+        const VectorXd left = off(surface, holds_noses_ ? free : Points(surface.vertices - start_.vertices), is_linear);
         const double size = left.cwiseQuotient(chord).cwiseAbs().maxCoeff();
         if (size < edge_tolerance || (size < near_enough && size > slow * before)) return moved;
         if (k >= max_iterations / 2) mark_left(left, chord, is_linear);
@@ -134,7 +142,7 @@ Points KeptSections::kept(const Points& motion) const {
         before = size;
         const VectorXd step = by_knots_ * tangent->by_knots.solve(left);
         if (!step.allFinite()) break;
-        moved -= points(step);
+        free -= points(step);
     }
     throw SolverError(text("wing '", sections_.front().wing->declaration().name,
                            "': its edges cannot be brought back to where they were (", before,
@@ -143,17 +151,18 @@ Points KeptSections::kept(const Points& motion) const {
 
 Points KeptSections::rate(const Points* surface, const Points& motion) const {
     const Points moved = in_planes(motion);
-    if (num_knots_ == 0) return moved;
+    if (num_knots_ == 0) return held(moved);
     const auto tangent = surface ? tangent_at(*surface, true) : at_start_;
-    return moved - points(by_knots_ * tangent->by_knots.solve(tangent->edges * flat(moved)));
+    return held(moved - points(by_knots_ * tangent->by_knots.solve(tangent->edges * flat(moved))));
 }
 
 Points KeptSections::pulled_back(const Points* surface, const Points& dJ_dv) const {
-    if (num_knots_ == 0) return in_planes(dJ_dv);
+    if (num_knots_ == 0) return in_planes(held(dJ_dv));
     const auto tangent = surface ? tangent_at(*surface, true) : at_start_;
-    const VectorXd by_knot = by_knots_.transpose() * flat(dJ_dv);
+    const Points by_free = held(dJ_dv);
+    const VectorXd by_knot = by_knots_.transpose() * flat(by_free);
     const VectorXd by_edge = tangent->by_knots.transpose().solve(by_knot);
-    return in_planes(dJ_dv - points(tangent->edges.transpose() * by_edge));
+    return in_planes(by_free - points(tangent->edges.transpose() * by_edge));
 }
 
 namespace {
@@ -193,7 +202,7 @@ Vector3d KeptSections::across_rate(int v, const Vector3d& normal, const VectorXd
 void KeptSections::change_maps(const Points& motion, std::vector<Eigen::Matrix3d>& maps) const {
     const VectorXd knots =
         num_knots_ == 0 ? VectorXd(0) : VectorXd(at_start_->by_knots.solve(at_start_->edges * flat(in_planes(motion))));
-    const Points correction = points(by_knots_ * knots);
+    const Points correction = points(by_knots_ * knots), free = in_planes(motion) - correction;
     for (int t = 0; t < start_.num_triangles(); ++t) {
         const Hats of = hats(start_, t);
         Eigen::Matrix3d slope = maps[static_cast<std::size_t>(t)] - Eigen::Matrix3d::Identity(), taken;
@@ -206,17 +215,36 @@ void KeptSections::change_maps(const Points& motion, std::vector<Eigen::Matrix3d
             taken += across_rate(v, of.normal, knots) * of.normal.transpose() / 3;
         }
         maps[static_cast<std::size_t>(t)] -= taken;
+        if (!holds_noses_) continue;
+        const double mean = mean_freedom(t);
+        Eigen::Matrix3d& map = maps[static_cast<std::size_t>(t)];
+        map = Eigen::Matrix3d::Identity() + mean * (map - Eigen::Matrix3d::Identity());
+        for (int k = 0; k < 3; ++k) {
+            const int v = start_.triangles(t, k);
+            map += (freedom_[v] - mean) * free.row(v).transpose() * of.gradient.col(k).transpose();
+        }
     }
 }
 
-Eigen::Matrix3d KeptSections::pull_map(int t, const Eigen::Matrix3d& dJ_dF, Points& dJ_dd) const {
+double KeptSections::mean_freedom(int t) const {
+    double sum = 0;
+    for (const int v : start_.triangles.row(t)) sum += freedom_[v];
+    return sum / 3;
+}
+
+Eigen::Matrix3d KeptSections::pull_map(int t, const Eigen::Matrix3d& dJ_dmap, Points& dJ_dd) const {
     const Hats of = hats(start_, t);
+    const double mean = holds_noses_ ? mean_freedom(t) : 1;
+    const Eigen::Matrix3d dJ_dF = mean * dJ_dmap;
+    Points by_free = Points::Zero(num_vertices(), 3);
     Eigen::Matrix3d by_map = dJ_dF;
     VectorXd by_knot = VectorXd::Zero(2 * num_knots_);
     for (int k = 0; k < 3; ++k) {
         const int v = start_.triangles(t, k);
         const Share& share = shares_[static_cast<std::size_t>(v)];
-        const Vector3d across = across_.row(v), by_correction = -dJ_dF * of.gradient.col(k),
+        by_free.row(v) += (freedom_[v] - mean) * dJ_dmap * of.gradient.col(k);
+        const Vector3d across = across_.row(v),
+                       by_correction = -dJ_dF * of.gradient.col(k) - by_free.row(v).transpose(),
                        by_rate = -dJ_dF * of.normal / 3;
         by_map -= across * (across.transpose() * dJ_dF) / 3;
         const Complex zeta = Complex(share.downstream.dot(of.normal), share.up.dot(of.normal)) / share.chord;
@@ -227,10 +255,11 @@ Eigen::Matrix3d KeptSections::pull_map(int t, const Eigen::Matrix3d& dJ_dF, Poin
             by_knot.segment<2>(2 * term.knot) += Eigen::Vector2d(by.real(), by.imag());
         }
     }
-    dJ_dd = Points::Zero(num_vertices(), 3);
-    if (num_knots_ == 0) return by_map;
-    const VectorXd by_edge = at_start_->by_knots.transpose().solve(by_knot);
-    dJ_dd = in_planes(points(at_start_->edges.transpose() * by_edge));
+    if (num_knots_ > 0) {
+        const VectorXd by_edge = at_start_->by_knots.transpose().solve(by_knot);
+        by_free += points(at_start_->edges.transpose() * by_edge);
+    }
+    dJ_dd = in_planes(by_free);
     return by_map;
 }
 

@@ -10,14 +10,16 @@
 /// What of a motion is left where wings keep the edges of their sections.
 namespace strake {
 
-/// Which leading edges are kept as sections show them (others by their linear motion at the start), and how many knots
-/// there may be over the semispan.
-enum class KeptRules {
-    latest,  ///< wherever a polynomial gives the edge; 128
-    earlier  ///< of noses of ten points or more; 64: the meaning of earlier runs
+/// Which leading edges are kept as sections show them (others by their linear motion at the start), how many knots
+/// there may be over the semispan, and whether noses of too few points keep their shape. All but the first: the meaning
+/// of earlier runs.
+enum class KeptRules : int {
+    latest,             ///< wherever a polynomial gives the edge; 128; they keep it
+    coarse_noses_move,  ///< likewise, but they do not
+    earlier             ///< of noses of ten points or more; 64; likewise
 };
 
-/// Motions of a surface without what they do to the planform of its wings: u = S d - B a, so that on the surface
+/// Motions of a surface without what they do to the planform of its wings: u = H (S d - B a), so that on the surface
 /// x0 + u leading and trailing edge of each wing, as its sections show them, are where the start has them. Chord,
 /// twist, sweep, dihedral and span then are those of the start; thickness and camber are what d makes them.
 ///
@@ -27,6 +29,10 @@ enum class KeptRules {
 /// of vertices of each edge, at most 128 over the semispan, fewer where an irregular mesh could not bring the edges
 /// back there, and a their values, found by Newton's method. A motion that turns, scales and moves the sections in
 /// their planes is taken out whole.
+///
+/// H is 1 but at the coarse noses of a side, most of whose sections have fewer than ten points within 4 % of the chord:
+/// on triangles that reach there it is 0, and 1 from 20 % of the chord on. Which points show the leading edge of such a
+/// nose changes along the span: it stays where none of them moves.
 ///
 /// What is fixed stays fixed: towards it B fades to zero, over a quarter of the root chord. Where the wing shares
 /// edges with a body, B and S fade to zero on the body, over half of the root chord. Parts of their own (a body that a
@@ -75,6 +81,7 @@ private:
         std::vector<Eigen::Vector3d> leading, trailing;
         std::vector<double> knots[2];  ///< places along the leading and the trailing edge
         std::vector<int> number[2];    ///< of these knots
+        bool has_coarse_nose = false;  ///< all along
     };
     struct Term {
         int knot;
@@ -100,10 +107,14 @@ private:
     void share_centre();
     void add_sections(const Side& of);
     void place_vertices(const std::vector<int>& fixed);
+    bool has_coarse_nose(const Side& of) const;
+    void hold_noses();
     Complex fraction(const Side& of, double place, const Eigen::Vector3d& x, Complex& chord) const;
     void place_vertex(int v, const Side& of, double across, double along);
     void drop_fixed_knots();
-    Eigen::VectorXd off(const TriMesh& surface, const std::vector<char>& is_linear) const;
+    Eigen::VectorXd off(const TriMesh& surface, const Points& free, const std::vector<char>& is_linear) const;
+    Points held(const Points& free) const;
+    double mean_freedom(int triangle) const;
     std::shared_ptr<const Tangent> tangent_at(const Points& surface, bool is_end) const;
     Points in_planes(const Points& motion) const;
     Eigen::Vector3d across_rate(int v, const Eigen::Vector3d& normal, const Eigen::VectorXd& knots) const;
@@ -115,6 +126,8 @@ private:
     int num_knots_ = 0;
     std::vector<Share> shares_;             ///< per vertex
     Points across_;                         ///< n x 3: S = I - across across^T
+    Eigen::VectorXd freedom_;               ///< H, per vertex
+    bool holds_noses_ = false;              ///< H is not 1
     Eigen::SparseMatrix<double> by_knots_;  ///< B, 3 n x 2 knots
     std::shared_ptr<const Tangent> at_start_;
     mutable std::mutex guard_;

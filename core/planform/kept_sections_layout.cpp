@@ -29,12 +29,18 @@ constexpr double same_place = 1e-9;
 constexpr double sharp_turn = 0.5;                      ///< cosine between neighbouring rows of the table
 constexpr int polynomial_points = 7, many_points = 10;  ///< of a nose
 constexpr double min_share = 1e-3;                      ///< of a knot that is left to edges which are fixed
+constexpr int nose_samples = 64;                        ///< along the span
+constexpr double nose_reach = 0.045;                    ///< of the chord: what shows an edge lies within 4 %
+constexpr double nose_fade = 0.2;                       ///< likewise, where nothing of the nose is held
 
 /// 0 at 0, 1 from 1 on, with no slope at either.
 double smooth_step(double t) {
     t = std::clamp(t, 0.0, 1.0);
     return t * t * (3 - 2 * t);
 }
+
+/// Of a nose whose edge is kept as sections show it.
+int least_points(KeptRules rules) { return rules == KeptRules::earlier ? many_points : polynomial_points; }
 
 double distance_to(const std::vector<int>& vertices, const Points& positions, const Vector3d& x) {
     double least = std::numeric_limits<double>::infinity();
@@ -118,7 +124,7 @@ KeptSections::KeptSections(const TriMesh& start, const std::vector<std::shared_p
     : start_(start), rules_(rules) {
     // Knots that are closer than what a mesh has there are taken back by each other alone, with amounts that grow from
     // one to the next.
-    const double first = rules == KeptRules::latest ? min_gap : earlier_gap;
+    const double first = rules == KeptRules::earlier ? earlier_gap : min_gap;
     for (double gap = first; gap < widest_gap; gap *= 2) {
         lay_out(wings, fixed, gap);
         if (num_knots_ == 0) return;
@@ -138,6 +144,8 @@ void KeptSections::lay_out(const std::vector<std::shared_ptr<const Wing>>& wings
     num_knots_ = 0;
     shares_.assign(static_cast<std::size_t>(num_vertices()), {});
     across_ = Points::Zero(num_vertices(), 3);
+    freedom_ = Eigen::VectorXd::Ones(num_vertices());
+    holds_noses_ = false;
     at_start_.reset();
     latest_.reset();
     for (const auto& wing : wings)
@@ -145,6 +153,7 @@ void KeptSections::lay_out(const std::vector<std::shared_ptr<const Wing>>& wings
     share_centre();
     for (const Side& side : sides_) add_sections(side);
     place_vertices(fixed);
+    hold_noses();
     std::vector<Eigen::Triplet<double>> entries;
     for (int v = 0; v < num_vertices(); ++v) {
         const Share& share = shares_[static_cast<std::size_t>(v)];
@@ -181,6 +190,7 @@ void KeptSections::add_side(const std::shared_ptr<const Wing>& wing, int number,
     if (side.places.size() < 2)
         throw InvalidInput(text("wing '", wing->declaration().name, "' has no sections whose edges could be kept"));
     for (const int edge : {0, 1}) add_knots(side, edge, knot_gap);
+    side.has_coarse_nose = rules_ == KeptRules::latest && has_coarse_nose(side);
     sides_.push_back(std::move(side));
 }
 
@@ -204,6 +214,18 @@ void KeptSections::add_knots(Side& of, int edge, double gap) {
     else if (knots.size() > 1)
         knots.back() = last;
     for (std::size_t k = 0; k < knots.size(); ++k) of.number[edge].push_back(num_knots_++);
+}
+
+/// At rows of vertices there are fewer than between them: where most of all places have few.
+bool KeptSections::has_coarse_nose(const Side& of) const {
+    int few = 0, seen = 0;
+    for (int i = 0; i < nose_samples; ++i) {
+        const auto at = of.wing->edges(start_, start_, of.side, of.places.back() * (i + 0.5) / nose_samples, false);
+        if (!at) continue;
+        ++seen;
+        few += at->num_nose_points < many_points && at->nose_turning < nose_corner;
+    }
+    return 2 * few > seen;
 }
 
 /// Both sides of a wing without a body have their first knots in common. Numbers stay as they are: that of the second
@@ -254,7 +276,7 @@ void KeptSections::add_sections(const Side& of) {
                                     " % of its semispan, where its edges have to be kept"));
         section.chord = (at->trailing_point - at->leading_point).norm();
         section.leading_at = {at->leading.x.value, at->leading.z.value};
-        section.is_round = at->num_nose_points >= (rules_ == KeptRules::latest ? polynomial_points : many_points);
+        section.is_round = !of.has_coarse_nose && at->num_nose_points >= least_points(rules_);
         sections_.push_back(std::move(section));
     }
 }
@@ -322,6 +344,30 @@ void KeptSections::place_vertices(const std::vector<int>& fixed) {
                                placed[static_cast<std::size_t>(v)] = 1;
                                place_vertex(v, side, near, near * away(v, root_chord(side)));
                            });
+}
+
+/// Of vertices with a part in a coarse nose. On a body they keep their motion as far as they do not follow the wing.
+void KeptSections::hold_noses() {
+    for (const Side& side : sides_) {
+        if (!side.has_coarse_nose) continue;
+        holds_noses_ = true;
+        std::vector<double> zeta(shares_.size(), std::numeric_limits<double>::infinity());
+        for (const int v : side.wing->vertices(side.side)) {
+            const Vector3d x = start_.vertices.row(v);
+            Complex chord;
+            zeta[static_cast<std::size_t>(v)] =
+                fraction(side, side.wing->fraction_at(side.side, side.reach, x), x, chord).real();
+        }
+        for (const int v : side.wing->vertices(side.side))
+            freedom_[v] = std::min(
+                freedom_[v], smooth_step((zeta[static_cast<std::size_t>(v)] - nose_reach) / (nose_fade - nose_reach)));
+        for (const int t : side.wing->triangles(side.side)) {
+            const auto corner = start_.triangles.row(t);
+            if (std::any_of(corner.begin(), corner.end(),
+                            [&](int v) { return zeta[static_cast<std::size_t>(v)] < nose_reach; }))
+                for (const int v : corner) freedom_[v] = 0;
+        }
+    }
 }
 
 /// Knots of edges that are fixed, and those that are another's: they move nothing.

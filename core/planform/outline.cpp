@@ -1,13 +1,35 @@
 #include "core/planform/outline.hpp"
 
+#include "core/error.hpp"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numeric>
 #include <optional>
 
 namespace strake {
+
+std::vector<int> part_of(const TriMesh& mesh, std::vector<int> listed, const std::string& part) {
+    if (listed.empty()) {
+        listed.resize(static_cast<std::size_t>(mesh.num_triangles()));
+        std::iota(listed.begin(), listed.end(), 0);
+    }
+    std::sort(listed.begin(), listed.end());
+    if (listed.empty() || listed.front() < 0 || listed.back() >= mesh.num_triangles())
+        throw InvalidInput(text(part, ": triangles must be in [0, ", mesh.num_triangles(), "), and at least one"));
+    return listed;
+}
+
+Varying component(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
+    Varying result(n.dot(mesh.vertices.row(v)));
+    for (int c = 0; sensitivities && c < 3; ++c)
+        if (n[c] != 0) result.slope.emplace_back(3 * v + c, n[c]);
+    return result;
+}
+
 namespace {
 
 using Eigen::Vector3d;
@@ -92,14 +114,6 @@ private:
     std::vector<Edge> edges_;
     std::vector<std::vector<int>> links_;
 };
-
-/// n . v of vertex v with its derivatives.
-Varying component(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
-    Varying result(n.dot(mesh.vertices.row(v)));
-    for (int c = 0; sensitivities && c < 3; ++c)
-        if (n[c] != 0) result.slope.emplace_back(3 * v + c, n[c]);
-    return result;
-}
 
 PlanePoint crossing(const TriMesh& mesh, const Edge& edge, const SectionFrame& frame, bool sensitivities) {
     const auto along = [&](int v, const Vector3d& n) { return component(mesh, v, n, sensitivities); };

@@ -2,8 +2,17 @@
 #include "core/mesh/mesh.hpp"
 #include "core/planform/varying.hpp"
 
+#include <string>
+#include <vector>
+
 /// Plane sections of a surface as ordered outlines. Internal to core/planform.
 namespace strake {
+
+/// The listed triangles of a part, ascending; all, if none is listed. @throws InvalidInput, which begins with `part`.
+std::vector<int> part_of(const TriMesh& mesh, std::vector<int> listed, const std::string& part);
+
+/// n . v of vertex v with its derivatives.
+Varying component(const TriMesh& mesh, int v, const Eigen::Vector3d& n, bool sensitivities);
 
 /// A plane n . x = offset, with the directions along the stream and up in it.
 struct SectionFrame {

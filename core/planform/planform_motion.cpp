@@ -63,6 +63,29 @@ VectorXd fitted_mean_line(const Airfoil& airfoil) {
     return terms.colPivHouseholderQr().solve(heights);
 }
 
+/// Of the edges that cross the plane at a place: where they begin, how long they are, and the farthest end.
+struct CutEdges {
+    std::vector<double> inner, rows;
+    double farthest = 0;
+};
+
+CutEdges cut_edges(const TriMesh& start, const Wing& wing, double reach, double place) {
+    CutEdges found;
+    for (const int t : wing.triangles(0))
+        for (int c = 0; c < 3; ++c) {
+            const auto at = [&](int corner) {
+                const Vector3d x = start.vertices.row(start.triangles(t, corner % 3));
+                return wing.fraction_at(0, reach, x);
+            };
+            const double from = std::min(at(c), at(c + 1)), to = std::max(at(c), at(c + 1));
+            if (from > place - on_row || to < place + on_row) continue;
+            found.inner.push_back(from);
+            found.rows.push_back(to - from);
+            found.farthest = std::max({found.farthest, place - from, to - place});
+        }
+    return found;
+}
+
 double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
 
 /// Changes of a section between two nodes.
@@ -81,8 +104,8 @@ const std::vector<std::string>& planform_changes() {
 
 PlanformMotion::PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
                                const std::vector<PlanformRange>& ranges,
-                               const std::vector<std::shared_ptr<const Fuselage>>& bodies)
-    : start_(start.vertices), triangles_(start.triangles) {
+                               const std::vector<std::shared_ptr<const Fuselage>>& bodies, StationCorners corners)
+    : start_(start.vertices), triangles_(start.triangles), corners_(corners) {
     for (const auto& wing : wings) add_wing(start, wing);
     place_vertices(start);
     for (const auto& body : bodies) add_body(start, body);
@@ -148,29 +171,25 @@ void PlanformMotion::add_wing(const TriMesh& start, const std::shared_ptr<const 
     wings_.push_back(std::move(moved));
 }
 
-void PlanformMotion::round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes) {
+void PlanformMotion::round_corners(const TriMesh& start, const Wing& wing, double reach,
+                                   std::vector<Node>& nodes) const {
     if (wing.has_winglet()) return;
-    for (std::size_t k = 1; k + 1 < nodes.size(); ++k) {
+    const bool is_level = corners_ == StationCorners::level;
+    const bool begins_at_joint = is_level && wing.is_joined(0);
+    for (std::size_t k = begins_at_joint ? 0 : 1; k + (is_level ? 0 : 1) < nodes.size(); ++k) {
         const double place = nodes[k].place;
-        std::vector<double> inner, rows;  // of the edges that cross the plane: where they begin, how long they are
-        for (const int t : wing.triangles(0))
-            for (int c = 0; c < 3; ++c) {
-                const auto at = [&](int corner) {
-                    const Vector3d x = start.vertices.row(start.triangles(t, corner % 3));
-                    return wing.fraction_at(0, reach, x);
-                };
-                const double from = std::min(at(c), at(c + 1)), to = std::max(at(c), at(c + 1));
-                if (from > place - on_row || to < place + on_row) continue;
-                inner.push_back(from);
-                rows.push_back(to - from);
-            }
+        auto [inner, rows, farthest] = cut_edges(start, wing, reach, place);
         if (rows.empty()) continue;
         const auto middle = rows.begin() + static_cast<std::ptrdiff_t>(rows.size() / 2);
         std::nth_element(rows.begin(), middle, rows.end());
         const auto [first, last] = std::minmax_element(inner.begin(), inner.end());
-        if (*last - *first < same_row * *middle) continue;
-        const double panel = std::min(place - nodes[k - 1].place, nodes[k + 1].place - place);
-        nodes[k].rounding = std::min(rounded_rows * *middle, max_rounding * panel);
+        const bool is_first = k == 0, is_last = k + 1 == nodes.size();
+        if (!is_first && *last - *first < same_row * *middle) continue;
+        const double panel =
+            std::min(is_first ? 1.0 : place - nodes[k - 1].place, is_last ? 1.0 : nodes[k + 1].place - place);
+        const double rounding = std::max(rounded_rows * *middle, is_level ? rounded_rows * farthest : 0.0);
+        if (is_level) nodes[k].level = std::min(farthest, 0.5 * max_rounding * panel);
+        if (!is_last) nodes[k].rounding = std::min(rounding, max_rounding * panel);
     }
 }
 
@@ -228,6 +247,28 @@ void PlanformMotion::add(const TriMesh& start, const PlanformRange& range) {
     add_stations(start, range, is_root_held, shown);
 }
 
+/// What a change of slope by 1 at a node makes less than a corner, at a distance from it: straight as far as it is
+/// level, then tangent to both lines.
+double PlanformMotion::rounded_off(const Node& node, double d) {
+    const double w = node.rounding, level = node.level;
+    if (d >= w) return 0;
+    if (level == 0) return 0.5 * d * (d * (2 * w - d) / (w * w) - 1);
+    if (d <= level) return -0.5 * d;
+    const double t = (d - level) / (w - level);
+    return -0.5 * (1 - t) * (1 - t) * (level * (1 + 2 * t) + (w - level) * t);
+}
+
+/// Of changes of sections at a point between two nodes: constant beside each as far as it is level, then such that
+/// straight edges stay straight.
+void PlanformMotion::set_shares(const Node& a, const Node& b, Place& at) {
+    at.turned = at.ratio;
+    at.first = (1 - at.ratio) * a.chord / at.e;
+    if (a.level == 0 && b.level == 0) return;
+    const double from = a.level / (b.place - a.place), to = 1 - b.level / (b.place - a.place);
+    at.turned = std::clamp((at.ratio - from) / (to - from), 0.0, 1.0);
+    at.first = at.turned == 0 ? 1.0 : (1 - at.turned) * (a.chord + from * (b.chord - a.chord)) / at.e;
+}
+
 PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3d& x) const {
     const MovedWing& moved = wings_[static_cast<std::size_t>(wing)];
     const Wing& of = *moved.wing;
@@ -243,10 +284,9 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     at.ratio = std::clamp(straight, 0.0, 1.0);
     at.straight = straight;
     at.corner = at.node + (straight > 0.5 ? 1 : 0);
-    const Node& corner = moved.nodes[at.corner];
-    if (const double d = std::abs(s - corner.place); d < corner.rounding)
-        at.off_corner = 0.5 * d * (d * (2 * corner.rounding - d) / (corner.rounding * corner.rounding) - 1);
+    at.off_corner = rounded_off(moved.nodes[at.corner], std::abs(s - moved.nodes[at.corner].place));
     at.e = a.chord + at.ratio * (b.chord - a.chord);
+    set_shares(a, b, at);
     const Vector3d axis = a.axis + straight * (b.axis - a.axis);
     at.up = of.up_at(side, s);
     Vector3d from(of.span(side).dot(x) - of.root(side), downstream.dot(x), of.declaration().up.dot(x));
@@ -275,6 +315,24 @@ PlanformMotion::Place PlanformMotion::place_at(int wing, int side, const Vector3
     return at;
 }
 
+/// Where noses are measured, behind the place that they stand for: even along the span; as far as a node is level its
+/// own.
+std::vector<std::pair<double, double>> PlanformMotion::nose_places(const MovedWing& moved) {
+    std::vector<std::pair<double, double>> found;
+    for (int k = 0; k <= num_noses; ++k) {
+        const double place = moved.wing->place(0, 1) * k / num_noses;
+        if (std::none_of(moved.nodes.begin(), moved.nodes.end(), [&](const Node& node) {
+                return std::abs(place - node.place) <= node.level && node.level > 0;
+            }))
+            found.emplace_back(place, place);
+    }
+    for (const Node& node : moved.nodes)
+        for (const double sign : {-1.0, 1.0})
+            if (node.level > 0) found.emplace_back(node.place + sign * node.level, node.place);
+    std::sort(found.begin(), found.end());
+    return found;
+}
+
 /// Thickness and camber turn a round nose a little, whose foremost point then is another one.
 void PlanformMotion::measure_noses(const TriMesh& start, int number) {
     MovedWing& moved = wings_[static_cast<std::size_t>(number)];
@@ -282,8 +340,7 @@ void PlanformMotion::measure_noses(const TriMesh& start, int number) {
     std::vector<int> row(static_cast<std::size_t>(start.num_vertices()), -1);
     for (std::size_t i = 0; i < vertices_.size(); ++i)
         if (places_[i].wing == number) row[static_cast<std::size_t>(vertices_[i])] = static_cast<int>(i);
-    for (int k = 0; k <= num_noses; ++k) {
-        const double place = wing.place(0, 1) * k / num_noses;
+    for (const auto& [stand, place] : nose_places(moved)) {
         const auto at = wing.edges(start, start, 0, place, true);
         if (!at) continue;
         const auto change = [&](const Varying& of, double Place::*by) {
@@ -298,7 +355,7 @@ void PlanformMotion::measure_noses(const TriMesh& start, int number) {
         };
         const Vector3d chord = at->trailing_point - at->leading_point;
         const Complex e(chord.dot(wing.declaration().downstream), chord.dot(at->up));
-        moved.nose_places.push_back(place);
+        moved.nose_places.push_back(stand);
         const auto nose = [&](double Place::*by) {
             return Complex(change(at->leading.x, by), change(at->leading.z, by)) / e;
         };
@@ -450,11 +507,11 @@ Vector3d PlanformMotion::moved(const Place& at, const Changes& by) const { retur
 
 Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Changes& rate) const {
     const auto& nodes = wings_[static_cast<std::size_t>(at.wing)].nodes;
-    const Complex first = (1 - at.ratio) * nodes[at.node].chord / at.e, second = 1.0 - first;
+    const Complex first = at.first, second = 1.0 - first;
     const auto between = [&](const Changes& of) -> Between {
         if (of.factor.empty()) return {};
         const auto linear = [&](const std::vector<double>& all) {
-            return blend(all[at.node], all[at.node + 1], at.ratio);
+            return blend(all[at.node], all[at.node + 1], at.turned);
         };
         return {first * of.factor[at.node] + second * of.factor[at.node + 1], linear(of.thickness), linear(of.kept),
                 linear(of.camber)};
@@ -483,7 +540,10 @@ Vector3d PlanformMotion::moved_rate(const Place& at, const Changes& by, const Ch
         const auto slope_from = [&](std::size_t k) {
             return (panels[k + 1] - panels[k]) / (nodes[k + 1].place - nodes[k].place);
         };
-        return straight + at.off_corner * (slope_from(at.corner) - slope_from(at.corner - 1));
+        if (at.corner > 0) return straight + at.off_corner * (slope_from(at.corner) - slope_from(at.corner - 1));
+        // Inboard of the root nothing moves, and nothing does on what its plane cuts.
+        const double reach = wings_[static_cast<std::size_t>(at.wing)].reach[static_cast<std::size_t>(at.side)];
+        return straight + 2 * at.off_corner * (slope_from(0) + slope * reach);
     };
     axis[1] += sheared(rate, rate.sweep, rate.aft) * (1 + stretch);
     axis[2] += sheared(rate, rate.dihedral, rate.rise) * (1 + stretch);

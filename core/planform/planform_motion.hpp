@@ -55,6 +55,10 @@ struct PlanformRange {
     double lower = 0, upper = 0;    ///< of the change, lower <= 0 <= upper, lower < upper
 };
 
+/// How changes of sections pass a station between oblique rows of vertices: level, or with a kink whose corner
+/// triangles cut, at the leading edge otherwise than at the trailing edge (the meaning of earlier runs).
+enum class StationCorners : int { level, kinked };
+
 /// v = v0 + u(v0; z), exact and smooth in z, and zero at z = 0 to the last bit. Each vertex of a wing has its section
 /// (at a fraction s of the semispan) and in it the complex place w = downstream + i up from the axis. With e the chord
 /// vector of the section, zeta = xi - axis + i eta = w / e, and the changes at s,
@@ -74,9 +78,10 @@ struct PlanformRange {
 /// so that an edge that was straight there stays straight, and equal changes at both are that change everywhere
 /// between. Where rows of vertices are oblique to the sections, a panel's shear has no corner at its ends: beside them,
 /// over w, three rows wide, |d| becomes d^2 (2 w - |d|) / w^2 in it, which meets the end and both straight lines.
-/// t, q and k are linear between stations, and all is constant beyond the first and the last. The variable of
-/// a station is what its section shows; where triangles cut the corners of M, t and k, at a station between two rows of
-/// vertices, these differ from it a little.
+/// t, q and k are linear between stations, and all is constant beyond the first and the last. Where rows of vertices
+/// are oblique, M, t, q and k are those of the station, too, as far as triangles that its plane cuts reach, and r
+/// begins there: the section shows what its station has. Between rows along the sections the variable of a station is
+/// what its section shows; triangles cut the corners of M, t and k there.
 ///
 /// Sections are normal to the span, on a winglet to its axis. Both sides of a whole wing do the same. Vertices that are
 /// not of the wing do not move; where the wing is joined to other triangles, it moves from its root on, whose section
@@ -88,7 +93,8 @@ public:
     /// vertices; as Wing.
     PlanformMotion(const TriMesh& start, const std::vector<std::shared_ptr<const Wing>>& wings,
                    const std::vector<PlanformRange>& ranges = {},
-                   const std::vector<std::shared_ptr<const Fuselage>>& bodies = {});
+                   const std::vector<std::shared_ptr<const Fuselage>>& bodies = {},
+                   StationCorners corners = StationCorners::level);
     /// One more range. @param start the same. @throws as above.
     void add(const TriMesh& start, const PlanformRange& range);
 
@@ -143,6 +149,7 @@ private:
         Eigen::VectorXd bump;       ///< likewise of B; empty: the four-digit mean line
         bool is_blunt;
         double rounding = 0;  ///< how far beside it panels are rounded off, fraction of the semispan
+        double level = 0;     ///< how far beside it changes of sections are its own, likewise
     };
     /// A point of a wing.
     struct Place {
@@ -151,12 +158,14 @@ private:
         std::size_t node = 0;  ///< before it
         double ratio = 0;      ///< between that and the next, in [0, 1]
         Complex zeta, e;
-        double straight = 0;                        ///< likewise, beyond the first and the last node outside of [0, 1]
-        std::size_t corner = 0;                     ///< the node beside which it is rounded off
-        double off_corner = 0;                      ///< what that makes of a change of slope there by 1; 0: nothing
-        Eigen::Vector3d arm;                        ///< of the axis from that at the root: outboard, downstream, up
-        Eigen::Vector3d up;                         ///< of its section
-        double height, bump, kept;                  ///< eta - mean line, B, 1 - b
+        double turned = 0;          ///< r
+        Complex first;              ///< share of the node before it in M
+        double straight = 0;        ///< as `ratio`, beyond the first and the last node outside of [0, 1]
+        std::size_t corner = 0;     ///< the node beside which it is rounded off
+        double off_corner = 0;      ///< what that makes of a change of slope there by 1; 0: nothing
+        Eigen::Vector3d arm;        ///< of the axis from that at the root: outboard, downstream, up
+        Eigen::Vector3d up;         ///< of its section
+        double height, bump, kept;  ///< eta - mean line, B, 1 - b
         Complex lead_by_thickness, lead_by_camber;  ///< where a unit of eta - mean line, and of B, takes the nose
     };
     /// What a wing moves by, or rates of it. At the nodes: M, t, q, k, and how far panels take the axis; of the whole
@@ -194,7 +203,10 @@ private:
     void place_vertices(const TriMesh& start);
     /// Rows of vertices that cross the plane of a station at an angle cut the corner of a shear there otherwise at the
     /// leading edge than at the trailing edge, which would show as twist.
-    static void round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes);
+    void round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes) const;
+    static double rounded_off(const Node& node, double distance);
+    static std::vector<std::pair<double, double>> nose_places(const MovedWing& moved);
+    static void set_shares(const Node& a, const Node& b, Place& at);
     void measure_noses(const TriMesh& start, int wing);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
     Place place_at(int wing, int side, const Eigen::Vector3d& x) const;
@@ -225,6 +237,7 @@ private:
 
     Points start_;
     Triangles triangles_;
+    StationCorners corners_;
     std::vector<MovedWing> wings_;
     std::vector<MovedBody> bodies_;
     std::vector<Variable> variables_;

@@ -12,14 +12,13 @@ namespace strake {
 namespace {
 
 constexpr double degree = std::numbers::pi / 180;
-constexpr double corner_angle = 50 * degree;       ///< of a trailing edge
-constexpr double round_end = 0.002;                ///< of the chord: points of a rounded trailing edge
-constexpr double sharp_nose_angle = 100 * degree;  ///< of a leading edge that is a corner
-constexpr double aft_share = 0.03;                 ///< of the chord: where corners are looked for
-constexpr double neighbour_rel = 2e-4;             ///< of the chord: nearer points say nothing about the curve
-constexpr double nose_share = 0.04;                ///< of the chord: points of the radius
-constexpr double max_nose_height = 0.3;            ///< tenths of a chord: farther from the first guess it is no nose
-constexpr double end_share = 0.05;                 ///< of the chord: trailing-edge angle
+constexpr double corner_angle = 50 * degree;  ///< of a trailing edge
+constexpr double round_end = 0.002;           ///< of the chord: points of a rounded trailing edge
+constexpr double aft_share = 0.03;            ///< of the chord: where corners are looked for
+constexpr double neighbour_rel = 2e-4;        ///< of the chord: nearer points say nothing about the curve
+constexpr double nose_share = 0.04;           ///< of the chord: points of the radius
+constexpr double max_nose_height = 0.3;       ///< tenths of a chord: farther from the first guess it is no nose
+constexpr double end_share = 0.05;            ///< of the chord: trailing-edge angle
 
 double distance(const PlanePoint& a, const PlanePoint& b) {
     return std::hypot(a.x.value - b.x.value, a.z.value - b.z.value);
@@ -66,13 +65,14 @@ std::vector<Varying> solved(std::vector<std::vector<Varying>> a, std::vector<Var
 
 }  // namespace
 
-std::optional<Airfoil> Airfoil::from(std::vector<Outline> outlines) {
+std::optional<Airfoil> Airfoil::from(std::vector<Outline> outlines, double corner) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const Outline& outline : outlines)
         for (const PlanePoint& p : outline.points) low = std::min(low, p.x.value), high = std::max(high, p.x.value);
     if (!(high > low)) return {};
     Airfoil airfoil;
     airfoil.outlines_ = std::move(outlines);
+    airfoil.corner_ = corner;
     airfoil.find_trailing_edge();
     airfoil.find_leading_edge();
     airfoil.set_chord();
@@ -142,7 +142,8 @@ void Airfoil::find_leading_edge() {
     const double reach = neighbour_rel * farthest;
     const int before = neighbour(*fore, first, -1, reach), after = neighbour(*fore, first, 1, reach);
     leading_ = at(first);
-    sharp_nose_ = before < 0 || after < 0 || turning(*fore, first, reach) > sharp_nose_angle;
+    nose_turning_ = turning(*fore, first, reach);
+    sharp_nose_ = before < 0 || after < 0 || nose_turning_ > corner_;
     if (sharp_nose_) return;
     // Parameters -a, 0, b along the three points; the parabola through their squared distances is largest at t.
     const PlanePoint p = at(before), q = at(first), r = at(after);

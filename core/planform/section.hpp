@@ -2,10 +2,15 @@
 #include "core/planform/outline.hpp"
 
 #include <array>
+#include <numbers>
 #include <optional>
 
 /// The airfoil in a section: its edges, chord line, thickness and camber. Internal to core/planform.
 namespace strake {
+
+/// Of an outline at its nose, radians: what turns more is a corner there. Noses of polygons turn by about 100 degrees
+/// at their foremost point, where they became a corner and a round nose in turn; runs of before keep that.
+inline constexpr double nose_corner = 2.4, earlier_nose_corner = 100 * std::numbers::pi / 180;
 
 /// All outlines of one section, which may be several elements of one airfoil. x is downstream, z up.
 ///
@@ -14,12 +19,12 @@ namespace strake {
 /// corner the weighted mean of the points in the last 0.2 %. Leading edge: where the nose begins in the direction of
 /// the chord: the minimum of a polynomial of degree four in the height that is fitted to the points of the first 4 % of
 /// the chord, with weights that fall to zero there. With fewer than seven of them, the point farthest from the trailing
-/// edge by a parabola through three points; at a corner of more than 100 degrees the corner. The chord joins the two;
+/// edge by a parabola through three points; at a corner the corner. The chord joins the two;
 /// chord fractions are measured along it and heights normal to it.
 class Airfoil {
 public:
     /// Nothing for outlines without two distinct points.
-    static std::optional<Airfoil> from(std::vector<Outline> outlines);
+    static std::optional<Airfoil> from(std::vector<Outline> outlines, double corner = nose_corner);
 
     const PlanePoint& leading_edge() const { return leading_; }
     const PlanePoint& trailing_edge() const { return trailing_; }
@@ -44,6 +49,8 @@ public:
     std::optional<Varying> leading_edge_radius() const;
     /// That the polynomial is fitted to; 0 where the leading edge is not by it.
     int num_nose_points() const { return num_nose_points_; }
+    /// Of the outline at the point farthest from the trailing edge, radians; pi at an open end.
+    double nose_turning() const { return nose_turning_; }
     /// Angle between the chords of the last 5 % of the upper and the lower surface, radians.
     Varying trailing_edge_angle() const;
     /// Area between two chord fractions, length squared.
@@ -58,6 +65,7 @@ private:
     PlanePoint upper_end_, lower_end_;            ///< corners of the trailing edge
     Varying chord_, thick_end_;
     bool sharp_nose_ = false;
+    double corner_ = nose_corner, nose_turning_ = 0;
     int num_nose_points_ = 0;
 
     void find_trailing_edge();

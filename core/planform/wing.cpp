@@ -30,13 +30,6 @@ std::vector<std::pair<double, double>> quadrature() {
     return points;
 }
 
-Varying vertex_along(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
-    Varying result(n.dot(mesh.vertices.row(v)));
-    for (int c = 0; sensitivities && c < 3; ++c)
-        if (n[c] != 0) result.slope.emplace_back(3 * v + c, n[c]);
-    return result;
-}
-
 }  // namespace
 
 std::vector<int> outermost(const Points& positions, const std::vector<int>& vertices, const Vector3d& n, double scale) {
@@ -83,7 +76,7 @@ Wing::Plane Wing::plane(const TriMesh& surface, const Side& side, double place, 
     const std::vector<int> tip = side.nodes.empty() ? side.tip : outermost(side.start, side.vertices, n, side.scale);
     std::vector<Varying> heights;
     for (const int v : tip)
-        heights.push_back((1.0 / static_cast<double>(tip.size())) * vertex_along(surface, v, n, sensitivities));
+        heights.push_back((1.0 / static_cast<double>(tip.size())) * component(surface, v, n, sensitivities));
     result.reach = sum(heights) - n.dot(root);
     result.frame.offset = n.dot(root) + fraction * result.reach;
     return result;
@@ -121,7 +114,7 @@ std::vector<Outline> Wing::outlines(const TriMesh& surface, const Side& side, co
 
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                      const std::vector<int>* triangles) const {
-    return Airfoil::from(outlines(surface, side, plane, sensitivities, triangles));
+    return Airfoil::from(outlines(surface, side, plane, sensitivities, triangles), corner_of_noses());
 }
 
 std::optional<Airfoil> Wing::section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const {
@@ -169,7 +162,8 @@ std::optional<Wing::Edges> Wing::edges(const TriMesh& surface, const TriMesh& pl
                  at.frame.up,
                  in_space(at, airfoil->leading_edge()),
                  in_space(at, airfoil->trailing_edge()),
-                 airfoil->num_nose_points()};
+                 airfoil->num_nose_points(),
+                 airfoil->nose_turning()};
 }
 
 Vector3d Wing::up_at(int number, double place) const {

@@ -9,6 +9,12 @@
 /// A wing by its planform: sections along the span, and what a wing designer reads from them.
 namespace strake {
 
+/// How sections are laid and measured; the second is the meaning of earlier runs.
+enum class WingRules : int {
+    latest,
+    earlier  ///< noses are corners from `earlier_nose_corner` on, and a winglet's planes end where steps along it do
+};
+
 /// How a wing is declared.
 struct WingDeclaration {
     std::string name = "wing";
@@ -19,6 +25,7 @@ struct WingDeclaration {
     std::optional<SymmetryPlane> symmetry = {};  ///< the surface is half a body
     std::vector<double> stations = {};           ///< fractions of the semispan in [0, 1], ascending; empty: at kinks
     double axis = 0.25;                          ///< chord fraction of the axis of sweep and dihedral, in [0, 1]
+    WingRules rules = WingRules::latest;
 };
 
 /// One section. Both sides of a whole wing count half each. Angles in radians, lengths in the surface's unit.
@@ -110,6 +117,7 @@ public:
         Eigen::Vector3d leading_point;  ///< in space
         Eigen::Vector3d trailing_point;
         int num_nose_points = 0;  ///< that the polynomial of the leading edge is fitted to; 0: none is
+        double nose_turning = 0;  ///< of the outline, radians
     };
     /// In the plane that `planes_of` has at a place (as `place` gives it), which stays where it is. Nothing where it
     /// meets no section. @param triangles of the side, those that may be cut; null: all of them
@@ -200,6 +208,7 @@ private:
     // wing_panels.cpp
     std::array<Varying, 3> axis_at(const TriMesh& surface, const Side& side, double station, bool sensitivities) const;
     bool is_upright(double from, double to) const;
+    double corner_of_noses() const { return declared_.rules == WingRules::latest ? nose_corner : earlier_nose_corner; }
     static double place_of(const Side& side, double station);
     static Eigen::Vector3d in_space(const Plane& plane, const PlanePoint& point);
 };

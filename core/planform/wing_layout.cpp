@@ -7,7 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <numeric>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -51,15 +51,7 @@ void check_directions(const WingDeclaration& declared) {
 
 Wing::Wing(const TriMesh& start, const WingDeclaration& declaration) : declared_(declaration) {
     check_directions(declared_);
-    if (declared_.triangles.empty()) {
-        declared_.triangles.resize(static_cast<std::size_t>(start.num_triangles()));
-        std::iota(declared_.triangles.begin(), declared_.triangles.end(), 0);
-    }
-    std::sort(declared_.triangles.begin(), declared_.triangles.end());
-    if (declared_.triangles.empty() || declared_.triangles.front() < 0 ||
-        declared_.triangles.back() >= start.num_triangles())
-        throw InvalidInput(text("wing '", declared_.name, "': triangles must be in [0, ", start.num_triangles(),
-                                "), and at least one"));
+    declared_.triangles = part_of(start, std::move(declared_.triangles), text("wing '", declared_.name, "'"));
     find_sides(start);
     for (Side& side : sides_) {
         find_winglet(start, side);
@@ -207,15 +199,33 @@ struct Step {
     double direction, angle, chord, thickness;
 };
 
-/// Steps that turn within a thickness of the end go around the edge of the tip.
-void leave_out_tip(std::vector<Step>& steps) {
+/// Steps that turn near the end go around the edge of the tip.
+/// @param by_planes those whose planes have turned, too, and within two thicknesses of the end; else within one
+void leave_out_tip(std::vector<Step>& steps, bool by_planes) {
     constexpr double tip_turn = 3 * std::numbers::pi / 180;
     std::size_t before = steps.size() - 1;
-    while (before > 0 && (steps.back().axis - steps[before].axis).norm() < steps[before].thickness) --before;
+    const double reach = by_planes ? 2 : 1;
+    while (before > 0 && (steps.back().axis - steps[before].axis).norm() < reach * steps[before].thickness) --before;
+    const auto turns = [&](double angle) { return std::abs(angle - steps[before].direction) > tip_turn; };
     const auto turned =
         std::find_if(steps.begin() + static_cast<std::ptrdiff_t>(before), steps.end(),
-                     [&](const Step& step) { return std::abs(step.direction - steps[before].direction) > tip_turn; });
+                     [&](const Step& step) { return turns(step.direction) || (by_planes && turns(step.angle)); });
     steps.erase(turned, steps.end());
+}
+
+/// Straight on from the last step to the plane of the outermost vertices: where steps end is an accident.
+void extend_to_tip(const TriMesh& start, const std::vector<int>& vertices, const Vector3d& span, const Vector3d& up,
+                   std::vector<Step>& steps) {
+    if (steps.size() < 2) return;
+    Step last = steps.back();
+    const Vector3d n = std::cos(last.angle) * span + std::sin(last.angle) * up,
+                   way = last.axis - steps[steps.size() - 2].axis;
+    double tip = n.dot(last.axis);
+    for (const int v : vertices) tip = std::max(tip, n.dot(start.vertices.row(v)));
+    const double rest = tip - n.dot(last.axis);
+    if (!(rest > 0 && n.dot(way) > 0)) return;
+    last.axis += rest / n.dot(way) * way;
+    steps.push_back(last);
 }
 
 }  // namespace
@@ -261,7 +271,9 @@ void Wing::march(const TriMesh& start, Side& side) const {
         next->direction = std::atan2(way.dot(up), way.dot(e));
         steps.push_back(*next);
     }
-    leave_out_tip(steps);
+    const bool is_latest = declared_.rules == WingRules::latest;
+    leave_out_tip(steps, is_latest);
+    if (is_latest) extend_to_tip(start, side.vertices, e, up, steps);
     if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.angle != 0; })) return;
     std::vector<double> length{0};
     for (std::size_t i = 1; i < steps.size(); ++i) {

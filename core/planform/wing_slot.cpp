@@ -66,7 +66,7 @@ SlotFacts Wing::slot(const TriMesh& surface, const Wing& ahead, double station, 
         if (front == ahead.sides_.end()) refuse(ahead);
         Plane at = plane(surface, side, place, sensitivities);
         const std::vector<Outline> own = outlines(surface, side, at, sensitivities);
-        const auto rear = Airfoil::from(own);
+        const auto rear = Airfoil::from(own, corner_of_noses());
         if (!rear) refuse(*this);
         at.near.reset();
         const auto before = ahead.section(surface, *front, at, sensitivities);

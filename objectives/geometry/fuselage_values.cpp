@@ -1,7 +1,7 @@
 #include "objectives/geometry/fuselage_values.hpp"
 
 #include "core/error.hpp"
-#include "objectives/quantity/finite.hpp"
+#include "objectives/geometry/measured_values.hpp"
 
 #include <charconv>
 #include <map>
@@ -32,12 +32,6 @@ private:
     std::map<double, FuselageStation> stations_;
 };
 
-Points dense(const Varying& value, int num_vertices) {
-    Points gradient = Points::Zero(num_vertices, 3);
-    for (const auto& [coordinate, d] : value.slope) gradient(coordinate / 3, coordinate % 3) = d;
-    return gradient;
-}
-
 }  // namespace
 
 FuselageValue parse_fuselage_value(const std::string& name) {
@@ -63,27 +57,8 @@ FuselageValue parse_fuselage_value(const std::string& name) {
 
 Quantity fuselage_values(const std::string& name, const TriMesh& start, std::shared_ptr<const Fuselage> body,
                          const std::vector<std::string>& values) {
-    std::vector<FuselageValue> wanted;
-    std::vector<std::string> names;
-    for (const std::string& value : values) {
-        wanted.push_back(parse_fuselage_value(value));
-        names.push_back(name + "." + value);
-        try {
-            MeasuredFuselage(*body, start, false)(wanted.back());
-        } catch (const InvalidInput& error) {
-            throw InvalidInput(text(names.back(), ": ", error.what()));
-        }
-    }
-    return checked_quantity(name, names, start, [=](const QuantityRequest& request) {
-        QuantityResult result;
-        MeasuredFuselage plain(*body, request.surface, false), varying(*body, request.surface, true);
-        for (std::size_t i = 0; i < wanted.size(); ++i) {
-            const Varying value = request.wants(i) ? varying(wanted[i]) : plain(wanted[i]);
-            result.values.push_back(value.value);
-            if (request.want_sensitivities)
-                result.dJ_dv.push_back(request.wants(i) ? dense(value, request.surface.num_vertices()) : Points(0, 3));
-        }
-        return result;
+    return measured_values(name, start, values, parse_fuselage_value, [=](const TriMesh& surface, bool sensitivities) {
+        return MeasuredFuselage(*body, surface, sensitivities);
     });
 }
 

@@ -2,7 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/text/edit_distance.hpp"
-#include "objectives/quantity/finite.hpp"
+#include "objectives/geometry/measured_values.hpp"
 
 #include <array>
 #include <charconv>
@@ -101,12 +101,6 @@ private:
     std::map<double, SlotFacts> slots_;
 };
 
-Points dense(const Varying& value, int num_vertices) {
-    Points gradient = Points::Zero(num_vertices, 3);
-    for (const auto& [coordinate, d] : value.slope) gradient(coordinate / 3, coordinate % 3) = d;
-    return gradient;
-}
-
 double fraction_of(const std::string& name, const std::string& digits) {
     double value = 0;
     const auto [end, error] = std::from_chars(digits.data(), digits.data() + digits.size(), value);
@@ -203,27 +197,8 @@ bool is_slot(const WingValue& value) {
 
 Quantity wing_values(const std::string& name, const TriMesh& start, std::shared_ptr<const Wing> wing,
                      const std::vector<std::string>& values, const WingValueOptions& options) {
-    std::vector<WingValue> wanted;
-    std::vector<std::string> names;
-    for (const std::string& value : values) {
-        wanted.push_back(parse_wing_value(value));
-        names.push_back(name + "." + value);
-        try {
-            MeasuredWing(*wing, start, options, false)(wanted.back());
-        } catch (const InvalidInput& error) {
-            throw InvalidInput(text(names.back(), ": ", error.what()));
-        }
-    }
-    return checked_quantity(name, names, start, [=](const QuantityRequest& request) {
-        QuantityResult result;
-        MeasuredWing plain(*wing, request.surface, options, false), varying(*wing, request.surface, options, true);
-        for (std::size_t i = 0; i < wanted.size(); ++i) {
-            const Varying value = request.wants(i) ? varying(wanted[i]) : plain(wanted[i]);
-            result.values.push_back(value.value);
-            if (request.want_sensitivities)
-                result.dJ_dv.push_back(request.wants(i) ? dense(value, request.surface.num_vertices()) : Points(0, 3));
-        }
-        return result;
+    return measured_values(name, start, values, parse_wing_value, [=](const TriMesh& surface, bool sensitivities) {
+        return MeasuredWing(*wing, surface, options, sensitivities);
     });
 }
 

@@ -219,6 +219,21 @@ TEST(Fuselage, WhatCannotChangeIsRefused) {
               std::string::npos);
 }
 
+/// One behind the other, like a nose cone that has come off: nothing is measured between them.
+TEST(Fuselage, TwoPartsWithAGapChangeByStation) {
+    TriMesh behind = drooped();
+    behind.vertices.col(0).array() += 5;
+    const TriMesh mesh = both(drooped(), behind);
+    FuselageDeclaration declared;
+    declared.stations = {0.2, 0.8};
+    const auto body = std::make_shared<const Fuselage>(mesh, declared);
+    const PlanformMotion motion(mesh, {}, {{.change = width, .by_station = true, .lower = -0.1, .upper = 0.1}}, {body});
+    ASSERT_EQ(motion.size(), 2);
+    const TriMesh now = with_vertices(mesh, mesh.vertices + motion.displacement(Eigen::Vector2d(0.1, -0.05)));
+    EXPECT_NEAR(body->station(now, 0.2).width.value / body->station(mesh, 0.2).width.value, 1.1, 1e-3);
+    EXPECT_NEAR(body->station(now, 0.8).width.value / body->station(mesh, 0.8).width.value, 0.95, 1e-3);
+}
+
 /// A wing that pierces a body stays where it is while the body changes, and the other way round.
 TEST(Fuselage, PartsOfTheirOwnStay) {
     const WingBody both = wing_bodies()[6];

@@ -151,6 +151,71 @@ TEST(PlanformPanels, AreMeasuredBackAtTheirLimits) {
     }
 }
 
+/// Largest of what should stay at the stations under any variable at its limits: shares of chord and t/c, degrees.
+std::array<double, 3> off_elsewhere(const WingBody& body, StationCorners corners) {
+    const auto wing = std::make_shared<const Wing>(body.mesh, body.declared);
+    std::vector<PlanformRange> ranges = by_panel();
+    for (const auto& [change, range] : {std::pair{PlanformChange::chord, 0.1},
+                                        {PlanformChange::twist, 5 * degree},
+                                        {PlanformChange::thickness, 0.15}})
+        ranges.push_back({.change = change, .by_station = true, .lower = -range, .upper = range});
+    const PlanformMotion motion(body.mesh, {wing}, ranges, {}, corners);
+    std::array<double, 3> off{};
+    for (int j = 0; j < motion.size(); ++j)
+        for (const double sign : {-1.0, 1.0}) {
+            const auto& v = motion.variables()[static_cast<std::size_t>(j)];
+            const TriMesh now = moved(body, motion, sign * v.upper * VectorXd::Unit(motion.size(), j));
+            for (const double station : wing->stations()) {
+                const StationFacts a = wing->station(body.mesh, station), b = wing->station(now, station);
+                const auto count = [&](PlanformChange change, std::size_t k, double by) {
+                    if (v.change != change) off[k] = std::max(off[k], std::abs(by));
+                };
+                count(PlanformChange::chord, 0, b.chord.value / a.chord.value - 1);
+                count(PlanformChange::thickness, 1, b.thickness_to_chord.value / a.thickness_to_chord.value - 1);
+                count(PlanformChange::twist, 2, (b.twist.value - a.twist.value) / degree);
+            }
+        }
+    return off;
+}
+
+/// Triangles cut a kink's corner, at the leading edge otherwise than at the trailing edge. Where changes are level as
+/// far as those triangles reach, the section at the station shows its own.
+TEST(PlanformPanels, ObliqueRowsShowWhatStationsHave) {
+    const auto now = off_elsewhere(oblique(), StationCorners::level),
+               before = off_elsewhere(oblique(), StationCorners::kinked);
+    EXPECT_LT(now[0], 1e-4);
+    EXPECT_LT(now[1], 5e-4);
+    EXPECT_LT(now[2], 2e-3);
+    EXPECT_GT(before[0], 10 * now[0]);
+    EXPECT_GT(before[1], 2 * now[1]);
+    EXPECT_GT(before[2], 5 * now[2]);
+    const WingBody along = bodies()[2];  // stations between rows that follow the sections
+    EXPECT_EQ(off_elsewhere(along, StationCorners::level), off_elsewhere(along, StationCorners::kinked));
+}
+
+/// The line along which planes lie ended wherever a step along it did, and some went around the edge of the tip.
+TEST(PlanformPanels, SectionsOfAWingletAreThoseOfItsTip) {
+    const auto off = [](WingRules rules) {
+        std::array<double, 2> worst{};  // of its distance from the tip, over the semispan; of its plane, degrees
+        for (int i = 1; i < 4; ++i) {
+            WingBody body = bent_up();
+            body.mesh.vertices.col(0) += 0.1 * i * body.mesh.vertices.col(2);
+            body.declared.rules = rules;
+            const Wing wing(body.mesh, body.declared);
+            const Vector3d end = wing.station(body.mesh, 1).trailing_edge, up = wing.up_at(0, wing.place(0, 1));
+            const double from_tip =
+                (body.mesh.vertices.bottomRows(120).rowwise() - end.transpose()).rowwise().norm().minCoeff();
+            worst[0] = std::max(worst[0], std::abs(from_tip / 3 - 0.002));
+            worst[1] = std::max(worst[1], std::abs(std::atan2(-up[1], up[2]) / degree - 80));
+        }
+        return worst;
+    };
+    const auto now = off(WingRules::latest), before = off(WingRules::earlier);
+    EXPECT_LT(now[0], 3e-4);
+    EXPECT_LT(now[1], 0.5);
+    EXPECT_GT(before[1], 3);
+}
+
 TEST(PlanformPanels, DihedralTakesAWingletAlong) {
     const WingBody body = bent_up();
     PlanformRange dihedral = by_panel()[1];

@@ -136,6 +136,28 @@ TEST(Wing, DerivativesAreExact) {
     }
 }
 
+/// A nose of three points that turns by about 100 degrees at its foremost one, by a thickness that passes that.
+TEST(Wing, NosesOfPolygonsAreNoCorners) {
+    const auto jump = [](WingRules rules) {
+        double worst = 0, before = 0;
+        for (int i = 0; i <= 20; ++i) {
+            Loft loft;
+            loft.panels = 12;
+            loft.cells = 6;
+            loft.thickness = [&](double) { return 0.06 + 0.002 * i; };
+            WingDeclaration declared = half_wing();
+            declared.rules = rules;
+            const TriMesh mesh = lofted(loft);
+            const double leading = Wing(mesh, declared).station(mesh, 0.46).leading_x.value;
+            if (i > 0) worst = std::max(worst, std::abs(leading - before));
+            before = leading;
+        }
+        return worst;
+    };
+    EXPECT_LT(jump(WingRules::latest), 1e-4);
+    EXPECT_GT(jump(WingRules::earlier), 4e-4);
+}
+
 TEST(Wing, HalfIsWhole) {
     const TriMesh half = lofted(blunt_loft()), whole = lofted(blunt_loft(), true);
     const Wing of_half(half, half_wing()), of_whole(whole, {});

@@ -155,13 +155,13 @@ POLYGONS = {0.4: (6, 2.103366, 2.09965), 0.7: (4, 1.556653, 1.54553), 1: (3, 1.1
 
 
 def hull_resistance(height):
-    """Of the hull that the run found, on a disc of ten times as many corners."""
+    """Of the hull that the run found, on a disc of four times as many corners."""
     corners, published, known = POLYGONS[height]
 
     def judge(run):
         found = newton_hull.points_of({name: float(value) for name, value in best_row(history(run)).items()
                                        if re.fullmatch("[xyz][0-9]+", name)})
-        value = newton_hull.resistance(found, 7200)[0]
+        value = newton_hull.resistance(found, 2880)[0]
         polygon = newton_hull.best_polygon(height, corners)
         beside = f"{known}, the least known" if known else ""
         return [Row("resistance of the polygon's hull", f"{published}, within 1e-5", polygon, abs(polygon / published - 1) < 1e-5, 7),

@@ -5,7 +5,8 @@
     newton_hull.py REQUEST RESULT          an evaluation for Strake, in the current folder
 
 Every such hull is a body that the problem admits, whatever the points: concave, over the disc, no higher than HEIGHT. The start has twelve
-points on the edge of the flat nose of Newton's body and twelve on its side, each a little off its place, so that the symmetry may break.
+points on the edge of the flat nose of Newton's body and twelve on its side, each a little off its place, so that the symmetry may break; for
+high bodies the nose is an ellipse of axes 9 : 4.
 """
 import json
 import math
@@ -31,7 +32,7 @@ hold: point
 quantities:
   air: {{command: [../newton_hull.py, "{{request}}", "{{result}}"], timeout: 5min}}
 objective: {{minimize: air}}
-optimize: {{method: sqp, budget: {{evaluations: 120}}}}
+optimize: {{method: sqp, budget: {{evaluations: 150}}}}
 variables:
 """
 
@@ -64,7 +65,7 @@ def polygon(height, corners, radius):
     return np.stack([radius * np.cos(turn), radius * np.sin(turn), np.full(corners, height)], axis=1)
 
 
-def best_polygon(height, corners, around=7200):
+def best_polygon(height, corners, around=2880):
     """The least J of the hulls of the disc and a regular polygon at the top, by golden sections."""
     low, high, share = 0.01, 0.99, (math.sqrt(5) - 1) / 2
     value = lambda radius: resistance(polygon(height, corners, radius), around)[0]
@@ -84,6 +85,8 @@ def start(height):
     turn = math.pi / POINTS
     ring[:, :2] = ring[:, :2] @ [[math.cos(turn), math.sin(turn)], [-math.sin(turn), math.cos(turn)]]
     points = np.vstack([polygon(height, POINTS, nose), ring])
+    if height > 1.2:  # towards an edge at the top in place of a face
+        points[:POINTS, :2] *= 1.5, 1 / 1.5
     points[:, :2] += 0.02 * np.random.default_rng(3).normal(size=(len(points), 2))
     return points
 

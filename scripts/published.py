@@ -239,6 +239,7 @@ def transonic_drag(run):
     if not wings.exists():
         print(f"transonic: not compared with a box, {wings} is not built")
         return shown
+    shutil.rmtree(CASES / "runs/transonic", ignore_errors=True)  # where it keeps the flows
     subprocess.run([wings, CASES / "transonic.yaml", "--only-boxes", "--boxes", "6x8x2", "--values-only", "--set", "optimize.method=model",
                     "--budget", str(len(rows)), "--reach", "0.026", "--out", run / "box"], cwd=run, check=True)
     with open(run / "box/transonic-box_6x8x2.csv", encoding="utf-8", newline="") as file:

@@ -28,6 +28,7 @@ import areas  # noqa: E402
 import cone  # noqa: E402
 import lattice  # noqa: E402
 import newton  # noqa: E402
+import newton_hull  # noqa: E402
 import nose  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
@@ -149,6 +150,26 @@ def newton_resistance(run):
             Row("least bend of the profile, radians", "0 or more: concave", found["least_bend"], found["least_bend"] > -1e-9, 2)]
 
 
+POLYGONS = {0.4: (6, 2.103366, 2.09965), 0.7: (4, 1.556653, 1.54553), 1: (3, 1.156092, 1.13778), 1.5: (2, 0.701874, 0.70097),
+            2: (2, 0.445753, None)}  # corners, resistance, the least that is known
+
+
+def hull_resistance(height):
+    """Of the hull that the run found, on a disc of four times as many corners."""
+    corners, published, known = POLYGONS[height]
+
+    def judge(run):
+        found = newton_hull.points_of({name: float(value) for name, value in best_row(history(run)).items()
+                                       if re.fullmatch("[xyz][0-9]+", name)})
+        value = newton_hull.resistance(found, 2880)[0]
+        polygon = newton_hull.best_polygon(height, corners)
+        beside = f"{known}, the least known" if known else ""
+        return [Row("resistance of the polygon's hull", f"{published}, within 1e-5", polygon, abs(polygon / published - 1) < 1e-5, 7),
+                Row("resistance", f"{published}, no more; {beside}".rstrip("; "), value, value <= published, 7),
+                Row("over that of Newton's own body", "", value / newton.least(height)[0], None)]
+    return judge
+
+
 EXPONENTS = (0.6, 0.64, 0.68, 0.72, 0.76)
 
 
@@ -195,6 +216,44 @@ def duct_losses(run):
             Row("flows with their adjoints", "5", len(rows), len(rows) <= 5, 3)]
 
 
+FINER, LIFTS = "1.26", ("0.24", "0.29", "0.34")  # twice the cells
+
+
+def transonic_drag(run):
+    """Against a box of B-splines by the same search (bench/wings), where that is built; both on a mesh of twice the cells, at three lifts."""
+    def polar(surface):
+        (run / "judge").mkdir(exist_ok=True)
+        told = subprocess.run([CASES / "transonic/m6.py", "polar", FINER, surface, *LIFTS], cwd=run / "judge", check=True,
+                              stdout=subprocess.PIPE, text=True).stdout
+        return [float(number) for number in re.findall(r"drag ([0-9.]+)", told)]
+
+    rows = history(run)
+    first, last = float(rows[0]["objective"]), float(best_row(rows)["objective"])
+    fine = polar(surface_of(run)), polar(run / "best.obj")
+    shown = [Row("drag at the start, counts", "", 1e4 * first, None, 4),
+             Row("drag", f"less than {1e4 * first:.1f}", 1e4 * last, last < first, 4),
+             Row("on a mesh of twice the cells, start", "", 1e4 * fine[0][1], None, 4),
+             Row("the same, ours", f"less than {1e4 * fine[0][1]:.1f}", 1e4 * fine[1][1], fine[1][1] < fine[0][1], 4),
+             Row("runs of the solver", "", len(rows), None, 3)]
+    wings = pathlib.Path(os.environ["STRAKE"]).parent.parent / "bench/wings/strake_wings"
+    if not wings.exists():
+        print(f"transonic: not compared with a box, {wings} is not built")
+        return shown
+    shutil.rmtree(CASES / "runs/transonic", ignore_errors=True)  # where it keeps the flows
+    subprocess.run([wings, CASES / "transonic.yaml", "--only-boxes", "--boxes", "6x8x2", "--values-only", "--set", "optimize.method=model",
+                    "--budget", str(len(rows)), "--reach", "0.026", "--out", run / "box"], cwd=run, check=True)
+    with open(run / "box/transonic-box_6x8x2.csv", encoding="utf-8", newline="") as file:
+        box = [float(row["best"]) for row in csv.DictReader(file)][-1]
+    fine_box = polar(run / "box/transonic-box_6x8x2.obj")
+    shown += [Row("drag by the box", "", 1e4 * box, None, 4),
+              Row("ours over the box's", "1, no more", last / box, last <= box),
+              Row("the same on a mesh of twice the cells", "1, no more", fine[1][1] / fine_box[1], fine[1][1] <= fine_box[1])]
+    for k, lift in enumerate(LIFTS):
+        shown += [Row(f"there at lift {lift}, {who} over the start's", "", drags[k] / fine[0][k], None, 4)
+                  for who, drags in (("ours", fine[1]), ("the box's", fine_box))]
+    return shown
+
+
 def surface_of(run):
     text = (run / "case.yaml").read_text(encoding="utf-8")
     return (run / re.search(r"file: *\"?([^\s\"},]+)", text).group(1)).resolve()
@@ -221,7 +280,7 @@ class Problem:
     settings: tuple = ()
     is_slow: bool = False  # left out of the quick run
     needs: str = None  # a program without which there is nothing to judge
-    prepare: str = None  # a program of cases/published that makes the start surface
+    prepare: str = None  # a program of cases/published that makes the start surface, with words before "prepare"
 
 
 PROBLEMS = {
@@ -229,6 +288,9 @@ PROBLEMS = {
     "haack": Problem("bumped_spindle", 10000, wave_drag("diameter"), "Haack 1941: D/q = 4π S²/L²"),
     "karman": Problem("bumped_ogive", 10000, wave_drag("base"), "von Kármán 1935: D/q = 4 S²/(π L²)"),
     **{f"newton_{height}": Problem(f"frustum_{height}", 10000, newton_resistance, "Newton 1687", case="newton")
+       for height in (0.4, 0.7, 1, 1.5, 2)},
+    **{f"newton_hull_{height}": Problem("newton_hull", 352, hull_resistance(height), "Lachand-Robert and Oudet 2005; Wachsmuth 2013",
+                                        case=f"generated/newton_hull_{height}", is_slow=True, prepare=f"newton_hull.py {height}")
        for height in (0.4, 0.7, 1, 1.5, 2)},
     "wing_body_1": Problem("bumped_spindle", 10000, wing_body(1.0), "area rule: see below", case="wing_body", beside="wing_panels",
                            is_slow=True),
@@ -241,6 +303,8 @@ PROBLEMS = {
                       is_slow=True, needs="rhoCentralFoam"),
     "sbend": Problem("sbend", 1280, duct_losses, "OpenFOAM's tutorial, by its own optimizer", is_slow=True, needs="adjointOptimisationFoam",
                      prepare="sbend.py"),
+    "transonic": Problem("onera_m6", 6000, transonic_drag, "AGARD AR-138; an expert's box", is_slow=True, needs="rhoSimpleFoam",
+                         prepare="transonic/m6.py"),
     "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=500),
     "twist_10": Problem("wing_10", 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
     "twist_6_12": Problem("wing_6_12", 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
@@ -263,7 +327,8 @@ def run_problem(name, options):
     if is_small:
         surface = options.out / f"{problem.start}_{triangles}.obj"
     if problem.prepare:
-        if subprocess.run([CASES / problem.prepare, "prepare"], check=False).returncode != 0:
+        program, *words = problem.prepare.split()
+        if subprocess.run([CASES / program, *words, "prepare"], check=False).returncode != 0:
             return None  # it has said why
     else:
         write(problem.start, triangles, surface)

@@ -115,6 +115,7 @@ public:
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
+        add_known_constraints(p);
         return p;
     }
     Points vertices(const VectorXd& y) const { return motion_.vertices(y.cwiseQuotient(motion_.weight)); }
@@ -122,6 +123,51 @@ public:
 private:
     int index(const std::string& name) const {
         return static_cast<int>(std::find(names_.begin(), names_.end(), name) - names_.begin());
+    }
+
+    static bool is_built_in(const Quantity& quantity) { return !quantity.combination && quantity.program.empty(); }
+
+    /// Constraints that no program tells are known at each design beside the programs, as in Strake's own runs.
+    void add_known_constraints(NonlinearProgram& p) {
+        const auto kind = [&](const std::string& name) {
+            for (const Quantity& q : problem_.quantities)
+                if (std::ranges::find(q.names, name) != q.names.end())
+                    return is_built_in(q) ? LowFidelityValue::same : LowFidelityValue::none;
+            return LowFidelityValue::none;
+        };
+        if (has_gradients_ || kind(problem_.objective) == LowFidelityValue::same) return;
+        LowFidelity low;
+        low.values.push_back(LowFidelityValue::none);
+        for (const bool equalities : {false, true})
+            for (const Constraint& c : problem_.constraints)
+                low.values.insert(low.values.end(),
+                                  equalities ? c.equals.has_value() : c.min.has_value() + c.max.has_value(),
+                                  kind(c.quantity));
+        auto built_in = std::make_shared<NonlinearProgram>(p);
+        built_in->evaluate = [this](const VectorXd& y) { return evaluate_built_in(y); };
+        low.program = std::move(built_in);
+        p.low_fidelity = std::move(low);
+    }
+
+    /// Constraints alone; 0 where a program would tell.
+    Evaluation evaluate_built_in(const VectorXd& y) {
+        Evaluation sample;
+        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
+        std::vector<double> values;
+        for (const Quantity& quantity : problem_.quantities) {
+            QuantityResult r;
+            if (is_built_in(quantity)) r = quantity.evaluate({surface, false, tracer_.solve.evaluations, 0, {}});
+            if (r.failure) sample.failure = r.failure->message;
+            r.values.resize(quantity.names.size(), std::numeric_limits<double>::quiet_NaN());
+            values.insert(values.end(), r.values.begin(), r.values.end());
+        }
+        sample.objective = 0;
+        sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i) {
+            const double c = rows_.rows[i].of(values[rows_.rows[i].value]);
+            sample.constraints[static_cast<Eigen::Index>(i)] = std::isnan(c) ? 0 : c;
+        }
+        return sample;
     }
 
     Evaluation evaluate(const VectorXd& y) {

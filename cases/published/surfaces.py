@@ -169,6 +169,45 @@ def rectangular_wing(span, triangles, raised=0.0):
     return surface
 
 
+# Half thickness of the ONERA D section over the chord, sqrt(x) (1 - x) times a polynomial of Bernstein's: fitted here to sections of the wing
+# as meshes of others have it, 0.0008 of the chord off at most, sharp at its end.
+ONERA_D = (0.17776, 0.01745, 0.26943, -0.01635, 0.25493, 0.05268, 0.17269)
+
+
+def onera_d(x):
+    n = len(ONERA_D) - 1
+    return x ** 0.5 * (1 - x) * sum(b * math.comb(n, k) * x**k * (1 - x) ** (n - k) for k, b in enumerate(ONERA_D))
+
+
+def onera_m6(triangles):
+    """The right half of the ONERA M6 wing (AGARD AR-138, B1): root chord 0.8059, semispan 1.1963, taper 0.562, leading edge swept by 30 degrees,
+    open at y = 0. The tip is half a body of revolution about its chord.
+    """
+    chordwise = max(8, 2 * round(math.sqrt(triangles / 14)))
+    around_tip = max(2, round(chordwise / 12))
+    spanwise = max(8, round(triangles / (4 * chordwise)) - around_tip)
+    places = [(t + 0.2 * math.sin(math.pi * t) / math.pi, 0.0) for t in (s / spanwise for s in range(spanwise + 1))]
+    places += [(1.0, math.pi / 2 * k / around_tip) for k in range(1, around_tip + 1)]
+    surface, rows, number = Surface(), [], {}
+    for share, turn in places:
+        chord, row = 0.8059 * (1 - 0.438 * share), []
+        for k in range(2 * chordwise):  # from the trailing edge over the upper side forward, and back below
+            x = (1 + math.cos(math.pi * min(k, 2 * chordwise - k) / chordwise)) / 2  # the same on both sides, which meet at the tip
+            thick = 0.0 if k % chordwise == 0 else chord * onera_d(x)
+            side = 1 if k < chordwise else -1
+            z = 0.0 if turn == math.pi / 2 else side * thick * math.cos(turn)
+            point = (1.1963 * share * math.tan(math.radians(30)) + chord * x, 1.1963 * share + thick * math.sin(turn), z)
+            if point not in number:
+                number[point] = len(surface.vertices)
+                surface.vertices.append(point)
+            row.append(number[point])
+        rows.append(row)
+    for a, b in zip(rows, rows[1:]):
+        surface.strip(b, a)
+    surface.triangles = [t for t in surface.triangles if len(set(t)) == 3]
+    return surface
+
+
 def wing_panels(triangles):
     """Two swept panels beside a body along x of length 1, each closed: biconvex sections 6 % thick."""
     chordwise = max(6, 2 * round(math.sqrt(triangles / 48)))
@@ -276,6 +315,7 @@ KINDS = {
     "bumped_ogive": lambda n: slender(bumped_ogive, n, True),
     **{f"nose_{exponent}": lambda n, exponent=exponent: nose(exponent, n) for exponent in (0.6, 0.64, 0.68, 0.72, 0.75, 0.76, 1)},
     "wing_panels": wing_panels,
+    "onera_m6": onera_m6,
     "sphere": sphere,
     **{f"frustum_{height}": lambda n, height=height: frustum(height, n) for height in (0.4, 0.7, 1, 1.5, 2)},
     "wing_6_12": lambda n: rectangular_wing(6.12, n),

@@ -1,4 +1,5 @@
 #include "bench/wings/wing_box.hpp"
+#include "bench/coarse_to_fine/solve.hpp"
 
 #include "derivatives.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
@@ -65,6 +66,41 @@ TEST(WingBox, TwistIsNoseUpAboutTheQuarterChord) {
                        after = 0.75 * b.leading_edge + 0.25 * b.trailing_edge;
         EXPECT_LT((after - before).norm(), 2e-3 * a.chord.value);
     }
+}
+
+/// A number of the vertices that counts how often it is asked for; a program if it has a name.
+Quantity counted(const std::string& name, const std::string& program, int& asked,
+                 std::function<double(const Points&)> value) {
+    Quantity quantity;
+    quantity.names = {name};
+    quantity.program = program;
+    quantity.has_sensitivities = false;
+    quantity.evaluate = [&asked, value = std::move(value)](const QuantityRequest& request) {
+        ++asked;
+        return QuantityResult{.values = {value(request.surface.vertices)}, .dJ_dv = {}, .failure = {}};
+    };
+    return quantity;
+}
+
+/// As in Strake's own runs: a design is proposed where the constraints that need no program hold.
+TEST(WingBox, ConstraintsThatNeedNoProgramAreKnownBesideIt) {
+    const Boxed one = boxed({.points = {3, 3, 2}});
+    const auto lift = [&](const Points& v) { return (v - one.mesh.vertices).col(2).mean(); };
+    int flows = 0, shapes = 0;
+    EvidenceProblem evidence;
+    evidence.has_gradients = false;
+    Problem& problem = evidence.problem;
+    problem.surface = one.mesh;
+    problem.quantities = {
+        counted("drag", "flow", flows, [&](const Points& v) { return std::pow(1 - 30 * lift(v), 2); }),
+        counted("height", "", shapes, [&](const Points& v) { return 1 + lift(v); })};
+    problem.objective = "drag";
+    problem.constraints = {{.quantity = "height", .min = {}, .max = 1.001, .equals = {}}};
+    const Solve found = solve(evidence, one.motion, Method::model, 24);
+    EXPECT_LE(flows, found.evaluations);  // the others fold
+    EXPECT_GT(shapes, flows) << "the constraint is asked for where no flow is";
+    EXPECT_NEAR(found.final, 0.97 * 0.97, 1e-3);
+    EXPECT_LT(lift(found.vertices), 0.001 + 1e-5);
 }
 
 }  // namespace

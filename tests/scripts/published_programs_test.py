@@ -6,6 +6,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import types
 import unittest
 
 try:
@@ -16,11 +17,13 @@ except ImportError:
     sys.exit(77)
 
 ROOT = sys.argv.pop(1)
-sys.path[:0] = [f"{ROOT}/{folder}" for folder in ("cases/published", "scripts")]
+sys.path[:0] = [f"{ROOT}/{folder}" for folder in ("cases/published", "cases/published/transonic", "scripts")]
 import areas  # noqa: E402
 import cone  # noqa: E402
 import lattice  # noqa: E402
+import m6  # noqa: E402
 import newton  # noqa: E402
+import newton_hull  # noqa: E402
 import nose  # noqa: E402
 import published  # noqa: E402
 import sbend  # noqa: E402
@@ -274,6 +277,65 @@ class VortexLattice(unittest.TestCase):
         # The line knows no chord: it misses what happens within a chord of the ends, a share of the order of 1 / span.
         self.assertAlmostEqual(values["lift"] / (np.pi * span * A[0]), 1, delta=1 / span)
         self.assertAlmostEqual(values["efficiency"] * np.sum(n * (A / A[0]) ** 2), 1, delta=3 / span)
+
+
+class NewtonWithoutSymmetry(unittest.TestCase):
+    def test_polygons(self):
+        """Those of Lachand-Robert and Oudet, computed here."""
+        for height, (corners, resistance, _) in published.POLYGONS.items():
+            self.assertAlmostEqual(newton_hull.best_polygon(height, corners, 720), resistance, delta=6e-5)
+
+    def test_hull_of_a_cone_and_its_derivative(self):
+        self.assertAlmostEqual(newton_hull.resistance(np.array([[0.0, 0.0, 2.0]]), 2880)[0], math.pi / 5, delta=2e-6)
+        points = newton_hull.start(1.0)
+        points[:, 2] -= 0.01 * np.arange(len(points)) / len(points)  # no four in a plane
+        direction = np.random.default_rng(5).normal(size=points.shape)
+        value = lambda h: newton_hull.resistance(points + h * direction)[0]
+        slope = float(np.sum(newton_hull.resistance(points)[1] * direction))
+        self.assertGreater(order(value, slope, 4e-5), 1.9)
+        self.assertLess(order(value, 1.01 * slope, 4e-5), 1.5)
+
+
+class TransonicWing(unittest.TestCase):
+    def test_bend_of_a_sphere(self):
+        """Normals out of the fluid, inward: they turn by -1/R in all directions along the wall."""
+        n, radius = 24, 2.0
+        u, v = np.meshgrid(np.linspace(0.8, 1.6, n), np.linspace(0, 0.8, n), indexing="ij")
+        points = radius * np.stack([np.sin(u) * np.cos(v), np.sin(u) * np.sin(v), np.cos(u)], axis=-1)
+        corners = np.arange(n * n).reshape(n, n)
+        faces = np.stack([corners[:-1, :-1], corners[1:, :-1], corners[1:, 1:], corners[:-1, 1:]], axis=-1).reshape(-1, 4)
+        at = points.reshape(-1, 3)[faces]
+        mesh = types.SimpleNamespace(areas=-np.cross(at[:, 2] - at[:, 0], at[:, 3] - at[:, 1]) / 2, centres=at.mean(1))
+        bend = m6.wall_bend(mesh, np.arange(len(faces)), faces)
+        normal = mesh.areas / np.linalg.norm(mesh.areas, axis=1)[:, None]
+        flat = (np.eye(3) - normal[:, :, None] * normal[:, None, :]) / -radius
+        inner = np.ones((n - 1, n - 1), bool)
+        inner[[0, -1], :] = inner[:, [0, -1]] = False
+        self.assertLess(np.abs(bend - flat)[inner.ravel()].max(), 0.01 / radius)
+
+    def test_section_and_planform(self):
+        x = np.linspace(0, 1, 2001)
+        thick = 2 * np.array([surfaces.onera_d(k) for k in x])
+        self.assertAlmostEqual(thick.max(), 0.098, delta=5e-4)
+        vertices, triangles = arrays(surfaces.onera_m6(3000))
+        edges = np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1)
+        kinds, count = np.unique(edges, axis=0, return_counts=True)
+        self.assertTrue(np.all(vertices[kinds[count == 1].ravel(), 1] == 0))  # open at the root alone
+        self.assertLessEqual(count.max(), 2)
+        tip = 0.8059 * 0.562
+        chords = 1.1963 * (0.8059**2 + 0.8059 * tip + tip**2) / 3
+        volume = chords * np.trapz(thick, x) + math.pi / 2 * tip**3 * np.trapz((thick / 2) ** 2, x)
+        self.assertAlmostEqual(areas.volume(vertices, triangles) / volume, 1, delta=0.005)
+
+    def test_zero_lift_angle(self):
+        """A turn by 0.01 nose up, and a parabola of camber h, whose angle is -2 h."""
+        made = m6.layout(1)
+        points = m6.around_wing.mirrored(made.upper()[0][:made.chord + 1]).reshape(-1, 3)
+        front, chord = points[:, 1] * math.tan(math.radians(30)), 0.8059 * (1 - 0.438 * np.minimum(points[:, 1] / 1.1963, 1))
+        x = (points[:, 0] - front) / chord
+        for camber, angle in ((-0.01 * x, -0.01), (4 * 0.02 * x * (1 - x), -0.04)):
+            shift = np.stack([0 * x, 0 * x, camber * chord], axis=1)
+            self.assertAlmostEqual(m6.zero_lift_angle(points, shift), angle, delta=4e-4)
 
 
 if __name__ == "__main__":

@@ -1,5 +1,6 @@
 """A mesh that fits the half wing of `make_surface wing`: sheets of points stand around its sections, C-shaped with the wake behind
-the trailing edge, and turn with the rounded tip until the upper and the lower half meet beyond it.
+the trailing edge, and turn with the rounded tip until the upper and the lower half meet beyond it. A subclass of Layout may have another
+section on the same planform.
 
 Numbers of points: i from the outlet along the wake to the trailing edge, along the lower side to the leading edge, back on the
 upper side and out again; j from the root to the tip and around it; k outward. Lines of points leave the wing along its
@@ -37,10 +38,22 @@ class Layout:
         _, self.rows, number = np.unique(name, return_index=True, return_inverse=True)
         self.number = number.reshape(name.shape)
 
+    def section(self, x):
+        """Half thickness over the chord at these places along it."""
+        return half_thickness(x)
+
+    def along(self, m):
+        """Places along the chord, close at the leading edge, of shares of the cells."""
+        return 0.45 * (m ** 2 + m ** 4) + 0.05 * (1 - np.cos(np.pi * m))
+
+    def lean(self, m, x):
+        """How much of the section's slope the lines follow that leave it: at the trailing edge as in the wake, not at all."""
+        return 1 - m ** 6
+
     def upper(self):
         """Inner points, outer points and directions in which the lines leave, of the upper half from the leading edge to the outlet."""
         m = np.arange(self.chord + 1) / self.chord
-        along = 0.45 * (m ** 2 + m ** 4) + 0.05 * (1 - np.cos(np.pi * m))  # close at the leading edge
+        along = self.along(m)
         station = np.arange(self.span + 1) / self.span
         station = station + 0.12 * np.sin(np.pi * station)  # closer at the tip
         y = SPAN * np.concatenate([station, np.ones(self.tip)])
@@ -48,12 +61,12 @@ class Layout:
         chord = ROOT * (1 + y / SPAN * (TAPER - 1))
         up = np.stack([0 * turn, np.sin(turn), np.cos(turn)], axis=1)
         up[-1], up[turn == 0] = (0, 1, 0), (0, 0, 1)
-        thick = half_thickness(along)
+        thick = self.section(along)
         thick[[0, -1]] = 0
         axis = np.stack(np.broadcast_arrays(y * SWEEP + chord * along[:, None], y, 0), axis=-1)
         wing = axis + (chord * thick[:, None])[..., None] * up
-        slope = np.gradient(half_thickness(np.linspace(0, 1, 2001)), 1 / 2000)
-        slope = np.interp(along, np.linspace(0, 1, 2001), slope) * (1 - m ** 6)  # at the trailing edge as in the wake
+        slope = np.gradient(self.section(np.linspace(0, 1, 2001)), 1 / 2000)
+        slope = np.interp(along, np.linspace(0, 1, 2001), slope) * self.lean(m, along)
         away = np.stack([-slope[1:], np.ones(self.chord)], axis=1)
         away = np.vstack([[-1, 0], away / np.linalg.norm(away, axis=1)[:, None]])
         leave = away[:, :1, None] * [1, 0, 0] + away[:, 1:, None] * up

@@ -42,12 +42,13 @@ struct JournalFacts {
     /// its edges (`Parameters::kept_sections`); 4: ranges of variables widen (`OptimizeOptions::keeps_ranges`); 5: what
     /// sections that are kept take out of fields counts (`Parameters::counts_kept_motion_alone`); 6: edges of sections
     /// are kept by `KeptRules::coarse_noses_move`, and ranges are as wide as the motion limit lets variables be
-    /// together (`OptimizeOptions::begins_with_narrow_ranges`); 7: with a shell, too (`begins_with_narrow_shell_ranges`),
-    /// and what long steps leave open of a gradient is asked again (`MinimizeOptions::trusts_long_steps`), and searches
-    /// keep a shell's edges from folding (`Parameters::lets_edges_fold`); 8: large bodies follow their wraps by sums in
-    /// another order (`WrapBindingOptions::sums_as_before`), fields are products in one (`FieldOptions`), edges of
-    /// sections are kept by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured
-    /// by `WingRules::latest`.
+    /// together (`OptimizeOptions::begins_with_narrow_ranges`); 7: with a shell, too
+    /// (`begins_with_narrow_shell_ranges`), and what long steps leave open of a gradient is asked again
+    /// (`MinimizeOptions::trusts_long_steps`), and searches keep a shell's edges from folding
+    /// (`Parameters::lets_edges_fold`); 8: large bodies follow their wraps by sums in another order
+    /// (`WrapBindingOptions::sums_as_before`), fields are products in one (`FieldOptions`), edges of sections are kept
+    /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
+    /// `WingRules::latest`.
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

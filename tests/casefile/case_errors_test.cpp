@@ -340,6 +340,15 @@ TEST_F(CaseErrors, BillionLaughsAreCutShort) {
     EXPECT_LT(std::chrono::steady_clock::now() - start, std::chrono::seconds(20));
 }
 
+/// Aliases are blamed only where there are any.
+TEST_F(CaseErrors, TooManyValuesWithoutAliases) {
+    std::string yaml = "fixed: [x";
+    for (int k = 0; k < 100001; ++k) yaml += ",x";
+    const std::string message = errors(yaml + "]\n");
+    EXPECT_NE(message.find("more than 100000 values"), std::string::npos) << message.substr(0, 300);
+    EXPECT_EQ(message.find("alias"), std::string::npos) << message.substr(0, 300);
+}
+
 TEST_F(CaseErrors, HonestAliasesAndAByteOrderMarkWork) {
     EXPECT_EQ(errors("\xEF\xBB\xBF"
                      "case: wing\nsurface: {file: wing.obj}\nregions:\n  a: {box: &b [[0, 0, 0], [1, 1, 1]]}\n"

@@ -269,6 +269,40 @@ TEST_F(Resume, AFullDiskLosesNothing) {
     expect_same("whole", "a");
 }
 
+/// A disk of its own, in a name space of the test's own: where that is not allowed there is none.
+TEST_F(Resume, AFullDiskIsCalledSo) {
+    const std::string file = external_case(), disk = path("disk");
+    undisturbed();
+    fs::create_directory(disk);
+    const auto on_disk = [&](int kilobytes, const std::string& command) {
+        return std::system(("unshare -rm sh -c 'mount -t tmpfs -o size=" + std::to_string(kilobytes) + "k none " +
+                            disk + " && { " + command + "; cp -r " + disk + "/. " + path("kept") + "; }' 2>/dev/null")
+                               .c_str());
+    };
+    fs::create_directory(path("kept"));
+    if (on_disk(64, "true") != 0) GTEST_SKIP() << "no name spaces for users";
+    int told = 0, begun = 0;
+    for (const int kilobytes : {48, 180, 230, 280}) {
+        fs::remove_all(path("kept"));
+        fs::create_directory(path("kept"));
+        fs::remove(folder / "calls");
+        on_disk(kilobytes, STRAKE_PROGRAM " run " + file + " --out " + disk + "/a -q 2>" + path("words"));
+        const std::string words = bytes_of(path("words"));
+        SCOPED_TRACE(std::to_string(kilobytes) + " kB: " + words);
+        EXPECT_EQ(words.find("SQLite"), std::string::npos);
+        EXPECT_EQ(words.find("I/O error"), std::string::npos);
+        told += words.find("journal.sqlite: cannot write: the disk is full") != std::string::npos;
+        const std::string resumed = "kept/a";
+        if (!fs::exists(folder / resumed)) continue;  // nothing had been begun
+        ++begun;
+        ASSERT_EQ(run_strake({"resume", path(resumed), "-q"}).status, 0);
+        for (const int number : calls()) EXPECT_EQ(calls().count(number), 1u) << "evaluation " << number;
+        expect_same("whole", resumed);
+    }
+    EXPECT_GT(told, 0) << "no size of these ends in the journal";
+    EXPECT_GT(begun, 1) << "all of these end before the run begins";
+}
+
 /// A kill in the first moments: a lone lock, or a case with a journal that holds nothing yet.
 TEST_F(Resume, ARunThatEndedBeforeItBeganCanBeStarted) {
     const std::string file = external_case();
@@ -341,7 +375,7 @@ TEST_F(Resume, ARebuiltRunHasItsLimitsAndItsCase) {
     const std::string history = bytes_of(folder / "whole/history.csv"),
                       bytes = bytes_of(folder / "whole/journal.sqlite");
     ASSERT_GT(std::count(history.begin(), history.end(), '\n'), 8);
-    EXPECT_NE(bytes_of(folder / "whole/case.yaml").find("\n# meaning of its keys: 8\n"), std::string::npos);
+    EXPECT_NE(bytes_of(folder / "whole/case.yaml").find("\n# meaning of its keys: "), std::string::npos);
     for (const std::string damage : {"cut", "tried", "lost"}) {
         fs::copy(folder / "whole", folder / damage, fs::copy_options::recursive);
         folder.write(damage + "/journal.sqlite", bytes.substr(0, damage == "lost" ? 0 : bytes.size() - 4096));

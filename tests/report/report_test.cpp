@@ -92,6 +92,23 @@ TEST_F(Report, SaysWhetherWingsOrBodiesChange) {
     EXPECT_EQ(html.find("changes of wings"), std::string::npos);
 }
 
+/// A twist has a limit in degrees, not the share of the diagonal that the surface may move.
+TEST_F(Report, SaysTheLimitsOfVariablesOfTheUserInTheirUnits) {
+    std::string yaml = body + built_in + "optimize: {budget: {evaluations: 2}}\n";
+    const auto insert = [&](const std::string& after, const std::string& more) {
+        const auto at = yaml.find(after);
+        ASSERT_NE(at, std::string::npos) << yaml;
+        yaml.insert(at + after.size(), more);
+    };
+    insert("regions: {", "cap: {box: [[0.8, -2, -2], [2, 2, 2]]}, ");
+    insert("parameters: {",
+           "given: [{name: hinge, region: cap, rotate: [0, 1, 0], about: [1, 0, 0], max_angle: 4deg}], ");
+    const ProgramRun run = run_strake({"run", folder.write("case.yaml", yaml).string(), "--out", path("run"), "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const std::string html = bytes_of(path("run/report.html"));
+    EXPECT_NE(html.find("hinge (up to 4°)"), std::string::npos);
+}
+
 TEST_F(Report, OfAFinishedRunIsTheSameBytes) {
     ASSERT_EQ(run_strake({"run", small_case(with_report), "--out", path("run"), "-q"}).status, 0);
     const ProgramRun again = run_strake({"report", path("run"), "-o", path("again.html")});

@@ -23,7 +23,7 @@ constexpr double max_bend_two_sided = 0.5;  ///< of what is wrong with the slope
 constexpr double noises = 15;               ///< 3 deviations, times what the extrapolation makes of noise
 constexpr double deviations = 5;            ///< of the last confirmed steps from the rule
 constexpr double repeats[] = {3, 1.0 / 3};  ///< times as far, the first that limits allow
-constexpr double max_repeat_error = 0.2;    ///< of what is wrong, in proportion to the length: noise does not repeat
+constexpr double max_repeat_error = 0.1;    ///< of what is wrong, in proportion to the length: noise does not repeat
 constexpr double cancelling = 0.02;         ///< of the sum of the entries: a slope nearly along the level set
 constexpr double nearly_confirmed = 0.1;    ///< of a direction, at most this is left of it
 constexpr double min_unconfirmed = 1e-6;    ///< of a random direction: less is rounding
@@ -77,7 +77,7 @@ private:
         if (d.size() == 0 || !goes_to(x_ + d)) return;
         const bool two_sided = goes_to(x_ - d);
         if (!two_sided && !goes_to(x_ + 0.5 * d)) return;
-        if (compare(d, two_sided, false)) accuse(text("along a step of length ", probe));
+        if (compare(d, two_sided, false)) accuse(text("along a step of length ", length_));
     }
 
     void check_unconfirmed() {
@@ -89,11 +89,13 @@ private:
             guard_.report_event("the gradient is not confirmed in all directions: a limit lets nothing go there");
             return;
         }
+        const int before = result_.confirmations;
         const bool is_wrong = compare(d, two_sided, true);
         if (has_values_)
-            guard_.report_event(text("two evaluations in a direction that no step has taken ",
+            guard_.report_event(text(result_.confirmations - before > 2 ? "four" : "two",
+                                     " evaluations in a direction that no step has taken ",
                                      is_wrong ? "contradict" : "confirm", " the gradient"));
-        if (is_wrong) accuse(text("in a direction that no step has taken, along a step of length ", probe));
+        if (is_wrong) accuse(text("in a direction that no step has taken, along a step of length ", length_));
     }
 
     /// A step along the steepest descent; empty: there is none.
@@ -243,6 +245,7 @@ private:
         VectorXd slope, bend;
         if (times == std::end(repeats) || guard_.evaluations + 2 > guard_.limit) return false;
         if (!measure(*times * d, two_sided, slope, bend)) return false;
+        length_ = *times * probe;
         return std::any_of(hidden.begin(), hidden.end(), [&](const SlopeMismatch& one) {
             const double off = *times * (one.found - one.expected), expected = *times * one.expected;
             found_ = {one.row, expected, slope[one.row + 1]};
@@ -258,15 +261,19 @@ private:
         result_.slope_expected = found_.expected;
         result_.slope_found = found_.found;
         result_.slope_where = where;
-        result_.reason += text("; the gradient is inconsistent with the values: ", where, ", ",
-                               found_.row < 0 ? std::string("the objective") : text("constraint ", found_.row),
-                               " changes by ", std::round(1000 * found_.ratio()) / 1000, " of what its gradient says");
+        const std::string of = found_.row < 0 ? std::string("the objective") : text("constraint ", found_.row),
+                          much = std::isfinite(found_.ratio())
+                                     ? text(std::round(1000 * found_.ratio()) / 1000, " of what its gradient says")
+                                     : text(found_.found, " where its gradient says ", found_.expected);
+        result_.reason +=
+            text("; the gradient is inconsistent with the values: ", where, ", ", of, " changes by ", much);
     }
 
     Guard& guard_;
     const NonlinearProgram& p_;
     MinimizeResult& result_;
     bool best_feasible_, has_values_ = false;
+    double length_ = probe;  ///< of the step that `found_` is about
     VectorXd x_;
     Evaluation at_;
     SlopeMismatch found_;

@@ -73,6 +73,35 @@ TEST(SlopeCheck, AGradientThatIsZeroForHalfOfTheVariablesIsFoundByTwoEvaluations
     EXPECT_EQ(events.back(), "two evaluations in a direction that no step has taken contradict the gradient");
 }
 
+/// Long steps along a curved function are far from any rule: what that hides is asked again, along a longer step, and
+/// told with its length.
+TEST(SlopeCheck, WhatLongStepsHideIsAskedAgain) {
+    for (const double slope : {-1.0, 1.0}) {
+        const NonlinearProgram p = program_of(
+            vec({-1, 0}), vec({-1, -1}), vec({1, 1}), 0, 0,
+            [=](const VectorXd& x) { return vec({-2 * x[0] - 0.6 * std::pow(x[0], 3) + slope * x[1]}); },
+            [=](const VectorXd& x) {
+                return MatrixXd(vec({-2 - 1.8 * x[0] * x[0], 0}).transpose());
+            });
+        MinimizeOptions how;
+        std::vector<std::string> events;
+        how.on_event = [&](const std::string& words) { events.push_back(words); };
+        const MinimizeResult r = minimize(p, how);
+        MinimizeOptions before;
+        before.trusts_long_steps = true;
+        EXPECT_FALSE(minimize(p, before).gradient_inconsistent) << "else nothing is hidden";
+        EXPECT_TRUE(r.gradient_inconsistent) << r.reason;
+        EXPECT_EQ(r.confirmations, 4);
+        ASSERT_FALSE(events.empty());
+        EXPECT_EQ(events.back(), "four evaluations in a direction that no step has taken contradict the gradient");
+        EXPECT_EQ(r.slope_where, "in a direction that no step has taken, along a step of length 0.003");
+        EXPECT_NEAR(std::abs(r.slope_found), 0.003, 1e-9) << "along that step";
+        EXPECT_EQ(r.slope_expected, 0);
+        EXPECT_TRUE(says(r, "the objective changes by ") && says(r, " where its gradient says 0")) << r.reason;
+        EXPECT_FALSE(says(r, "inf")) << r.reason;
+    }
+}
+
 TEST(SlopeCheck, AZeroGradientIsFoundAtTheStart) {
     const NonlinearProgram p = with_gradient(quadratic(4), [](VectorXd& g) { g.setZero(); });
     const MinimizeResult r = minimize(p, {});

@@ -51,7 +51,7 @@ fi
 if command -v python3 >/dev/null; then
     published=$cases/published/generated
     mkdir -p "$published"
-    for start in bumped_spindle:10000 bumped_ogive:10000 frustum_1:10000 nose_0.75:4000 wing_panels:2000 sphere:2000 wing_10:2000 wing_6_12:2000 wing_raised:2000 sbend:1280; do
+    for start in bumped_spindle:10000 bumped_ogive:10000 frustum_1:10000 nose_0.75:4000 wing_panels:2000 sphere:2000 wing_10:2000 wing_6_12:2000 wing_raised:2000 sbend:1280 onera_m6:3000; do
         [ -e "$published/${start%:*}.obj" ] && continue
         python3 "$(dirname "$0")/../cases/published/surfaces.py" "${start%:*}" --triangles "${start#*:}" -o "$published/part.obj"
         mv "$published/part.obj" "$published/${start%:*}.obj"

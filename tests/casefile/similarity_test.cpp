@@ -90,7 +90,7 @@ TEST_F(Similarity, MetresMillimetresAndInchesGiveTheSameDesigns) {
 /// Every triangle in four flat ones: the same body, but another discretisation of the skin.
 TEST_F(Similarity, HalfTheEdgeLengthGivesTheSameOptimum) {
     const std::string yaml = common + R"(
-parameters: {patches_per_level: [2, 8], variables: [normal], max_displacement: 10%}
+parameters: {patches_per_level: [2, 8], variables: [normal], max_displacement: 2%}
 objective: {maximize: volume}
 constraints: {area: {max: 1.02, relative: true}}
 optimize: {budget: {evaluations: 120}}

@@ -171,7 +171,7 @@ TEST_F(Queue, GradientCommandsAreJobsThatAreFollowedToo) {
     killed.wait();
     EXPECT_EQ(lines("submitted"), 2u);
     EXPECT_EQ(run_strake({"resume", path("a"), "-q"}).status, 0);
-    expect_same("whole", "a");
+    expect_same("whole", "a", true);
     EXPECT_EQ(lines("submitted"), calls().size() + calls("gradient-calls").size());
     EXPECT_EQ(calls("gradient-calls").count(1), 1u) << "the same job";
     for (const char* name : {"gradient-job", "gradient-exit", "gradient-stdout.log", "gradient-job.sh", "job.sh"})

@@ -133,7 +133,7 @@ TEST_F(Step, GradientCommandsAreHandedOutInTheFoldersOfTheirValues) {
     int status = -1;
     drive(file, status);
     EXPECT_EQ(status, 0);
-    expect_same("whole", "stepped");
+    expect_same("whole", "stepped", true);
     for (const char* each : {"calls", "gradient-calls"})
         for (const int number : calls(each)) EXPECT_EQ(calls(each).count(number), 1u) << each << number;
     EXPECT_LE(calls("gradient-calls").size(), calls().size());

@@ -78,7 +78,7 @@ Points dented(const Problem& problem) {
 
 TEST(ValueTrial, TakesTheFieldsThatATargetNeeds) {
     const Seen seen = run(by_values([](const Problem& p) {
-        return Points(p.surface.vertices + 0.03 * p.parameters.fields->field(19) +
+        return Points(p.surface.vertices + 0.03 * p.parameters.fields->field(18) +
                       0.03 * p.parameters.fields->field(3));
     }));
     ASSERT_GT(seen.fields.size(), 2u) << seen.result.reason;

@@ -25,7 +25,7 @@ ROOT = os.path.dirname(os.path.dirname(os.path.abspath(__file__)))
 
 # What these tests give as a gradient is wrong, also beside right ones.
 WRONG = re.compile(r"^All/WrongGradients\.\w+/(?!none$|large_constant$)|^WrongDerivativesByParameters\.|"
-                   r"^SlopeCheck\.(ABudgetThat|AFactor|AFlippedSign|AGradientThatIsZero|AZeroGradient|AtABound)|"
+                   r"^SlopeCheck\.(ABudgetThat|WhatLongStepsHide|AFactor|AFlippedSign|AGradientThatIsZero|AZeroGradient|AtABound)|"
                    r"^Verdict\.(AWrongGradient|TheConstraintWithTheWrong)|^RunVerdict\.AGradientThatContradicts")
 
 

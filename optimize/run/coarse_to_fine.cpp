@@ -46,10 +46,8 @@ public:
         : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
         state_.evaluator.take_over_values();
         const OptimizeOptions& options = problem.optimize;
-        // With a shell wide ranges lead on to where it buckles, and differences there cost evaluations that fail.
-        const bool are_narrow = problem.has_shell
-                                    ? options.begins_with_narrow_shell_ranges || !program_.gives_lagrangian()
-                                    : options.begins_with_narrow_ranges;
+        const bool are_narrow =
+            problem.has_shell ? options.begins_with_narrow_shell_ranges : options.begins_with_narrow_ranges;
         state_.begins_with_wide_ranges = options.method == Method::sqp && !are_narrow;
     }
 

@@ -219,7 +219,9 @@ private:
             if (std::abs(off) > hiding(i)) return true;
             hidden.push_back(found_);
         }
-        return !hidden.empty() && !guard_.options.trusts_long_steps && is_repeated(hidden, d, two_sided);
+        // A gradient that is partly of differences may be off by more than steps show.
+        const bool may_repeat = !hidden.empty() && !guard_.options.trusts_long_steps && !p_.differences;
+        return may_repeat && is_repeated(hidden, d, two_sided);
     }
 
     /// The slope is not the gradient's, by more than the resolution of the value leaves open.

@@ -40,7 +40,7 @@ double smooth_step(double t) {
 }
 
 /// Of a nose whose edge is kept as sections show it.
-int least_points(KeptRules rules) { return rules == KeptRules::earlier ? many_points : polynomial_points; }
+int min_points(KeptRules rules) { return rules == KeptRules::earlier ? many_points : polynomial_points; }
 
 double distance_to(const std::vector<int>& vertices, const Points& positions, const Vector3d& x) {
     double least = std::numeric_limits<double>::infinity();
@@ -276,7 +276,7 @@ void KeptSections::add_sections(const Side& of) {
                                     " % of its semispan, where its edges have to be kept"));
         section.chord = (at->trailing_point - at->leading_point).norm();
         section.leading_at = {at->leading.x.value, at->leading.z.value};
-        section.is_round = !of.has_coarse_nose && at->num_nose_points >= least_points(rules_);
+        section.is_round = !of.has_coarse_nose && at->num_nose_points >= min_points(rules_);
         sections_.push_back(std::move(section));
     }
 }

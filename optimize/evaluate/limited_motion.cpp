@@ -152,7 +152,7 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
 
 MotionConditions on_steps(MotionConditions at, const Eigen::VectorXd& way) {
     if (at.values.size() == 0) return at;
-    at.values -= at.slopes * way;  // distances are convex: what is within is not cut off
+    if (way.size() > 0) at.values -= at.slopes * way;  // distances are convex: what is within is not cut off
     const double length = way.squaredNorm();
     for (Eigen::Index i = at.num_rows(); i < at.values.size(); ++i) {
         if (!(at.values[i] > 0)) continue;

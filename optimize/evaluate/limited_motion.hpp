@@ -30,8 +30,9 @@ MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const Res
 MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x, double min_used,
                                    const EdgeFolds::Angles& angles);
 
-/// The same on steps from where no edge is folded. @param way from there to where the conditions were taken
-MotionConditions on_steps(MotionConditions at, const Eigen::VectorXd& way);
+/// The same on steps from where no edge is folded. @param way from there to where the conditions were taken; empty: it
+/// is there
+MotionConditions on_steps(MotionConditions at, const Eigen::VectorXd& way = {});
 
 /// The shape of x, which has these vertices, keeps `slack` of the limit, and no edge of it is above `angle` (degrees).
 bool is_inside(const ShapeSolver& solver, const Points& vertices, double slack, double angle);

@@ -426,8 +426,7 @@ void LevelProgram::differentiate(Evaluation& sample) {
             sample.jacobian.row(static_cast<Eigen::Index>(i)) =
                 rows_.rows[i].sign / rows_.rows[i].scale *
                 current_.gradients.row(rows_.rows[i].gradient).cwiseQuotient(weight_.transpose());
-    MotionConditions motion =
-        on_steps(state_.evaluator.motion_conditions(current_x_, near_limit), Eigen::VectorXd::Zero(current_x_.size()));
+    MotionConditions motion = on_steps(state_.evaluator.motion_conditions(current_x_, near_limit));
     sample.limits = step_limits(motion, state_.evaluator.fold_conditions(current_x_, nearly_folded));
     if (known_.sensitivities.empty() || current_rank_.better_than(known_.rank)) {
         known_ = {current_x_,

@@ -104,9 +104,9 @@ void print_capability(const Capability& can) {
         if (!motion.remedy.empty()) fmt::print("   {} with {}", percent(motion.with_remedy), motion.remedy);
         fmt::print("\n");
     }
-    if (can.levels_left_out > 0)
-        fmt::print("            not asked: {} finer level{} of many variables\n", can.levels_left_out,
-                   can.levels_left_out == 1 ? "" : "s");
+    if (can.levels_not_asked > 0)
+        fmt::print("            not asked: {} finer level{} of many variables\n", can.levels_not_asked,
+                   can.levels_not_asked == 1 ? "" : "s");
 }
 
 void print_border(const CheckFacts& facts) {
@@ -131,7 +131,7 @@ Json capability_json(const Capability& can) {
         motions.back()["remedy"] = motion.remedy.empty() ? Json(nullptr) : Json(motion.remedy);
         motions.back()["share_with_remedy"] = motion.remedy.empty() ? Json(nullptr) : json_number(motion.with_remedy);
     }
-    return {{"levels", levels}, {"motions", motions}, {"levels_left_out", can.levels_left_out}};
+    return {{"levels", levels}, {"motions", motions}, {"levels_left_out", can.levels_not_asked}};
 }
 
 Json space_json(const SpaceFacts& s) {

@@ -36,6 +36,7 @@ struct Mixed {
     std::string kind;  ///< equilibrium | linear
     double from_a = 0, from_b = 0, diagonal = 0;
     int new_intersections = 0;
+    std::string beyond;  ///< the motion limit of A's case; empty: within
 };
 
 DesignOfRun design_of(const fs::path& run) {
@@ -52,10 +53,11 @@ TriMesh shape_of(const std::string& path) {
     return with_vertices(d.rest, d.vertices);
 }
 
-Points equilibrium(const MixArguments& args) {
-    const MixedDesign mixed = mixed_design(design_of(args.a), design_of(args.b), args.weight);
+/// Between two runs.
+MixedDesign equilibrium(const MixArguments& args) {
+    MixedDesign mixed = mixed_design(design_of(args.a), design_of(args.b), args.weight);
     const std::string why = mixed.end.status != SolveStatus::converged ? mixed.end.reason : mixed.defect;
-    if (why.empty()) return mixed.vertices;
+    if (why.empty()) return mixed;
     fmt::print(stderr, "strake: mix: {}; nothing was written; --linear blends the vertex positions instead\n", why);
     throw ExitStatus{run_failed};
 }
@@ -72,15 +74,17 @@ Mixed mix(const MixArguments& args) {
                         "`strake apply` or `strake fit`",
                         printable(args.a, 400), printable(args.b, 400), a.num_triangles(), b.num_triangles(),
                         a.num_vertices(), b.num_vertices()));
-    Mixed out{a, "linear", 0, 0, box_diagonal(a), 0};
+    Mixed out{a, "linear", 0, 0, box_diagonal(a), 0, ""};
     const bool between_designs = !args.linear && is_run_folder(args.a) && is_run_folder(args.b);
     if (args.weight == 0)
         out.surface.vertices = a.vertices;
     else if (args.weight == 1)
         out.surface.vertices = b.vertices;
-    else if (between_designs)
-        out.surface.vertices = equilibrium(args);
-    else
+    else if (between_designs) {
+        MixedDesign mixed = equilibrium(args);
+        out.surface.vertices = std::move(mixed.vertices);
+        out.beyond = std::move(mixed.beyond);
+    } else
         out.surface.vertices = (1 - args.weight) * a.vertices + args.weight * b.vertices;
     if (between_designs) out.kind = "equilibrium";
     if (!out.surface.vertices.allFinite()) throw SolverError("mix: a vertex is not finite");
@@ -97,6 +101,7 @@ Mixed mix(const MixArguments& args) {
 void report(const MixArguments& args, const Mixed& mixed) {
     if (mixed.new_intersections > 0)
         fmt::print(stderr, "warning: {} more pairs of triangles intersect than in A or B\n", mixed.new_intersections);
+    if (!mixed.beyond.empty()) fmt::print(stderr, "warning: beyond max_displacement of A's case: {}\n", mixed.beyond);
     if (!args.json) {
         fmt::print("mixed             {} of A, {} of B, {}\n", 1 - args.weight, args.weight,
                    mixed.kind == "linear" ? "vertices along straight lines" : "an equilibrium of the shell");
@@ -112,6 +117,7 @@ void report(const MixArguments& args, const Mixed& mixed) {
     j["max_from_a"] = json_number(mixed.from_a);
     j["max_from_b"] = json_number(mixed.from_b);
     j["new_intersections"] = mixed.new_intersections;
+    j["beyond_motion_limit"] = !mixed.beyond.empty();
     j["file"] = args.out;
     fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }

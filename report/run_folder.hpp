@@ -10,7 +10,8 @@
 #include <optional>
 
 /// The folder of a run: case.yaml, history.csv, levels/, series.pvd + series/*.vtp with series.py,
-/// best.FORMAT, run.json. Everything but history.csv, which grows row by row, is written atomically.
+/// best.FORMAT, run.json. Shapes get their names here, those of single evaluations in `evaluation_folders.hpp`.
+/// Everything but history.csv, which grows row by row, is written atomically.
 namespace strake {
 
 enum class SeriesPolicy { every_accepted, best, none };

@@ -33,6 +33,7 @@ import nose  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
 import trefftz  # noqa: E402
+import wing_body_flow  # noqa: E402
 
 
 class Row:
@@ -93,7 +94,7 @@ def nonplanar_wing(run):
     e = lift**2 / (math.pi * aspect * area * drag)
     span = 2 * moved[:, 1].max()
     height = np.ptp(moved[:, 2]) / 10
-    best = trefftz.least_of_half(wing.edge, 300) * (wing.edge[:, 0].max() / 5) ** 2
+    best = trefftz.min_drag_of_half(wing.edge, 300) * (wing.edge[:, 0].max() / 5) ** 2
     return [Row("span efficiency", "winglets 1.4186; at least 1.35", e, e >= 1.35),
             Row("that over the best load's on its wake", "1, no more", e / best, e < 1.002 * best),  # else the lattice is exploited
             Row("span", "10, no more", span, span <= 10 + 1e-6),
@@ -128,14 +129,64 @@ def stokes_drag(run):
             Row("semi-angle of the ends, degrees", "60", tip_angle(run), None, 3)]
 
 
-def wing_body(mach):
+def surface_area(vertices, triangles):
+    a, b, c = (vertices[triangles[:, k]] for k in range(3))
+    return float(np.linalg.norm(np.cross(b - a, c - a), axis=1).sum() / 2)
+
+
+def spheroid_of_area(aspect):
+    """Drag along its axis of a prolate spheroid over that of the sphere of its area."""
+    e = math.sqrt(1 - aspect**-2)
+    area = aspect ** (-2 / 3) * (1 + aspect * math.asin(e) / e) / 2  # over the sphere's of the same volume
+    return spheroid(aspect) / math.sqrt(area)
+
+
+def stokes_drag_of_area(run):
+    start, best = (areas.read_obj(p) for p in (surface_of(run), run / "best.obj"))
+    ratio = stokes.Body(*best).drag() / stokes.Body(*start).drag() * math.sqrt(surface_area(*start) / surface_area(*best))
+    best_spheroid = min(spheroid_of_area(a) for a in np.arange(3.8, 4.3, 0.01))
+    return [Row("drag over the sphere's", f"0.887, within 0.1 %; best spheroid {best_spheroid:.4f}", ratio, abs(ratio / 0.887 - 1) < 0.001),
+            Row("semi-angle of the ends, degrees", "30.8", tip_angle(run), None, 3)]
+
+
+FLOW_CELLS = (160, 240)  # on the length
+
+
+def flow_ratios(run, by_area_rule, is_free):
+    """Of the drags of start and result by Euler's equations, which the area rule knows nothing of, on two meshes. Coarse cells add the
+    same false drag to both, so that ratios are too near one, and less so on the finer mesh. Not judged of a free body, whose areas by
+    the rule are not those of the flow."""
+    wing, folder = areas.read_obj(CASES / "generated/wing_panels.obj"), str(run / "flow")
+    shown, before = [], 1.0
+    for cells in FLOW_CELLS:
+        found = [wing_body_flow.drag(folder, areas.read_obj(body), wing, 1.4, cells) for body in (surface_of(run), run / "best.obj")]
+        ratio = found[0][1] / found[1][1]
+        is_nearer = abs(ratio / by_area_rule - 1) < abs(before / by_area_rule - 1)
+        is_met = is_nearer and abs(ratio / by_area_rule - 1) < 0.15
+        shown.append(Row(f"drag of the start over ours by Euler's equations, {found[1][0]} cells",
+                         f"by the area rule {by_area_rule:.4g}" + ("" if is_free else ", within 15 %; nearer with each mesh"), ratio,
+                         None if is_free else is_met, 4))
+        before = ratio
+    shutil.rmtree(folder)
+    return shown
+
+
+def wing_body(mach, is_free=False):
     def judge(run):
         wing = CASES / "generated/wing_panels.obj"
         first, last = (areas.judge_wing_body(body, wing, mach, rolls=48) for body in (surface_of(run), run / "best.obj"))
         ratio = last["drag"] / last["least"]
-        return [Row("drag over the lower bound, at the start", "", first["drag"] / first["least"], None, 4),
-                Row("of the Sears-Haack body beside the wing", "", last["sears_haack_beside_wing"], None, 5),
-                Row("drag over the lower bound", "1, within 2 %", ratio, 0.995 < ratio < 1.02)]
+        rows = [Row("drag over the lower bound, at the start", "", first["drag"] / first["least"], None, 4),
+                Row("of the Sears-Haack body beside the wing", "", last["sears_haack_beside_wing"], None, 5)]
+        if is_free:
+            rows.append(Row("drag over the lower bound of bodies of revolution", "1, no more", ratio, 0.5 < ratio <= 1))
+        else:
+            rows.append(Row("drag over the lower bound", "1, within 2 %", ratio, 0.995 < ratio < 1.02))
+        if mach > 1 and shutil.which("rhoCentralFoam") and shutil.which("snappyHexMesh"):
+            rows += flow_ratios(run, first["drag"] / last["drag"], is_free)
+        elif mach > 1:
+            print("wing_body: drags not confirmed by a flow, OpenFOAM is not installed: scripts/setup.sh openfoam")
+        return rows
     return judge
 
 
@@ -147,7 +198,7 @@ def newton_resistance(run):
             Row("that of the body revolved", f"{found['least']:.6f}, within 0.1 %", found["revolved"], abs(by_rings - 1) < 0.001, 7),
             Row("radius of the flat nose", f"{best:.5f}, within 0.005", nose, abs(nose - best) < 0.005),
             Row("slope at its edge", "1", found["slope_at_nose"], None, 3),
-            Row("least bend of the profile, radians", "0 or more: concave", found["least_bend"], found["least_bend"] > -1e-9, 2)]
+            Row("least bend of the profile, radians", "0 or more: concave", found["min_bend"], found["min_bend"] > -1e-9, 2)]
 
 
 POLYGONS = {0.4: (6, 2.103366, 2.09965), 0.7: (4, 1.556653, 1.54553), 1: (3, 1.156092, 1.13778), 1.5: (2, 0.701874, 0.70097),
@@ -217,10 +268,11 @@ def duct_losses(run):
 
 
 FINER, LIFTS = "1.26", ("0.24", "0.29", "0.34")  # twice the cells
+BOXES = ("6x8x2", "4x4x2")  # points along chord, span and height
 
 
 def transonic_drag(run):
-    """Against a box of B-splines by the same search (bench/wings), where that is built; both on a mesh of twice the cells, at three lifts."""
+    """Against boxes of B-splines by the same search (bench/wings), where that is built; all on a mesh of twice the cells, at three lifts."""
     def polar(surface):
         (run / "judge").mkdir(exist_ok=True)
         told = subprocess.run([CASES / "transonic/m6.py", "polar", FINER, surface, *LIFTS], cwd=run / "judge", check=True,
@@ -237,20 +289,21 @@ def transonic_drag(run):
              Row("runs of the solver", "", len(rows), None, 3)]
     wings = pathlib.Path(os.environ["STRAKE"]).parent.parent / "bench/wings/strake_wings"
     if not wings.exists():
-        print(f"transonic: not compared with a box, {wings} is not built")
+        print(f"transonic: not compared with boxes, {wings} is not built")
         return shown
     shutil.rmtree(CASES / "runs/transonic", ignore_errors=True)  # where it keeps the flows
-    subprocess.run([wings, CASES / "transonic.yaml", "--only-boxes", "--boxes", "6x8x2", "--values-only", "--set", "optimize.method=model",
+    subprocess.run([wings, CASES / "transonic.yaml", "--only-boxes", "--boxes", ",".join(BOXES), "--values-only", "--set", "optimize.method=model",
                     "--budget", str(len(rows)), "--reach", "0.026", "--out", run / "box"], cwd=run, check=True)
-    with open(run / "box/transonic-box_6x8x2.csv", encoding="utf-8", newline="") as file:
-        box = [float(row["best"]) for row in csv.DictReader(file)][-1]
-    fine_box = polar(run / "box/transonic-box_6x8x2.obj")
-    shown += [Row("drag by the box", "", 1e4 * box, None, 4),
-              Row("ours over the box's", "1, no more", last / box, last <= box),
-              Row("the same on a mesh of twice the cells", "1, no more", fine[1][1] / fine_box[1], fine[1][1] <= fine_box[1])]
+    polars = {"ours": fine[1]}
+    for box in BOXES:
+        with open(run / f"box/transonic-box_{box}.csv", encoding="utf-8", newline="") as file:
+            found = [float(row["best"]) for row in csv.DictReader(file)][-1]
+        by_box = polars[f"the box's of {box}"] = polar(run / f"box/transonic-box_{box}.obj")
+        shown += [Row(f"drag by a box of {box} points that twists", "", 1e4 * found, None, 4),
+                  Row("ours over that", "1, no more", last / found, last <= found),
+                  Row("the same on a mesh of twice the cells", "1, no more", fine[1][1] / by_box[1], fine[1][1] <= by_box[1])]
     for k, lift in enumerate(LIFTS):
-        shown += [Row(f"there at lift {lift}, {who} over the start's", "", drags[k] / fine[0][k], None, 4)
-                  for who, drags in (("ours", fine[1]), ("the box's", fine_box))]
+        shown += [Row(f"there at lift {lift}, {who} over the start's", "", drags[k] / fine[0][k], None, 4) for who, drags in polars.items()]
     return shown
 
 
@@ -296,6 +349,8 @@ PROBLEMS = {
                            is_slow=True),
     "wing_body_1.4": Problem("bumped_spindle", 10000, wing_body(1.4), "area rule: see below", case="wing_body", beside="wing_panels",
                              settings=("quantities.drag.mach=1.4", "quantities.drag.angles=16"), is_slow=True),
+    "wing_body_free": Problem("bumped_spindle", 10000, wing_body(1.4, is_free=True), "area rule: see below", beside="wing_panels",
+                              is_slow=True),
     "nose_2": Problem("nose_0.75", 4000, nose_drag(2.0, "0.68, within 0.02"), "Taylor and Maccoll 1933; Mason and Lee 1994", case="nose",
                       is_slow=True, needs="rhoCentralFoam"),
     "nose_6": Problem("nose_0.75", 4000, nose_drag(6.0, "0.68, within 0.02"), "Taylor and Maccoll 1933; Mason and Lee 1994", case="nose",
@@ -306,6 +361,8 @@ PROBLEMS = {
     "transonic": Problem("onera_m6", 6000, transonic_drag, "AGARD AR-138; an expert's box", is_slow=True, needs="rhoSimpleFoam",
                          prepare="transonic/m6.py"),
     "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=500),
+    "stokes_area": Problem("sphere", 2000, stokes_drag_of_area, "Montenegro-Johnson and Lauga 2014", case="stokes", is_slow=True,
+                           settings=("constraints={area: {equals: 1, relative: true}}", "quantities.drag.on_failure=shrink_step")),
     "twist_10": Problem("wing_10", 2000, span_efficiency(0.5, 0.960), "Munk 1921; start: OpenAeroStruct's example"),
     "twist_6_12": Problem("wing_6_12", 2000, span_efficiency(0.375, 0.983), "Munk 1921; start: ADODG case 3"),
     "nonplanar": Problem("wing_raised", 2000, nonplanar_wing, "Prandtl 1924, Kroo 2005; values by trefftz.py", is_slow=True),

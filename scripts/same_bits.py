@@ -5,12 +5,13 @@ OLD and NEW are two programs `strake`; OLD lies in a build folder of its checkou
 each case with one evaluation; from a copy of that folder on, OLD and NEW finish it. A run goes on with the meaning it began
 with, so histories, variables, values, answers of programs with their gradients, shapes and the report's numbers and pictures
 must be the same, but for times and for what only one of the two writes. The cases are the examples of OLD's checkout that
-need no solver from outside, and ten on the surfaces of STRAKE_DATA; shapes of `deform` and the numbers of `info` are compared
+need no solver from outside (--openfoam: those that call OpenFOAM instead), and ten on the surfaces of STRAKE_DATA; shapes of `deform` and the numbers of `info` are compared
 as they are.
 --begins       NEW makes the first evaluation itself, in a journal that does not say what its keys mean: for programs that do
                not take a folder of OLD
 --method NAME  of all runs but fits, in place of their own: NLopt's tell whether two programs evaluate and differentiate alike
                where `sqp` itself has changed
+--openfoam     only the examples that call OpenFOAM; minutes each
 --evaluations N (default 6), --triangles N of the examples' surfaces (default 2000, at least 1500), --work DIR: keeps the runs
 Exit status: 0 the same, 1 different, 2 wrong usage.
 """
@@ -29,6 +30,9 @@ import tempfile
 
 RUNS = ["wing/case", "wing/supersonic", "lifting_body/case", "lifting_body/glide", "nacelle/case", "wave_drag/case", "external/case",
         "external/newton", "external/su2/case", "external/cart3d/case"]
+# case, its program that makes the mesh, the surface that the mesh is about
+OPENFOAM = [("openfoam_drag/adjoint", "drag.py", "body.obj"), ("openfoam_drag/values", "drag.py", "body.obj"),
+            ("openfoam_supersonic/case", "wave.py", "body.obj"), ("openfoam_wing/case", "wing.py", "wing.obj")]
 FITS = ["wing/fit"]
 DEFORMS = ["wing/target", "paper/lifting_body", "paper/wing_lift", "paper/wing_sweep"]
 TIMES = re.compile(r"second|elapsed|time|started|ended|version|host|program$|^date|memory|threads")
@@ -222,6 +226,26 @@ def both_inform(old, new, work, path):
     return found, "info"
 
 
+def prepare_mesh(folder, program, surface):
+    """Once: the answers of a program are compared with those about the same mesh."""
+    if not (folder / "prepared").exists():
+        done = subprocess.run([folder / program, "prepare", f"generated/{surface}"], cwd=folder, capture_output=True, text=True, check=False)
+        if done.returncode != 0:
+            raise Failed(f"{program} prepare: {(done.stderr.strip().splitlines() or [''])[-1][:200]}")
+        (folder / "prepared").touch()
+
+
+def openfoam_tasks(old, new, work, evaluations, begins):
+    for name, program, surface in OPENFOAM:
+        case = work / "cases/external" / f"{name}.yaml"
+        label = name.replace("/", "-")
+
+        def compare(n=label, f=case, p=program, s=surface):
+            prepare_mesh(f.parent, p, s)
+            return both_finish(old, new, work, n, "run", f, evaluations, begins)
+        yield label, compare
+
+
 def tasks(old, new, work, evaluations, method, begins):
     """(name, what compares it)."""
     for command, names in (("run", RUNS), ("fit", FITS)):
@@ -242,6 +266,7 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("--method")
     parser.add_argument("--begins", action="store_true")
+    parser.add_argument("--openfoam", action="store_true")
     parser.add_argument("--evaluations", type=int, default=6)
     parser.add_argument("--triangles", type=int, default=2000)
     parser.add_argument("--work", type=pathlib.Path, help="folder for the runs, kept; it must not exist")
@@ -256,7 +281,9 @@ def main():
     copy_examples(old, work, args.triangles, args.method)
     different = count = 0
     print("| case | what | numbers, files | |\n|---|---|---|---|")
-    for name, compare in tasks(old, new, work, args.evaluations, args.method, args.begins):
+    all_tasks = (openfoam_tasks(old, new, work, args.evaluations, args.begins) if args.openfoam
+                 else tasks(old, new, work, args.evaluations, args.method, args.begins))
+    for name, compare in all_tasks:
         if args.cases and not any(word in name for word in args.cases):
             continue
         count += 1

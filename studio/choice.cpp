@@ -391,7 +391,7 @@ struct Describer {
     struct StepByStep {
         const std::string& name;
         std::vector<RegionText> regions = {};
-        std::string so_far = {};  ///< a formula; empty: nothing yet
+        std::string region_formula = {};  ///< a formula; empty: nothing yet
 
         /// What a step is called in a formula; empty: it has no words.
         std::string operand(const ChoiceStep& step, const std::string& helper) {
@@ -405,25 +405,25 @@ struct Describer {
         }
         bool add(const ChoiceStep& step, const std::string& helper) {
             if (const auto* grow = std::get_if<GrowChoice>(&step.what)) {
-                if (so_far.empty()) return false;
+                if (region_formula.empty()) return false;
                 regions.push_back(
-                    {helper, "grow: {of: " + as_yaml(so_far) + ", by: " + exact_words(grow->by) + "}", false});
-                so_far = helper;
+                    {helper, "grow: {of: " + as_yaml(region_formula) + ", by: " + exact_words(grow->by) + "}", false});
+                region_formula = helper;
                 return true;
             }
             if (std::holds_alternative<MirrorChoice>(step.what)) return false;  // a case has no words for it
             if (std::holds_alternative<InvertChoice>(step.what)) {
-                so_far = so_far.empty() ? "all" : "all - (" + so_far + ")";
+                region_formula = region_formula.empty() ? "all" : "all - (" + region_formula + ")";
                 return true;
             }
-            if (so_far.empty() && step.combine != Combine::add) return true;  // of nothing nothing is left
+            if (region_formula.empty() && step.combine != Combine::add) return true;  // of nothing nothing is left
             const std::string other = operand(step, helper);
-            if (so_far.empty())
-                so_far = other;
+            if (region_formula.empty())
+                region_formula = other;
             else if (step.combine == Combine::intersect)
-                so_far = "(" + so_far + ") & " + other;
+                region_formula = "(" + region_formula + ") & " + other;
             else
-                so_far += (step.combine == Combine::add ? " + " : " - ") + other;
+                region_formula += (step.combine == Combine::add ? " + " : " - ") + other;
             return !other.empty();
         }
     };
@@ -433,8 +433,8 @@ struct Describer {
         StepByStep made{name};
         for (std::size_t k = 0; k < steps.size(); ++k)
             if (!made.add(steps[k], name + "_" + std::to_string(k + 1))) return {};
-        if (made.so_far.empty()) return {};
-        made.regions.push_back(formula(name, as_yaml(made.so_far)));
+        if (made.region_formula.empty()) return {};
+        made.regions.push_back(formula(name, as_yaml(made.region_formula)));
         return Description{std::move(made.regions), "steps", {}};
     }
 

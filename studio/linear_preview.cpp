@@ -9,7 +9,7 @@
 namespace strake {
 namespace {
 
-struct GivenUp {};
+struct Cancelled {};
 
 Points vertex_normals(const RestFacts& rest) {
     Points normals = Points::Zero(rest.surface.num_vertices(), 3);
@@ -39,11 +39,11 @@ void LinearPreview::compute() {
         std::map<std::string, int> number;
         for (int j = 0; j < space_.size(); ++j) number[space_.variables[static_cast<std::size_t>(j)].name] = j;
         space_facts(space_, [&](const Variable& variable, const Points& moved) {
-            if (ends_) throw GivenUp();
+            if (ends_) throw Cancelled();
             keep(number.at(variable.name), moved);
         });
         finish();
-    } catch (const GivenUp&) {
+    } catch (const Cancelled&) {
     } catch (const std::exception& error) {
         const std::lock_guard lock(busy_);
         trouble_ = error.what();

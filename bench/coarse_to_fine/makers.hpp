@@ -19,9 +19,9 @@ EvidenceProblem many_minima(int triangles, Draw& draw);
 
 EvidenceProblem wave_drag_beside_fuselage(int triangles, Draw& draw);
 EvidenceProblem newtonian_lift_over_drag(int triangles, Draw& draw);
-EvidenceProblem least_bending(int triangles, Draw& draw);
+EvidenceProblem min_bending(int triangles, Draw& draw);
 EvidenceProblem wing_within_thickness(int triangles, Draw& draw);
-EvidenceProblem least_frontal_area(int triangles, Draw& draw);
+EvidenceProblem min_frontal_area(int triangles, Draw& draw);
 EvidenceProblem wanted_section_areas(int triangles, Draw& draw);
 
 }  // namespace strake::evidence

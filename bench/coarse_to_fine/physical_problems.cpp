@@ -128,7 +128,7 @@ EvidenceProblem newtonian_lift_over_drag(int triangles, Draw& draw) {
     return p;
 }
 
-EvidenceProblem least_bending(int triangles, Draw& draw) {
+EvidenceProblem min_bending(int triangles, Draw& draw) {
     const Vector3d axes(draw.between(0.9, 1.2), draw.between(0.5, 0.7), draw.between(0.4, 0.6));
     const TriMesh surface = example::superellipsoid(triangles, {.half_axes = axes, .exponent = draw.between(3, 4)});
     EvidenceProblem p = start_of({.name = "bending_energy",
@@ -176,7 +176,7 @@ EvidenceProblem wing_within_thickness(int triangles, Draw& draw) {
     return p;
 }
 
-EvidenceProblem least_frontal_area(int triangles, Draw& draw) {
+EvidenceProblem min_frontal_area(int triangles, Draw& draw) {
     example::FuselageShape shape;
     shape.nacelle_angle_deg = draw.between(65, 95);
     shape.nacelle_height = draw.between(0.45, 0.65);

@@ -28,8 +28,8 @@ const Makers& makers() {
 
 const Makers& physical_makers() {
     static const Makers all{{"wave_drag", wave_drag_beside_fuselage}, {"lift_over_drag", newtonian_lift_over_drag},
-                            {"bending_energy", least_bending},        {"wing_volume", wing_within_thickness},
-                            {"frontal_area", least_frontal_area},     {"section_areas", wanted_section_areas}};
+                            {"bending_energy", min_bending},          {"wing_volume", wing_within_thickness},
+                            {"frontal_area", min_frontal_area},       {"section_areas", wanted_section_areas}};
     return all;
 }
 

@@ -34,7 +34,7 @@ WINGS = {
     "zeroebwb_93k.ply": ("+x", "-z", 0, None, None),
 }
 # All-moving plates of constant thickness, aspect ratio below 1: neither a wing that must be found nor a body without.
-LEFT_OUT = {"x43_parts.ply"}
+NOT_COUNTED = {"x43_parts.ply"}
 # Stated where the shape comes from: span, area, sweep in degrees. DPW-W1: AIAA drag prediction workshop 3. ONERA M6:
 # AGARD AR-138 B1, without the rounded tip that the files have beyond it. Cessna 172: the script that lofted it, up to
 # its rounded tip. Three elements: chord 1, span 3.
@@ -169,7 +169,7 @@ def main():
             continue
         found = shown(asked.strake, path)
         if path.name not in WINGS:
-            if found and path.name not in LEFT_OUT:
+            if found and path.name not in NOT_COUNTED:
                 wrong.append(path.name)
             continue
         wings += 1

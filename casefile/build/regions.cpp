@@ -56,11 +56,11 @@ std::vector<char> outward(const StartSurface& start, const std::vector<char>& ma
             if (distance[mesh.triangles(t, k)] > 0)
                 queue.emplace(distance[mesh.triangles(t, k)] = 0, mesh.triangles(t, k));
     while (!queue.empty()) {
-        const auto [so_far, v] = queue.top();
+        const auto [length_to, v] = queue.top();
         queue.pop();
-        if (so_far > distance[v]) continue;
+        if (length_to > distance[v]) continue;
         for (const auto& [other, length] : next[v])
-            if (so_far + length < distance[other]) queue.emplace(distance[other] = so_far + length, other);
+            if (length_to + length < distance[other]) queue.emplace(distance[other] = length_to + length, other);
     }
     const double limit = reach + border_rel * start.diagonal;
     std::vector<char> all = marks;

@@ -194,7 +194,7 @@ void check_quantities(const Value* list, const Case& c, Diagnostics& errors) {
 std::string unknown_value(const Case& c, const std::string& name) {
     for (const QuantityEntry& quantity : c.quantities)
         if (const auto* made = std::get_if<BuiltInEntry>(&quantity.what))
-            for (const std::string& value : made->left_out)
+            for (const std::string& value : made->omitted)
                 if (name == quantity.name + "." + value)
                     return text("quantity '", printable(name),
                                 "' is left out: a half model at no sideslip has no side force, roll or yaw");

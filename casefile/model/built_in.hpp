@@ -50,10 +50,10 @@ struct QuantityContext {
 struct BuiltInEntry {
     std::vector<std::string> outputs =
         {};  ///< names of its values, behind the dot; empty: one, named like the quantity
-    std::vector<Reference> variables = {};   ///< `variables` that it reads
-    std::vector<Reference> regions = {};     ///< that it names
-    std::optional<BodyAxes> axes = {};       ///< of its stream
-    std::vector<std::string> left_out = {};  ///< outputs that a half model does not have
+    std::vector<Reference> variables = {};  ///< `variables` that it reads
+    std::vector<Reference> regions = {};    ///< that it names
+    std::optional<BodyAxes> axes = {};      ///< of its stream
+    std::vector<std::string> omitted = {};  ///< outputs that a half model does not have
     /// @param name of the quantity. @throws InvalidInput; InputError about a file.
     std::function<Quantity(const std::string& name, const QuantityContext& ground)> make;
 };

@@ -117,7 +117,7 @@ BuiltInEntry read_newtonian(AeroForm& form) {
                                         "axes whose downstream and up lie in the symmetry plane"));
     flow.has_side_values = !is_symmetric || form.ground.keeps_side_values;
     for (const std::string& name : newtonian_values)
-        (flow.has_side_values || !is_side_value(name) ? form.made.outputs : form.made.left_out).push_back(name);
+        (flow.has_side_values || !is_side_value(name) ? form.made.outputs : form.made.omitted).push_back(name);
     form.made.make = [flow](const std::string& name, const QuantityContext& ground) {
         return newtonian(name, ground.start, flow);
     };

@@ -70,7 +70,8 @@ std::vector<Key> kind_keys() {
          .doc =
              "The motion limit: the farthest that any point of the surface may be from its datum, in every shape that "
              "a run evaluates. The datum is the surface under the given loads and strains, all variables at zero. "
-             "Other commands than `run` have no limit unless one is written.",
+             "`fit` and `sweep` have a limit only where one is written. `deform`, `apply` and `mix` give what they are "
+             "asked for.",
          .fallback = "5%",
          .limits = positive},
         {.path = "parameters.max_displacement",

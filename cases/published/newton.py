@@ -81,7 +81,7 @@ def judge(path):
     bends = np.diff(np.arctan(slope))
     best, nose, _ = least(height)
     return {"height": height, "disc": disc, "resistance": value, "revolved": revolved, "least": best, "nose": float(flat),
-            "best_nose": nose, "slope_at_nose": float(slope[0]), "least_bend": float(bends.min())}
+            "best_nose": nose, "slope_at_nose": float(slope[0]), "min_bend": float(bends.min())}
 
 
 def main():

@@ -42,7 +42,7 @@ def least(wings, span):
     return 4 * float(dy @ np.linalg.lstsq(A, dy, rcond=None)[0]) / (math.pi * span**2)
 
 
-def least_of_half(points, count):
+def min_drag_of_half(points, count):
     """Span efficiency of the least drag for a wake along a polyline from the plane of symmetry to the tip, by `count` strips a half."""
     points = np.asarray(points, float)
     places = np.concatenate([[0], np.cumsum(np.linalg.norm(np.diff(points, axis=0), axis=1))])

@@ -6,7 +6,8 @@
 #include <string>
 #include <vector>
 
-/// A wing by its planform: sections along the span, and what a wing designer reads from them.
+/// A wing by its planform: sections along the span, and what a wing designer reads from them: span, sweep, dihedral,
+/// chord, twist, thickness and camber by station.
 namespace strake {
 
 /// How sections are laid and measured; the second is the meaning of earlier runs.

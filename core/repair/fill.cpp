@@ -14,9 +14,9 @@ namespace {
 using Triple = std::array<int, 3>;
 
 /// Least bending, then least area, over all triangulations: P. Liepa, "Filling holes in meshes", SGP 2003; O(n^3).
-class LeastBending {
+class MinBendingFill {
 public:
-    LeastBending(const Points& polygon, const Points& normals, const IsTaken& is_taken)
+    MinBendingFill(const Points& polygon, const Points& normals, const IsTaken& is_taken)
         : p_(polygon), normals_(normals), is_taken_(is_taken), n_(static_cast<int>(polygon.rows())) {
         best_.resize(static_cast<std::size_t>(n_) * n_);
     }
@@ -121,7 +121,7 @@ std::vector<Triple> fill_polygon(const Points& polygon, const Points& normals, d
     std::vector<Triple> triangles;
     if (is_flat && n <= 5000) triangles = clip_ears(polygon, normal, is_taken);
     for (Triple& t : triangles) std::swap(t[0], t[2]);  // a fill runs opposite to its loop
-    if (triangles.empty() && n <= 250) triangles = LeastBending(polygon, normals, is_taken).run();
+    if (triangles.empty() && n <= 250) triangles = MinBendingFill(polygon, normals, is_taken).run();
     if (triangles.empty()) triangles = shortest_diagonals(polygon, is_taken);
     flip_to_delaunay([&](int v) -> Eigen::Vector3d { return polygon.row(v); }, triangles, is_taken);
     return triangles;

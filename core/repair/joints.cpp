@@ -8,7 +8,7 @@
 #include <cmath>
 
 /// Shorter edges where parts pass through each other. Triangles stay flat when the surface is bent: along the cut of
-/// two parts each leaves the bent shape by up to edge^2 / 8 times its curvature, and the joint gapes.
+/// two parts each leaves the bent shape by up to edge^2 / 8 times its curvature, and the joint opens.
 namespace strake::mending {
 namespace {
 

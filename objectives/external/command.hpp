@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+/// A quantity that a program of the user measures: how it is called, and what it answers with. `process.hpp` starts it.
 namespace strake {
 
 struct ProgramPoints;

@@ -3,6 +3,7 @@
 
 #include <string>
 
+/// The gradient files of a program, to derivatives by the surface's vertices. Internal.
 namespace strake {
 
 /// Gradients (n x 3) from the bytes of a gradient file, one row per place:

@@ -2,6 +2,7 @@
 #include <string>
 #include <vector>
 
+/// What a program writes: result.json, its text to values and names of gradient files. Internal.
 namespace strake {
 
 /// Contents of result.json.

@@ -2,6 +2,7 @@
 #include "core/mesh/symmetry_plane.hpp"
 #include "objectives/quantity/quantity.hpp"
 
+/// Thickness along rays through the body, everywhere; `thickness.hpp` has that at places that the case names.
 namespace strake {
 
 struct WallThickness {

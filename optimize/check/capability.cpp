@@ -184,7 +184,7 @@ std::vector<Columns> columns_by_level(const std::shared_ptr<const RestFacts>& re
     for (int level = rest->parameters.fields ? 0 : std::min(1, finest); level <= finest; ++level) {
         const DesignSpace space = design_space(rest, level);
         if (space.num_shape() > options.max_variables) {
-            found.levels_left_out = finest - level + 1;
+            found.levels_not_asked = finest - level + 1;
             break;
         }
         if (!first) first = space;

@@ -16,7 +16,7 @@ struct MotionShare {
 struct Capability {
     std::vector<int> levels, variables;  ///< number of each level that was asked, and of its variables
     std::vector<MotionShare> motions;
-    int levels_left_out = 0;  ///< finer ones, of more than `max_variables`
+    int levels_not_asked = 0;  ///< finer ones, of more than `max_variables`
 };
 
 struct CapabilityOptions {

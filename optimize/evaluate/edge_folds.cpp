@@ -13,13 +13,13 @@ constexpr double foldable_below = 120;  ///< degrees at rest
 
 }  // namespace
 
-EdgeFolds::EdgeFolds(const TriMesh& rest, const Adjacency& adjacent, const std::vector<char>& left_out)
+EdgeFolds::EdgeFolds(const TriMesh& rest, const Adjacency& adjacent, const std::vector<char>& excluded)
     : triangles_(rest.triangles) {
     const Points normal = triangle_normals(rest);
     for (int e = 0; e < adjacent.num_edges(); ++e) {
         if (!adjacent.is_regular(e)) continue;
         const int a = adjacent.edge_triangles[e][0], b = adjacent.edge_triangles[e][1];
-        if (!left_out.empty() && (left_out[a] || left_out[b])) continue;
+        if (!excluded.empty() && (excluded[a] || excluded[b])) continue;
         if (dihedral(normal.row(a), normal.row(b)) >= foldable_below * degree) continue;
         const auto [v, w] = adjacent.edges[e];
         const auto opposite = [&, v = v, w = w](int t) { return triangles_.row(t).sum() - v - w; };

@@ -25,8 +25,8 @@ public:
     };
 
     EdgeFolds() = default;  ///< none
-    /// @param left_out per triangle: edges at it are none that may fold; empty: no triangle.
-    EdgeFolds(const TriMesh& rest, const Adjacency& adjacent, const std::vector<char>& left_out);
+    /// @param excluded per triangle: edges at it are none that may fold; empty: no triangle.
+    EdgeFolds(const TriMesh& rest, const Adjacency& adjacent, const std::vector<char>& excluded);
 
     bool is_none() const { return hinges_.empty(); }
     /// Edges with a dihedral above `degrees`, ascending. @param normal of all triangles

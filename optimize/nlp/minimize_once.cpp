@@ -201,7 +201,7 @@ private:
         const LowFidelityEnd low = minimize_by_low_fidelity(guard_);
         using Why = LowFidelityEnd::Why;
         result_.low_fidelity_scale = low.rho;
-        if (low.promised > 0) result_.low_fidelity_kept = low.kept / low.promised;
+        if (low.expected > 0) result_.low_fidelity_kept = low.kept / low.expected;
         if (low.why == Why::misled) return true;
         result_.hessian = low.hessian;
         result_.radius = low.radius;

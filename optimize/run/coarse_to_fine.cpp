@@ -432,8 +432,8 @@ private:
         return gradient_error_.size() > 0 ? Eigen::MatrixXd(gradient_error_(kept, Eigen::all)) : gradient_error_;
     }
 
-    /// False: the details below are expected to gain more than this level, it has done its part. Where only the most
-    /// promising few are split, already a tenth: the metric is stiffer on details than objectives are, and
+    /// False: the details below are expected to gain more than this level, it has done its part. Where only the best
+    /// few are split, already a tenth: the metric is stiffer on details than objectives are, and
     /// underestimates their gain.
     bool is_best_at_this_level(const Prospect& below, const NonlinearProgram& program, double expected,
                                const Eigen::MatrixXd& hessian) {

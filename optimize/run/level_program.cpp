@@ -204,8 +204,8 @@ std::string LevelProgram::cheap_words(const MinimizeResult& result) const {
             scales += text(scales.empty() ? "" : ", ", std::round(1000 * scale[static_cast<Eigen::Index>(i)]) / 1000);
     const double kept = std::round(100 * result.low_fidelity_kept) / 100;
     return text("cheap model (", cheap_->words(), "): rho ", scales,
-                std::isfinite(kept) ? text(", its steps gained ", kept, " times what it promised") : "", ", evaluated ",
-                cheap_->evaluations(), " times");
+                std::isfinite(kept) ? text(", its steps gained ", kept, " times the expected decrease") : "",
+                ", evaluated ", cheap_->evaluations(), " times");
 }
 
 void LevelProgram::carry_designs(const Eigen::VectorXd& parent, const Eigen::VectorXd& start,

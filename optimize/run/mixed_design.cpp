@@ -4,6 +4,7 @@
 #include "core/fields/displacement_fields.hpp"
 #include "core/planform/kept_sections.hpp"
 #include "core/planform/planform_motion.hpp"
+#include "optimize/evaluate/limited_motion.hpp"
 #include "optimize/evaluate/shape_solver.hpp"
 #include "optimize/problem/shell_setup.hpp"
 #include "optimize/space/shape_map.hpp"
@@ -152,6 +153,9 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
     }
     if (out.end.status != SolveStatus::converged) return out;
     out.defect = defect_of(guard_of(a.problem, *one.rest), *one.rest, wanted, out.vertices, shell ? &*shell : nullptr);
+    std::optional<Poses> of_datum;
+    const MotionLimit limit = motion_limit(a.problem, one.rest, {}, of_datum);
+    if (!limit.is_none()) out.beyond = limit.excess(beside_planform(*one.rest, wanted, out.vertices));
     return out;
 }
 

@@ -42,7 +42,7 @@ SampleDesigns::SampleDesigns(const Problem& problem, const DesignSpace& space, c
       stop_wanted_(std::move(stop_wanted)),
       shape_(space.num_shape()),
       parameters_(space.num_parameters()),
-      most_(most) {
+      max_designs_(most) {
     if (shape_ > 0) {
         U_ = space.metric.topLeftCorner(shape_, shape_).llt().matrixU();
         limit_ = motion_limit(problem, space.rest, stop_wanted_, datum_);
@@ -56,16 +56,17 @@ SampleDesigns::SampleDesigns(const Problem& problem, const DesignSpace& space, c
 /// As many levels as the budget holds.
 void SampleDesigns::choose_levels() {
     const Eigen::Index dimensions = shape_ + parameters_;
-    const double room = static_cast<double>(most_) + 1;
+    const double room = static_cast<double>(max_designs_) + 1;
     // One below the root always fits: counting from one level on takes hours for a variable and a million designs.
-    levels_ = std::max(0, static_cast<int>(std::pow(most_, 1 / static_cast<double>(dimensions))) - 1);
-    while (power_up_to(levels_ + 1, dimensions, room) < room && 1 + combinations(levels_ + 1, nullptr) <= most_)
+    levels_ = std::max(0, static_cast<int>(std::pow(max_designs_, 1 / static_cast<double>(dimensions))) - 1);
+    while (power_up_to(levels_ + 1, dimensions, room) < room && 1 + combinations(levels_ + 1, nullptr) <= max_designs_)
         ++levels_;
     if (levels_ < 2) {
         const double least = power_up_to(2, dimensions, 1e9) + 1;
         throw InvalidInput(text("two levels of each of ", dimensions, " variables are ",
                                 least < 1e9 ? "" : "more than ", static_cast<long>(least), " designs, and there are ",
-                                most_, "; take method sobol or lhs, or fewer variables (patches_per_level, variables)",
+                                max_designs_,
+                                "; take method sobol or lhs, or fewer variables (patches_per_level, variables)",
                                 least < 1e6 ? ", or that many designs" : ""));
     }
     count_ = 1 + combinations(levels_, &places_);
@@ -97,7 +98,7 @@ Eigen::VectorXd SampleDesigns::place_of(int number) {
     const auto dimensions = static_cast<int>(shape_ + parameters_ + (shape_ > 0 ? 1 : 0));
     if (number < first_point_ || number >= first_point_ + points_.rows()) {
         first_point_ = is_lhs ? 0 : number / points_at_a_time * points_at_a_time;
-        points_ = is_lhs ? latin_hypercube(std::max(1, most_ - 1), dimensions, problem_.optimize.seed)
+        points_ = is_lhs ? latin_hypercube(std::max(1, max_designs_ - 1), dimensions, problem_.optimize.seed)
                          : sobol_points(1 + first_point_, points_at_a_time, dimensions);
     }
     const Eigen::VectorXd place = points_.row(number - first_point_);

@@ -40,7 +40,7 @@ private:
     Eigen::MatrixXd U_;  ///< of the metric of the shape variables
     MotionLimit limit_;
     std::optional<Poses> datum_;
-    int most_, count_ = 0, levels_ = 0;
+    int max_designs_, count_ = 0, levels_ = 0;
     Eigen::MatrixXd points_;  ///< in the unit cube, from `first_point_` on
     int first_point_ = 0;
     std::vector<Eigen::VectorXd> places_;  ///< of levels, in the unit cube

@@ -34,7 +34,7 @@ std::string small_case(int rings) {
 
 }  // namespace
 
-TEST_F(WaveDragCase, GoesMostOfTheWayToSearsAndHaack) {
+TEST_F(WaveDragCase, ComesCloseToSearsAndHaack) {
     const TriMesh start = example::wavy_body(1200);
     surface(start);
     const RunResult result = optimize(build(small_case(16)).problem);

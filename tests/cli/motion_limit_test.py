@@ -68,6 +68,17 @@ class MotionLimit(unittest.TestCase):
     def result(self, run):
         return json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
 
+    def resumed(self, case, run, meaning, evaluations):
+        """A run of one evaluation, goes on as one from when the keys of its case meant this. @return what it says, its history"""
+        folder = pathlib.Path(FOLDER.name)
+        strake("run", case, "--out", run, "-q")
+        with sqlite3.connect(folder / run / "journal.sqlite") as journal:
+            journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+            journal.execute("DELETE FROM facts WHERE name = 'hash'")
+        journal.close()
+        done = strake("resume", run, "--evaluations", str(evaluations))
+        return done.stdout + done.stderr, (folder / run / "history.csv").read_text().splitlines()
+
     def test_the_script_measures_every_shape_of_a_run(self):
         write("case.yaml", "max_displacement: 0.5%")
         strake("run", "case.yaml", "--out", "run", "-q")
@@ -134,16 +145,7 @@ class MotionLimit(unittest.TestCase):
         subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", "wing.obj"], cwd=folder, check=True,
                        stdout=subprocess.DEVNULL)
         (folder / "first.yaml").write_text(WING.replace("KEEP", "").replace("evaluations: 3", "evaluations: 1"))
-        rows = {}
-        for meaning in (3, 4, 5):
-            run = f"meaning{meaning}"
-            strake("run", "first.yaml", "--out", run, "-q")
-            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
-                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-                journal.execute("DELETE FROM facts WHERE name = 'hash'")
-            journal.close()
-            strake("resume", run, "--evaluations", "3", "-q")
-            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+        rows = {meaning: self.resumed("first.yaml", f"meaning{meaning}", meaning, 3)[1] for meaning in (3, 4, 5)}
         self.assertEqual(rows[3], rows[4])
         self.assertNotEqual(rows[4], rows[5])
 
@@ -156,16 +158,7 @@ class MotionLimit(unittest.TestCase):
             "surface: {file: large.obj}\nhold: point\nwrap: {alpha: 8%}\nobjective: {maximize: volume}\n"
             "constraints: {area: {max: 1.01, relative: true}}\noptimize: {budget: {evaluations: 1}}\n"
             "parameters: {fields: 6, variables: [normal], patches_per_level: [4], max_displacement: 0.5%}\n")
-        rows = {}
-        for meaning in (6, 7, 8):
-            run = f"large{meaning}"
-            strake("run", "large.yaml", "--out", run, "-q")
-            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
-                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-                journal.execute("DELETE FROM facts WHERE name = 'hash'")
-            journal.close()
-            strake("resume", run, "--evaluations", "4", "-q")
-            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+        rows = {meaning: self.resumed("large.yaml", f"large{meaning}", meaning, 4)[1] for meaning in (6, 7, 8)}
         self.assertEqual(rows[6], rows[7])
         self.assertNotEqual(rows[7], rows[8])
 
@@ -226,16 +219,11 @@ class MotionLimit(unittest.TestCase):
             (pathlib.Path(FOLDER.name) / "closed.yaml").read_text().replace("evaluations: 60", "evaluations: 1"))
         for meaning in (3, 6):
             run = f"few{meaning}"
-            strake("run", "few.yaml", "--out", run, "-q")
-            with sqlite3.connect(pathlib.Path(FOLDER.name) / run / "journal.sqlite") as journal:
-                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-                journal.execute("DELETE FROM facts WHERE name = 'hash'")
-            journal.close()
-            done = strake("resume", run, "--evaluations", "60")
+            said, _ = self.resumed("few.yaml", run, meaning, 60)
             told = json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
             self.assertEqual(told["status"], "converged")
             if meaning == 6:
-                self.assertIn("the ranges become 4 times as wide", done.stdout + done.stderr)
+                self.assertIn("the ranges become 4 times as wide", said)
                 self.assertGreater(told["motion_limit"]["used"], 0.9, told["reason"])
             else:
                 self.assertIn("the variables' own range ends there", told["reason"])
@@ -275,6 +263,36 @@ class MotionLimit(unittest.TestCase):
         (pathlib.Path(FOLDER.name) / "asked.yaml").write_text(asked + "strains: [{region: tail, translate: [0, 0, 1.2]}]\n")
         words = strake("deform", "asked.yaml", "-o", "asked.obj").stdout
         self.assertGreater(float(re.search(r"max displacement .*\(([0-9.]+) % of the diagonal", words).group(1)), 10, words)
+
+    def test_mix_gives_what_is_asked_and_says_what_is_beyond(self):
+        folder = pathlib.Path(FOLDER.name)
+        for name, sense in (("up", "maximize"), ("down", "minimize")):
+            write(f"{name}.yaml", "max_displacement: 0.5%", maximize=sense)
+            strake("run", f"{name}.yaml", "--out", name, "-q")
+        between = strake("mix", "down", "up", "--weight", "0.5", "-o", "between.obj")
+        self.assertEqual(between.stderr, "")
+        beyond = strake("mix", "down", "up", "--weight", "4", "-o", "beyond.obj", "--json")
+        self.assertRegex(beyond.stderr, r"warning: beyond max_displacement of A's case: vertex \d+ is [0-9.]+ % .* the motion limit is 0.5 %")
+        told = json.loads(beyond.stdout)
+        self.assertTrue(told["beyond_motion_limit"])
+        self.assertTrue((folder / "beyond.obj").exists())
+        diagonal = json.loads(strake("check", "up.yaml", "--json", "--quick").stdout)["surface"]["diagonal"]
+        self.assertGreater(told["max_from_b"], 0.01 * diagonal)  # farther than two such shapes can be apart
+
+    def test_apply_gives_all_of_a_motion(self):
+        """However far: what is moved may be any body, and has no limit of its own."""
+        write("asked_of_apply.yaml", "max_displacement: 0.5%")
+        text = (pathlib.Path(FOLDER.name) / "asked_of_apply.yaml").read_text()
+        (pathlib.Path(FOLDER.name) / "asked_of_apply.yaml").write_text(text + "strains: [{region: tail, translate: [0, 0, 1.2]}]\n")
+        strake("deform", "asked_of_apply.yaml", "-o", "far.obj", "-q")
+        done = strake("apply", "body.obj", "body.obj", "--moved", "far.obj", "-o", "applied.obj")
+        self.assertGreater(float(re.search(r"max displacement .*\(([0-9.]+) % of the diagonal", done.stdout).group(1)), 10, done.stdout)
+
+    def test_init_writes_the_default_of_the_schema(self):
+        strake("init", "body.obj", "-o", "proposed.yaml")
+        written = re.search(r"max_displacement: (\S+)", (pathlib.Path(FOLDER.name) / "proposed.yaml").read_text()).group(1)
+        explained = strake("explain", "parameters.max_displacement").stdout
+        self.assertRegex(explained, rf"(?m)^  default +{re.escape(written)}$")
 
     def test_a_limit_beyond_reason_is_told(self):
         write("far.yaml", "max_displacement: 90%")

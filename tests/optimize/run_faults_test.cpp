@@ -86,7 +86,7 @@ RunResult logged(const Problem& problem, Log& log) {
     return optimize(problem, events);
 }
 
-double least_possible() {
+double min_possible() {
     static const double objective = [] {
         Problem problem = sound_problem();
         problem.optimize.max_evaluations = 200;
@@ -119,7 +119,7 @@ TEST_P(EveryMethodInARun, RightOptimumOrAClearVerdictWithinTheBudget) {
         if (record.status == "ok" && record.max_violation <= 1e-6) best = std::max(best, record.objective);
     EXPECT_EQ(r.objective, best);
     EXPECT_TRUE(r.vertices.allFinite() && r.vertices.rows() > 0);
-    const double gain = (r.objective - r.objective_start) / (least_possible() - r.objective_start);
+    const double gain = (r.objective - r.objective_start) / (min_possible() - r.objective_start);
     if (std::getenv("STRAKE_TELL"))
         std::cout << "TELL " << method.name << " " << gain << " after " << r.evaluations << ": " << r.status << ": "
                   << r.reason << "\n";
@@ -167,7 +167,7 @@ TEST(RunFaults, SeveralStartsGoOnAfterFailures) {
         const RunResult r = logged(problem, log);
         EXPECT_LE(r.evaluations, 120);
         EXPECT_EQ(log.failed(), struck);
-        EXPECT_GT(r.objective - r.objective_start, 0.9 * (least_possible() - r.objective_start)) << r.reason;
+        EXPECT_GT(r.objective - r.objective_start, 0.9 * (min_possible() - r.objective_start)) << r.reason;
     }
 }
 

@@ -170,8 +170,8 @@ TEST(ValuesOnly, CoarseLevelsAreLeftWhileThereIsBudget) {
 
 }  // namespace
 
-/// Each level has its share of the budget. Where finer ones promise nothing what is left is the present one's.
-TEST(CoarseToFine, ABudgetIsNotLeftOverWhereRefiningPromisesNothing) {
+/// Each level has its share of the budget. Where finer ones expect no gain what is left is the present one's.
+TEST(CoarseToFine, ABudgetIsNotLeftOverWhereRefiningExpectsNothing) {
     Problem problem = ellipsoid_problem(2, 3);
     maximize_volume(problem);
     problem.parameters.split = SplitRule::sensitivity;
@@ -203,7 +203,7 @@ TEST(CoarseToFine, ABudgetIsNotSplitForLevelsThatItCannotMove) {
 }
 
 /// A variable at its bound can do no more, but its parts have bounds of their own.
-TEST(Refinement, WhatABoundForbidsIsPromisedByTheParts) {
+TEST(Refinement, WhatABoundForbidsIsExpectedOfTheParts) {
     Problem problem = ellipsoid_problem(2, 2);
     maximize_volume(problem);
     const DesignSpace space = design_space(rest_facts(problem), 1);
@@ -217,15 +217,15 @@ TEST(Refinement, WhatABoundForbidsIsPromisedByTheParts) {
     const VectorXd g = design_gradient(space, VectorXd::Zero(space.size()), e.sensitivities[0]);
     Eigen::Index steepest = 0;
     g.cwiseAbs().maxCoeff(&steepest);
-    const auto promised = [&](double at) {
+    const auto expected = [&](double at) {
         VectorXd x = VectorXd::Zero(space.size());
         x[steepest] = at;
         return expected_decrease_of({space, x, e.sensitivities[0], 1, e.dJ_dv[0]}, *below);
     };
     const double inward = g[steepest] > 0 ? space.upper[steepest] : space.lower[steepest];
     const double outward = g[steepest] > 0 ? space.lower[steepest] : space.upper[steepest];
-    EXPECT_EQ(promised(inward), promised(0));
-    EXPECT_GT(promised(outward), promised(0) + 0.25 * g[steepest] * g[steepest] / space.metric(steepest, steepest) / 2);
+    EXPECT_EQ(expected(inward), expected(0));
+    EXPECT_GT(expected(outward), expected(0) + 0.25 * g[steepest] * g[steepest] / space.metric(steepest, steepest) / 2);
 }
 
 }  // namespace strake

@@ -66,7 +66,7 @@ TEST_F(DesignFields, OfAProgramByRowsAndFromVtp) {
     EXPECT_TRUE(problems.empty());
 }
 
-TEST_F(DesignFields, WhatIsNoFieldIsLeftOutAndNamed) {
+TEST_F(DesignFields, WhatIsNoFieldIsOmittedAndNamed) {
     const std::string cp = "\"cp\": \"cp.csv\"", good = rows();
     EXPECT_NE(problem_of(cp, "0,1\n1,nan\n").find("line 2: expected index,value"), std::string::npos);
     EXPECT_NE(problem_of(cp, "0,1\n0,1\n").find("line 2: vertex 0 appears twice"), std::string::npos);
@@ -91,7 +91,7 @@ TEST_F(DesignFields, OtherFilesAreNoConcernOfTheirs) {
     EXPECT_TRUE(problems.empty());
 }
 
-TEST_F(DesignFields, OfBuiltInQuantitiesAtTheDesignsOwnVariables) {
+TEST_F(DesignFields, OfBuiltInQuantitiesAtTheDesignsParameters) {
     Quantity aero;
     aero.names = {"aero.drag"};
     aero.fields = [](const QuantityRequest& request) {

@@ -44,7 +44,7 @@ def order(value, slope, step):
     return math.log(rest[0] / rest[1]) / math.log(4)
 
 
-class LeastWaveDrag(unittest.TestCase):
+class MinWaveDrag(unittest.TestCase):
     """The published optima are those of a quadratic program in the coefficients of S' = L sum A_n sin(n t), L = 1: least
     pi / 4 sum n A_n^2 under one linear condition, which is integrated here."""
 
@@ -119,9 +119,9 @@ class Trefftz(unittest.TestCase):
         for name, value, tolerance in (("plane", 1, 1e-9), ("dihedral", 1.0291, 2e-4), ("biplane", 1.3546, 1e-4), ("tip plates", 1.3819, 2e-4),
                                        ("winglets", 1.4186, 1e-3), ("box", 1.4717, 1e-3)):
             self.assertAlmostEqual(e[name], value, delta=tolerance, msg=name)
-        half = trefftz.least_of_half([(0, 0), (0.5, 0), (0.5, 0.2)], 200)
+        half = trefftz.min_drag_of_half([(0, 0), (0.5, 0), (0.5, 0.2)], 200)
         self.assertAlmostEqual(half, 1.4186, delta=3e-3)
-        self.assertAlmostEqual(trefftz.least_of_half([(0, 0), (2, 0)], 40), 1, delta=1e-9)
+        self.assertAlmostEqual(trefftz.min_drag_of_half([(0, 0), (2, 0)], 40), 1, delta=1e-9)
 
 
 class Nose(unittest.TestCase):
@@ -203,7 +203,7 @@ class Duct(unittest.TestCase):
             sbend.column_means(np.random.default_rng(2).random((10, 3)), np.zeros((10, 3)))
 
 
-    def test_without_the_tutorial_it_is_told_and_left_out(self):
+    def test_without_the_tutorial_it_is_told_and_skipped(self):
         """The other problems still run."""
         with tempfile.TemporaryDirectory() as folder:
             done = subprocess.run([sys.executable, published.__file__, "--out", folder, "sbend"], env={**os.environ, "FOAM_TUTORIALS": folder},

@@ -100,12 +100,12 @@ class File:
         far = dict.fromkeys((v for t in chosen for v in self.triangles[t]), 0.0)
         todo = [(0.0, v) for v in far]
         while todo:
-            so_far, v = heapq.heappop(todo)
-            if so_far > far[v]:
+            reached, v = heapq.heappop(todo)
+            if reached > far[v]:
                 continue
             for w, length in links[v]:
-                if so_far + length <= by * (1 + 1e-9) and so_far + length < far.get(w, math.inf):
-                    far[w] = so_far + length
+                if reached + length <= by * (1 + 1e-9) and reached + length < far.get(w, math.inf):
+                    far[w] = reached + length
                     heapq.heappush(todo, (far[w], w))
         return chosen | {t for t, corners in enumerate(self.triangles) if all(v in far for v in corners)}
 

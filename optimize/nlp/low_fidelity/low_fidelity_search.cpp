@@ -163,7 +163,7 @@ private:
         failures_in_row_ = 0;
         const double actual = merit(now_.values) - merit(values_of(trial)), ratio = actual / predicted;
         report(predicted, actual);
-        end_.promised += predicted;
+        end_.expected += predicted;
         end_.kept += actual;
         trust_ = std::max(min_trust, memory_of_trust * trust_ + (1 - memory_of_trust) * std::clamp(ratio, 0.0, 1.0));
         if (ratio < poor)
@@ -204,13 +204,13 @@ private:
         return leave("a gradient failed");
     }
 
-    /// After a step that kept its promise, or did not.
+    /// After a step whose decrease was as expected, or was not.
     bool count(bool is_good) {
         bad_in_row_ = is_good ? 0 : bad_in_row_ + 1;
         if (!is_good) hessian_.resize(0, 0);  // that of another model than the next
         is_good ? ++good_ : ++bad_;
         if (bad_in_row_ >= max_misled || bad_ > max_misled + good_ || radius_ < min_radius)
-            return leave("what it promises does not come");
+            return leave("the decreases it expects do not come");
         return true;
     }
 

@@ -8,12 +8,12 @@
 /// Each step goes to the optimum of the corrected cheap program within a trust region; what the expensive one says
 /// there decides about the step and the radius, and corrects. Where more is expected of knowing the slope of the
 /// residual along some directions than of the next step, each per evaluation, designs along these are evaluated, all at
-/// the same time. A cheap program whose promises are not kept is left after a few evaluations.
+/// the same time. A cheap program whose expected decreases do not come is left after a few evaluations.
 namespace strake {
 
 struct LowFidelityEnd {
-    /// The cheap program is of no more use; or it has kept its promises, and nothing is left to gain that is worth an
-    /// evaluation; or the search is over, with the guard's cause or because of `on_model`.
+    /// The cheap program is of no more use; or its expected decreases came, and nothing is left to gain that is worth
+    /// an evaluation; or the search is over, with the guard's cause or because of `on_model`.
     enum class Why { misled, exhausted, ended, outpaced } why = Why::ended;
     Eigen::VectorXd x;               ///< where it stands
     Evaluation at;                   ///< there, with the gradients as far as they are known
@@ -22,7 +22,7 @@ struct LowFidelityEnd {
     double radius = 0;
     int accepted = 0;
     Eigen::VectorXd rho;            ///< per value
-    double promised = 0, kept = 0;  ///< decrease of the merit, over all steps with a value
+    double expected = 0, kept = 0;  ///< decrease of the merit, over all steps with a value
 };
 
 /// Starts at the guard's best point, whose values are known; leaves the best in the guard.

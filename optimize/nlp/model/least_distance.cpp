@@ -33,7 +33,7 @@ public:
         steps_left_ = passes * static_cast<int>(rows + w_.size());
         for (Index i = 0; i < p_.equality_limits.size(); ++i)
             if (!meet_equality(i)) return {};
-        while (const std::optional<Index> worst = most_violated())
+        while (const std::optional<Index> worst = worst_violated())
             if (!meet(inequality(*worst), *worst)) return {};
         return w_;
     }
@@ -54,7 +54,7 @@ private:
         return meet(row, equality);
     }
 
-    std::optional<Index> most_violated() const {
+    std::optional<Index> worst_violated() const {
         if (p_.inequality_limits.size() == 0) return {};
         VectorXd excess = p_.inequality_rows * w_ - p_.inequality_limits;
         for (Index i = 0; i < excess.size(); ++i) excess[i] -= tolerance(p_.inequality_limits[i]);

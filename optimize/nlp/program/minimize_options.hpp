@@ -96,7 +96,7 @@ struct MinimizeResult {
     Evaluation last;              ///< sqp: there, with gradients
     /// sqp with a cheap program: by how much a change of its values is multiplied; empty: there is none.
     Eigen::VectorXd low_fidelity_scale;
-    /// What its steps have gained, as a share of what they promised. NaN: there was none.
+    /// What its steps have gained, as a share of what they were expected to gain. NaN: there was none.
     double low_fidelity_kept = std::numeric_limits<double>::quiet_NaN();
     Eigen::MatrixXd gradient_error;  ///< sqp: columns, by which the gradient of `best` may be off; empty: none
 };

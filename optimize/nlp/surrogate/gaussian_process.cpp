@@ -180,10 +180,10 @@ MatrixXd GaussianProcess::projected_inverse() const {
     return C_.solve(MatrixXd::Identity(n, n)) - CH_ * HCH_.solve(CH_.transpose());
 }
 
-GaussianProcess::LeftOut GaussianProcess::leave_one_out() const {
+GaussianProcess::LeaveOneOut GaussianProcess::leave_one_out() const {
     const MatrixXd P = projected_inverse();
     const VectorXd Py = P * values_;
-    LeftOut left{VectorXd::Zero(values_.size()), VectorXd::Zero(values_.size())};
+    LeaveOneOut left{VectorXd::Zero(values_.size()), VectorXd::Zero(values_.size())};
     for (Eigen::Index i = 0; i < values_.size(); ++i) {
         if (!(P(i, i) > round_off * P.diagonal().maxCoeff())) continue;
         left.error[i] = Py[i] / P(i, i);

@@ -50,10 +50,10 @@ public:
 
     /// What a model of all other points errs by at each point, in closed form (Dubrule 1983): value - prediction, and
     /// the standard deviation that such a model states. Zero where a point alone carries a term of the trend.
-    struct LeftOut {
+    struct LeaveOneOut {
         Eigen::VectorXd error, deviation;
     };
-    LeftOut leave_one_out() const;
+    LeaveOneOut leave_one_out() const;
     /// Share of the variance of the values that such predictions explain, <= 1; 1 for constant values.
     double predicted_share() const;
 

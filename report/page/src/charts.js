@@ -94,7 +94,7 @@ function chart(run, heading, lines, { log = false, words = number, summary } = {
 
 const clean = (list) => list.map((v) => (Number.isFinite(v) ? v : null));
 
-function bestSoFar(run, values) {
+function bestUpTo(run, values) {
   let best = null;
   return values.map((v, i) => { if (run.history.accepted[i]) best = v; return best; });
 }
@@ -102,7 +102,7 @@ function bestSoFar(run, values) {
 function objectiveChart(run) {
   const name = run.is_fit ? 'rms distance, diagonals' : 'objective';
   const values = clean(run.history.objective).map((v) => (run.is_fit && v !== null ? Math.sqrt(v) : v));
-  const best = bestSoFar(run, values), known = values.filter((v) => v !== null);
+  const best = bestUpTo(run, values), known = values.filter((v) => v !== null);
   const log = known.length > 0 && Math.min(...known) > 0 && Math.max(...known) / Math.min(...known) > 50;
   const last = best[best.length - 1];
   return chart(run, `${run.is_fit ? 'Remaining distance' : `Objective (${run.maximize ? 'maximized' : 'minimized'})`}${log ? ', logarithmic' : ''}`,
@@ -113,7 +113,7 @@ function objectiveChart(run) {
 function valueChart(run, k) {
   const value = run.quantities.values[k];
   const values = clean(run.history.values.map((row) => row[k]));
-  const lines = [{ words: value.name, values, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, values), kind: 'best' }];
+  const lines = [{ words: value.name, values, kind: 'seen' }, { words: 'best design', values: bestUpTo(run, values), kind: 'best' }];
   for (const side of ['min', 'max'])
     if (Number.isFinite(value[side])) lines.push({ words: side === 'min' ? 'lower limit' : 'upper limit', kind: 'limit', values: values.map(() => value[side]) });
   return chart(run, `${value.name}${value.limit ? ` (${value.limit})` : ''}`, lines);
@@ -123,7 +123,7 @@ function parameterChart(run, k) {
   const parameter = run.quantities.parameters[k];
   const values = clean(run.history.parameters.map((row) => row[k]));
   return chart(run, parameter.unit === 'rad' ? `${parameter.name}, degrees` : parameter.name,
-    [{ words: parameter.name, values, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, values), kind: 'best' }],
+    [{ words: parameter.name, values, kind: 'seen' }, { words: 'best design', values: bestUpTo(run, values), kind: 'best' }],
     { words: (v) => parameterValue(v, parameter.unit) });
 }
 
@@ -167,7 +167,7 @@ export function progress(run) {
   if (run.history.violation.some((v) => v > 0)) {
     const violation = clean(run.history.violation);
     shown.push(chart(run, 'Largest violation of a constraint, scaled',
-      [{ words: 'violation', values: violation, kind: 'seen' }, { words: 'best design', values: bestSoFar(run, violation), kind: 'best' }]));
+      [{ words: 'violation', values: violation, kind: 'seen' }, { words: 'best design', values: bestUpTo(run, violation), kind: 'best' }]));
   }
   const grid = h('div', { class: 'grid' }, shown);
   const parts = [h('p', { class: 'hint' }, 'Bands mark levels; a cross at the bottom marks a failed evaluation. Drag across a chart to zoom in, double-click to zoom out.'), grid];

@@ -3,7 +3,7 @@
 import { h, section, table } from '../../../viewer/page/src/dom.js';
 import { number } from '../../../viewer/page/src/format.js';
 
-const mostVariables = 6, mostValues = 6, cell = 130, gap = 14, left = 92, below = 30;
+const maxVariables = 6, maxValues = 6, cell = 130, gap = 14, left = 92, below = 30;
 
 const percentOf = (share) => (Number.isFinite(share) ? `${number(100 * share, 3)} %` : '–');
 
@@ -27,7 +27,7 @@ function important(samples) {
   const sum = (name) => Object.values(samples.values).reduce((all, v) => all + v.main_effects[name].share, 0);
   const names = [...samples.variables];
   if (Object.keys(samples.values).length > 0) names.sort((a, b) => sum(b) - sum(a));
-  return names.slice(0, mostVariables);
+  return names.slice(0, maxVariables);
 }
 
 /** The designs' physical values: shape variables by their units, then parameters. */
@@ -43,7 +43,7 @@ function columns(run) {
 
 function scatter(run) {
   const names = important(run.samples), at = columns(run);
-  const values = run.quantities.values.slice(0, mostValues);
+  const values = run.quantities.values.slice(0, maxValues);
   const shown = names.filter((name) => at[name]);
   if (shown.length === 0 || values.length === 0) return null;
   const width = left + shown.length * (cell + gap), height = values.length * (cell + gap) + below;

@@ -122,7 +122,7 @@ TEST(DisplacementFields, SplinesMakeAKink) {
     EXPECT_LT(left[3], 0.3 * left[1]) << "more of them follow it closer";
 }
 
-TEST(FunctionsAlong, SplinesAreThoseOfAllKnotsSoFar) {
+TEST(FunctionsAlong, SplinesAreThoseOfAllKnotsUpToTheirLevel) {
     const int last = 18;  // four polynomials, and 15 splines around the knots of 16 intervals
     const int samples = 401;
     Eigen::MatrixXd values(samples, last + 1), powers(samples, 2);

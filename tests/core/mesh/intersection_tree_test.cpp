@@ -85,7 +85,7 @@ TEST(IntersectionTree, CoplanarOverlapsAreFound) {
     }
 }
 
-TEST(IntersectionTree, PairsOfTheStartAndPairsThatStayedAreLeftOut) {
+TEST(IntersectionTree, PairsOfTheStartAndPairsThatStayedAreOmitted) {
     const TriMesh one = icosphere(1);
     TriMesh three;
     three.vertices.resize(3 * one.num_vertices(), 3);

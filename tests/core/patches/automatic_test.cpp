@@ -111,7 +111,7 @@ TEST(AutomaticLevels, UpperAndLowerSurfaceOfAWingArePartedAtTheFirstLevel) {
     EXPECT_EQ(upper.size(), 2u);
 }
 
-TEST(AutomaticLevels, SmoothBodiesNeverGetStuck) {
+TEST(AutomaticLevels, SmoothBodiesAlwaysEnd) {
     expect_decreases(icosphere(4), automatic(icosphere(4)), "sphere");
     expect_decreases(lopsided(), automatic(lopsided()), "lopsided");
 }
@@ -178,7 +178,7 @@ TEST(AutomaticLevels, OptionsAreKept) {
     EXPECT_THROW(automatic(mesh_of({{0, 0, 0}, {1, 0, 0}, {2, 0, 0}}, {{0, 1, 2}})), InvalidInput);
 }
 
-TEST(AutomaticLevels, RealSurfacesKeepThePromises) {
+TEST(AutomaticLevels, RealSurfacesKeepAllProperties) {
     const char* folder = std::getenv("STRAKE_DATA");
     if (!folder) GTEST_SKIP() << "STRAKE_DATA is not set";  // the surfaces are not ours to ship
     for (const char* file : {"zeroebwb_93k.ply", "bunny_closed_cgal.off", "wing717_pyhyp.ply",

@@ -15,13 +15,13 @@ std::vector<Outline> cut_at(const TriMesh& mesh, double y) {
     return cut(mesh, all, frame, {false, 0.0});
 }
 
-TriMesh without(const TriMesh& mesh, const std::function<bool(const Eigen::Vector3d&)>& is_left_out) {
+TriMesh without(const TriMesh& mesh, const std::function<bool(const Eigen::Vector3d&)>& is_omitted) {
     TriMesh open = mesh;
     open.triangles.resize(0, 3);
     for (int t = 0; t < mesh.num_triangles(); ++t) {
         Eigen::Vector3d middle = Eigen::Vector3d::Zero();
         for (const int v : mesh.triangles.row(t)) middle += mesh.vertices.row(v).transpose() / 3;
-        if (is_left_out(middle)) continue;
+        if (is_omitted(middle)) continue;
         open.triangles.conservativeResize(open.triangles.rows() + 1, 3);
         open.triangles.bottomRows(1) = mesh.triangles.row(t);
     }

@@ -262,7 +262,7 @@ TEST(Newtonian, FieldIsThePressureThatEachVertexFeels) {
     EXPECT_LT(cp.tail(first).maxCoeff(), 1e-9);
 }
 
-TEST(Newtonian, FieldFollowsAnOwnVariable) {
+TEST(Newtonian, FieldFollowsAParameter) {
     const TriMesh ball = icosphere(3);
     NewtonianFlow flow = plain();
     flow.stream.alpha.variable = "alpha";

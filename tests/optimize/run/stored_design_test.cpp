@@ -107,7 +107,7 @@ TEST(StoredDesign, GradientsAreCheckedThere) {
     EXPECT_NE(refusal([&] { check_gradients(problem, options); }).find("start_from"), std::string::npos);
 }
 
-TEST(StoredDesign, GivenVariablesComeAlongByName) {
+TEST(StoredDesign, UserVariablesComeAlongByName) {
     Problem a = more_volume({VariableKind::normal_load}, 8);
     UserVariable lift;
     lift.name = "lift";
@@ -140,7 +140,7 @@ TEST(StoredDesign, AFitBeginsThereToo) {
     EXPECT_LT(r.objective, 0.9 * r.objective_start);
 }
 
-TEST(StoredDesign, OwnVariablesComeAlong) {
+TEST(StoredDesign, ParametersComeAlong) {
     Problem a = more_volume({VariableKind::normal_load}, 6);
     a.program_parameters = {{"alpha", 0.1, 0, 1, false}, {"beta", 0.5, 0, 1, false}};
     Quantity sum;

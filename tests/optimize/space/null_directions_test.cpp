@@ -117,7 +117,7 @@ TEST(NullDirections, WhatIsWeakIsNamedAndKept) {
     EXPECT_TRUE(ordinary.weak.empty());
 }
 
-TEST(NullDirections, ANormalLoadOnAFlatPatchBesideItsVectorIsLeftOut) {
+TEST(NullDirections, ANormalLoadOnAFlatPatchBesideItsVectorIsDependent) {
     Problem problem = box_problem();
     problem.parameters.kinds = {VariableKind::load, VariableKind::normal_load};
     const DesignSpace space = design_space(rest_facts(problem), 1);
@@ -132,7 +132,7 @@ TEST(NullDirections, ANormalLoadOnAFlatPatchBesideItsVectorIsLeftOut) {
     EXPECT_TRUE(said);
 }
 
-TEST(NullDirections, NothingIsLeftOutOfAnOrdinarySpace) {
+TEST(NullDirections, NothingIsDependentInAnOrdinarySpace) {
     for (const auto& kinds : std::vector<std::vector<VariableKind>>{
              {VariableKind::load}, {VariableKind::load, VariableKind::normal_load}, {VariableKind::strain}}) {
         Problem problem = ellipsoid_problem(2, 3);
@@ -175,7 +175,7 @@ TEST(NullDirections, RefiningKeepsTheShapeWhereTheChildrenLeaveSomethingOut) {
     EXPECT_LT((below * child.prolongation - above).norm(), 1e-6 * above.norm());
 }
 
-TEST(NullDirections, APatchThatIsNearlyHeldSpoilsNeitherConditionNorVerdict) {
+TEST(NullDirections, APatchThatIsNearlyFixedSpoilsNeitherConditionNorVerdict) {
     Problem problem = more_volume(false, 3);
     // All of a quadrant but one interior vertex.
     const Patch& patch = problem.tree.levels[2].patches[3];

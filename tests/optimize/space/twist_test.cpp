@@ -127,9 +127,9 @@ TEST(Twist, NeitherUnitNorMeshMatter) {
     const Points a = shape_at(metres.problem, x), b = shape_at(millimetres.problem, x) / 1000;
     EXPECT_LT((a - b).cwiseAbs().maxCoeff(), 1e-9);
     // The tip's leading and trailing edge, by the largest motion of the whole.
-    const double coarse_most = (a - metres.problem.surface.vertices).rowwise().norm().maxCoeff();
-    const double fine_most = (shape_at(fine.problem, x) - fine.problem.surface.vertices).rowwise().norm().maxCoeff();
-    EXPECT_NEAR(fine_most, coarse_most, 0.05 * coarse_most);
+    const double coarse_max = (a - metres.problem.surface.vertices).rowwise().norm().maxCoeff();
+    const double fine_max = (shape_at(fine.problem, x) - fine.problem.surface.vertices).rowwise().norm().maxCoeff();
+    EXPECT_NEAR(fine_max, coarse_max, 0.05 * coarse_max);
 }
 
 TEST(Twist, GradientsAreExact) {

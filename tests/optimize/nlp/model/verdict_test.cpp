@@ -159,7 +159,7 @@ TEST(Verdict, ATrueOptimumIsConvergedWithoutReservations) {
 
 /// A soft direction in which long steps fail, and along which next to nothing is left to gain; next to the optimum all
 /// steps fail.
-TEST(Verdict, WhereShortStepsFailTheGradientIsNotDoubted) {
+TEST(Verdict, WhereShortStepsFailTheGradientIsNotAccused) {
     // Beyond the wall nothing has a value, however short the step; before it the gradient is right.
     constexpr double wall = 0.5;
     NonlinearProgram p = program_of(

@@ -99,7 +99,7 @@ TEST(FailureBorder, ManyPointsTellThePlane) {
     EXPECT_LT(classifier->cut(VectorXd::Zero(4), 1).limit, cut.limit);
 }
 
-TEST(FailureBorder, ASingleFailureAmongSoundPointsIsLeftOut) {
+TEST(FailureBorder, ASingleFailureAmongSoundPointsIsIgnored) {
     VectorXd normal;
     FailureBorder border = sorted_points(4, 150, normal);
     border.add_failed(-0.1 * normal);

@@ -169,7 +169,7 @@ MinimizeResult minimized(Quadratic& q, bool inherits, double tolerance, double u
     return minimize(p, how);
 }
 
-TEST(PartialGradient, PaysOnlyWhatIsInDoubt) {
+TEST(PartialGradient, PaysOnlyWhatIsUnknown) {
     Quadratic q;
     const MinimizeResult partial = minimized(q, true, 1e-9, 1e-3);
     EXPECT_LT(partial.best.objective, 1e-3 * q.at(VectorXd::Zero(n)));

@@ -73,7 +73,7 @@ TEST(ValueNoise, ASmoothFunctionHasNone) {
     }
 }
 
-TEST(ValueNoise, TheBestStepHasTheLeastError) {
+TEST(ValueNoise, TheBestStepHasTheSmallestError) {
     const double noise = 1e-8, curvature = 3;
     const auto error = [&](double h) { return noise * std::sqrt(2.0) / h + curvature * h / 2; };
     const double best = best_difference_step(noise, curvature);

@@ -92,7 +92,7 @@ TEST(GaussianProcess, VarianceGradientIsThatOfTheVariance) {
 
 TEST(GaussianProcess, LeaveOneOutIsWhatAModelOfTheOthersPredicts) {
     const GaussianProcess model = wavy_model();
-    const GaussianProcess::LeftOut left = model.leave_one_out();
+    const GaussianProcess::LeaveOneOut left = model.leave_one_out();
     for (const Eigen::Index i : {0, 7, 29}) {
         std::vector<Eigen::Index> others;
         for (Eigen::Index k = 0; k < 30; ++k)

@@ -123,8 +123,10 @@ void feasible(RunResult& r, const RunEnd& end, const std::string& words) {
             r.status = "roundoff";
             r.reason =
                 text("stopped on level ", r.level, ": ", words, notes,
-                     words.find("gradient predicts") == std::string::npos
-                         ? ""
+                     words.find("gradient predicts") == std::string::npos ? ""
+                     : end.level.gradient_confirmed
+                         ? "; the values followed the gradient before, that way too: their noise or kinks hide what is "
+                           "left (`strake gradient-check CASE` shows them)"
                          : "; noise of the values or a wrong gradient: `strake gradient-check CASE` tells which");
             break;
         case MinimizeStop::no_valid_step:

@@ -63,6 +63,15 @@ public:
         check_unconfirmed();
     }
 
+    /// By what has been paid for: in all directions, or along the steepest descent.
+    bool is_confirmed_by_steps() const {
+        if (x_.size() == 0 || at_.gradient.size() == 0 || guard_.evidence.confirmed().empty() ||
+            guard_.evidence.is_contradicted())
+            return false;
+        bool leaves_bounds = false;
+        return unconfirmed(leaves_bounds).size() == 0 || is_confirmed(descent());
+    }
+
 private:
     double norm(const VectorXd& d) const { return metric_norm(p_, d); }
     VectorXd clamped(const VectorXd& x) const { return x.cwiseMax(p_.lower).cwiseMin(p_.upper); }
@@ -296,7 +305,9 @@ bool expects_more(const Guard& guard) {
 void check_slopes(Guard& guard, MinimizeResult& result) {
     if (guard.cause != StopCause::none || !guard.has_best) return;
     const bool has_converged = result.stop == MinimizeStop::converged && !expects_more(guard);
-    SlopeCheck(guard, result).run(has_converged);
+    SlopeCheck check(guard, result);
+    check.run(has_converged);
+    result.gradient_confirmed = !result.gradient_inconsistent && check.is_confirmed_by_steps();
 }
 
 }  // namespace strake

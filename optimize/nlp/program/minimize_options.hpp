@@ -80,6 +80,7 @@ struct MinimizeResult {
     /// The values do not follow the gradient: along a short step they change by `slope_ratio` of its slope. `slope_of`
     /// is -1 for the objective, otherwise a row of the constraints.
     bool gradient_inconsistent = false;
+    bool gradient_confirmed = false;  ///< the values followed it along steps that span all directions, or the descent
     double slope_ratio = std::numeric_limits<double>::quiet_NaN();
     int slope_of = -1;
     double slope_expected = std::numeric_limits<double>::quiet_NaN();  ///< change of this value by its gradient

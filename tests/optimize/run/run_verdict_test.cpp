@@ -69,6 +69,23 @@ TEST(RunVerdict, AGradientThatContradictsTheValuesIsNamed) {
     EXPECT_FALSE(r.is_done());
 }
 
+TEST(RunVerdict, AGradientThatTheValuesFollowedIsNotSuspected) {
+    const RunResult run = optimize(volume_problem());
+    MinimizeResult level;
+    level.stop = MinimizeStop::roundoff;
+    level.reason = "no step, however short, gains what the gradient predicts";
+    const ConstraintRows rows;
+    for (const bool is_confirmed : {false, true}) {
+        level.gradient_confirmed = is_confirmed;
+        RunResult r = run;
+        const RunEnd end{.level = level, .rows = rows, .is_feasible = true, .objective = "volume"};
+        conclude_run(r, end);
+        EXPECT_EQ(r.status, "roundoff") << r.reason;
+        EXPECT_EQ(says(r.reason, "wrong gradient"), !is_confirmed) << r.reason;
+        EXPECT_TRUE(says(r.reason, "noise")) << r.reason;
+    }
+}
+
 TEST(RunVerdict, AFlatObjectiveIsNotJustConverged) {
     Problem problem = volume_problem();
     tamper(problem, 0, [](QuantityResult& result) {

@@ -44,6 +44,16 @@ TEST(SlopeCheck, AFlippedSignBesideALargeConstantIsFound) {
     }
 }
 
+TEST(SlopeCheck, StepsConfirmARightGradientAndNoWrongOne) {
+    const MinimizeResult right = minimize(quadratic(3), {});
+    EXPECT_TRUE(right.gradient_confirmed) << right.reason;
+    const auto one_flipped = [](VectorXd& g) { g[1] = -g[1]; };
+    EXPECT_FALSE(minimize(with_gradient(quadratic(3), one_flipped), {}).gradient_confirmed);
+    MinimizeOptions few;
+    few.max_evaluations = 3;
+    EXPECT_FALSE(minimize(quadratic(30), few).gradient_confirmed);
+}
+
 TEST(SlopeCheck, ALargeConstantDoesNotEndTheSearchEarly) {
     for (const double offset : {0.0, 1e3, 1e6}) {
         const NonlinearProgram p = quadratic(6, offset);

@@ -1,6 +1,7 @@
 """The motion limit on the files: scripts/check_motion.py measures a run, a run of before is resumed with the old meaning,
 limits by region, warnings; wings of before. Arguments: the programs strake and make_surface."""
 import json
+import math
 import pathlib
 import re
 import sqlite3
@@ -51,6 +52,34 @@ def write(name, limit, **changes):
     for old, new in changes.items():
         text = text.replace(old, new)
     (pathlib.Path(FOLDER.name) / name).write_text(text)
+
+
+def resumed(case, meaning, evaluations):
+    """The history of a run that began with an earlier meaning of its keys; the case asks for one evaluation."""
+    run = f"{case}-{meaning}"
+    strake("run", case, "--out", run, "-q")
+    folder = pathlib.Path(FOLDER.name) / run
+    with sqlite3.connect(folder / "journal.sqlite") as journal:
+        journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+        journal.execute("DELETE FROM facts WHERE name = 'hash'")
+    journal.close()
+    strake("resume", run, "--evaluations", str(evaluations), "-q")
+    return (folder / "history.csv").read_text().splitlines()
+
+
+def bend_up(file):
+    """What lies outboard of 70 % of the wing's semispan is wound on an arc of 80 degrees, then straight on: a winglet."""
+    lines = []
+    for line in file.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["v"] and float(words[2]) > 0.84:
+            x, y, z = map(float, words[1:])
+            angle = min((y - 0.84) / 0.1, math.radians(80))
+            beyond = y - 0.84 - 0.1 * angle
+            y = 0.84 + (0.1 - z) * math.sin(angle) + beyond * math.cos(angle)
+            line = f"v {x} {y} {0.1 - (0.1 - z) * math.cos(angle) + beyond * math.sin(angle)}"
+        lines.append(line)
+    file.write_text("\n".join(lines) + "\n")
 
 
 def setUpModule():
@@ -136,16 +165,24 @@ class MotionLimit(unittest.TestCase):
         (folder / "first.yaml").write_text(WING.replace("KEEP", "").replace("evaluations: 3", "evaluations: 1"))
         rows = {}
         for meaning in (3, 4, 5):
-            run = f"meaning{meaning}"
-            strake("run", "first.yaml", "--out", run, "-q")
-            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
-                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-                journal.execute("DELETE FROM facts WHERE name = 'hash'")
-            journal.close()
-            strake("resume", run, "--evaluations", "3", "-q")
-            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+            rows[meaning] = resumed("first.yaml", meaning, 3)
         self.assertEqual(rows[3], rows[4])
         self.assertNotEqual(rows[4], rows[5])
+
+    def test_sections_of_a_winglet_of_before_lie_where_they_did(self):
+        """At fractions of an extent that changes of the wing move."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "4000", "-o", "winglet.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        bend_up(folder / "winglet.obj")
+        (folder / "winglet.yaml").write_text(
+            "surface: {file: winglet.obj}\nsymmetry: {plane: y, at: 0}\n"
+            "planform: {wing: {span: y, stations: [0, 0.5, 1], values: [twist@0.5, dihedral@0.5]}}\nshell: none\n"
+            "parameters: {planform: {wing.twist: {by: station, range: [-3deg, 3deg]}, wing.thickness@1: {range: [-9%, 9%]}}}\n"
+            "objective: {maximize: volume}\noptimize: {budget: {evaluations: 1}}\noutput: {report: false}\n")
+        rows = {meaning: resumed("winglet.yaml", meaning, 3) for meaning in (8, 9)}
+        self.assertEqual(rows[8][:2], rows[9][:2])
+        self.assertNotEqual(rows[8], rows[9])
 
     def test_a_large_body_of_before_follows_its_wrap_as_it_did(self):
         """Of more than 16 000 vertices; by the same sums in another order, and so do its fields."""
@@ -158,14 +195,7 @@ class MotionLimit(unittest.TestCase):
             "parameters: {fields: 6, variables: [normal], patches_per_level: [4], max_displacement: 0.5%}\n")
         rows = {}
         for meaning in (6, 7, 8):
-            run = f"large{meaning}"
-            strake("run", "large.yaml", "--out", run, "-q")
-            with sqlite3.connect(folder / run / "journal.sqlite") as journal:
-                journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-                journal.execute("DELETE FROM facts WHERE name = 'hash'")
-            journal.close()
-            strake("resume", run, "--evaluations", "4", "-q")
-            rows[meaning] = (folder / run / "history.csv").read_text().splitlines()
+            rows[meaning] = resumed("large.yaml", meaning, 4)
         self.assertEqual(rows[6], rows[7])
         self.assertNotEqual(rows[7], rows[8])
 

@@ -9,11 +9,10 @@
 #include <fstream>
 #include <numbers>
 
-/// strake_measured_back [--half x|y|z] [--out DIR] FILE...: every variable of the wing that is found, by itself at both
+/// strake_measured_back [--out DIR] FILE...: every variable of the wing that is found, by itself at both
 /// limits of its range, measured by sections of the moved surface, for which the wing is laid out anew; with a winglet,
-/// whose line would be another one, by those of the start, gone with it. Stations 0, 35, 70 and 100 %. --half: nothing
-/// is searched, the surface is half a wing along this coordinate, which begins at 0. --out: writes every surface and
-/// their list, for measured_back.py.
+/// whose line would be another one, by those of the start, gone with it. Stations 0, 35, 70 and 100 %. --out: writes
+/// every surface and their list, for measured_back.py.
 namespace {
 
 using namespace strake;
@@ -74,13 +73,9 @@ void stayed(const PlanformMotion::Variable& v, const Wing& before, const TriMesh
     }
 }
 
-struct Options {
-    std::string half, out;
-};
-
 /// What measured_back.py needs to know of the wing: where the stations are, nothing that is measured there.
-void write_wing(const Options& options, const TriMesh& mesh, const Wing& wing) {
-    std::ofstream out(options.out + "/wing.txt");
+void write_wing(const std::string& folder, const TriMesh& mesh, const Wing& wing) {
+    std::ofstream out(folder + "/wing.txt");
     out.precision(17);
     const WingDeclaration& declared = wing.declaration();
     for (const auto& [name, d] :
@@ -95,31 +90,22 @@ void write_wing(const Options& options, const TriMesh& mesh, const Wing& wing) {
     out << "triangles";
     for (const int t : wing.triangles(0)) out << " " << t;
     out << "\n";
-    write_surface(options.out + "/start.obj", mesh, SurfaceFormat::obj);
+    write_surface(folder + "/start.obj", mesh, SurfaceFormat::obj);
 }
 
-WingDeclaration declaration(const Options& options, const TriMesh& mesh) {
-    auto found = options.half.empty() ? find_wing(mesh) : FoundWing{};
+void measure(const std::string& file, const std::string& folder) {
+    const TriMesh mesh = read_surface(file).mesh;
+    const auto found = find_wing(mesh);
     if (!found) throw InvalidInput("no wing is found");
     WingDeclaration declared = found->declaration;
-    if (!options.half.empty()) {
-        declared.span = Eigen::Vector3d::Unit(static_cast<int>(std::string("xyz").find(options.half)));
-        declared.symmetry = SymmetryPlane{declared.span, 0};
-    }
     declared.stations = {0, 0.35, 0.7, 1};
-    return declared;
-}
-
-void measure(const std::string& file, const Options& options) {
-    const TriMesh mesh = read_surface(file).mesh;
-    const WingDeclaration declared = declaration(options, mesh);
     const auto wing = std::make_shared<const Wing>(mesh, declared);
     const bool is_joined = wing->is_joined(0);
     PlanformMotion motion(mesh, {wing});
     std::ofstream list;
-    if (!options.out.empty()) {
-        write_wing(options, mesh, *wing);
-        list.open(options.out + "/moved.txt");
+    if (!folder.empty()) {
+        write_wing(folder, mesh, *wing);
+        list.open(folder + "/moved.txt");
         list.precision(17);
     }
     for (const auto& [change, range] :
@@ -145,7 +131,7 @@ void measure(const std::string& file, const Options& options) {
             const TriMesh now = with_vertices(mesh, mesh.vertices + motion.displacement(z));
             if (list.is_open()) {
                 const std::string name = text(v.name.substr(v.name.find("delta_") + 6), sign < 0 ? "-" : "+", ".obj");
-                write_surface(options.out + "/" + name, now, SurfaceFormat::obj);
+                write_surface(folder + "/" + name, now, SurfaceFormat::obj);
                 list << planform_changes()[static_cast<std::size_t>(v.change)] << " " << v.station << " " << z[j] << " "
                      << name << "\n";
             }
@@ -173,13 +159,13 @@ int main(int argc, char** argv) {
         "of the "
         "chord | other panels, deg |\n|---|---|---|---|---|---|---|---|---|");
     int status = argc > 1 ? 0 : 2;
-    Options options;
+    std::string out;
     for (int i = 1; i < argc; ++i) try {
             const std::string word = argv[i];
-            if (word == "--half" || word == "--out")
-                (word == "--half" ? options.half : options.out) = i + 1 < argc ? argv[++i] : "";
+            if (word == "--out")
+                out = i + 1 < argc ? argv[++i] : "";
             else
-                measure(word, options);
+                measure(word, out);
         } catch (const std::exception& e) {
             std::fprintf(stderr, "%s: %s\n", argv[i], e.what());
             status = 1;

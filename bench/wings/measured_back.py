@@ -176,7 +176,7 @@ def differences(wing, change, station, z, points):
     return asked, off
 
 
-def run(name, surface, half, options):
+def run(name, surface, options):
     folder = options.out / name.replace(" ", "_").replace(",", "")
     shutil.rmtree(folder, ignore_errors=True)
     folder.mkdir(parents=True)
@@ -185,7 +185,7 @@ def run(name, surface, half, options):
         surface(str(source))
     else:
         source = options.folder / surface
-    done = subprocess.run([options.program, *(("--half", half) if half else ()), "--out", folder, source], capture_output=True,
+    done = subprocess.run([options.program, "--out", folder, source], capture_output=True,
                           text=True)
     if done.returncode != 0 or not (folder / "moved.txt").exists():
         return print(f"| {name} | {done.stderr.strip()[:200]} |", flush=True) or False
@@ -220,9 +220,8 @@ def main():
     options = parser.parse_args()
     print("| wing | triangles | asked for: angles, deg; others, % | chord, % | t/c, % | twist, deg | camber, % of the chord | panels, deg | |\n"
           "|---|---|---|---|---|---|---|---|---|")
-    surfaces = {name: (made[0], "y" if name == "winglet" else "") for name, made in kept_edges.BODIES.items()}
-    surfaces.update({name: (file, "") for name, file in MORE.items()})
-    good = [run(name, *made, options) for name, made in surfaces.items() if options.only in name]
+    surfaces = {name: made[0] for name, made in kept_edges.BODIES.items()} | MORE
+    good = [run(name, made, options) for name, made in surfaces.items() if options.only in name]
     print(f"\n{sum(good)} of {len(good)} within 0.05 degrees and 0.5 %")
     return 0 if all(good) else 1
 

@@ -14,25 +14,6 @@ using Eigen::VectorXd;
 
 constexpr double degree = std::numbers::pi / 180;
 
-/// Half a wing whose outer fifth stands upright, behind a bend: what lies outboard of it is wound on an arc first.
-WingBody bent_up() {
-    constexpr double begin = 2.3, radius = 0.25, angle = 80 * degree, end = begin + radius * angle;
-    WingBody body = wing_bodies()[0];
-    body.name = "winglet";
-    body.declared.stations = {0, 0.4, 0.92, 1};
-    for (int v = 0; v < body.mesh.num_vertices(); ++v) {
-        const double y = body.mesh.vertices(v, 1), z = body.mesh.vertices(v, 2) - 0.1 * y;  // its dihedral
-        if (y < begin) {
-            body.mesh.vertices(v, 2) = z;
-            continue;
-        }
-        const double a = (std::min(y, end) - begin) / radius, beyond = std::max(0.0, y - end);
-        body.mesh.vertices(v, 1) = begin + (radius - z) * std::sin(a) + beyond * std::cos(a);
-        body.mesh.vertices(v, 2) = radius - (radius - z) * std::cos(a) + beyond * std::sin(a);
-    }
-    return body;
-}
-
 /// Its rows of vertices lie half a row farther outboard at the leading edge than at the trailing edge, and stations
 /// between them.
 WingBody oblique() {

@@ -48,10 +48,12 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_held_motion_counts = 5, since_polynomials_keep_edges = 6, since_ranges_begin_wide = 6,
                   since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
                   since_large_bodies_are_quick = 8, since_coarse_noses_stay = 8, since_stations_are_level = 8,
-                  since_latest_wings = 8;
+                  since_noses_are_corners_later = 8, since_winglets_are_followed = 9;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
-        if (meaning < since_latest_wings) wing.rules = WingRules::earlier;
+        wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
+                     : meaning < since_winglets_are_followed ? WingRules::sliding
+                                                             : WingRules::latest;
     }
     the_case.parameters.limits_variables = meaning < since_shapes_are_limited;
     the_case.optimize.is_relative_to_objective = meaning < since_shapes_are_limited;

@@ -1,3 +1,4 @@
+#include "cli/body_measures.hpp"
 #include "cli/commands.hpp"
 #include "cli/detail.hpp"
 #include "cli/outputs.hpp"
@@ -223,13 +224,25 @@ std::optional<PlanformSheet> sheet_of(const TriMesh& mesh, const std::vector<dou
     return planform_sheet(mesh, stations, &before);
 }
 
-void write_sections(const std::string& file, const std::optional<PlanformSheet>& sheet) {
+std::optional<BodyMeasures> body_of(const TriMesh& mesh, const std::string& way, const std::vector<double>& stations,
+                                    const std::string& start) {
+    if (way.empty()) return {};
+    if (start.empty()) return body_measures(mesh, way, stations);
+    const TriMesh before = read_logged(start).mesh;
+    return body_measures(mesh, way, stations, &before);
+}
+
+void write_sections(const std::string& file, const std::optional<PlanformSheet>& sheet,
+                    const std::optional<BodyMeasures>& body) {
     if (file.empty()) return;
-    if (!sheet) throw InvalidInput(text("no wing found: there are no sections for ", printable(file)));
+    if (!sheet && !body) throw InvalidInput(text("no wing found: there are no sections for ", printable(file)));
     const bool is_picture = file.ends_with(".svg");
     if (!is_picture && !file.ends_with(".csv"))
         throw InvalidInput(text(printable(file), ": --sections writes .csv or .svg"));
-    write_atomically(file, is_picture ? sections_svg(*sheet) : sections_csv(*sheet));
+    if (body)
+        write_atomically(file, is_picture ? body_svg(*body) : body_csv(*body));
+    else
+        write_atomically(file, is_picture ? sections_svg(*sheet) : sections_csv(*sheet));
 }
 
 }  // namespace
@@ -237,7 +250,7 @@ void write_sections(const std::string& file, const std::optional<PlanformSheet>&
 void add_info(CLI::App& app) {
     struct Options {
         std::string surface;
-        std::string vtp, sections, start;
+        std::string vtp, sections, start, length;
         std::vector<double> stations;
         bool json = false, planform = false;
     };
@@ -257,6 +270,12 @@ void add_info(CLI::App& app) {
         ->delimiter(',')
         ->needs(planform);
     command
+        ->add_option(
+            "--length", options->length,
+            "with --planform: measure the body along x, y or z (with a sign: from the nose to the tail) instead "
+            "of the wing: length, and width, height, camber by station")
+        ->needs(planform);
+    command
         ->add_option("--start", options->start,
                      "with --planform: the same surface before it was changed; lists and draws start and now")
         ->needs(planform);
@@ -269,9 +288,11 @@ void add_info(CLI::App& app) {
         if (!options->start.empty()) inputs.emplace_back(options->start);
         check_outputs({options->vtp, options->sections}, inputs);
         if (options->planform && !options->json && options->vtp.empty()) {
-            const auto sheet = sheet_of(read_logged(options->surface).mesh, options->stations, options->start);
-            write_sections(options->sections, sheet);
-            print_info(planform_words(options->surface, sheet));
+            const TriMesh mesh = read_logged(options->surface).mesh;
+            const auto body = body_of(mesh, options->length, options->stations, options->start);
+            const auto sheet = body ? std::nullopt : sheet_of(mesh, options->stations, options->start);
+            write_sections(options->sections, sheet, body);
+            print_info(body ? body_words(options->surface, *body) : planform_words(options->surface, sheet));
             return;
         }
         const Report r = examine(options->surface);
@@ -281,9 +302,13 @@ void add_info(CLI::App& app) {
         }
         nlohmann::ordered_json answer = as_json(r);
         if (options->planform) {
-            const auto sheet = sheet_of(r.surface.mesh, options->stations, options->start);
-            write_sections(options->sections, sheet);
-            answer["planform"] = planform_json(sheet);
+            const auto body = body_of(r.surface.mesh, options->length, options->stations, options->start);
+            const auto sheet = body ? std::nullopt : sheet_of(r.surface.mesh, options->stations, options->start);
+            write_sections(options->sections, sheet, body);
+            if (body)
+                answer["body"] = body_json(*body);
+            else
+                answer["planform"] = planform_json(sheet);
         }
         if (options->json)
             print_info(answer.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace) + "\n");

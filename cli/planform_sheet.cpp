@@ -20,13 +20,6 @@ double in_degrees(double radians) {
     return std::abs(degrees) < 5e-4 ? 0 : degrees;
 }
 
-/// "+x", or the vector.
-std::string way_words(const Eigen::Vector3d& d) {
-    for (int c = 0; c < 3; ++c)
-        if (std::abs(std::abs(d[c]) - 1) < 1e-12) return text(d[c] > 0 ? "+" : "-", "xyz"[c]);
-    return text("[", d[0], ", ", d[1], ", ", d[2], "]");
-}
-
 nlohmann::ordered_json point_json(const Eigen::Vector3d& p) { return {p[0], p[1], p[2]}; }
 
 std::string in_percent(double fraction) {
@@ -35,13 +28,23 @@ std::string in_percent(double fraction) {
 
 }  // namespace
 
+std::string way_words(const Eigen::Vector3d& d) {
+    for (int c = 0; c < 3; ++c)
+        if (std::abs(std::abs(d[c]) - 1) < 1e-12) return text(d[c] > 0 ? "+" : "-", "xyz"[c]);
+    return text("[", d[0], ", ", d[1], ", ", d[2], "]");
+}
+
+void check_same_triangles(const TriMesh& start, const TriMesh& mesh) {
+    if (start.triangles.rows() != mesh.triangles.rows() || start.triangles != mesh.triangles ||
+        start.vertices.rows() != mesh.vertices.rows())
+        throw InvalidInput(text("the surface to compare with has ", start.num_triangles(), " triangles of ",
+                                start.num_vertices(), " vertices, this one ", mesh.num_triangles(), " of ",
+                                mesh.num_vertices(), "; both need the same triangles in the same order"));
+}
+
 std::optional<PlanformSheet> planform_sheet(const TriMesh& mesh, const std::vector<double>& stations,
                                             const TriMesh* start) {
-    if (start && (start->triangles.rows() != mesh.triangles.rows() || start->triangles != mesh.triangles ||
-                  start->vertices.rows() != mesh.vertices.rows()))
-        throw InvalidInput(text("the surface to compare with has ", start->num_triangles(), " triangles of ",
-                                start->num_vertices(), " vertices, this one ", mesh.num_triangles(), " of ",
-                                mesh.num_vertices(), "; both need the same triangles in the same order"));
+    if (start) check_same_triangles(*start, mesh);
     auto found = find_wing(start ? *start : mesh);
     if (!found) return {};
     if (!stations.empty()) found->declaration.stations = stations;
@@ -76,7 +79,8 @@ std::string planform_words(const std::string& file, const std::optional<Planform
         return printable(file) +
                ": no wing found\n"
                "  A wing is followed from its tip along one of the coordinates, by sections thinner than 30 % of the\n"
-               "  chord. Declare it in a case (planform) if it lies otherwise.\n";
+               "  chord. Declare it in a case (planform) if it lies otherwise. A body is measured along its length\n"
+               "  with --length x.\n";
     const WingDeclaration& declared = sheet->found.declaration;
     const WingFacts& f = sheet->now.facts;
     std::string out = printable(file) + "\n";
@@ -141,31 +145,28 @@ std::string sections_csv(const PlanformSheet& sheet) {
     return out;
 }
 
-namespace {
-
-/// One value along the span: a curve of the start in grey, one of now in blue.
-std::string chart(const PlanformSheet& sheet, const char* title, const std::function<double(const StationFacts&)>& of,
-                  double left, double top, double width, double height) {
+std::string curve_svg(const std::string& title, const SheetCurve& start, const SheetCurve& now, double left, double top,
+                      double width, double height) {
     double low = std::numeric_limits<double>::infinity(), high = -low;
-    const std::vector<StationFacts> none, &before = sheet.start ? sheet.start->curve : none;
-    for (const auto* curve : {&sheet.now.curve, &before})
-        for (const StationFacts& at : *curve) low = std::min(low, of(at)), high = std::max(high, of(at));
+    for (const auto* curve : {&now, &start})
+        for (const auto& [place, value] : *curve) low = std::min(low, value), high = std::max(high, value);
     if (!(high - low > 1e-9 * std::max(1.0, std::abs(high)))) low -= 0.5, high += 0.5;
     std::string out = fmt::format(
         "<text x=\"{0:.1f}\" y=\"{1:.1f}\">{2}</text>\n<rect x=\"{0:.1f}\" y=\"{3:.1f}\" width=\"{4:.1f}\" "
         "height=\"{5:.1f}\" fill=\"none\" stroke=\"#bbb\"/>\n<text x=\"{0:.1f}\" y=\"{6:.1f}\" font-size=\"10\">{7:.4g}"
         "</text>\n<text x=\"{0:.1f}\" y=\"{8:.1f}\" font-size=\"10\">{9:.4g}</text>\n",
         left, top - 6, title, top, width, height, top + 11, high, top + height - 3, low);
-    for (const auto& [curve, colour] : {std::pair(&before, "#999"), std::pair(&sheet.now.curve, "#14508c")}) {
+    for (const auto& [curve, colour] : {std::pair(&start, "#999"), std::pair(&now, "#14508c")}) {
         if (curve->empty()) continue;
         out += fmt::format("<polyline fill=\"none\" stroke=\"{}\" stroke-width=\"1.5\" points=\"", colour);
-        for (const StationFacts& at : *curve)
-            out +=
-                fmt::format("{:.2f},{:.2f} ", left + width * at.station, top + height * (high - of(at)) / (high - low));
+        for (const auto& [place, value] : *curve)
+            out += fmt::format("{:.2f},{:.2f} ", left + width * place, top + height * (high - value) / (high - low));
         out += "\"/>\n";
     }
     return out;
 }
+
+namespace {
 
 std::string charts(const PlanformSheet& sheet, double left, double top, double width, double height) {
     const std::vector<std::pair<const char*, std::function<double(const StationFacts&)>>> all{
@@ -178,8 +179,15 @@ std::string charts(const PlanformSheet& sheet, double left, double top, double w
     constexpr double gap = 14;
     const double one = (width - gap * static_cast<double>(all.size() - 1)) / static_cast<double>(all.size());
     std::string out;
-    for (std::size_t k = 0; k < all.size(); ++k)
-        out += chart(sheet, all[k].first, all[k].second, left + static_cast<double>(k) * (one + gap), top, one, height);
+    for (std::size_t k = 0; k < all.size(); ++k) {
+        const auto curve = [&](const std::vector<StationFacts>& of) {
+            SheetCurve points;
+            for (const StationFacts& at : of) points.emplace_back(at.station, all[k].second(at));
+            return points;
+        };
+        out += curve_svg(all[k].first, sheet.start ? curve(sheet.start->curve) : SheetCurve(), curve(sheet.now.curve),
+                         left + static_cast<double>(k) * (one + gap), top, one, height);
+    }
     return out;
 }
 

@@ -30,4 +30,14 @@ nlohmann::ordered_json planform_json(const std::optional<PlanformSheet>& sheet);
 std::string sections_csv(const PlanformSheet& sheet);
 std::string sections_svg(const PlanformSheet& sheet);
 
+/// For pictures of sheets: one value over fractions of the semispan or of a length, the start in grey (may be empty),
+/// now in blue.
+using SheetCurve = std::vector<std::pair<double, double>>;
+std::string curve_svg(const std::string& title, const SheetCurve& start, const SheetCurve& now, double left, double top,
+                      double width, double height);
+/// @throws InvalidInput: other triangles
+void check_same_triangles(const TriMesh& start, const TriMesh& mesh);
+/// "+x", or the vector.
+std::string way_words(const Eigen::Vector3d& d);
+
 }  // namespace strake::cli

@@ -52,6 +52,8 @@ Json pictures_json(const TriMesh& start, const Points& best, const ReportSubject
 /// [{name, axis, start, best}, ...]: the sheets of the declared wings; best is null where there is none. A wing that
 /// cannot be measured costs a note. @param best vertices; empty: there is no best design
 Json wings_json(const ReportSubject& subject, const Points& best, std::vector<std::string>& notes);
+/// [{name, start, best}, ...]: likewise of the declared bodies.
+Json bodies_json(const ReportSubject& subject, const Points& best, std::vector<std::string>& notes);
 /// Of levels/best.design; empty without it. @throws InputError: damaged.
 Points best_vertices(const std::filesystem::path& folder);
 

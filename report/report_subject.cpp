@@ -176,6 +176,7 @@ ReportSubject report_subject(const Case& c, const BuiltProblem* built) {
         subject.surface = built->problem.surface;
         subject.tree = built->problem.tree;
         subject.wings = built->wings;
+        subject.bodies = built->bodies;
         if (const auto& wrap = built->problem.wrap) {
             subject.wrap_triangle = wrap->wrap_triangle();
             subject.tree = carried(subject.tree, subject.wrap_triangle, subject.surface);

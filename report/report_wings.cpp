@@ -1,11 +1,13 @@
 #include "core/error.hpp"
 #include "core/mesh/geometry.hpp"
+#include "report/body_sheet.hpp"
 #include "report/report_parts.hpp"
 #include "report/wing_sheet.hpp"
 
+#include <algorithm>
 #include <cmath>
 
-/// The wings of the report: their sheets at the start and at the best design.
+/// The wings and bodies of the report: their sheets at the start and at the best design.
 namespace strake::page {
 namespace {
 
@@ -37,6 +39,32 @@ Json sheet_json(const WingSheet& sheet) {
     return out;
 }
 
+/// Likewise, about the middle of the start's section, over half of its larger extent there: start and best compare.
+Json sections_json(const BodySheet::Section& section, const BodySheet::Section& start) {
+    const double across = start.at.across.value, up = start.at.up.value,
+                 size = 0.5 * std::max(start.at.width.value, start.at.height.value);
+    Json outlines = Json::array();
+    for (const auto& outline : section.at.outline) {
+        Json points = Json::array();
+        for (const auto& [x, z] : outline) {
+            points.push_back(std::round(outline_grid * (x - across) / size) / outline_grid);
+            points.push_back(std::round(outline_grid * (z - up) / size) / outline_grid);
+        }
+        outlines.push_back(std::move(points));
+    }
+    return outlines;
+}
+
+Json sheet_json(const BodySheet& sheet, const BodySheet& start) {
+    Json out = Json::object();
+    add_json(sheet, out);
+    for (std::size_t k = 0; k < sheet.stations.size(); ++k)
+        out["stations"][k]["outlines"] = sections_json(sheet.stations[k], start.stations[k]);
+    out["curve"] = Json::array();
+    for (const BodySheet::Section& section : sheet.curve) out["curve"].push_back(section_json(section));
+    return out;
+}
+
 }  // namespace
 
 Json wings_json(const ReportSubject& subject, const Points& best, std::vector<std::string>& notes) {
@@ -55,6 +83,22 @@ Json wings_json(const ReportSubject& subject, const Points& best, std::vector<st
         }
     }
     return wings;
+}
+
+Json bodies_json(const ReportSubject& subject, const Points& best, std::vector<std::string>& notes) {
+    Json bodies = Json::array();
+    for (const auto& body : subject.bodies) {
+        const std::string& name = body->declaration().name;
+        try {
+            const BodySheet start = body_sheet(*body, subject.surface);
+            bodies.push_back({{"name", name}, {"start", sheet_json(start, start)}, {"best", nullptr}});
+            if (best.rows() == subject.surface.num_vertices())
+                bodies.back()["best"] = sheet_json(body_sheet(*body, with_vertices(subject.surface, best)), start);
+        } catch (const InvalidInput& error) {
+            notes.push_back(text("The sheet of the body '", name, "' is incomplete: ", error.what()));
+        }
+    }
+    return bodies;
 }
 
 }  // namespace strake::page

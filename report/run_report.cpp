@@ -84,8 +84,10 @@ std::string report_html(const fs::path& folder, const ReportSubject& subject) {
         data["shapes"] = nullptr;
         notes.push_back(text("The shapes are not shown: ", printable(error.what())));
     }
-    data["wings"] =
-        subject.wings.empty() ? Json::array() : page::wings_json(subject, page::best_vertices(folder), notes);
+    const bool has_sheets = !subject.wings.empty() || !subject.bodies.empty();
+    const Points best = has_sheets ? page::best_vertices(folder) : Points();
+    data["wings"] = page::wings_json(subject, best, notes);
+    data["bodies"] = page::bodies_json(subject, best, notes);
     data["notes"] = notes;
     return page::html(subject.title, data, blobs);
 }

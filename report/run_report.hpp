@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/symmetry_plane.hpp"
 #include "core/patches/hierarchy.hpp"
+#include "core/planform/fuselage.hpp"
 #include "core/planform/wing.hpp"
 
 #include <filesystem>
@@ -28,11 +29,12 @@ struct ReportSubject {
     TriMesh surface;
     PatchHierarchy tree;             ///< on the triangles of the surface
     std::vector<int> wrap_triangle;  ///< with a wrap, per triangle of the surface: the nearest of the wrap
-    std::optional<Eigen::Vector3d> downstream = {}, up = {};  ///< the body's axes where the case states them, unit
-    std::optional<SymmetryPlane> symmetry = {};               ///< of a half model
-    std::vector<std::shared_ptr<const Wing>> wings = {};      ///< that the case declares, of `surface`
-    bool is_over = false;                                     ///< written by the run itself at its end
-    std::vector<std::string> notes;                           ///< what is missing on the page, and why
+    std::optional<Eigen::Vector3d> downstream = {}, up = {};   ///< the body's axes where the case states them, unit
+    std::optional<SymmetryPlane> symmetry = {};                ///< of a half model
+    std::vector<std::shared_ptr<const Wing>> wings = {};       ///< that the case declares, of `surface`
+    std::vector<std::shared_ptr<const Fuselage>> bodies = {};  ///< likewise
+    bool is_over = false;                                      ///< written by the run itself at its end
+    std::vector<std::string> notes;                            ///< what is missing on the page, and why
 };
 
 /// True if the program was built with the page; otherwise `report_page_missing()` says what was missing.

@@ -6,10 +6,13 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
+#include <fstream>
 #include <numbers>
 
-/// strake_measured_back FILE...: every variable of the wing that is found, by itself at both limits of its range,
-/// measured by sections of the moved surface, for which the wing is laid out anew. Stations 0, 35, 70 and 100 %.
+/// strake_measured_back [--out DIR] FILE...: every variable of the wing that is found, by itself at both
+/// limits of its range, measured by sections of the moved surface, for which the wing is laid out anew; with a winglet,
+/// whose line would be another one, by those of the start, gone with it. Stations 0, 35, 70 and 100 %. --out: writes
+/// every surface and their list, for measured_back.py.
 namespace {
 
 using namespace strake;
@@ -70,14 +73,41 @@ void stayed(const PlanformMotion::Variable& v, const Wing& before, const TriMesh
     }
 }
 
-void measure(const std::string& file) {
+/// What measured_back.py needs to know of the wing: where the stations are, nothing that is measured there.
+void write_wing(const std::string& folder, const TriMesh& mesh, const Wing& wing) {
+    std::ofstream out(folder + "/wing.txt");
+    out.precision(17);
+    const WingDeclaration& declared = wing.declaration();
+    for (const auto& [name, d] :
+         {std::pair("span", wing.span(0)), {"downstream", declared.downstream}, {"up", declared.up}})
+        out << name << " " << d.transpose() << "\n";
+    out << "root " << wing.root(0) << "\njoined " << wing.is_joined(0) << "\n";
+    for (const double s : wing.stations()) {
+        const StationFacts at = wing.station(mesh, s);
+        out << "station " << s << " " << wing.place(0, s) << " " << wing.up_at(0, wing.place(0, s)).transpose() << " "
+            << (0.5 * (at.leading_edge + at.trailing_edge)).transpose() << "\n";
+    }
+    out << "triangles";
+    for (const int t : wing.triangles(0)) out << " " << t;
+    out << "\n";
+    write_surface(folder + "/start.obj", mesh, SurfaceFormat::obj);
+}
+
+void measure(const std::string& file, const std::string& folder) {
     const TriMesh mesh = read_surface(file).mesh;
-    auto found = find_wing(mesh);
+    const auto found = find_wing(mesh);
     if (!found) throw InvalidInput("no wing is found");
-    found->declaration.stations = {0, 0.35, 0.7, 1};
-    const auto wing = std::make_shared<const Wing>(mesh, found->declaration);
+    WingDeclaration declared = found->declaration;
+    declared.stations = {0, 0.35, 0.7, 1};
+    const auto wing = std::make_shared<const Wing>(mesh, declared);
     const bool is_joined = wing->is_joined(0);
     PlanformMotion motion(mesh, {wing});
+    std::ofstream list;
+    if (!folder.empty()) {
+        write_wing(folder, mesh, *wing);
+        list.open(folder + "/moved.txt");
+        list.precision(17);
+    }
     for (const auto& [change, range] :
          std::vector<std::pair<PlanformChange, double>>{{PlanformChange::span, 0.1},
                                                         {PlanformChange::sweep, 8 * degree},
@@ -99,13 +129,20 @@ void measure(const std::string& file) {
             const PlanformMotion::Variable& v = motion.variables()[static_cast<std::size_t>(j)];
             const Eigen::VectorXd z = sign * v.upper * Eigen::VectorXd::Unit(motion.size(), j);
             const TriMesh now = with_vertices(mesh, mesh.vertices + motion.displacement(z));
-            const Wing after(now, found->declaration);
+            if (list.is_open()) {
+                const std::string name = text(v.name.substr(v.name.find("delta_") + 6), sign < 0 ? "-" : "+", ".obj");
+                write_surface(folder + "/" + name, now, SurfaceFormat::obj);
+                list << planform_changes()[static_cast<std::size_t>(v.change)] << " " << v.station << " " << z[j] << " "
+                     << name << "\n";
+            }
+            const Wing after = wing->has_winglet() ? *wing : Wing(now, declared);
             Off& off = by_change[static_cast<std::size_t>(v.change)];
             const double unit = is_angle(v.change) ? degree : 0.01;
             off.asked = std::max(off.asked, std::abs(changed(v, *wing, mesh, after, now) - z[j]) / unit);
             stayed(v, *wing, mesh, after, now, off);
         }
-    for (std::size_t c = 0; c < by_change.size(); ++c) {
+    for (std::size_t c = 0; c <= static_cast<std::size_t>(PlanformChange::camber); ++c) {
+        if (is_shift(static_cast<PlanformChange>(c))) continue;
         const Off& off = by_change[c];
         std::printf("| %s | %d | %s | %.3f | %.2f | %.2f | %.3f | %.2f | %.3f |\n",
                     file.substr(file.rfind('/') + 1).c_str(), mesh.num_triangles(), planform_changes()[c].c_str(),
@@ -122,8 +159,13 @@ int main(int argc, char** argv) {
         "of the "
         "chord | other panels, deg |\n|---|---|---|---|---|---|---|---|---|");
     int status = argc > 1 ? 0 : 2;
+    std::string out;
     for (int i = 1; i < argc; ++i) try {
-            measure(argv[i]);
+            const std::string word = argv[i];
+            if (word == "--out")
+                out = i + 1 < argc ? argv[++i] : "";
+            else
+                measure(word, out);
         } catch (const std::exception& e) {
             std::fprintf(stderr, "%s: %s\n", argv[i], e.what());
             status = 1;

@@ -26,8 +26,9 @@ struct BuiltProblem {
     bool is_prepared = false;  ///< repair or remesh changed the surface of the file
     std::string repairs_csv;   ///< every single repair; empty without
     std::vector<RegionTriangles> regions;
-    std::vector<std::shared_ptr<const Wing>> wings;  ///< those of `planform`, in its order
-    std::vector<std::string> notes;                  ///< results of repair and remesh
+    std::vector<std::shared_ptr<const Wing>> wings;       ///< those of `planform`, in its order
+    std::vector<std::shared_ptr<const Fuselage>> bodies;  ///< likewise
+    std::vector<std::string> notes;                       ///< results of repair and remesh
     std::vector<std::string> warnings;
 };
 

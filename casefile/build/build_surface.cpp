@@ -207,6 +207,7 @@ void ProblemBuilder::evaluate_regions() {
             if (entry.on && declared.triangles.empty())
                 throw InvalidInput(text("'", printable(entry.on->name), "' holds no triangles"));
             bodies_[entry.name] = std::make_shared<const Fuselage>(start_.mesh, declared);
+            out_.bodies.push_back(bodies_[entry.name]);
         });
     for (std::size_t k = 0; k < case_.regions.size(); ++k)
         at(case_.regions[k].shape_place, "", [&] {

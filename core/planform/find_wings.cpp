@@ -22,6 +22,7 @@ constexpr double max_change = 0.30;      ///< of the chord from one section to t
 constexpr double min_aspect_ratio = 1.0;
 constexpr double max_camber = 0.12;  ///< of the chord: blades of turbines have more
 constexpr double tip_share = 0.04;   ///< of half the extent: roundings are passed over
+constexpr double late_share = 0.2;   ///< of the extent: a winglet, which planes normal to the span cut along
 constexpr double max_twist = 0.5;    ///< radians
 constexpr double end_rel = 1e-4;     ///< of the extent: open edges in the plane of symmetry
 constexpr double hung_share = 0.15;  ///< of the exposed semispan: closed parts that are shorter hang on the wing
@@ -65,13 +66,18 @@ public:
     const Range& extent() const { return extent_; }
 
     /// Sections from the tip on the positive or negative side inwards, up to the last that belongs to the wing.
-    std::vector<Followed> follow(int sign) const {
-        std::vector<Followed> found;
+    /// @param is_late from where enough of them follow each other; else from the tip itself
+    std::vector<Followed> follow(int sign, bool is_late = false) const {
         const double tip = sign > 0 ? extent_.high : -extent_.low, step = extent_.size() / num_steps;
-        for (double at = tip - 0.5 * tip_share * extent_.size(); at > tip - extent_.size() + 0.5 * step; at -= step) {
-            const auto next = section(sign, at, found.empty() ? nullptr : &found.back());
-            if (!next) break;
-            found.push_back(*next);
+        const double first = tip - 0.5 * tip_share * extent_.size(), last = tip - late_share * extent_.size();
+        std::vector<Followed> found;
+        for (double from = first; found.size() < min_sections && from > (is_late ? last : first - step); from -= step) {
+            found.clear();
+            for (double at = from; at > tip - extent_.size() + 0.5 * step; at -= step) {
+                const auto next = section(sign, at, found.empty() ? nullptr : &found.back());
+                if (!next) break;
+                found.push_back(*next);
+            }
         }
         refine_root(sign, step, found);
         return found;
@@ -273,7 +279,8 @@ private:
 struct Candidate {
     FoundWing wing;
     double area = 0;
-    double root_off = 0;  ///< beside a body
+    double root_off = 0;       ///< beside a body
+    bool begins_open = false;  ///< followed from where half a body is open, up to what may be a winglet
 };
 
 bool is_enough(const std::vector<Followed>& sections) {
@@ -311,9 +318,11 @@ std::vector<int> listed(const std::vector<char>& marks) {
 
 /// Measures it; false where it has not the proportions of a wing. Where a surface has open edges, stations at a gap in
 /// the outline are left out.
-bool is_wing(const TriMesh& mesh, bool is_open, std::size_t num_sections, Candidate& found) {
+/// @param is_late it has to have a winglet, where the sections were not followed from its tip
+bool is_wing(const TriMesh& mesh, bool is_open, bool is_late, std::size_t num_sections, Candidate& found) {
     try {
         const Wing wing(mesh, found.wing.declaration);
+        if (is_late && !wing.has_winglet()) return false;
         const WingFacts facts = wing.facts(mesh);
         found.area = facts.area.value;
         found.wing.why = text(num_sections, " thin sections in a row, aspect ratio ",
@@ -376,6 +385,7 @@ struct Trace {
     const Ways& ways;
     const Follower& follower;
     const std::array<std::vector<Followed>, 2>& sides;
+    bool is_late;
 };
 
 /// Nothing where it makes no wing. @param with_crossing as of `Flood`
@@ -398,17 +408,23 @@ std::optional<Candidate> marked(const Trace& of, bool with_crossing) {
     declared.symmetry = of.search.symmetry;
     if (!declared.symmetry && found.wing.has_body)
         declared.symmetry = open_end(of.mesh, of.adjacent, of.ways.span, of.follower.extent());
+    const Range& extent = of.follower.extent();
+    found.begins_open = declared.symmetry && !has_both &&
+                        std::abs(declared.symmetry->offset * declared.symmetry->normal.dot(of.ways.span) -
+                                 (last > 0 ? extent.high : extent.low)) <= end_rel * extent.size();
     declared.triangles = listed(marks);
-    if (!is_wing(of.mesh, has_open_edges(of.adjacent), of.sides[0].size() + of.sides[1].size(), found)) return {};
+    const std::size_t count = of.sides[0].size() + of.sides[1].size();
+    if (!is_wing(of.mesh, has_open_edges(of.adjacent), of.is_late, count, found)) return {};
     if (found.wing.has_body) found.root_off = root_off(of.mesh, found.wing, last * of.ways.span);
     return found;
 }
 
-std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search,
-                                   Ways ways) {
+/// @param is_late as of `Follower::follow`, on both sides
+std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacent, const WingSearch& search, Ways ways,
+                                   bool is_late = false) {
     const Follower follower(mesh, ways);
     if (!(follower.extent().size() > 0)) return {};
-    std::array<std::vector<Followed>, 2> sides{follower.follow(1), follower.follow(-1)};
+    std::array<std::vector<Followed>, 2> sides{follower.follow(1, is_late), follower.follow(-1, is_late)};
     for (auto& side : sides)
         if (!is_enough(side)) side.clear();
     // The root's end of half a body may begin like a tip.
@@ -417,11 +433,11 @@ std::optional<Candidate> candidate(const TriMesh& mesh, const Adjacency& adjacen
     if (sides[0].empty() && sides[1].empty()) return {};
     if (!search.downstream && is_reversed(sides[0].empty() ? sides[1] : sides[0])) {
         ways.downstream = -ways.downstream;
-        return candidate(mesh, adjacent, {ways.downstream, ways.up, search.symmetry}, ways);
+        return candidate(mesh, adjacent, {ways.downstream, ways.up, search.symmetry}, ways, is_late);
     }
-    std::optional<Candidate> best = marked({mesh, adjacent, search, ways, follower, sides}, false);
+    std::optional<Candidate> best = marked({mesh, adjacent, search, ways, follower, sides, is_late}, false);
     if (!best || !best->wing.has_body) return best;
-    std::optional<Candidate> other = marked({mesh, adjacent, search, ways, follower, sides}, true);
+    std::optional<Candidate> other = marked({mesh, adjacent, search, ways, follower, sides, is_late}, true);
     return other && other->root_off < best->root_off ? other : best;
 }
 
@@ -443,6 +459,8 @@ std::optional<FoundWing> find_wing(const TriMesh& mesh, const WingSearch& search
     std::optional<Candidate> best;
     for (const Ways& ways : tried) {
         auto one = candidate(mesh, adjacent, search, ways);
+        if (!one || one->begins_open)
+            if (auto late = candidate(mesh, adjacent, search, ways, true)) one = std::move(late);
         if (one && (!best || one->area > best->area)) best = std::move(one);
     }
     if (!best) return {};

@@ -32,6 +32,13 @@ Varying mean(const TriMesh& mesh, const std::vector<int>& vertices, const Vector
     return (1.0 / static_cast<double>(vertices.size())) * sum(terms);
 }
 
+std::vector<std::pair<double, double>> drawn(const Outline& outline) {
+    std::vector<std::pair<double, double>> points;
+    for (const PlanePoint& p : outline.points) points.emplace_back(p.x.value, p.z.value);
+    if (outline.is_closed) points.push_back(points.front());
+    return points;
+}
+
 void check(const FuselageDeclaration& declared) {
     const auto refuse = [&](const std::string& why) { throw InvalidInput(text("body '", declared.name, "': ", why)); };
     for (const Vector3d& d : {declared.axis, declared.up})
@@ -96,16 +103,18 @@ FuselageStation Fuselage::station(const TriMesh& surface, double station, bool s
     const SectionFrame frame{declared_.axis, across(), declared_.up, at.nose + s * length};
     const std::vector<Outline> outlines = cut(surface, declared_.triangles, frame, {sensitivities, 0});
     const PlanePoint *left = nullptr, *right = nullptr, *low = nullptr, *high = nullptr;
-    for (const Outline& outline : outlines)
+    FuselageStation found;
+    for (const Outline& outline : outlines) {
+        found.outline.push_back(drawn(outline));
         for (const PlanePoint& p : outline.points) {
             if (!left || p.x.value < left->x.value) left = &p;
             if (!right || p.x.value > right->x.value) right = &p;
             if (!low || p.z.value < low->z.value) low = &p;
             if (!high || p.z.value > high->z.value) high = &p;
         }
+    }
     if (!left)
         throw InvalidInput(text("body '", declared_.name, "' has no section at ", 100 * station, " % of its length"));
-    FuselageStation found;
     found.width = half_ > 0 ? 2 * (right->x - plane_) : half_ < 0 ? 2 * (plane_ - left->x) : right->x - left->x;
     found.across = half_ != 0 ? Varying(plane_) : 0.5 * (left->x + right->x);
     found.height = high->z - low->z;

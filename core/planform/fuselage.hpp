@@ -26,6 +26,8 @@ struct FuselageStation {
     Varying width, height;  ///< extents; the width of half a body counts both sides
     Varying across, up;     ///< of the middle of both extents
     Varying camber;         ///< how high the middle lies above the straight line from nose to tail, over the length
+    std::vector<std::vector<std::pair<double, double>>>
+        outline;  ///< across and up, coordinates; of half a body that half
 };
 
 /// A declared body, measured on any surface of the start's triangles. Nose and tail are the start's foremost and

@@ -180,8 +180,9 @@ private:
     struct MovedWing {
         std::shared_ptr<const Wing> wing;
         std::vector<Node> nodes;
-        std::vector<double> reach;                                 ///< per side
-        double span = 0, sweep = 0, dihedral = 0, mean_chord = 0;  ///< at the start
+        std::vector<double> reach;                       ///< per side
+        double sweep = 0, dihedral = 0, mean_chord = 0;  ///< at the start
+        double span = 0;                                 ///< that a change by 1 adds to the axis
         bool keeps_thickness = false;
         /// Along the span: what a unit of i (eta - mean line), and of i B, does to the leading edge that is measured.
         std::vector<double> nose_places;
@@ -196,20 +197,24 @@ private:
     /// @param angles of the panels at the start; empty for changes of sections
     Eigen::MatrixXd measured(const TriMesh& start, const PlanformRange& range, const std::vector<double>& stations,
                              const Eigen::MatrixXd& shares, const std::vector<double>& angles = {});
-    void check_range(const PlanformRange& range, const std::string& shown) const;
-    static double angle_of(const MovedWing& moved, PlanformChange change);  ///< of the whole wing at the start
     static void check_angle(const PlanformRange& range, double now, const std::string& shown);
     void add_variable(const PlanformRange& range, double station, Eigen::VectorXd shares, double angle = 0);
+    // planform_layout.cpp
+    void check_range(const PlanformRange& range, const std::string& shown) const;
+    static double angle_of(const MovedWing& moved, PlanformChange change);  ///< of the whole wing at the start
     void place_vertices(const TriMesh& start);
     /// Rows of vertices that cross the plane of a station at an angle cut the corner of a shear there otherwise at the
     /// leading edge than at the trailing edge, which would show as twist.
     void round_corners(const TriMesh& start, const Wing& wing, double reach, std::vector<Node>& nodes) const;
+    void set_span_right(const TriMesh& start, MovedWing& moved) const;
     static double rounded_off(const Node& node, double distance);
+    static double blend(double a, double b, double ratio) { return a + ratio * (b - a); }
     static std::vector<std::pair<double, double>> nose_places(const MovedWing& moved);
     static void set_shares(const Node& a, const Node& b, Place& at);
     void measure_noses(const TriMesh& start, int wing);
     Node node_at(const TriMesh& start, const Wing& wing, double station) const;
     Place place_at(int wing, int side, const Eigen::Vector3d& x) const;
+    // planform_motion.cpp
     std::vector<Changes> changes(const Eigen::VectorXd& z) const;
     Changes changes_of(int wing, const Eigen::VectorXd& z) const;
     Eigen::Matrix3d slope_at(int wing, int side, const Eigen::Vector3d& x, const Changes& now) const;

@@ -34,10 +34,12 @@ double hat(const std::vector<double>& places, std::size_t k, double s) {
     return 1;
 }
 
-/// What a change is about, as a section or a panel shows it; of angles of panels the tangent.
+/// What a change is about, as a section or a panel shows it; of angles of panels the tangent, of the dihedral of an
+/// upright one how far it rises.
 double shown_value(const Wing& wing, PlanformChange change, const TriMesh& surface, double station) {
     if (has_panels(change)) {
         const PanelFacts at = wing.panel(surface, station);
+        if (change == PlanformChange::dihedral && at.is_upright) return at.width.value * std::sin(at.dihedral.value);
         return std::tan(change == PlanformChange::sweep ? at.sweep.value : at.dihedral.value);
     }
     const StationFacts at = wing.station(surface, station);
@@ -140,45 +142,64 @@ void PlanformMotion::add_stations(const TriMesh& start, const PlanformRange& ran
     }
 }
 
+namespace {
+
+/// In runs of before sections of a winglet were not where they had been when dihedral lifted it.
+bool slides(const Wing& wing) { return wing.has_winglet() && wing.declaration().rules != WingRules::latest; }
+
+/// Those that vary; and of dihedral upright ones that begin where planes are streamwise. What triangles cut of the
+/// corner at the foot would make them longer or shorter. Where they begin on the winglet, a section slides along it
+/// instead, which changes no angle.
+std::vector<PanelFacts> panels_of(const Wing& wing, const TriMesh& start, const PlanformRange& range, bool is_root_held,
+                                  const std::string& shown) {
+    std::vector<double> free = wing.panel_ends();
+    free.pop_back();
+    for (const double wanted : range.only) check_station(free, wanted, shown, "no panel that begins there; panels");
+    if (is_root_held) free.erase(free.begin());
+    std::vector<PanelFacts> panels;
+    bool is_any_free = false;
+    for (const double station : free) {
+        const PanelFacts panel = wing.panel(start, station);
+        const bool is_free = range.change != PlanformChange::dihedral || !panel.is_upright;
+        const bool begins_level = wing.up_at(0, wing.place(0, station)) == wing.declaration().up;
+        if (is_free || (!slides(wing) && begins_level)) panels.push_back(panel);
+        is_any_free = is_any_free || is_free;
+        if (!is_free && std::find(range.only.begin(), range.only.end(), station) != range.only.end())
+            throw InvalidInput(text(shown, station_word(station),
+                                    ": the panel is upright (more than 45 degrees of dihedral), which no shear "
+                                    "tilts; vary its sweep, or leave it out"));
+    }
+    if (!is_any_free) throw InvalidInput(shown + ": no panel is left that could change");
+    return panels;
+}
+
+}  // namespace
+
 /// One variable a panel, which shears by itself and takes along what lies outboard.
 void PlanformMotion::add_panels(const TriMesh& start, const PlanformRange& range, bool is_root_held,
                                 const std::string& shown) {
     const MovedWing& moved = wings_[static_cast<std::size_t>(range.wing)];
     const Wing& wing = *moved.wing;
-    std::vector<double> free = wing.panel_ends();
-    free.pop_back();
-    for (const double wanted : range.only) check_station(free, wanted, shown, "no panel that begins there; panels");
-    if (is_root_held) free.erase(free.begin());
     const bool is_dihedral = range.change == PlanformChange::dihedral;
-    std::vector<PanelFacts> panels;
-    for (const double station : free) {
-        const PanelFacts panel = wing.panel(start, station);
-        if (!is_dihedral || !panel.is_upright) {
-            panels.push_back(panel);
-        } else if (std::find(range.only.begin(), range.only.end(), station) != range.only.end()) {
-            throw InvalidInput(text(shown, station_word(station),
-                                    ": the panel is upright (more than 45 degrees of dihedral), which no shear "
-                                    "tilts; vary its sweep, or leave it out"));
-        }
-    }
-    if (panels.empty()) throw InvalidInput(shown + ": no panel is left that could change");
+    const std::vector<PanelFacts> panels = panels_of(wing, start, range, is_root_held, shown);
     const auto count = static_cast<Eigen::Index>(panels.size());
     Eigen::MatrixXd shares(count, static_cast<Eigen::Index>(moved.nodes.size()));
-    std::vector<double> angles;
-    free.clear();
+    std::vector<double> angles, free;
     for (const PanelFacts& panel : panels) {
-        const double from = wing.place(0, panel.from), to = wing.place(0, panel.to);
+        const bool is_lift = is_dihedral && panel.is_upright;  // no variable, but it rises as much as before
+        const double from = wing.place(0, panel.from), to = wing.place(0, panel.to),
+                     width = is_lift ? 1 : panel.width.value;
         const auto k = static_cast<Eigen::Index>(free.size());
         for (std::size_t n = 0; n < moved.nodes.size(); ++n)
             shares(k, static_cast<Eigen::Index>(n)) =
-                panel.width.value * std::clamp((moved.nodes[n].place - from) / (to - from), 0.0, 1.0);
-        angles.push_back(is_dihedral ? panel.dihedral.value : panel.sweep.value);
+                width * std::clamp((moved.nodes[n].place - from) / (to - from), 0.0, 1.0);
+        angles.push_back(is_lift ? 0 : is_dihedral ? panel.dihedral.value : panel.sweep.value);
         free.push_back(panel.from);
     }
-    // Sections of a winglet are not where they were when dihedral lifts it: fractions of its height.
-    if (!is_dihedral || !wing.has_winglet()) set_right(measured(start, range, free, shares, angles), shares);
+    if (!is_dihedral || !slides(wing)) set_right(measured(start, range, free, shares, angles), shares);
     for (Eigen::Index k = 0; k < count; ++k) {
         const double station = free[static_cast<std::size_t>(k)], angle = angles[static_cast<std::size_t>(k)];
+        if (is_dihedral && panels[static_cast<std::size_t>(k)].is_upright) continue;
         if (!range.only.empty() && std::find(range.only.begin(), range.only.end(), station) == range.only.end())
             continue;
         check_angle(range, angle, shown + station_word(station));

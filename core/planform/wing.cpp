@@ -47,39 +47,76 @@ double Wing::semispan(const TriMesh& mesh) const { return plane(mesh, sides_.fro
 
 double Wing::place_of(const Side& side, double station) { return station == 1 ? side.last : station; }
 
+Wing::Side::Between Wing::Side::nodes_at(double fraction) const {
+    std::size_t k = 1;
+    while (k + 1 < nodes.size() && nodes[k].station < fraction) ++k;
+    const Node &a = nodes[k - 1], &b = nodes[k];
+    return {a, b, std::clamp((fraction - a.station) / (b.station - a.station), 0.0, 1.0)};
+}
+
 Wing::Plane Wing::plane(const TriMesh& surface, const Side& side, double place, bool sensitivities) const {
     const Vector3d& e = side.span;
     Plane result;
     result.frame = {e, declared_.downstream, declared_.up, 0};
-    Vector3d root = side.root_point;
-    double fraction = std::max(place, inside_rel);
-    if (!side.nodes.empty()) {
-        std::size_t k = 1;
-        while (k + 1 < side.nodes.size() && side.nodes[k].station < fraction) ++k;
-        const Node &a = side.nodes[k - 1], &b = side.nodes[k];
-        const double t = std::clamp((fraction - a.station) / (b.station - a.station), 0.0, 1.0);
+    const double fraction = std::max(place, inside_rel);
+    const bool has_nodes = !side.nodes.empty();
+    if (has_nodes) {
+        const auto [a, b, t] = side.nodes_at(fraction);
         const double angle = a.angle + t * (b.angle - a.angle);
-        const Vector3d axis = a.axis + t * (b.axis - a.axis), n = std::cos(angle) * e + std::sin(angle) * declared_.up;
-        result.frame.normal = n;
+        result.frame.normal = std::cos(angle) * e + std::sin(angle) * declared_.up;
         result.frame.up = -std::sin(angle) * e + std::cos(angle) * declared_.up;
-        result.near = axis;
-        double reach = -n.dot(root);
-        const auto tip = outermost(side.start, side.vertices, n, side.scale);
+        result.near = a.axis + t * (b.axis - a.axis);
+    }
+    const Vector3d& n = result.frame.normal;
+    const std::vector<int> tip = has_nodes ? outermost(side.start, side.vertices, n, side.scale) : side.tip;
+    const double share = 1.0 / static_cast<double>(tip.size()), root = n.dot(side.root_point);
+    std::vector<Varying> heights;
+    for (const int v : tip) heights.push_back(share * component(surface, v, n, sensitivities));
+    result.length = result.reach = sum(heights) - root;
+    if (!has_nodes) {
+        result.frame.offset = root + fraction * result.reach;
+    } else if (declared_.rules == WingRules::latest) {
+        follow(surface, side, fraction, sensitivities, result);
+    } else {
+        double reach = -root;
         for (const int v : tip) {
             const auto row = std::lower_bound(side.vertices.begin(), side.vertices.end(), v) - side.vertices.begin();
             reach += n.dot(side.start.row(row)) / static_cast<double>(tip.size());
         }
-        fraction = n.dot(axis - root) / reach;
         result.stretch = side.length / reach;
+        result.frame.offset = root + n.dot(*result.near - side.root_point) / reach * result.reach;
     }
-    const Vector3d n = result.frame.normal;
-    const std::vector<int> tip = side.nodes.empty() ? side.tip : outermost(side.start, side.vertices, n, side.scale);
-    std::vector<Varying> heights;
-    for (const int v : tip)
-        heights.push_back((1.0 / static_cast<double>(tip.size())) * component(surface, v, n, sensitivities));
-    result.reach = sum(heights) - n.dot(root);
-    result.frame.offset = n.dot(root) + fraction * result.reach;
     return result;
+}
+
+/// How far the section's edges have gone along a direction.
+Varying Wing::Node::gone(const TriMesh& surface, const Vector3d& way, bool sensitivities) const {
+    std::vector<Varying> terms;
+    for (const auto& [v, share] : middle) terms.push_back(share * component(surface, v, way, sensitivities));
+    return sum(terms) - way.dot(middle_at);
+}
+
+/// Takes the plane of a wing with winglet, as it lies at the start, to where the edges of its section have gone.
+void Wing::follow(const TriMesh& surface, const Side& side, double fraction, bool sensitivities, Plane& plane) const {
+    const auto [a, b, t] = side.nodes_at(fraction);
+    const Vector3d axis = *plane.near;
+    const auto at = [&](const Vector3d& way) {
+        return way.dot(axis) + (1 - t) * a.gone(surface, way, sensitivities) + t * b.gone(surface, way, sensitivities);
+    };
+    plane.length = (1 / (b.station - a.station)) * step(surface, side, a, b, sensitivities);
+    plane.frame.offset = at(plane.frame.normal);
+    Vector3d now = Vector3d::Zero();
+    for (const Vector3d& way : {side.span, declared_.downstream, declared_.up}) now += at(way).value * way;
+    plane.near = now;
+}
+
+/// Distance of two nodes seen from the front.
+Varying Wing::step(const TriMesh& surface, const Side& side, const Node& a, const Node& b, bool sensitivities) const {
+    const auto way = [&](const Vector3d& d) {
+        return d.dot(b.axis - a.axis) + b.gone(surface, d, sensitivities) - a.gone(surface, d, sensitivities);
+    };
+    const Varying out = way(side.span), rise = way(declared_.up);
+    return sqrt(out * out + rise * rise);
 }
 
 namespace {
@@ -169,10 +206,7 @@ std::optional<Wing::Edges> Wing::edges(const TriMesh& surface, const TriMesh& pl
 Vector3d Wing::up_at(int number, double place) const {
     const Side& side = at(number);
     if (side.nodes.empty()) return declared_.up;
-    std::size_t k = 1;
-    while (k + 1 < side.nodes.size() && side.nodes[k].station < place) ++k;
-    const Node &a = side.nodes[k - 1], &b = side.nodes[k];
-    const double t = std::clamp((place - a.station) / (b.station - a.station), 0.0, 1.0);
+    const auto [a, b, t] = side.nodes_at(place);
     const double angle = a.angle + t * (b.angle - a.angle);
     return -std::sin(angle) * side.span + std::cos(angle) * declared_.up;
 }
@@ -239,6 +273,16 @@ Varying slope_of(const std::vector<Varying>& values, const std::vector<Varying>&
 
 }  // namespace
 
+/// A share of the exposed semispan.
+Varying Wing::length_of(const TriMesh& surface, const Side& side, const Plane& root, double share,
+                        bool sensitivities) const {
+    if (!follows()) return share * root.stretch * root.length;
+    std::vector<Varying> steps;
+    for (std::size_t k = 1; k < side.nodes.size(); ++k)
+        steps.push_back(share * step(surface, side, side.nodes[k - 1], side.nodes[k], sensitivities));
+    return sum(steps);
+}
+
 WingFacts Wing::facts(const TriMesh& surface, bool sensitivities) const {
     static const std::vector<std::pair<double, double>> points = quadrature();
     Varying area, square, exposed, across, sweep, dihedral;
@@ -252,7 +296,7 @@ WingFacts Wing::facts(const TriMesh& surface, bool sensitivities) const {
             if (!airfoil)
                 throw InvalidInput(
                     text("wing '", declared_.name, "' has no section at ", 100 * place, " % of its semispan"));
-            const Varying length = (weight * at.stretch) * at.reach;
+            const Varying length = (weight * at.stretch) * at.length;
             sums.area.push_back(length * airfoil->chord());
             sums.square.push_back(length * airfoil->chord() * airfoil->chord());
             if (at.frame.normal != side.span || place > side.last) continue;
@@ -268,7 +312,7 @@ WingFacts Wing::facts(const TriMesh& surface, bool sensitivities) const {
         sweep = sweep + share * atan2(slope_of(sums.x, sums.y, sums.fit), 1);
         dihedral = dihedral + share * atan2(slope_of(sums.z, sums.y, sums.fit), 1);
         const Plane root = plane(surface, side, 0, sensitivities);
-        exposed = exposed + share * root.stretch * root.reach;
+        exposed = exposed + length_of(surface, side, root, share, sensitivities);
         // The tips move; root and plane of symmetry do not.
         across =
             across + (2 * share) *
@@ -303,7 +347,7 @@ Varying Wing::volume(const TriMesh& surface, std::pair<double, double> chord, st
                 if (!airfoil)
                     throw InvalidInput(
                         text("wing '", declared_.name, "' has no section at ", 100 * place, " % of its semispan"));
-                terms.push_back((0.5 * (to - from) / panels * at.stretch) * at.reach *
+                terms.push_back((0.5 * (to - from) / panels * at.stretch) * at.length *
                                 airfoil->area(chord.first, chord.second));
             }
     }

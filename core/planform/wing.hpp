@@ -10,10 +10,12 @@
 /// chord, twist, thickness and camber by station.
 namespace strake {
 
-/// How sections are laid and measured; the second is the meaning of earlier runs.
+/// How sections are laid and measured; all but the first are meanings of earlier runs.
 enum class WingRules : int {
     latest,
-    earlier  ///< noses are corners from `earlier_nose_corner` on, and a winglet's planes end where steps along it do
+    sliding,  ///< a winglet's planes are at fractions of its present extent along their normals, from the root on
+    earlier   ///< so they are; noses are corners from `earlier_nose_corner` on, and a winglet's planes end where steps
+              ///< along it do
 };
 
 /// How a wing is declared.
@@ -74,9 +76,9 @@ std::vector<int> outermost(const Points& positions, const std::vector<int>& vert
                            double scale);
 
 /// The planes of a declared wing, laid out once on the start surface; then measured on any surface of the same
-/// triangles. Planes are streamwise, normal to the span at fractions of the present semispan. Beyond 45 degrees of
-/// dihedral (a winglet) they are normal to the start's axis seen from the front, and fractions of the semispan are
-/// fractions of that line's length.
+/// triangles. Planes are streamwise, normal to the span at fractions of the present semispan. Of a wing with a winglet
+/// fractions are those of the length of the start's axis seen from the front, and planes beyond 45 degrees of dihedral
+/// are normal to it; each keeps its direction and goes where the edges of its section at the start have gone.
 ///
 /// The root is where the listed triangles begin, or the plane of symmetry; it keeps its place. The tip is the mean of
 /// the start's outermost vertices. A wing open at one end is half a wing, whose other half is its mirror image. A wing
@@ -158,6 +160,10 @@ private:
         double station;        ///< fraction of its length seen from the front
         double angle;          ///< of the plane's normal above the span, radians
         Eigen::Vector3d axis;  ///< at the start
+        /// The middle of the section's foremost and aftmost point: vertices with their shares, and where it starts.
+        std::vector<std::pair<int, double>> middle = {};
+        Eigen::Vector3d middle_at = Eigen::Vector3d::Zero();
+        Varying gone(const TriMesh& surface, const Eigen::Vector3d& way, bool sensitivities) const;
     };
     struct Side {
         Eigen::Vector3d span;             ///< unit, outboard
@@ -172,11 +178,18 @@ private:
         double last = 1;                  ///< where the station 1 lies
         double scale = 0;                 ///< extent along the span at the start
         bool is_joined = false;           ///< to other triangles at the root
+
+        struct Between {
+            const Node &a, &b;
+            double ratio;
+        };
+        Between nodes_at(double fraction) const;
     };
     struct Plane {
         SectionFrame frame;
-        Varying reach;                        ///< distance of the tip from the root, along the normal
-        double stretch = 1;                   ///< length per station over `reach`
+        Varying reach;   ///< distance of the tip from the root, along the normal
+        Varying length;  ///< per station, over `stretch`
+        double stretch = 1;
         std::optional<Eigen::Vector3d> near;  ///< which outlines count: those at this point
     };
 
@@ -194,10 +207,16 @@ private:
     Side begun(const TriMesh& start, int sign, double from) const;
     void find_winglet(const TriMesh& start, Side& side) const;
     void march(const TriMesh& start, Side& side) const;
+    void tie(const TriMesh& start, const Side& side, Node& node) const;
     void find_last(const TriMesh& start, Side& side) const;
     std::vector<double> kinks(const TriMesh& start) const;
     // wing.cpp
     Plane plane(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
+    bool follows() const { return has_winglet() && declared_.rules == WingRules::latest; }
+    void follow(const TriMesh& surface, const Side& side, double fraction, bool sensitivities, Plane& plane) const;
+    Varying length_of(const TriMesh& surface, const Side& side, const Plane& root, double share,
+                      bool sensitivities) const;
+    Varying step(const TriMesh& surface, const Side& side, const Node& a, const Node& b, bool sensitivities) const;
     std::vector<Outline> outlines(const TriMesh& surface, const Side& side, const Plane& plane, bool sensitivities,
                                   const std::vector<int>* triangles = nullptr) const;
     std::optional<Airfoil> section(const TriMesh& surface, const Side& side, double place, bool sensitivities) const;
@@ -209,7 +228,7 @@ private:
     // wing_panels.cpp
     std::array<Varying, 3> axis_at(const TriMesh& surface, const Side& side, double station, bool sensitivities) const;
     bool is_upright(double from, double to) const;
-    double corner_of_noses() const { return declared_.rules == WingRules::latest ? nose_corner : earlier_nose_corner; }
+    double corner_of_noses() const { return declared_.rules == WingRules::earlier ? earlier_nose_corner : nose_corner; }
     static double place_of(const Side& side, double station);
     static Eigen::Vector3d in_space(const Plane& plane, const PlanePoint& point);
 };

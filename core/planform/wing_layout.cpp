@@ -271,9 +271,9 @@ void Wing::march(const TriMesh& start, Side& side) const {
         next->direction = std::atan2(way.dot(up), way.dot(e));
         steps.push_back(*next);
     }
-    const bool is_latest = declared_.rules == WingRules::latest;
-    leave_out_tip(steps, is_latest);
-    if (is_latest) extend_to_tip(start, side.vertices, e, up, steps);
+    const bool is_to_tip = declared_.rules != WingRules::earlier;
+    leave_out_tip(steps, is_to_tip);
+    if (is_to_tip) extend_to_tip(start, side.vertices, e, up, steps);
     if (std::none_of(steps.begin(), steps.end(), [](const Step& step) { return step.angle != 0; })) return;
     std::vector<double> length{0};
     for (std::size_t i = 1; i < steps.size(); ++i) {
@@ -287,6 +287,32 @@ void Wing::march(const TriMesh& start, Side& side) const {
     side.start.resize(static_cast<Eigen::Index>(side.vertices.size()), 3);
     for (std::size_t i = 0; i < side.vertices.size(); ++i)
         side.start.row(static_cast<Eigen::Index>(i)) = start.vertices.row(side.vertices[i]);
+    for (Node& node : side.nodes) tie(start, side, node);
+}
+
+/// By the foremost and the aftmost point of the section; at a rounded tip by the outermost vertices.
+void Wing::tie(const TriMesh& start, const Side& side, Node& node) const {
+    Plane plane;
+    plane.frame = {std::cos(node.angle) * side.span + std::sin(node.angle) * declared_.up, declared_.downstream,
+                   -std::sin(node.angle) * side.span + std::cos(node.angle) * declared_.up, 0};
+    plane.frame.offset = plane.frame.normal.dot(node.axis);
+    plane.near = node.axis;
+    const std::vector<Outline> found = outlines(start, side, plane, true);
+    if (found.empty()) {
+        const auto tip = outermost(side.start, side.vertices, plane.frame.normal, side.scale);
+        for (const int v : tip) node.middle.emplace_back(v, 1.0 / static_cast<double>(tip.size()));
+    } else {
+        const auto [first, last] =
+            std::minmax_element(found.front().points.begin(), found.front().points.end(),
+                                [](const PlanePoint& a, const PlanePoint& b) { return a.x.value < b.x.value; });
+        // A point of the section is (1 - t) a + t b, and downstream lies in the plane: its slopes along it are shares.
+        for (const auto& [coordinate, slope] : (0.5 * first->x + 0.5 * last->x).slope) {
+            if (node.middle.empty() || node.middle.back().first != coordinate / 3)
+                node.middle.emplace_back(coordinate / 3, 0.0);
+            node.middle.back().second += slope * declared_.downstream[coordinate % 3];
+        }
+    }
+    for (const auto& [v, share] : node.middle) node.middle_at += share * start.vertices.row(v).transpose();
 }
 
 /// Chords at the tip that stay below the straight continuation of those before belong to its rounding.

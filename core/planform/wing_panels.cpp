@@ -41,10 +41,8 @@ bool Wing::is_upright(double from, double to) const {
     const Side& side = sides_.front();
     if (side.nodes.empty()) return false;
     const auto at = [&](double station) -> Eigen::Vector3d {
-        std::size_t k = 1;
-        while (k + 1 < side.nodes.size() && side.nodes[k].station < station) ++k;
-        const Node &a = side.nodes[k - 1], &b = side.nodes[k];
-        return a.axis + std::clamp((station - a.station) / (b.station - a.station), 0.0, 1.0) * (b.axis - a.axis);
+        const auto [a, b, ratio] = side.nodes_at(station);
+        return a.axis + ratio * (b.axis - a.axis);
     };
     const Eigen::Vector3d way = at(place_of(side, to)) - at(place_of(side, from));
     return std::abs(way.dot(declared_.up)) > std::abs(way.dot(side.span));

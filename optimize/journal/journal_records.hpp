@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 8;
+constexpr int latest_meaning = 9;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -48,7 +48,7 @@ struct JournalFacts {
     /// (`Parameters::lets_edges_fold`); 8: large bodies follow their wraps by sums in another order
     /// (`WrapBindingOptions::sums_as_before`), fields are products in one (`FieldOptions`), edges of sections are kept
     /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
-    /// `WingRules::latest`.
+    /// `WingRules::sliding`; 9: by `WingRules::latest`.
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

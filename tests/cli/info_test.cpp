@@ -68,6 +68,47 @@ TEST(Info, ThePlanformIsListedBesideThatOfTheStart) {
     EXPECT_NE(other.err.find("both need the same triangles"), std::string::npos) << other.err;
 }
 
+TEST(Info, ABodyIsListedAlongItsLength) {
+    const TempFolder folder;
+    const TriMesh start = box_surface({4, 1, 2});
+    TriMesh now = start;
+    now.vertices.col(1) *= 1.1;
+    write_surface(folder / "start.ply", start, SurfaceFormat::ply_binary);
+    write_surface(folder / "now.ply", now, SurfaceFormat::ply_binary);
+    const std::string file = (folder / "now.ply").string();
+    const std::vector<std::string> ask{
+        "info", "--planform", file, "--length", "-x", "--start", (folder / "start.ply").string()};
+    std::vector<std::string> json = ask, drawn = ask;
+    json.push_back("--json");
+    drawn.insert(drawn.end(), {"--sections", (folder / "body.svg").string()});
+    const ProgramRun run = run_strake(json);
+    ASSERT_EQ(run.status, 0) << run.err;
+    const auto body = nlohmann::json::parse(run.out).at("body");
+    EXPECT_EQ(body.at("length_direction"), nlohmann::json::parse("[-1.0, 0.0, 0.0]"));
+    EXPECT_DOUBLE_EQ(body.at("length"), 4);
+    ASSERT_EQ(body.at("stations").size(), 5U);
+    for (const auto& station : body.at("stations")) {
+        EXPECT_NEAR(station.at("width"), 1.1, 1e-6);
+        EXPECT_NEAR(station.at("height"), 2, 1e-6);
+        EXPECT_NEAR(station.at("camber"), 0, 1e-6);
+    }
+    EXPECT_NEAR(body.at("start").at("stations")[2].at("width"), 1, 1e-6);
+    const ProgramRun words = run_strake(drawn);
+    ASSERT_EQ(words.status, 0) << words.err;
+    for (const char* part : {"the whole surface", "length -x, up +z", "4 (start 4)", "0.500 start", "0.500 now"})
+        EXPECT_NE(words.out.find(part), std::string::npos) << words.out;
+    const std::string picture = bytes_of(folder / "body.svg");
+    EXPECT_NE(picture.find("camber, %"), std::string::npos);
+    EXPECT_NE(picture.find("#999"), std::string::npos) << "the start";
+    const ProgramRun across = run_strake({"info", "--planform", file, "--length", "w"});
+    EXPECT_EQ(across.status, 2);
+    EXPECT_NE(across.err.find("--length w: must be x, y or z"), std::string::npos) << across.err;
+    write_surface(folder / "wing.ply", lofted(Loft()), SurfaceFormat::ply_binary);
+    const ProgramRun wing = run_strake({"info", "--planform", (folder / "wing.ply").string(), "--length", "x"});
+    EXPECT_EQ(wing.status, 2);
+    EXPECT_NE(wing.err.find("the whole surface is a wing"), std::string::npos) << wing.err;
+}
+
 TEST(Info, WordsNameEveryDefectWithCountAndFirstIds) {
     const TempFolder folder;
     const auto file = folder.write(

@@ -1,6 +1,7 @@
 """The motion limit on the files: scripts/check_motion.py measures a run, a run of before is resumed with the old meaning,
 limits by region, warnings; wings of before. Arguments: the programs strake and make_surface."""
 import json
+import math
 import pathlib
 import re
 import sqlite3
@@ -53,6 +54,34 @@ def write(name, limit, **changes):
     (pathlib.Path(FOLDER.name) / name).write_text(text)
 
 
+def resumed(case, meaning, evaluations):
+    """A run that began with an earlier meaning of its keys; the case asks for one evaluation. @return what it says, its history"""
+    run = f"{case}-{meaning}"
+    strake("run", case, "--out", run, "-q")
+    folder = pathlib.Path(FOLDER.name) / run
+    with sqlite3.connect(folder / "journal.sqlite") as journal:
+        journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
+        journal.execute("DELETE FROM facts WHERE name = 'hash'")
+    journal.close()
+    done = strake("resume", run, "--evaluations", str(evaluations))
+    return done.stdout + done.stderr, (folder / "history.csv").read_text().splitlines()
+
+
+def bend_up(file):
+    """What lies outboard of 70 % of the wing's semispan is wound on an arc of 80 degrees, then straight on: a winglet."""
+    lines = []
+    for line in file.read_text().splitlines():
+        words = line.split()
+        if words[:1] == ["v"] and float(words[2]) > 0.84:
+            x, y, z = map(float, words[1:])
+            angle = min((y - 0.84) / 0.1, math.radians(80))
+            beyond = y - 0.84 - 0.1 * angle
+            y = 0.84 + (0.1 - z) * math.sin(angle) + beyond * math.cos(angle)
+            line = f"v {x} {y} {0.1 - (0.1 - z) * math.cos(angle) + beyond * math.sin(angle)}"
+        lines.append(line)
+    file.write_text("\n".join(lines) + "\n")
+
+
 def setUpModule():
     global FOLDER
     FOLDER = tempfile.TemporaryDirectory()
@@ -67,17 +96,6 @@ def tearDownModule():
 class MotionLimit(unittest.TestCase):
     def result(self, run):
         return json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
-
-    def resumed(self, case, run, meaning, evaluations):
-        """A run of one evaluation, goes on as one from when the keys of its case meant this. @return what it says, its history"""
-        folder = pathlib.Path(FOLDER.name)
-        strake("run", case, "--out", run, "-q")
-        with sqlite3.connect(folder / run / "journal.sqlite") as journal:
-            journal.execute(f"UPDATE facts SET value = '{meaning}' WHERE name = 'meaning'")
-            journal.execute("DELETE FROM facts WHERE name = 'hash'")
-        journal.close()
-        done = strake("resume", run, "--evaluations", str(evaluations))
-        return done.stdout + done.stderr, (folder / run / "history.csv").read_text().splitlines()
 
     def test_the_script_measures_every_shape_of_a_run(self):
         write("case.yaml", "max_displacement: 0.5%")
@@ -145,9 +163,24 @@ class MotionLimit(unittest.TestCase):
         subprocess.run([MAKE_SURFACE, "wing", "--triangles", "2000", "-o", "wing.obj"], cwd=folder, check=True,
                        stdout=subprocess.DEVNULL)
         (folder / "first.yaml").write_text(WING.replace("KEEP", "").replace("evaluations: 3", "evaluations: 1"))
-        rows = {meaning: self.resumed("first.yaml", f"meaning{meaning}", meaning, 3)[1] for meaning in (3, 4, 5)}
+        rows = {meaning: resumed("first.yaml", meaning, 3)[1] for meaning in (3, 4, 5)}
         self.assertEqual(rows[3], rows[4])
         self.assertNotEqual(rows[4], rows[5])
+
+    def test_sections_of_a_winglet_of_before_lie_where_they_did(self):
+        """At fractions of an extent that changes of the wing move."""
+        folder = pathlib.Path(FOLDER.name)
+        subprocess.run([MAKE_SURFACE, "wing", "--triangles", "4000", "-o", "winglet.obj"], cwd=folder, check=True,
+                       stdout=subprocess.DEVNULL)
+        bend_up(folder / "winglet.obj")
+        (folder / "winglet.yaml").write_text(
+            "surface: {file: winglet.obj}\nsymmetry: {plane: y, at: 0}\n"
+            "planform: {wing: {span: y, stations: [0, 0.5, 1], values: [twist@0.5, dihedral@0.5]}}\nshell: none\n"
+            "parameters: {planform: {wing.twist: {by: station, range: [-3deg, 3deg]}, wing.thickness@1: {range: [-9%, 9%]}}}\n"
+            "objective: {maximize: volume}\noptimize: {budget: {evaluations: 1}}\noutput: {report: false}\n")
+        rows = {meaning: resumed("winglet.yaml", meaning, 3)[1] for meaning in (8, 9)}
+        self.assertEqual(rows[8][:2], rows[9][:2])
+        self.assertNotEqual(rows[8], rows[9])
 
     def test_a_large_body_of_before_follows_its_wrap_as_it_did(self):
         """Of more than 16 000 vertices; by the same sums in another order, and so do its fields."""
@@ -158,7 +191,7 @@ class MotionLimit(unittest.TestCase):
             "surface: {file: large.obj}\nhold: point\nwrap: {alpha: 8%}\nobjective: {maximize: volume}\n"
             "constraints: {area: {max: 1.01, relative: true}}\noptimize: {budget: {evaluations: 1}}\n"
             "parameters: {fields: 6, variables: [normal], patches_per_level: [4], max_displacement: 0.5%}\n")
-        rows = {meaning: self.resumed("large.yaml", f"large{meaning}", meaning, 4)[1] for meaning in (6, 7, 8)}
+        rows = {meaning: resumed("large.yaml", meaning, 4)[1] for meaning in (6, 7, 8)}
         self.assertEqual(rows[6], rows[7])
         self.assertNotEqual(rows[7], rows[8])
 
@@ -218,8 +251,8 @@ class MotionLimit(unittest.TestCase):
         (pathlib.Path(FOLDER.name) / "few.yaml").write_text(
             (pathlib.Path(FOLDER.name) / "closed.yaml").read_text().replace("evaluations: 60", "evaluations: 1"))
         for meaning in (3, 6):
-            run = f"few{meaning}"
-            said, _ = self.resumed("few.yaml", run, meaning, 60)
+            run = f"few.yaml-{meaning}"
+            said, _ = resumed("few.yaml", meaning, 60)
             told = json.loads((pathlib.Path(FOLDER.name) / run / "run.json").read_text())
             self.assertEqual(told["status"], "converged")
             if meaning == 6:

@@ -98,6 +98,43 @@ class WingPage(unittest.TestCase):
             self.assertLessEqual(b.run("document.documentElement.scrollWidth"), 390)
 
 
+BODY = """
+case: hull
+surface: {file: hull.obj, units: m}
+planform: {hull: {length: x, stations: [0.1, 0.5, 0.9]}}
+hold: none
+shell: none
+parameters: {planform: {hull.width: {by: station, range: [-5%, 5%]}, hull.camber: {by: station, range: [-2%, 2%]}}}
+objective: {minimize: area}
+output: {report: true}
+optimize: {budget: {evaluations: 4}}
+"""
+
+
+class BodyPage(unittest.TestCase):
+    def test_sheet_charts_and_sections(self):
+        with tempfile.TemporaryDirectory() as folder, Browser(1100, 800) as b:
+            here = pathlib.Path(folder)
+            subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1500", "-o", here / "hull.obj"], check=True,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+            (here / "hull.yaml").write_text(BODY)
+            subprocess.run([STRAKE, "run", here / "hull.yaml", "--out", here / "run", "-q"], check=True, capture_output=True)
+            b.open(here / "run/report.html")
+            self.assertEqual(b.until("document.documentElement.dataset.ready"), "shapes")
+            b.settle()
+            self.assertEqual(b.errors, [])
+            words = b.run("document.querySelector('#bodies').innerText")
+            for bad in ("NaN", "undefined", "null", "Infinity", "[object"):
+                self.assertNotIn(bad, words)
+            for good in ("Body", "length, m", "By station", "camber, % of the length", "50 % of the length", "→"):
+                self.assertIn(good, words)
+            self.assertEqual(b.run("document.querySelectorAll('#bodies .chart canvas').length"), 3)
+            self.assertEqual(b.run("document.querySelectorAll('#bodies svg.airfoil .start').length"), 3)
+            self.assertEqual(b.run("document.querySelectorAll('#bodies svg.airfoil .design').length"), 3)
+            self.assertEqual(b.run("document.querySelectorAll('nav a[href=\"#bodies\"]').length"), 1)
+            self.assertIsNone(b.run("document.querySelector('#wings')"))
+
+
 class Page(unittest.TestCase):
     @classmethod
     def setUpClass(cls):

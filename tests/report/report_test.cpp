@@ -90,6 +90,38 @@ TEST_F(Report, SaysWhetherWingsOrBodiesChange) {
     const std::string html = bytes_of(path("run/report.html"));
     EXPECT_NE(html.find("changes of bodies"), std::string::npos);
     EXPECT_EQ(html.find("changes of wings"), std::string::npos);
+    EXPECT_EQ(data_of(html)["wings"].size(), 0U);
+}
+
+TEST_F(Report, HasTheSheetOfADeclaredBody) {
+    write_surface(folder / "hull.ply", ellipsoid({2, 0.5, 0.4}, 3), SurfaceFormat::ply_binary);
+    const std::string yaml =
+        "case: hull\nsurface: {file: hull.ply, units: m}\nplanform: {hull: {length: x, stations: [0.25, 0.5, 0.75]}}\n"
+        "hold: none\nshell: none\nparameters: {planform: {hull.width: {range: [-5%, 5%]}, hull.length: {range: [-5%, "
+        "5%]}}}\n"
+        "objective: {maximize: hull.width@0.5}\nconstraints: {hull.length: {min: 4.1}}\n"
+        "optimize: {budget: {evaluations: 8}}\n";
+    const ProgramRun run = run_strake({"run", folder.write("hull.yaml", yaml).string(), "--out", path("run"), "-q"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Json bodies = data_of(bytes_of(path("run/report.html")))["bodies"];
+    ASSERT_EQ(bodies.size(), 1U);
+    EXPECT_EQ(bodies[0]["name"], "hull");
+    const Json &start = bodies[0]["start"], &best = bodies[0]["best"];
+    EXPECT_NEAR(start["length"].get<double>(), 4, 1e-9);
+    EXPECT_GE(best["length"].get<double>(), 4.1 - 1e-4);
+    ASSERT_EQ(best["stations"].size(), 3U);
+    for (const int k : {0, 1, 2}) {
+        const Json &before = start["stations"][k], &after = best["stations"][k];
+        EXPECT_NEAR(after["width"].get<double>() / before["width"].get<double>(), 1.05, 1e-3);
+        EXPECT_NEAR(after["height"].get<double>() / before["height"].get<double>(), 1, 1e-3);
+        // Pictures: about the middle of the start's section, over half of its larger extent.
+        double wide = 0;
+        const Json& points = after["outlines"][0];
+        for (std::size_t i = 0; i < points.size(); i += 2) wide = std::max(wide, std::abs(points[i].get<double>()));
+        EXPECT_NEAR(wide, 1.05, 0.02);
+    }
+    EXPECT_EQ(best["curve"].size(), 21U);
+    EXPECT_NEAR(best["curve"][10]["width"].get<double>(), best["stations"][1]["width"].get<double>(), 1e-12);
 }
 
 /// A twist has a limit in degrees, not the share of the diagonal that the surface may move.

@@ -7,13 +7,14 @@ import { progress } from './charts.js';
 import { shapes } from './shapes.js';
 import { samples } from './samples.js';
 import { tree } from './tree.js';
+import { bodies } from './bodies.js';
 import { wings } from './wings.js';
 
 async function build() {
   const run = JSON.parse(document.getElementById('data').textContent);
   const page = document.getElementById('report');
   const shapePlace = h('div', {}), treePlace = h('div', {});
-  page.append(head(run), summary(run), samples(run), progress(run), wings(run), shapePlace, treePlace, evaluations(run), failures(run), cost(run), theCase(run));
+  page.append(head(run), summary(run), samples(run), progress(run), wings(run), bodies(run), shapePlace, treePlace, evaluations(run), failures(run), cost(run), theCase(run));
   const panel = await shapes(run, shapePlace);
   treePlace.append(tree(run, panel));
   document.documentElement.dataset.ready = panel ? 'shapes' : 'text';

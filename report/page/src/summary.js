@@ -13,7 +13,7 @@ export function head(run) {
     h('h1', {}, run.title),
     h('p', { class: `status ${good.includes(status) ? 'good' : 'bad'}` }, h('span', { 'aria-hidden': 'true' }, `${marks[status] || '✖'} `), status.replace(/_/g, ' ')),
     h('nav', { 'aria-label': 'Sections of this page' },
-      [['summary', 'Summary'], ...(run.samples ? [['samples', 'Samples']] : []), ['progress', 'Progress'], ...(run.wings && run.wings.length > 0 ? [['wings', run.wings.length > 1 ? 'Wings' : 'Wing']] : []), ['shapes', 'Shape'], ['patches', 'Patches'], ['failures', 'Failures'], ['cost', 'Cost'], ['case', 'Case']]
+      [['summary', 'Summary'], ...(run.samples ? [['samples', 'Samples']] : []), ['progress', 'Progress'], ...(run.wings && run.wings.length > 0 ? [['wings', run.wings.length > 1 ? 'Wings' : 'Wing']] : []), ...(run.bodies && run.bodies.length > 0 ? [['bodies', run.bodies.length > 1 ? 'Bodies' : 'Body']] : []), ['shapes', 'Shape'], ['patches', 'Patches'], ['failures', 'Failures'], ['cost', 'Cost'], ['case', 'Case']]
         .map(([id, words]) => h('a', { href: `#${id}` }, words))));
 }
 

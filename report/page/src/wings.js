@@ -7,7 +7,7 @@ import { number, change } from '../../../viewer/page/src/format.js';
 const colours = { start: '#6b6b6b', best: '#0072b2' };
 const degrees = (angle) => (angle * 180) / Math.PI;
 /** Without the sign of a zero. */
-const fixed = (value, digits) => {
+export const fixed = (value, digits) => {
   const shown = Number.isFinite(value) ? value.toFixed(digits) : '–';
   return Number(shown) === 0 ? shown.replace('-', '') : shown.replace('-', '\u2212');
 };
@@ -22,10 +22,10 @@ const columns = (units) => [
   ['camber', '%', (at) => 100 * at.camber, (v) => fixed(v, 2), 0.1],
   ['leading-edge radius', '% of the chord', (at) => (at.leading_edge_radius === null ? NaN : 100 * at.leading_edge_radius), (v) => fixed(v, 3), 0.05],
 ];
-const titled = ([name, unit]) => (unit ? `${name}, ${unit}` : name);
+export const titled = ([name, unit]) => (unit ? `${name}, ${unit}` : name);
 
 /** Start and best, or one word where they are alike. */
-function both(a, b) {
+export function both(a, b) {
   if (b === null || a === b) return a;
   return h('span', { class: 'both' }, h('span', { class: 'was' }, a), ' → ', h('b', {}, b));
 }
@@ -55,23 +55,23 @@ function panelTable(wing) {
     start.panels.map(({ from, to }, k) => [`${number(from, 4)} – ${number(to, 4)}`, value(k, 'sweep'), value(k, 'dihedral')]));
 }
 
-/** One value over the fraction of the semispan. */
-function spanChart(wing, column) {
-  const [name, , of, words, least] = column, lines = wing.best ? [wing.start, wing.best] : [wing.start];
+/** One value over the fraction of the semispan, or of a body's length. */
+export function chart(sheets, column, along = 'semispan') {
+  const [name, , of, words, least] = column, lines = sheets.best ? [sheets.start, sheets.best] : [sheets.start];
   const places = [...new Set(lines.flatMap((line) => line.curve.map((at) => at.station)))].sort((a, b) => a - b);
   const values = lines.map((line) => places.map((s) => { const at = line.curve.find((one) => one.station === s), v = at ? of(at) : NaN; return Number.isFinite(v) ? v : null; }));
   const known = values.flat().filter((v) => v !== null);
   if (known.length === 0) return null;
-  const holder = h('div', { class: 'chart small', role: 'img', 'aria-label': `${titled(column)} along the semispan, from ${words(Math.min(...known))} to ${words(Math.max(...known))}` });
+  const holder = h('div', { class: 'chart small', role: 'img', 'aria-label': `${titled(column)} along the ${along}, from ${words(Math.min(...known))} to ${words(Math.max(...known))}` });
   const shown = (u, v) => (v === null || v === undefined ? '–' : words(v));
   const options = {
     width: 400, height: 190, cursor: { drag: { x: false, y: false } }, legend: { live: true },
     scales: { x: { time: false, range: [0, 1] },
       y: { range: (u, low, high) => { const room = Math.max(0.08 * (high - low), 0.01 * Math.max(Math.abs(low), Math.abs(high)), (least - high + low) / 2, 1e-6); return [low - room, high + room]; } } },
     axes: [{ size: 34, values: (u, ticks) => ticks.map((v) => number(v, 3)) }, { size: 62, values: (u, ticks) => ticks.map((v) => number(v, 4)) }],
-    series: [{ label: 'semispan', value: (u, v) => (v === null || v === undefined ? '–' : number(v, 3)) },
+    series: [{ label: along, value: (u, v) => (v === null || v === undefined ? '–' : number(v, 3)) },
       { label: 'start', value: shown, stroke: colours.start, width: 1.5, dash: [6, 4], points: { show: false } },
-      ...(wing.best ? [{ label: 'best', value: shown, stroke: colours.best, width: 2.5, points: { show: false } }] : [])],
+      ...(sheets.best ? [{ label: 'best', value: shown, stroke: colours.best, width: 2.5, points: { show: false } }] : [])],
   };
   let plot = null;
   new ResizeObserver(() => {
@@ -82,14 +82,14 @@ function spanChart(wing, column) {
   return h('figure', { class: 'plot', 'data-value': name }, h('figcaption', {}, titled(column)), holder);
 }
 
-function svg(tag, attributes, ...children) {
+export function svg(tag, attributes, ...children) {
   const element = document.createElementNS('http://www.w3.org/2000/svg', tag);
   for (const [name, value] of Object.entries(attributes)) element.setAttribute(name, value);
   element.append(...children);
   return element;
 }
 
-function outlines(station, name) {
+export function outlines(station, name) {
   return station.outlines.map((points) => {
     let d = '';
     for (let k = 0; k < points.length; k += 2) d += `${k === 0 ? 'M' : 'L'}${points[k]} ${-points[k + 1]}`;
@@ -123,7 +123,7 @@ function oneWing(wing, units) {
     h('div', { class: 'columns' }, h('div', {}, wholeTable(wing, units)), h('div', {}, panelTable(wing))),
     stationTable(wing, units),
     h('h3', {}, 'Along the span'),
-    h('div', { class: 'grid thirds' }, columns(units).map((column) => spanChart(wing, column))),
+    h('div', { class: 'grid thirds' }, columns(units).map((column) => chart(wing, column))),
     h('h3', {}, 'Airfoils, in fractions of their chords'),
     h('p', {}, h('span', { class: 'key start' }, 'start (dashed)'), ' ', wing.best && h('span', { class: 'key design' }, 'best')),
     h('div', { class: 'grid thirds airfoils' }, wing.start.stations.map((_, k) => airfoil(wing, k, units))),

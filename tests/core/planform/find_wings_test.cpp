@@ -39,6 +39,18 @@ TEST(FindWings, InAnyDirectionOfTheCoordinates) {
     }
 }
 
+/// Planes normal to the span cut along a winglet: what is thin and follows on from plane to plane begins inboard of it.
+TEST(FindWings, WithAWinglet) {
+    const WingBody body = bent_up();
+    const auto found = find_wing(body.mesh);
+    ASSERT_TRUE(found);
+    EXPECT_FALSE(found->has_body);
+    EXPECT_EQ(std::abs(found->declaration.span[1]), 1);
+    const Wing wing(body.mesh, found->declaration);
+    EXPECT_TRUE(wing.has_winglet());
+    EXPECT_NEAR(wing.facts(body.mesh).span.value, 2 * body.mesh.vertices.col(1).maxCoeff(), 1e-9);
+}
+
 TEST(FindWings, NotOnBodiesWithoutOne) {
     EXPECT_FALSE(find_wing(icosphere(3)));
     EXPECT_FALSE(find_wing(box_surface({4, 4, 0.2}, 6))) << "a plate";

@@ -2,6 +2,9 @@
 #include "core/planform/wing.hpp"
 #include "lofted_wing.hpp"
 
+#include <cmath>
+#include <numbers>
+
 /// Wings of all kinds, alone and with bodies, for tests.
 namespace strake {
 
@@ -79,6 +82,25 @@ inline std::vector<WingBody> wing_bodies() {
     joined.declared.stations = {0, 0.5, 1};  // on rows of the mesh
     all.push_back(joined);
     return all;
+}
+
+/// Half a wing whose outer fifth stands upright, behind a bend: what lies outboard of it is wound on an arc first.
+inline WingBody bent_up() {
+    constexpr double begin = 2.3, radius = 0.25, angle = 80 * std::numbers::pi / 180, end = begin + radius * angle;
+    WingBody body = wing_bodies()[0];
+    body.name = "winglet";
+    body.declared.stations = {0, 0.4, 0.92, 1};
+    for (int v = 0; v < body.mesh.num_vertices(); ++v) {
+        const double y = body.mesh.vertices(v, 1), z = body.mesh.vertices(v, 2) - 0.1 * y;  // its dihedral
+        if (y < begin) {
+            body.mesh.vertices(v, 2) = z;
+            continue;
+        }
+        const double a = (std::min(y, end) - begin) / radius, beyond = std::max(0.0, y - end);
+        body.mesh.vertices(v, 1) = begin + (radius - z) * std::sin(a) + beyond * std::cos(a);
+        body.mesh.vertices(v, 2) = radius - (radius - z) * std::cos(a) + beyond * std::sin(a);
+    }
+    return body;
 }
 
 }  // namespace strake

@@ -8,6 +8,7 @@
 #include "core/primo/shell.hpp"
 #include "core/remesh/remesh.hpp"
 #include "core/repair/repair.hpp"
+#include "core/wrap/wrap_binding.hpp"
 #include "objectives/geometry/section_area.hpp"
 #include "objectives/geometry/thickness.hpp"
 #include "optimize/problem/problem.hpp"
@@ -334,7 +335,7 @@ enum class Keep { all, failed, best, none };
 /// What is elastic in the place of the body.
 struct WrapEntry {
     std::optional<Length> alpha, offset, edge_length;  ///< without alpha: auto
-    bool sums_as_before = false;                       ///< `WrapBindingOptions`: of a run that began so
+    RadialSums sums = RadialSums::by_boxes;            ///< `WrapBindingOptions`: of a run that began so
     Place place;
 };
 

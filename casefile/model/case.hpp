@@ -226,6 +226,7 @@ struct ParameterEntry {
     std::vector<double> levels_deg;      ///< empty: automatic
     double min_patch_percent = 0;        ///< with given levels
     std::vector<int> patches_per_level;  ///< with automatic levels; empty: the default
+    bool patches_are_stated = false;     ///< `patches_per_level` stands in the case
     double sharp_angle_deg = 40;
     std::vector<VariableKind> variables;
     std::vector<PlanformRangeEntry> planform;

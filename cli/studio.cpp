@@ -70,10 +70,13 @@ void studio(const StudioArguments& args) {
     options.port = args.port;
     options.read_only = args.read_only;
     options.new_address = args.new_address;
-    const Studio at_work(options);
+    Studio at_work(options);
     announce(at_work, args.no_browser);
     while (!stop_wanted()) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     if (const std::string words = at_work.continuing(); !words.empty()) say("strake: studio: {}\n", words);
+    if (!at_work.leave()) return;
+    std::fflush(nullptr);
+    std::_Exit(0);  // reading leaves nothing behind, and a large file takes half a minute
 }
 
 }  // namespace

@@ -57,17 +57,20 @@ void Studio::Impl::listen() {
     if (!is_second) keep_address(folder, {server->gate().token, server->gate().port});
 }
 
-Studio::Impl::~Impl() {
-    if (!is_second) keep_address(folder, {server->gate().token, server->gate().port});
+bool Studio::Impl::leave() {
+    if (server && !is_second) keep_address(folder, {server->gate().token, server->gate().port});
     server.reset();
-    {
-        const std::lock_guard lock(busy);
-        ends = true;
-        to_open.clear();
-    }
+    if (task) task->interrupt();
+    const std::lock_guard lock(busy);
+    ends = true;
+    to_open.clear();
+    return is_opening;
+}
+
+Studio::Impl::~Impl() {
+    leave();
     wanted.notify_all();
     if (reader.joinable()) reader.join();
-    if (task) task->interrupt();
     if (folder_lock >= 0) ::close(folder_lock);
 }
 
@@ -146,6 +149,7 @@ Studio::Impl::Json Studio::Impl::post(const Asked& asked) {
 
 Studio::Studio(const StudioOptions& options) : impl_(std::make_unique<Impl>(options)) {}
 Studio::~Studio() = default;
+bool Studio::leave() { return impl_->leave(); }
 std::string Studio::url() const { return impl_->server->url(); }
 std::string Studio::answer_bytes(const std::string& request) { return impl_->server->answer_bytes(request); }
 int Studio::port() const { return impl_->server->gate().port; }

@@ -24,7 +24,9 @@ public:
     /// Binds the port and begins to read the target. @throws InputError: there is no such file or folder; OutputError:
     /// no port, or the page is missing.
     explicit Studio(const StudioOptions& options);
-    ~Studio();  ///< runs that it started go on
+    ~Studio();  ///< runs that it started go on; waits for a file that is being read
+    /// Answers nothing from now on. @return whether it still reads a file: the destructor would wait for that
+    bool leave();
 
     std::string url() const;
     /// The answer to the bytes of a request as they come from a socket: to be tried without one.

@@ -51,6 +51,7 @@ struct Studio::Impl {
 
     explicit Impl(const StudioOptions& wishes);
     ~Impl();
+    bool leave();
 
     void listen();
     WebAnswer answer(const WebRequest& request);

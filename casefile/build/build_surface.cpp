@@ -167,7 +167,7 @@ void ProblemBuilder::build_tree() {
     if (purpose_ == Purpose::deform && !needs_patches(case_, start_.mesh)) return;
     const ParameterEntry& p = case_.parameters;
     PatchHierarchy& tree = out_.problem.tree;
-    if (!case_.has_shell && p.levels_deg.empty() && p.patches_per_level.empty() && !wants_patches_ &&
+    if (!case_.has_shell && p.levels_deg.empty() && !p.patches_are_stated && !wants_patches_ &&
         !needs_patches(case_, start_.mesh)) {
         tree = whole_surface();
         return;

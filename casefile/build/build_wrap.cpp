@@ -123,7 +123,7 @@ void ProblemBuilder::set_wrap() {
     }
     options.plane = case_.symmetry;
     options.is_half = case_.symmetry.has_value();
-    options.sums_as_before = case_.wrap->sums_as_before;
+    options.sums = case_.wrap->sums;
     if (!options.plane && case_.parameters.mirror) options.plane = start_plane();
     at(case_.wrap->place, "",
        [&] { problem.wrap = std::make_shared<const WrapMap>(wrap_->mesh, start_.mesh, options); });

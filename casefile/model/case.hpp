@@ -8,6 +8,7 @@
 #include "core/primo/shell.hpp"
 #include "core/remesh/remesh.hpp"
 #include "core/repair/repair.hpp"
+#include "core/wrap/wrap_binding.hpp"
 #include "objectives/geometry/section_area.hpp"
 #include "objectives/geometry/thickness.hpp"
 #include "optimize/problem/problem.hpp"
@@ -225,6 +226,7 @@ struct ParameterEntry {
     std::vector<double> levels_deg;      ///< empty: automatic
     double min_patch_percent = 0;        ///< with given levels
     std::vector<int> patches_per_level;  ///< with automatic levels; empty: the default
+    bool patches_are_stated = false;     ///< `patches_per_level` stands in the case
     double sharp_angle_deg = 40;
     std::vector<VariableKind> variables;
     std::vector<PlanformRangeEntry> planform;
@@ -334,7 +336,7 @@ enum class Keep { all, failed, best, none };
 /// What is elastic in the place of the body.
 struct WrapEntry {
     std::optional<Length> alpha, offset, edge_length;  ///< without alpha: auto
-    bool sums_as_before = false;                       ///< `WrapBindingOptions`: of a run that began so
+    RadialSums sums = RadialSums::by_boxes;            ///< `WrapBindingOptions`: of a run that began so
     Place place;
 };
 

@@ -12,9 +12,11 @@ void CaseReader::read_levels(const Value& map) {
         for (const Entry& entry : levels->entries)
             if (entry.value.accepted) p.levels_deg.push_back(degrees(entry.value.number));
     if (const Value* v = map.find("min_patch")) p.min_patch_percent = v->number * 100;
-    if (const Value* v = map.find("patches_per_level"))
+    if (const Value* v = map.find("patches_per_level")) {
+        p.patches_are_stated = !v->from_default;
         for (const Entry& entry : v->entries)
             if (entry.value.accepted) p.patches_per_level.push_back(static_cast<int>(entry.value.number));
+    }
     if (const Value* v = map.find("sharp_angle")) p.sharp_angle_deg = degrees(v->number);
     if (const Value* v = map.find("split")) read_split(*v);
     set(p.marking_fraction, map.find("marking_fraction"));

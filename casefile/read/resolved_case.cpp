@@ -86,6 +86,7 @@ private:
     bool skipped(const std::string& path, const Value& value) const {
         if (value.from_default && path == "parameters.max_displacement" && case_.parameters.is_planform_alone())
             return true;  // would read as stated, and has no effect
+        if (value.from_default && path == "parameters.patches_per_level" && !case_.has_shell) return true;  // likewise
         if (case_.fit.empty())
             return value.from_default && (path == "optimize.loss" || path == "optimize.icp_iterations");
         if (value.from_default && path == "parameters.max_displacement") return true;  // a fit has none by default

@@ -6,6 +6,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/mesh/point_tree.hpp"
 #include "core/parallel.hpp"
+#include "core/wrap/cell_sums.hpp"
 #include "core/wrap/radial_sums.hpp"
 #include "core/wrap/wide_product.hpp"
 
@@ -28,7 +29,8 @@ constexpr double flat = 1e-9;                         ///< smallest extent of a 
 constexpr int block = 64;
 constexpr Index rows_a_time = 65536;
 constexpr int centers_at_once = 16;
-constexpr double max_stored = 64e6;  ///< bytes: radial functions of a larger body are evaluated each time
+constexpr Index many_points = 100000;  ///< whose boxes are worth it
+constexpr double max_stored = 64e6;    ///< bytes: radial functions of a larger body are evaluated each time
 
 double cube(double squared) { return squared * std::sqrt(squared); }
 
@@ -120,14 +122,18 @@ struct WrapBinding::Impl {
     MatrixXd by_weights;
     std::vector<char> held;
     double edge = 0, depth = 0;  ///< unscaled
-    bool sums_as_before = false;
+    RadialSums sums = RadialSums::by_boxes;
+    CellSums of_body, of_wrap;  ///< where radial functions are not kept
 
     void factorize();
     void spread(const TriMesh& surface);
     void store();
     MatrixXd kernel(const Points& at, int begin, int end) const;
-    Points radial(const Points& at, const MatrixXd& weights) const;
-    MatrixXd radial_transpose(const Points& at, const MatrixXd& values) const;
+    CellSums places(const Points& at) const {
+        return {at, center, sums == RadialSums::by_boxes && at.rows() >= many_points};
+    }
+    Points radial(const CellSums& at, const MatrixXd& weights) const;
+    MatrixXd radial_transpose(const CellSums& at, const MatrixXd& values) const;
     MatrixXd local_transpose(const MatrixXd& of_body) const;
     MatrixXd transposed(const MatrixXd& of_body) const;
     template <class Rows>
@@ -205,20 +211,25 @@ MatrixXd WrapBinding::Impl::kernel(const Points& at, int begin, int end) const {
 
 void WrapBinding::Impl::store() {
     const auto bytes = [&](Index rows) { return 8.0 * static_cast<double>(rows * center.rows()); };
-    if (bytes(body.rows()) > max_stored || bytes(wrap.rows()) > max_stored) return;
-    MatrixXd of_wrap(wrap.rows(), center.rows());
+    if (bytes(body.rows()) > max_stored || bytes(wrap.rows()) > max_stored) {
+        of_body = places(body);
+        of_wrap = places(wrap);
+        return;
+    }
+    MatrixXd by_wrap(wrap.rows(), center.rows());
     for_blocks(static_cast<int>(wrap.rows()), block,
-               [&](int begin, int end) { of_wrap.middleRows(begin, end - begin) = kernel(wrap, begin, end); });
+               [&](int begin, int end) { by_wrap.middleRows(begin, end - begin) = kernel(wrap, begin, end); });
     by_weights.resize(body.rows(), center.rows());
     for_blocks(static_cast<int>(body.rows()), block, [&](int begin, int end) {
         by_weights.middleRows(begin, end - begin) =
-            kernel(body, begin, end) - local.middleRows(begin, end - begin) * of_wrap;
+            kernel(body, begin, end) - local.middleRows(begin, end - begin) * by_wrap;
     });
 }
 
 /// sum_c weights_c |x - x_c|^3 at each point.
-Points WrapBinding::Impl::radial(const Points& at, const MatrixXd& weights) const {
-    if (!sums_as_before) return cubic_sums(at, center, weights);
+Points WrapBinding::Impl::radial(const CellSums& places, const MatrixXd& weights) const {
+    if (sums != RadialSums::by_products) return places.values(weights);
+    const Points& at = places.points();
     Points values(at.rows(), 3);
     for_blocks(static_cast<int>(at.rows()), block,
                [&](int begin, int end) { values.middleRows(begin, end - begin) = kernel(at, begin, end) * weights; });
@@ -226,18 +237,19 @@ Points WrapBinding::Impl::radial(const Points& at, const MatrixXd& weights) cons
 }
 
 /// Its transpose: per centre the sum over the points.
-MatrixXd WrapBinding::Impl::radial_transpose(const Points& at, const MatrixXd& values) const {
-    if (!sums_as_before) return cubic_sums_transpose(at, center, values);
-    MatrixXd sums(center.rows(), values.cols());
+MatrixXd WrapBinding::Impl::radial_transpose(const CellSums& places, const MatrixXd& values) const {
+    if (sums != RadialSums::by_products) return places.transpose(values);
+    const Points& at = places.points();
+    MatrixXd products(center.rows(), values.cols());
     for_blocks(static_cast<int>(center.rows()), centers_at_once, [&](int begin, int end) {
         Eigen::ArrayXd r2(at.rows());
         for (int c = begin; c < end; ++c) {
             r2 = (at.rowwise() - center.row(c)).rowwise().squaredNorm();
             r2 *= r2.sqrt();
-            sums.row(c) = r2.matrix().transpose() * values;
+            products.row(c) = r2.matrix().transpose() * values;
         }
     });
-    return sums;
+    return products;
 }
 
 template <class Rows>
@@ -258,7 +270,7 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     m.wrap_affine = affine_rows(m.wrap);
     m.body_affine = affine_rows(m.body);
     m.held = options.held;
-    m.sums_as_before = options.sums_as_before;
+    m.sums = options.sums;
     m.edge = mean_edge(wrap);
     const VectorXd share = vertex_areas(wrap) / surface_area(wrap);
     const Eigen::Matrix4d moments = m.wrap_affine.transpose() * share.asDiagonal() * m.wrap_affine;
@@ -302,30 +314,38 @@ Points WrapBinding::displacement(const Points& of_wrap) const {
                 m.by_weights.middleRows(begin, end - begin) * parts.weights;
         });
     } else {
-        moved = m.radial(m.body, parts.weights);
-        left -= m.radial(m.wrap, parts.weights);
+        moved = m.radial(m.of_body, parts.weights);
+        left -= m.radial(m.of_wrap, parts.weights);
     }
     moved += m.body_affine * (parts.nearest + parts.linear) + m.local * left;
     m.hold(moved);
     return moved;
 }
 
+std::shared_ptr<const CellSums> WrapBinding::places(const Points& at) const {
+    return std::make_shared<const CellSums>(impl_->places((at.rowwise() - impl_->middle) / impl_->scale));
+}
+
 std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, const Points& at) const {
+    return local_maps(of_wrap, *places(at));
+}
+
+std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, const CellSums& at) const {
     const Impl& m = *impl_;
     const Impl::Smooth parts = m.smooth(of_wrap);
     const Eigen::Matrix3d affine = (parts.nearest + parts.linear).bottomRows<3>().transpose();
-    const Points x = (at.rowwise() - m.middle) / m.scale;
     const auto map = [&](const Eigen::Matrix3d& radial) -> Eigen::Matrix3d {
         return Eigen::Matrix3d::Identity() + (affine + radial) / m.scale;
     };
     std::vector<Eigen::Matrix3d> maps;
-    if (!m.sums_as_before) {
-        maps = cubic_slopes(x, m.center, parts.weights);
+    if (m.sums != RadialSums::by_products) {
+        maps = at.slopes(parts.weights);
         for (Eigen::Matrix3d& one : maps) one = map(one);
         return maps;
     }
-    maps.resize(static_cast<std::size_t>(at.rows()));
-    for_blocks(static_cast<int>(at.rows()), block, [&](int begin, int end) {
+    const Points& x = at.points();
+    maps.resize(static_cast<std::size_t>(x.rows()));
+    for_blocks(static_cast<int>(x.rows()), block, [&](int begin, int end) {
         for (int p = begin; p < end; ++p) {
             Points away = (-m.center).rowwise() + x.row(p);
             const VectorXd slope = 3 * away.rowwise().norm();  // of r^3: 3 r times the vector
@@ -369,7 +389,7 @@ MatrixXd WrapBinding::Impl::transposed(const MatrixXd& g) const {
     if (by_weights.size() > 0)
         right.topRows(k) = wide_product(by_weights, g);
     else
-        right.topRows(k) = radial_transpose(body, g) - radial_transpose(wrap, by_wrap);
+        right.topRows(k) = radial_transpose(of_body, g) - radial_transpose(of_wrap, by_wrap);
     right.bottomRows(4) = by_affine - wrap_affine.transpose() * by_wrap;
     const MatrixXd solved = system.transpose().solve(right);
     for (Index c = 0; c < k; ++c) by_wrap.row(centers[static_cast<std::size_t>(c)]) += solved.row(c);

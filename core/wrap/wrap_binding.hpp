@@ -25,13 +25,18 @@
 /// mean of its two sides: thickness does not go through a wrap.
 namespace strake {
 
+class CellSums;
+
+/// How bodies that evaluate their radial functions add them up; all but the last: the bits of earlier runs.
+enum class RadialSums { by_products, by_centers, by_boxes };
+
 struct WrapBindingOptions {
     std::vector<char> held = {};  ///< per vertex of the body: does not move, B's row is zero; empty: none
     int centers = 500;            ///< at most so many, >= 4
     /// Per vertex of the wrap its mirror image, where it has a plane of symmetry: centres are chosen in pairs, so that
     /// symmetric displacements move a symmetric body symmetrically. Empty: none.
     std::vector<int> image = {};
-    bool sums_as_before = false;  ///< of bodies that evaluate their radial functions: the bits of earlier runs
+    RadialSums sums = RadialSums::by_boxes;
 };
 
 class WrapBinding {
@@ -39,7 +44,7 @@ public:
     /// @throws InvalidInput: no triangle or no area, a wrong size of `held`, fewer than four centers, a coordinate
     /// that is not finite; a wrap that lies in a plane.
     /// Cost: one LU of the number of centres (0.1 s), and a search per vertex of the body. Of up to 16 000 vertices (64
-    /// MB) the radial functions are kept, of more they are evaluated with each product: 0.5 s a million vertices.
+    /// MB) the radial functions are kept, of more they are evaluated with each product: 0.1 s a million vertices.
     WrapBinding(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options = {});
     ~WrapBinding();
     WrapBinding(WrapBinding&&) noexcept;
@@ -55,6 +60,9 @@ public:
     /// Per point (n x 3): the linear part I + grad of the motion there, without that of the local part, which is small
     /// and no motion of its own. What is held is not looked at. Cost: centres times points.
     std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap, const Points& at) const;
+    /// The same at points that are asked for again and again. @param at of this binding
+    std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap, const CellSums& at) const;
+    std::shared_ptr<const CellSums> places(const Points& at) const;
 
     const std::vector<int>& centers() const;  ///< vertices of the wrap, in the order of choice
     double edge_length() const;               ///< mean edge of the wrap

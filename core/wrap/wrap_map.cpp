@@ -51,12 +51,11 @@ std::vector<int> nearest_triangles(const TriMesh& from, const TriMesh& to) {
 WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& options)
     : mesh_(std::move(wrap)),
       adjacent_(adjacency(mesh_)),
-      middle_(triangle_centroids(body)),
       body_triangles_(body.triangles),
       held_(options.held),
       binding_([&] {
           WrapBindingOptions binding{options.held};
-          binding.sums_as_before = options.sums_as_before;
+          binding.sums = options.sums;
           const double diagonal = box_diagonal(mesh_);
           if (!options.plane) return WrapBinding(mesh_, body.vertices, binding);
           if (!options.is_half) {
@@ -68,6 +67,7 @@ WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& option
           image_ = binding.image = std::move(whole.image);
           return WrapBinding(whole.mesh, body.vertices, binding);
       }()),
+      middle_(binding_.places(triangle_centroids(body))),
       wrap_triangle_(nearest_triangles(body, mesh_)),
       body_triangle_(nearest_triangles(mesh_, body)) {
     if (held_.empty()) held_.assign(static_cast<std::size_t>(body.num_vertices()), 0);
@@ -116,7 +116,7 @@ std::vector<Points> WrapMap::transpose(const std::vector<Points>& of_body) const
 Points WrapMap::transpose(const Points& of_body) const { return transpose(std::vector<Points>{of_body})[0]; }
 
 std::vector<Eigen::Matrix3d> WrapMap::local_maps(const Points& of_wrap) const {
-    std::vector<Eigen::Matrix3d> maps = binding_.local_maps(half_ ? both(of_wrap) : of_wrap, middle_);
+    std::vector<Eigen::Matrix3d> maps = binding_.local_maps(half_ ? both(of_wrap) : of_wrap, *middle_);
     for (std::size_t t = 0; t < maps.size(); ++t) {
         bool is_held = true;
         for (int k = 0; k < 3; ++k)

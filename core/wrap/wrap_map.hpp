@@ -10,8 +10,8 @@ struct WrapMapOptions {
     std::vector<char> held = {};  ///< per vertex of the body: stays where it is; empty: none
     /// The wrap is symmetric about this plane.
     std::optional<SymmetryPlane> plane = {};
-    bool is_half = false;         ///< wrap and body are halves that end on the plane
-    bool sums_as_before = false;  ///< `WrapBindingOptions`: the same
+    bool is_half = false;  ///< wrap and body are halves that end on the plane
+    RadialSums sums = RadialSums::by_boxes;
 };
 
 class WrapMap {
@@ -46,13 +46,13 @@ private:
 
     TriMesh mesh_;
     Adjacency adjacent_;
-    Points middle_;  ///< of the body's triangles
     Triangles body_triangles_;
     std::vector<char> held_;
-    std::optional<SymmetryPlane> half_;  ///< of halves
-    std::vector<int> image_;             ///< per vertex of the wrap, or of its whole
-    std::vector<int> on_plane_;          ///< vertices of the body, of halves
-    WrapBinding binding_;                ///< to the whole wrap
+    std::optional<SymmetryPlane> half_;       ///< of halves
+    std::vector<int> image_;                  ///< per vertex of the wrap, or of its whole
+    std::vector<int> on_plane_;               ///< vertices of the body, of halves
+    WrapBinding binding_;                     ///< to the whole wrap
+    std::shared_ptr<const CellSums> middle_;  ///< of the body's triangles
     std::vector<int> wrap_triangle_, body_triangle_;
 };
 

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 9;
+constexpr int latest_meaning = 10;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -46,9 +46,11 @@ struct JournalFacts {
     /// (`begins_with_narrow_shell_ranges`), and what long steps leave open of a gradient is asked again
     /// (`MinimizeOptions::trusts_long_steps`), and searches keep a shell's edges from folding
     /// (`Parameters::lets_edges_fold`); 8: large bodies follow their wraps by sums in another order
-    /// (`WrapBindingOptions::sums_as_before`), fields are products in one (`FieldOptions`), edges of sections are kept
+    /// (`RadialSums::by_centers`), fields are products in one (`FieldOptions`), edges of sections are kept
     /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
-    /// `WingRules::sliding`; 9: by `WingRules::latest`.
+    /// `WingRules::sliding`; 9: by `WingRules::latest`; 10: bodies of many vertices follow their wraps by sums over
+    /// boxes
+    /// (`RadialSums::by_boxes`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -523,6 +523,20 @@ class Server(unittest.TestCase):
         with self.assertRaises(ConnectionRefusedError):
             self.studio.request("")
 
+    def test_ends_at_once_while_it_reads_a_file(self):
+        large = self.folder / "large.stl"  # ten seconds or more
+        self.addCleanup(large.unlink)
+        subprocess.run([MAKE_SURFACE, "lifting_body", "--triangles", "1000000", "-o", large], check=True,
+                       stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        slow = Studio(self.folder, "large.stl", "--new-address")
+        self.addCleanup(slow.process.stdout.close)
+        self.addCleanup(slow.process.stderr.close)
+        self.assertTrue(slow.state()["is_opening"])
+        before = os.times()
+        self.assertEqual(slow.end(signal.SIGTERM)[0], 0)
+        after = os.times()
+        self.assertLess(after.children_user - before.children_user, 2, "seconds of CPU of all that it did")
+
     def test_says_what_cannot_be(self):
         for arguments, words in ((["nowhere.stl"], "nowhere.stl"), (["body.stl", "--port", str(self.studio.port)], "port")):
             ended = subprocess.run([STRAKE, "studio", *arguments, "--no-browser"], cwd=self.folder, capture_output=True, text=True,

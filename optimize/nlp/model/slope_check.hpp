@@ -12,9 +12,8 @@ namespace strake {
 ///  - it has converged: in a direction that no step has confirmed, as well.
 /// From variables at their bounds, and from limits, steps lead inward: one and its half.
 /// A value is wrong whose slope differs from its gradient's by more than a fifth, where the slope clearly exceeds what
-/// curvature and noise leave unknown. Fills `gradient_inconsistent`, `gradient_confirmed` and `slope_*` of the result and
-/// adds to its reason.
-/// With fewer than two evaluations left it only asks what is known.
+/// curvature and noise leave unknown. Fills `gradient_inconsistent`, `gradient_confirmed` and `slope_*` of the result
+/// and adds to its reason. With fewer than two evaluations left it only asks what is known.
 void check_slopes(Guard& guard, MinimizeResult& result);
 
 /// The gradient at the best point predicts a decrease clearly above the tolerance for a step of 1e-3.

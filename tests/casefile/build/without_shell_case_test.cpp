@@ -1,3 +1,4 @@
+#include "casefile/read/resolved_case.hpp"
 #include "cases/geometry/dirty_body.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "tests/casefile/build_fixture.hpp"
@@ -32,6 +33,21 @@ TEST_F(CaseWithoutShell, TakesDirtyBodiesWithAllFields) {
         EXPECT_EQ(problem.parameters.field_steps.front(), 27) << kind;
         EXPECT_EQ(problem.prism_height.size(), 0);
     }
+}
+
+/// Fields need no patches: they were cut all the same, for a quarter of the time of a short run.
+TEST_F(CaseWithoutShell, IsCutIntoPatchesOnlyWhereTheCaseAsks) {
+    surface(icosphere(2));
+    const std::string yaml = "hold: none\nshell: none\nobjective: {maximize: volume}\nparameters: {fields: 6";
+    const PatchHierarchy whole = build(yaml + "}\n").problem.tree;
+    ASSERT_EQ(whole.levels.size(), 2);
+    EXPECT_EQ(whole.levels[1].patches.size(), 1);
+    const Case c = load_case(folder.write("whole.yaml", "surface: {file: s.obj}\n" + yaml + "}\n"));
+    EXPECT_EQ(resolved_case(c, folder.path()).find("patches_per_level"), std::string::npos) << "would read as stated";
+    const PatchHierarchy asked = build(yaml + ", patches_per_level: [4]}\n").problem.tree;
+    ASSERT_GT(asked.levels[1].patches.size(), 1);
+    const std::string named = "}\nregions: {top: {patch: \"" + asked.levels[1].patches[0].name + "\"}}\n";
+    EXPECT_GT(build(yaml + named).problem.tree.levels[1].patches.size(), 1);
 }
 
 TEST_F(CaseWithoutShell, OfACleanBodyMeasuresTheSame) {

@@ -139,7 +139,7 @@ TEST(WrapBinding, LargeBodiesMoveAsTheirPieces) {
 TEST(WrapBinding, SumsOfBeforeAreKept) {
     const Pair pair;
     const Points large = example::superellipsoid(36000, {{2, 0.6, 0.45}, 2.5}).vertices;
-    const WrapBinding now(pair.wrap, large), before(pair.wrap, large, {{}, 500, {}, true});
+    const WrapBinding now(pair.wrap, large), before(pair.wrap, large, {{}, 500, {}, RadialSums::by_products});
     const Points u = random_points(pair.wrap.num_vertices(), 1), g = random_points(large.rows(), 2);
     const Points moved = now.displacement(u), back = now.transpose(g);
     EXPECT_LT((moved - before.displacement(u)).norm(), 1e-8 * moved.norm());
@@ -149,6 +149,24 @@ TEST(WrapBinding, SumsOfBeforeAreKept) {
     const auto maps = now.local_maps(u, large.topRows(100)), maps_before = before.local_maps(u, large.topRows(100));
     for (std::size_t p = 0; p < maps.size(); ++p)
         EXPECT_LT((maps[p] - maps_before[p]).norm(), 1e-8 * (1 + maps[p].norm()));
+}
+
+/// From 100 000 vertices on sums go over boxes, unless a run began otherwise.
+TEST(WrapBinding, BoxesMoveVeryLargeBodiesAsCenterByCenter) {
+    const Pair pair;
+    const Points large = example::superellipsoid(220000, {{2, 0.6, 0.45}, 2.5}).vertices;
+    ASSERT_GT(large.rows(), 100000);
+    const WrapBinding now(pair.wrap, large), before(pair.wrap, large, {{}, 500, {}, RadialSums::by_centers});
+    const Points u = displaced(pair.wrap.vertices, wave()), g = random_points(large.rows(), 2);
+    const Points moved = now.displacement(u), moved_before = before.displacement(u);
+    EXPECT_NE(moved, moved_before);
+    EXPECT_LT((moved - moved_before).cwiseAbs().maxCoeff(), 1e-8 * moved.cwiseAbs().maxCoeff());
+    const Points back = now.transpose(g);
+    EXPECT_NEAR(moved.cwiseProduct(g).sum(), u.cwiseProduct(back).sum(), 1e-13 * moved.norm() * g.norm());
+    EXPECT_GT(std::abs(moved.cwiseProduct(g).sum() - u.cwiseProduct(before.transpose(g)).sum()), 0) << "another map";
+    EXPECT_TRUE(now.displacement(Points::Zero(u.rows(), 3)).isZero(0));
+    const auto maps = now.local_maps(u, large), maps_before = before.local_maps(u, large);
+    for (std::size_t p = 0; p < maps.size(); p += 997) EXPECT_LT((maps[p] - maps_before[p]).norm(), 1e-5);
 }
 
 TEST(WrapBinding, CentersAreInterpolatedAndHeldVerticesStay) {

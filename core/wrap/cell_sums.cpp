@@ -19,7 +19,7 @@ constexpr int few_terms = 60000;       ///< points times near centres of a box t
 constexpr int few_points = 1200;       ///< of a box that is not halved
 constexpr double points_a_node = 1.5;  ///< fewer points are summed one by one
 constexpr double worth_it = 0.8;       ///< of the terms one by one: boxes that cost more are forgotten
-constexpr int least_degree = 3;
+constexpr int min_degree = 3;
 
 bool is_split(int points, std::size_t near) {
     return points >= few_points && static_cast<double>(near) * points >= few_terms;
@@ -176,7 +176,7 @@ void CellSums::choose(Cell& cell, const std::vector<int>& candidates) const {
     classify(cell, candidates, needed, max_degree);
     if (!cell.has_polynomial() || is_split(cell.count, cell.near.size())) return;
     double least = cost_of(cell);
-    for (int most = max_degree - 1; most >= least_degree; --most) {
+    for (int most = max_degree - 1; most >= min_degree; --most) {
         Cell now = cell;
         classify(now, candidates, needed, most);
         if (const double cost = cost_of(now); cost < least) cell = std::move(now), least = cost;

@@ -52,8 +52,7 @@ struct Table {
             two.add(work);
         }
         std::printf("| %-36s | %7.4f | %7.4f | %5.2f | %7.4f | %7.4f | %5.2f | %5.2f |\n", what.c_str(), one.cpu,
-                    two.cpu, two.cpu / one.cpu, one.wall, two.wall, one.wall / two.wall,
-                    2 * two.program_parameters / two.all - 1);
+                    two.cpu, two.cpu / one.cpu, one.wall, two.wall, one.wall / two.wall, 2 * two.own / two.all - 1);
         std::fflush(stdout);
     }
 };

@@ -37,7 +37,8 @@ std::optional<SymmetryPlane> half_plane(const TriMesh& mesh, const Vector3d& acr
                 low = std::min(low, at), high = std::max(high, at);
             }
     const Eigen::VectorXd all = mesh.vertices * across;
-    if (!(high - low <= plane_rel * (all.maxCoeff() - all.minCoeff()))) return {};
+    const double extent = all.maxCoeff() - all.minCoeff();
+    if (!(low <= high) || !(extent > 0) || !(high - low <= plane_rel * extent)) return {};  // closed, flat, other edges
     return SymmetryPlane{across, 0.5 * (low + high)};
 }
 
@@ -45,8 +46,8 @@ std::string percent(double fraction) { return fmt::format("{:.3f}", std::abs(fra
 
 }  // namespace
 
-BodyMeasures body_measures(const TriMesh& mesh, const std::string& way, const std::vector<double>& stations,
-                           const TriMesh* start) {
+BodyMeasures body_measures(const TriMesh& mesh, const std::string& file, const std::string& way,
+                           const std::vector<double>& stations, const TriMesh* start) {
     const TriMesh& first = start ? *start : mesh;
     if (start) check_same_triangles(*start, mesh);
     BodyMeasures body;
@@ -61,7 +62,11 @@ BodyMeasures body_measures(const TriMesh& mesh, const std::string& way, const st
             if (!is_wing[static_cast<std::size_t>(t)]) body.declared.triangles.push_back(t);
         body.is_beside_wing = !wing->declaration.triangles.empty();
         if (!body.is_beside_wing || body.declared.triangles.empty())
-            throw InvalidInput("the whole surface is a wing; leave --length out");
+            throw InvalidInput(text(printable(file),
+                                    ": the wing that is found is the whole surface, with what it is joined to; leave "
+                                    "--length out for the wing, or declare the body in a case: planform: {body: "
+                                    "{length: ",
+                                    way_words(body.declared.axis), ", on: REGION}}"));
     }
     const Fuselage fuselage(first, body.declared);
     body.now = body_sheet(fuselage, mesh);
@@ -71,7 +76,8 @@ BodyMeasures body_measures(const TriMesh& mesh, const std::string& way, const st
 
 std::string body_words(const std::string& file, const BodyMeasures& body) {
     std::string out = printable(file) + "\n";
-    out += fmt::format("{:<16}{}\n", "body", body.is_beside_wing ? "what is not of the wing" : "the whole surface");
+    out += fmt::format("{:<16}{}{}\n", "body", body.is_beside_wing ? "what is not of the wing" : "the whole surface",
+                       body.declared.symmetry ? "; half a body: widths are of both sides" : "");
     out += fmt::format("{:<16}length {}, up {}\n", "directions", way_words(body.declared.axis),
                        way_words(body.declared.up));
     out += fmt::format("{:<16}{:.6g}{}\n", "length", body.now.length,

@@ -15,12 +15,13 @@ struct BodyMeasures {
 };
 
 /// Of the whole surface, or of what is not of a wing on it.
+/// @param file name of the surface, for messages
 /// @param way of the length, from the nose to the tail: "x", "+x", "-y" and so on; up is z, of a length along z y
 /// @param stations fractions of the length; empty: the default ones
 /// @param start the same triangles before they were moved; null: none
 /// @throws InvalidInput: no such direction, the surface is a wing alone, a station without a section, other triangles
-BodyMeasures body_measures(const TriMesh& mesh, const std::string& way, const std::vector<double>& stations,
-                           const TriMesh* start = nullptr);
+BodyMeasures body_measures(const TriMesh& mesh, const std::string& file, const std::string& way,
+                           const std::vector<double>& stations, const TriMesh* start = nullptr);
 
 std::string body_words(const std::string& file, const BodyMeasures& body);
 nlohmann::ordered_json body_json(const BodyMeasures& body);  ///< lengths in the file's unit, camber over the length

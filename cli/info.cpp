@@ -224,12 +224,12 @@ std::optional<PlanformSheet> sheet_of(const TriMesh& mesh, const std::vector<dou
     return planform_sheet(mesh, stations, &before);
 }
 
-std::optional<BodyMeasures> body_of(const TriMesh& mesh, const std::string& way, const std::vector<double>& stations,
-                                    const std::string& start) {
+std::optional<BodyMeasures> body_of(const TriMesh& mesh, const std::string& file, const std::string& way,
+                                    const std::vector<double>& stations, const std::string& start) {
     if (way.empty()) return {};
-    if (start.empty()) return body_measures(mesh, way, stations);
+    if (start.empty()) return body_measures(mesh, file, way, stations);
     const TriMesh before = read_logged(start).mesh;
-    return body_measures(mesh, way, stations, &before);
+    return body_measures(mesh, file, way, stations, &before);
 }
 
 void write_sections(const std::string& file, const std::optional<PlanformSheet>& sheet,
@@ -265,8 +265,10 @@ void add_info(CLI::App& app) {
     CLI::Option* planform = command->add_flag(
         "--planform", options->planform, "measure the wing: span, area, sweep, and chord, twist, thickness by station");
     command
-        ->add_option("--stations", options->stations,
-                     "with --planform: fractions of the semispan, for example 0,0.37,1; default: where edges kink")
+        ->add_option(
+            "--stations", options->stations,
+            "with --planform: fractions of the semispan, for example 0,0.37,1 (default: where edges kink); with "
+            "--length: of the length")
         ->delimiter(',')
         ->needs(planform);
     command
@@ -281,7 +283,8 @@ void add_info(CLI::App& app) {
         ->needs(planform);
     command
         ->add_option("--sections", options->sections,
-                     "with --planform: write the airfoils, in fractions of the chord, as FILE.csv or FILE.svg")
+                     "with --planform: write the airfoils, in fractions of the chord, as FILE.csv or FILE.svg; with "
+                     "--length: the body's sections, in the file's unit")
         ->needs(planform);
     command->callback([options] {
         std::vector<std::filesystem::path> inputs{options->surface};
@@ -289,7 +292,7 @@ void add_info(CLI::App& app) {
         check_outputs({options->vtp, options->sections}, inputs);
         if (options->planform && !options->json && options->vtp.empty()) {
             const TriMesh mesh = read_logged(options->surface).mesh;
-            const auto body = body_of(mesh, options->length, options->stations, options->start);
+            const auto body = body_of(mesh, options->surface, options->length, options->stations, options->start);
             const auto sheet = body ? std::nullopt : sheet_of(mesh, options->stations, options->start);
             write_sections(options->sections, sheet, body);
             print_info(body ? body_words(options->surface, *body) : planform_words(options->surface, sheet));
@@ -302,7 +305,8 @@ void add_info(CLI::App& app) {
         }
         nlohmann::ordered_json answer = as_json(r);
         if (options->planform) {
-            const auto body = body_of(r.surface.mesh, options->length, options->stations, options->start);
+            const auto body =
+                body_of(r.surface.mesh, options->surface, options->length, options->stations, options->start);
             const auto sheet = body ? std::nullopt : sheet_of(r.surface.mesh, options->stations, options->start);
             write_sections(options->sections, sheet, body);
             if (body)

@@ -36,7 +36,8 @@ struct Mixed {
     std::string kind;  ///< equilibrium | linear
     double from_a = 0, from_b = 0, diagonal = 0;
     int new_intersections = 0;
-    std::string beyond;  ///< the motion limit of A's case; empty: within
+    bool has_limit = false;  ///< that of A's case is known
+    std::string beyond;      ///< it, in words; empty: within
 };
 
 DesignOfRun design_of(const fs::path& run) {
@@ -74,7 +75,7 @@ Mixed mix(const MixArguments& args) {
                         "`strake apply` or `strake fit`",
                         printable(args.a, 400), printable(args.b, 400), a.num_triangles(), b.num_triangles(),
                         a.num_vertices(), b.num_vertices()));
-    Mixed out{a, "linear", 0, 0, box_diagonal(a), 0, ""};
+    Mixed out{a, "linear", 0, 0, box_diagonal(a), 0, false, ""};
     const bool between_designs = !args.linear && is_run_folder(args.a) && is_run_folder(args.b);
     if (args.weight == 0)
         out.surface.vertices = a.vertices;
@@ -83,6 +84,7 @@ Mixed mix(const MixArguments& args) {
     else if (between_designs) {
         MixedDesign mixed = equilibrium(args);
         out.surface.vertices = std::move(mixed.vertices);
+        out.has_limit = true;
         out.beyond = std::move(mixed.beyond);
     } else
         out.surface.vertices = (1 - args.weight) * a.vertices + args.weight * b.vertices;
@@ -104,7 +106,7 @@ void report(const MixArguments& args, const Mixed& mixed) {
     if (!mixed.beyond.empty()) fmt::print(stderr, "warning: beyond max_displacement of A's case: {}\n", mixed.beyond);
     if (!args.json) {
         fmt::print("mixed             {} of A, {} of B, {}\n", 1 - args.weight, args.weight,
-                   mixed.kind == "linear" ? "vertices along straight lines" : "an equilibrium of the shell");
+                   mixed.kind == "linear" ? "vertices along straight lines" : "by their variables, in equilibrium");
         fmt::print("distance          {:.6g} from A, {:.6g} from B ({:.3g} and {:.3g} % of the diagonal)\n",
                    mixed.from_a, mixed.from_b, 100 * mixed.from_a / mixed.diagonal,
                    100 * mixed.from_b / mixed.diagonal);
@@ -117,7 +119,7 @@ void report(const MixArguments& args, const Mixed& mixed) {
     j["max_from_a"] = json_number(mixed.from_a);
     j["max_from_b"] = json_number(mixed.from_b);
     j["new_intersections"] = mixed.new_intersections;
-    j["beyond_motion_limit"] = !mixed.beyond.empty();
+    if (mixed.has_limit) j["beyond_motion_limit"] = !mixed.beyond.empty();
     j["file"] = args.out;
     fmt::print("{}\n", j.dump(2, ' ', false, nlohmann::ordered_json::error_handler_t::replace));
 }

@@ -23,7 +23,7 @@ file(GLOB_RECURSE headers RELATIVE ${PROJECT_SOURCE_DIR} ${PROJECT_SOURCE_DIR}/c
   ${PROJECT_SOURCE_DIR}/objectives/*.hpp ${PROJECT_SOURCE_DIR}/optimize/*.hpp ${PROJECT_SOURCE_DIR}/casefile/*.hpp
   ${PROJECT_SOURCE_DIR}/report/*.hpp)
 list(FILTER headers EXCLUDE REGEX "_impl[.]hpp$")
-set(hidden "<nlohmann/|<nlopt|<yaml-cpp/|<embree|<sqlite|<ceres/|<cholmod|<CGAL/|<fmt/|_impl[.]hpp\"")
+set(hidden "<nlohmann/|<nlopt|<yaml-cpp/|<embree|<sqlite|<ceres/|<cholmod|<CGAL/|<fmt/|<emmintrin|_impl[.]hpp\"")
 set(before -1)
 list(LENGTH headers count)
 while(NOT before EQUAL count)  # what includes a hidden header is hidden, too

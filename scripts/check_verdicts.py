@@ -1,14 +1,14 @@
 #!/usr/bin/python3
-"""Runs the examples under cases/ and counts doubts about their gradients, all of which are right: check_verdicts.py BIN [--evaluations N]
+"""Runs the examples under cases/ and counts suspicions of their gradients, all of which are right: check_verdicts.py BIN [--evaluations N]
 [--triangles N] [--only PART] [--out FOLDER]
 or counts those of the tests: check_verdicts.py --tests PROGRAM...
 
 BIN holds strake and make_surface. Left out are the cases with OpenFOAM and those that deform or fit. A run accuses a gradient where its
-status is `gradient_inconsistent`, and doubts it where its reason names a wrong gradient; both count. N evaluations a run at most (default
+status is `gradient_inconsistent`, and suspects it where its reason names a wrong gradient; both count. N evaluations a run at most (default
 60), N triangles of the larger surfaces (default 2000).
 With --tests gdb counts searches and accusations while each program of tests runs; tests that give wrong gradients on purpose
 (WRONG) are told apart.
-Exit status: 0 no gradient is accused or doubted and every run has a verdict, 1 else, 2 wrong usage.
+Exit status: 0 no gradient is accused or suspected and every run has a verdict, 1 else, 2 wrong usage.
 """
 
 import argparse
@@ -101,7 +101,7 @@ def main():
         os.makedirs(os.path.join(cases, "external", folder), exist_ok=True)
     subprocess.run([os.path.join(ROOT, "scripts/examples.sh"), cases, programs, str(args.triangles), str(args.triangles)],
                    check=True, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
-    runs, accused, doubted, without = 0, 0, 0, 0
+    runs, accused, suspected, without = 0, 0, 0, 0
     for folder, _, files in sorted(os.walk(cases)):
         for name in sorted(files):
             path = os.path.join(folder, name)
@@ -120,11 +120,11 @@ def main():
             runs += 1
             is_accused = result["status"] == "gradient_inconsistent"
             accused += is_accused
-            doubted += not is_accused and "wrong gradient" in result["reason"]
+            suspected += not is_accused and "wrong gradient" in result["reason"]
             without += result["status"].startswith("exit")
             print(f"{shown}: {result['status']}, {result['evaluations']} evaluations: {result['reason'].splitlines()[0]}", flush=True)
-    print(f"{runs} runs, {accused} accuse a gradient, {doubted} doubt one, {without} without a verdict")
-    return 1 if accused + doubted + without > 0 or runs == 0 else 0
+    print(f"{runs} runs, {accused} accuse a gradient, {suspected} suspect one, {without} without a verdict")
+    return 1 if accused + suspected + without > 0 or runs == 0 else 0
 
 
 if __name__ == "__main__":

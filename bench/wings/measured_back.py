@@ -71,13 +71,13 @@ class Wing:
         """With a winglet: the mesh edges of a section's foremost and aftmost point, and their places on them."""
         normal, _, place = self.frame(station)
         cut = Section(self.start, self.triangles, normal, place @ normal)
-        cut.near(place, self.reach(place))
+        cut.near(place, self.reach())
         flat = cut.ends.reshape(-1, 3) @ self.downstream
         edges = [e for pair in cut.edges for e in pair]
         chosen = [edges[flat.argmin()], edges[flat.argmax()]]
         return [(i, j, cut.height[i] / (cut.height[i] - cut.height[j])) for i, j in chosen]
 
-    def reach(self, place):
+    def reach(self):
         return 0.35 * (self.tip_at - self.root)
 
     def cut(self, points, k):
@@ -91,7 +91,7 @@ class Wing:
             place = sum((1 - t) * points[i] + t * points[j] for i, j, t in tie) / len(tie)
             at = place @ normal
             cut = Section(points, self.triangles, normal, at)
-            cut.near(place, self.reach(place))
+            cut.near(place, self.reach())
         flat = numpy.stack([cut.ends @ self.downstream, cut.ends @ up], 2)
         return flat, lambda p: at * normal + p[0] * self.downstream + p[1] * up
 

@@ -14,18 +14,23 @@ constexpr int leaf = 8;  // points that are looked at one by one
 PointTree::PointTree(const Points& points)
     : points_(points), number_(static_cast<std::size_t>(points.rows())), axis_(number_.size(), 0) {
     std::iota(number_.begin(), number_.end(), 0);
-    build(0, static_cast<int>(points.rows()));
+    std::size_t nodes = 1;
+    for (Eigen::Index count = points.rows(); count > leaf; count /= 2) nodes = 2 * nodes + 1;
+    box_.resize(nodes);
+    build(0, static_cast<int>(points.rows()), 0);
     for (std::size_t i = 0; i < number_.size(); ++i) points_.row(static_cast<Eigen::Index>(i)) = points.row(number_[i]);
 }
 
 /// `points_` is in the order of the input until all ranges are divided.
-void PointTree::build(int begin, int end) {
-    if (end - begin <= leaf) return;
+void PointTree::build(int begin, int end, std::size_t node) {
+    if (begin == end) return;
     Eigen::RowVector3d low = points_.row(number_[begin]), high = low;
     for (int i = begin; i < end; ++i) {
         low = low.cwiseMin(points_.row(number_[i]));
         high = high.cwiseMax(points_.row(number_[i]));
     }
+    box_[node] = {low, high};
+    if (end - begin <= leaf) return;
     int axis = 0;
     (high - low).maxCoeff(&axis);
     const int middle = begin + (end - begin) / 2;
@@ -33,8 +38,8 @@ void PointTree::build(int begin, int end) {
         return points_(a, axis) < points_(b, axis) || (points_(a, axis) == points_(b, axis) && a < b);
     });
     axis_[middle] = static_cast<char>(axis);
-    build(begin, middle);
-    build(middle + 1, end);
+    build(begin, middle, 2 * node + 1);
+    build(middle + 1, end, 2 * node + 2);
 }
 
 void PointTree::search(int begin, int end, const Eigen::Vector3d& x, int& best, double& least) const {
@@ -79,6 +84,56 @@ void PointTree::collect(int begin, int end, const Eigen::Vector3d& x, double rad
 void PointTree::within(const Eigen::Vector3d& x, double radius, std::vector<int>& found) const {
     found.clear();
     collect(0, static_cast<int>(number_.size()), x, radius, found);
+    std::sort(found.begin(), found.end());
+}
+
+namespace {
+
+bool is_near(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::Vector3d& x, double radius) {
+    const Eigen::Vector3d side = q - p;
+    const double along = side.squaredNorm() > 0 ? std::clamp((x - p).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
+    return (x - p - along * side).norm() <= radius;
+}
+
+/// The segment from p to q comes as near as `radius` to the box, or a little farther, at a corner.
+bool meets(const Eigen::Vector3d& p, const Eigen::Vector3d& q, const Eigen::RowVector3d& low,
+           const Eigen::RowVector3d& high, double radius) {
+    double from = 0, to = 1;
+    for (int k = 0; k < 3; ++k) {
+        const double begin = low[k] - radius - p[k], end = high[k] + radius - p[k], way = q[k] - p[k];
+        if (begin > std::max(0.0, way) || end < std::min(0.0, way)) return false;
+        if (way == 0) continue;
+        from = std::max(from, (way > 0 ? begin : end) / way);
+        to = std::min(to, (way > 0 ? end : begin) / way);
+    }
+    constexpr double rounding = 1e-9;  // of shares of the way
+    return from <= to + rounding;
+}
+
+}  // namespace
+
+void PointTree::collect(int begin, int end, std::size_t node, const Eigen::Vector3d& p, const Eigen::Vector3d& q,
+                        double radius, std::vector<int>& found) const {
+    if (begin == end || !meets(p, q, box_[node].low, box_[node].high, radius)) return;
+    const auto look_at = [&](int i) {
+        if (is_near(p, q, points_.row(i), radius)) found.push_back(number_[i]);
+    };
+    if (end - begin <= leaf) {
+        for (int i = begin; i < end; ++i) look_at(i);
+        return;
+    }
+    const int middle = begin + (end - begin) / 2;
+    look_at(middle);
+    collect(begin, middle, 2 * node + 1, p, q, radius, found);
+    collect(middle + 1, end, 2 * node + 2, p, q, radius, found);
+}
+
+void PointTree::near_segment(const Eigen::Vector3d& p, const Eigen::Vector3d& q, double radius,
+                             std::vector<int>& found) const {
+    found.clear();
+    constexpr double rounding = 1e-12;  // of the size of the coordinates
+    const double size = std::max(p.cwiseAbs().maxCoeff(), q.cwiseAbs().maxCoeff());
+    collect(0, static_cast<int>(number_.size()), 0, p, q, radius + rounding * (size + radius), found);
     std::sort(found.begin(), found.end());
 }
 

@@ -100,7 +100,7 @@ Varying Wing::Node::gone(const TriMesh& surface, const Vector3d& way, bool sensi
 void Wing::follow(const TriMesh& surface, const Side& side, double fraction, bool sensitivities, Plane& plane) const {
     const auto [a, b, t] = side.nodes_at(fraction);
     const Vector3d axis = *plane.near;
-    const auto at = [&](const Vector3d& way) {
+    const auto at = [&, &a = a, &b = b, t = t](const Vector3d& way) {
         return way.dot(axis) + (1 - t) * a.gone(surface, way, sensitivities) + t * b.gone(surface, way, sensitivities);
     };
     plane.length = (1 / (b.station - a.station)) * step(surface, side, a, b, sensitivities);

@@ -103,7 +103,7 @@ std::vector<int> find_crack_vertices(const TriMesh& mesh, const Adjacency& adjac
         const auto [a, b] = adjacent.edges[e];
         const int t = adjacent.edge_triangles[e][0];
         const Eigen::Vector3d pa = mesh.vertices.row(a), pb = mesh.vertices.row(b), side = pb - pa;
-        tree.within(0.5 * (pa + pb), 0.5 * side.norm() + tolerance, found);
+        tree.near_segment(pa, pb, tolerance, found);
         if (found.size() > left) break;
         left -= found.size();
         for (const int i : found) {

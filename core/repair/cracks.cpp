@@ -33,7 +33,7 @@ Junctions find_junctions(const TriMesh& mesh, const Adjacency& adjacent, double 
             const int a = mesh.triangles(t, k), b = mesh.triangles(t, (k + 1) % 3), c = mesh.triangles(t, (k + 2) % 3);
             const Eigen::Vector3d pa = mesh.vertices.row(a), pb = mesh.vertices.row(b), side = pb - pa;
             if (!(side.norm() > 2 * tolerance)) continue;
-            tree.within(0.5 * (pa + pb), 0.5 * side.norm() + tolerance, found);
+            tree.near_segment(pa, pb, tolerance, found);
             if (found.size() > left) return junctions;
             left -= found.size();
             for (const int i : found) {

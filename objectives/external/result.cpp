@@ -199,9 +199,23 @@ std::vector<std::vector<double>> all_derivatives(const json& result, const std::
 ProgramResult parse_named(const std::string& bytes, const std::vector<std::string>& outputs, bool want_gradients,
                           const std::vector<std::string>& variables, bool may_lack, bool want_values) {
     const json result = parse(bytes);
+    const bool wants_both = want_gradients && want_values;
+    const std::string values_only =
+        wants_both ? text(
+                         ". For a program that gives values only, add `gradients: false` to the quantity; result.json "
+                         "is then ",
+                         example(outputs, false))
+                   : "";
     if (!result.is_object())
         refuse_result("wrong_type", text("is ", result.type_name(), ", must be an object, as ",
-                                         example(outputs, want_gradients && want_values)));
+                                         example(outputs, wants_both), values_only));
+    const bool is_known = std::any_of(result.items().begin(), result.items().end(), [](const auto& item) {
+        return similar("value", item.key()) || similar("values", item.key()) || item.key() == "gradient" ||
+               item.key() == "gradients";
+    });
+    if (wants_both && !is_known)
+        refuse_result("missing_key", text("no '", outputs.size() > 1 ? "values" : "value", "' at the top; it has: ",
+                                          names_in(result), "; result.json is ", example(outputs, true), values_only));
     const auto shown = [&](const char* plural, const char* singular, std::size_t k) {
         return outputs.empty() ? text("'", singular, "'") : text("'", plural, ".", outputs[k], "'");
     };

@@ -342,7 +342,7 @@ private:
         end(MinimizeStop::roundoff, text(what, "; the least violation is ", guard_.best_violation));
     }
 
-    /// No search has converged, or is stuck, by a gradient that the values contradict.
+    /// No search has converged, or ended without progress, by a gradient that the values contradict.
     void confirm_gradient() {
         if (!result_.conflict.empty() || result_.gradient_inconsistent || !guard_.has_own_gradients()) return;
         const bool is_old = guard_.options.is_relative_to_objective;

@@ -165,7 +165,7 @@ struct OptimizeOptions {
     double progress_below = 0.01;
     double objective_tolerance = 1e-6;  ///< a level has converged below this share of what the run has gained
     /// The meaning of runs before 0.2: `objective_tolerance` is relative to the objective, and a gradient is checked
-    /// only where the search got stuck.
+    /// only where the search had ended.
     bool is_relative_to_objective = false;
     /// The same: a budget is shared among all levels, also where each then has too few evaluations to move.
     bool shares_with_all_levels = false;

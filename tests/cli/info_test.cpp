@@ -86,6 +86,7 @@ TEST(Info, ABodyIsListedAlongItsLength) {
     const auto body = nlohmann::json::parse(run.out).at("body");
     EXPECT_EQ(body.at("length_direction"), nlohmann::json::parse("[-1.0, 0.0, 0.0]"));
     EXPECT_DOUBLE_EQ(body.at("length"), 4);
+    EXPECT_EQ(body.at("half"), false) << "it is closed";
     ASSERT_EQ(body.at("stations").size(), 5U);
     for (const auto& station : body.at("stations")) {
         EXPECT_NEAR(station.at("width"), 1.1, 1e-6);
@@ -106,7 +107,26 @@ TEST(Info, ABodyIsListedAlongItsLength) {
     write_surface(folder / "wing.ply", lofted(Loft()), SurfaceFormat::ply_binary);
     const ProgramRun wing = run_strake({"info", "--planform", (folder / "wing.ply").string(), "--length", "x"});
     EXPECT_EQ(wing.status, 2);
-    EXPECT_NE(wing.err.find("the whole surface is a wing"), std::string::npos) << wing.err;
+    EXPECT_NE(wing.err.find("wing.ply: the wing that is found is the whole surface"), std::string::npos) << wing.err;
+}
+
+TEST(Info, HalfABodyHasTheWidthOfBothSides) {
+    const TempFolder folder;
+    TriMesh half = box_surface({4, 1, 2});
+    std::vector<int> kept;
+    for (int t = 0; t < half.num_triangles(); ++t)
+        if ((half.vertices(half.triangles.row(t), 1).array() > half.vertices.col(1).minCoeff() + 1e-9).any())
+            kept.push_back(t);
+    half.triangles = Triangles(half.triangles(kept, Eigen::all));
+    write_surface(folder / "half.ply", half, SurfaceFormat::ply_binary);
+    const std::string file = (folder / "half.ply").string();
+    const ProgramRun run = run_strake({"info", "--planform", file, "--length", "x", "--json"});
+    ASSERT_EQ(run.status, 0) << run.err;
+    const auto body = nlohmann::json::parse(run.out).at("body");
+    EXPECT_EQ(body.at("half"), true);
+    for (const auto& station : body.at("stations")) EXPECT_NEAR(station.at("width"), 2, 1e-6);
+    const ProgramRun words = run_strake({"info", "--planform", file, "--length", "x"});
+    EXPECT_NE(words.out.find("half a body"), std::string::npos) << words.out;
 }
 
 TEST(Info, WordsNameEveryDefectWithCountAndFirstIds) {

@@ -72,6 +72,10 @@ def program(script):
          "objective: {minimize: cfd}"), ("evaluations: 2}", "evaluations: 2}, method: cobyla"))}
 
 
+def with_gradients(files):
+    return {**files, "case.yaml": files["case.yaml"].replace(", gradients: false", "").replace(", method: cobyla", "")}
+
+
 # (title, files beside body.obj and case.yaml, arguments, exit status); the messages are in mistakes.txt.
 CHECK, RUN = ["check", "case.yaml"], ["run", "case.yaml", "--out", "runs"]
 MISTAKES = [
@@ -170,8 +174,9 @@ MISTAKES = [
     ("a solver whose answer is no number", program('echo \'{"value": "0.5"}\' > "$1"'), RUN, 5),
     ("a solver whose value is nothing", program('echo \'{"value": null}\' > "$1"'), RUN, 5),
     ("a solver that answers with a number", program('echo 0.5 > "$1"'), RUN, 5),
-    ("a solver that gives values only", {**(lambda files: {**files, "case.yaml": files["case.yaml"].replace(
-        ", gradients: false", "").replace(", method: cobyla", "")})(program('echo \'{"value": 0.5}\' > "$1"'))}, RUN, 5),
+    ("a solver that gives values only", with_gradients(program('echo \'{"value": 0.5}\' > "$1"')), RUN, 5),
+    ("a solver that gives a number alone", with_gradients(program('echo 0.5 > "$1"')), RUN, 5),
+    ("a solver that calls its value another name", with_gradients(program('echo \'{"drag": 0.5}\' > "$1"')), RUN, 5),
     ("a solver that may not be run", {**program("exit 0"), "mode": 0o644}, RUN, 2),
     ("a script beside the case, which the program looks for where it runs",
      {"solve.py": "", "points.csv": "", "case.yaml": program("")["case.yaml"].replace(

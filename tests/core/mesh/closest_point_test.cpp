@@ -1,6 +1,7 @@
 #include "core/mesh/closest_point.hpp"
 
 #include "core/error.hpp"
+#include "core/mesh/point_tree.hpp"
 #include "core/mesh/point_triangle.hpp"
 #include "derivatives.hpp"
 #include "surfaces.hpp"
@@ -8,6 +9,7 @@
 #include <gtest/gtest.h>
 #include <xmmintrin.h>
 
+#include <algorithm>
 #include <limits>
 
 namespace strake {
@@ -154,6 +156,29 @@ TEST(ClosestPoint, RefusesWhatHasNoAnswer) {
     EXPECT_THROW(ClosestPointTree(mesh).find({0, std::numeric_limits<double>::quiet_NaN(), 0}), InvalidInput);
     mesh.triangles(3, 1) = 99;
     EXPECT_THROW(ClosestPointTree{mesh}, InvalidInput);
+}
+
+/// Points about a segment, on it and along it, at many scales; `within` of a ball around it would look at all of them.
+TEST(PointTree, OnlyWhatIsNearASegmentIsFound) {
+    const Eigen::VectorXd r = random_vector(3 * 4000, 5);
+    Points points(4000, 3);
+    for (int i = 0; i < 4000; ++i) points.row(i) << r[3 * i], 0.3 * r[3 * i + 1], (i % 5 == 0 ? 0 : 0.1) * r[3 * i + 2];
+    const PointTree tree(points);
+    std::vector<int> found;
+    for (const double scale : {1.0, 0.01, 0.0})
+        for (int k = 0; k < 40; ++k) {
+            const Eigen::Vector3d p = points.row(k), q = p + scale * (points.row(4 * k + 7).transpose() - p);
+            const double radius = k % 2 == 0 ? 0.02 : 0.3;
+            std::vector<int> all;
+            for (int i = 0; i < 4000; ++i) {
+                const Eigen::Vector3d x = points.row(i), side = q - p;
+                const double along = side.norm() > 0 ? std::clamp((x - p).dot(side) / side.squaredNorm(), 0.0, 1.0) : 0;
+                if ((x - p - along * side).norm() <= radius) all.push_back(i);
+            }
+            tree.near_segment(p, q, radius, found);
+            EXPECT_EQ(found, all) << k << " " << scale;
+            EXPECT_FALSE(all.empty());
+        }
 }
 
 }  // namespace

@@ -85,6 +85,13 @@ class Su2(Example, unittest.TestCase):
         done = run(STRAKE, "check", "case.yaml", "--evaluate", cwd=self.case)
         self.assertEqual(done.returncode, 5, done.stderr)
 
+    def test_a_folder_that_an_earlier_process_left_is_not_in_the_way(self):
+        """Folders of failed evaluations are kept, and numbers of processes come again."""
+        left = lambda: os.makedirs(os.path.join(self.case, f"strake-check-{os.getpid()}/evaluations/000001"))
+        done = subprocess.run([STRAKE, "check", "case.yaml", "--evaluate"], cwd=self.case, capture_output=True, text=True, check=False,
+                              env={**os.environ, "TMPDIR": self.case}, preexec_fn=left)
+        self.assertEqual(done.returncode, 0, done.stderr)
+
     def test_files_of_another_design_are_refused(self):
         self.replace("flow.cfg", "MESH_FILENAME= mesh.su2", "MESH_FILENAME= generated/mesh.su2")
         self.replace("flow.cfg", "MESH_OUT_FILENAME= mesh_out.su2", "MESH_OUT_FILENAME= generated/mesh.su2")

@@ -23,7 +23,7 @@ std::vector<int> part_of(const TriMesh& mesh, std::vector<int> listed, const std
     return listed;
 }
 
-Varying component(const TriMesh& mesh, int v, const Vector3d& n, bool sensitivities) {
+Varying component(const TriMesh& mesh, int v, const Eigen::Vector3d& n, bool sensitivities) {
     Varying result(n.dot(mesh.vertices.row(v)));
     for (int c = 0; sensitivities && c < 3; ++c)
         if (n[c] != 0) result.slope.emplace_back(3 * v + c, n[c]);

@@ -2,6 +2,8 @@
 
 #include "core/mesh/geometry.hpp"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <numbers>
 

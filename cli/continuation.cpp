@@ -48,7 +48,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_held_motion_counts = 5, since_polynomials_keep_edges = 6, since_ranges_begin_wide = 6,
                   since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
                   since_large_bodies_are_quick = 8, since_coarse_noses_stay = 8, since_stations_are_level = 8,
-                  since_noses_are_corners_later = 8, since_winglets_are_followed = 9, since_boxes_sum = 10;
+                  since_noses_are_corners_later = 8, since_winglets_are_followed = 9, since_boxes_sum = 10,
+                  since_curvature_is_shared = 11;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -74,6 +75,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.begins_with_narrow_ranges = meaning < since_ranges_begin_wide;
     the_case.optimize.begins_with_narrow_shell_ranges = meaning < since_shell_ranges_begin_wide;
     the_case.optimize.trusts_long_steps = meaning < since_long_steps_are_asked;
+    the_case.optimize.learns_as_before = meaning < since_curvature_is_shared;
 }
 
 int written_meaning(const std::filesystem::path& dir) {

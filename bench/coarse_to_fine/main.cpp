@@ -1,3 +1,4 @@
+#include "bench/coarse_to_fine/disturbance.hpp"
 #include "bench/coarse_to_fine/solve.hpp"
 #include "core/error.hpp"
 #include "core/formats/io.hpp"
@@ -6,6 +7,7 @@
 
 #include <CLI/CLI.hpp>
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -28,6 +30,8 @@ struct Settings {
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
     bool values_only = false;
+    double noise = 0, failures = 0;
+    int batch = OptimizeOptions().batch;
     /// Objectives, as minimized, at which a run has seen enough, by problem and method; none: it goes on.
     std::map<std::pair<std::string, std::string>, double> enough;
 };
@@ -98,10 +102,31 @@ Solve solve_or_say_why(const EvidenceProblem& problem, Solver solver, Method met
     }
 }
 
+/// The noise is a share of what the same way gains without it; the trace has true values.
+Solve solve_disturbed(const EvidenceProblem& problem, Solver solver, Method method, const Settings& settings) {
+    Disturbance disturbance{.noise = 0, .failures = settings.failures, .seed = settings.seed};
+    if (settings.noise > 0) {
+        const Solve calm = solve_or_say_why(problem, solver, method, settings);
+        disturbance.noise = settings.noise * std::abs(calm.start - calm.final);
+    }
+    const auto truth = std::make_shared<Truth>();
+    Solve result = solve_or_say_why(disturbed(problem, disturbance, truth), solver, method, settings);
+    const double sign = problem.problem.maximize ? -1 : 1;
+    const auto exact = [&](double seen) {
+        const auto known = truth->find(sign * seen);
+        return known == truth->end() ? seen : sign * known->second;
+    };
+    for (TracePoint& point : result.trace) point.best = exact(point.best);
+    result.start = exact(result.start);
+    result.final = exact(result.final);
+    return result;
+}
+
 void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
     problem.problem.optimize.min_expected_gain = settings.min_expected_gain;
+    problem.problem.optimize.batch = settings.batch;
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     const std::filesystem::path folder = settings.out;
@@ -111,7 +136,9 @@ void run_problem(const std::string& name, const Settings& settings) {
             if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
             const std::string file = name + "-" + to_string(solver) + "-" + to_string(method) + "-runs.csv";
             if (std::filesystem::exists(folder / file)) continue;  // by an earlier, interrupted call
-            const Solve s = solve_or_say_why(problem, solver, method, settings);
+            const bool is_disturbed = settings.noise > 0 || settings.failures > 0;
+            const Solve s = is_disturbed ? solve_disturbed(problem, solver, method, settings)
+                                         : solve_or_say_why(problem, solver, method, settings);
             write(folder, problem, s);
             std::fprintf(stderr,
                          "%-20s %-13s %-6s %5d variables %4d evaluations (%d failed) %8.1f s  %.6g -> %.6g  %s\n",
@@ -182,6 +209,11 @@ int main(int argc, char** argv) {
     app.add_flag(
         "--values-only", settings.values_only,
         "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
+    app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));
+    app.add_option("--noise", settings.noise,
+                   "of the objective's values, a share of what the same way gains without; traces have true values")
+        ->check(CLI::Range(0.0, 1.0));
+    app.add_option("--failures", settings.failures, "share of the designs that fail")->check(CLI::Range(0.0, 0.9));
     app.add_flag("--list", list, "print the problems and end");
     CLI11_PARSE(app, argc, argv);
     if (physical) settings.problems = physical_names();

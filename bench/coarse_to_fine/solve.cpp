@@ -49,7 +49,9 @@ struct Tracer {
 
 void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, int budget, Tracer& tracer) {
     Solve& result = tracer.solve;
-    Problem problem = solver == Solver::fields ? with_automatic_fields(evidence).problem : evidence.problem;
+    const bool has_fields = solver == Solver::fields || solver == Solver::as_it_comes;
+    Problem problem = has_fields ? with_automatic_fields(evidence).problem : evidence.problem;
+    if (solver == Solver::as_it_comes) problem.parameters.kinds = Parameters{}.kinds;
     if (solver == Solver::finest) problem.tree = finest_only(problem.tree);
     const bool chooses = solver == Solver::adaptive || solver == Solver::fields;
     if (chooses) problem.parameters.split = SplitRule::sensitivity;
@@ -276,6 +278,7 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     how.objective_tolerance = options.objective_tolerance;
     how.step_tolerance = options.step_tolerance;
     how.constraint_tolerance = options.constraint_tolerance;
+    how.batch = options.batch;
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };
     how.on_event = [&](const std::string& words) {
         result.notes.push_back(words);
@@ -304,8 +307,8 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
 
 const std::vector<Solver>& all_solvers() {
     static const std::vector<Solver> all{
-        Solver::fields, Solver::adaptive, Solver::uniform,       Solver::finest,        Solver::ffd,
-        Solver::box_12, Solver::box_24,   Solver::lattice_4x4x4, Solver::lattice_8x4x2, Solver::filtered};
+        Solver::fields, Solver::as_it_comes, Solver::adaptive,      Solver::uniform,       Solver::finest,  Solver::ffd,
+        Solver::box_12, Solver::box_24,      Solver::lattice_4x4x4, Solver::lattice_8x4x2, Solver::filtered};
     return all;
 }
 
@@ -313,6 +316,8 @@ std::string to_string(Solver solver) {
     switch (solver) {
         case Solver::fields:
             return "fields";
+        case Solver::as_it_comes:
+            return "as_it_comes";
         case Solver::lattice_4x4x4:
             return "lattice_4x4x4";
         case Solver::lattice_8x4x2:
@@ -373,7 +378,9 @@ Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int bu
     Tracer tracer{result};
     tracer.has_gradients = problem.has_gradients;
     tracer.enough = enough;
-    if (solver == Solver::fields || solver == Solver::adaptive || solver == Solver::uniform || solver == Solver::finest)
+    const bool is_ours = solver == Solver::fields || solver == Solver::as_it_comes || solver == Solver::adaptive ||
+                         solver == Solver::uniform || solver == Solver::finest;
+    if (is_ours)
         run_strake(problem, solver, method, budget, tracer);
     else
         run_comparator(problem, comparator_motion(problem, solver, method), method, budget, tracer);

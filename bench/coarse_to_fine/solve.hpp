@@ -5,12 +5,13 @@
 namespace strake::evidence {
 
 enum class Solver {
-    fields,    ///< `parameters.fields: auto`: displacement fields first, patches split by sensitivity
-    adaptive,  ///< coarse to fine, patches split by sensitivity
-    uniform,   ///< coarse to fine, level by level of the tree
-    finest,    ///< the last level alone
-    ffd,       ///< Bezier box with about as many variables as `finest`
-    box_12,    ///< with about 12 and 24 variables, as users set them for few evaluations
+    fields,       ///< `parameters.fields: auto`: displacement fields first, patches split by sensitivity
+    as_it_comes,  ///< a case that states no variables, of a program that gives values only: fields, then loads
+    adaptive,     ///< coarse to fine, patches split by sensitivity
+    uniform,      ///< coarse to fine, level by level of the tree
+    finest,       ///< the last level alone
+    ffd,          ///< Bezier box with about as many variables as `finest`
+    box_12,       ///< with about 12 and 24 variables, as users set them for few evaluations
     box_24,
     lattice_4x4x4,  ///< B-spline lattices as users set them
     lattice_8x4x2,

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 10;
+constexpr int latest_meaning = 11;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -49,7 +49,8 @@ struct JournalFacts {
     /// (`RadialSums::by_centers`), fields are products in one (`FieldOptions`), edges of sections are kept
     /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
     /// `WingRules::sliding`; 9: by `WingRules::latest`; 10: bodies of many vertices follow their wraps by sums over
-    /// boxes (`RadialSums::by_boxes`).
+    /// boxes (`RadialSums::by_boxes`); 11: models of `method: model` have a curvature that all directions share
+    /// (`OptimizeOptions::learns_as_before`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

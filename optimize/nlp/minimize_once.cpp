@@ -228,6 +228,11 @@ private:
         const ModelEnd found = minimize_by_model(guard_);
         result_.shrinks += found.shrinks;
         result_.radius = found.radius;
+        if (!guard_.options.learns_as_before) {
+            result_.last_x = found.x;
+            result_.last = found.at;
+            result_.hessian = found.hessian;
+        }
         noise_ = found.noise;
         end(found.stop, found.reason);
     }

@@ -175,8 +175,10 @@ struct OptimizeOptions {
     bool begins_with_narrow_ranges = false;
     bool begins_with_narrow_shell_ranges = false;  ///< the same with a shell
     bool trusts_long_steps = false;                ///< the meaning of earlier runs: `MinimizeOptions`
-    double step_tolerance = 1e-6;                  ///< or below this change of the scaled variables
-    double constraint_tolerance = 1e-6;            ///< of the scaled constraint, for "feasible"
+    /// The meaning of earlier runs, of `model`: `MinimizeOptions`, and all levels have the same share of the budget.
+    bool learns_as_before = false;
+    double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
+    double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis
     double difference_step = 1e-4;    ///< of these, as a share of the size-1 step of the metric, in (0, 1]
     int starts = 1;                   ///< of the first level: the given one and random ones within the bounds, >= 1

@@ -13,6 +13,8 @@
 #include "optimize/space/refinement.hpp"
 #include "optimize/space/scaling.hpp"
 
+#include <algorithm>
+
 namespace strake {
 namespace {
 
@@ -29,6 +31,10 @@ constexpr double early_by_differences = 0.3;
 /// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
 constexpr int min_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
+/// A level that is searched by models gets half of what is left, and no more points than these for each variable.
+constexpr int points_of_a_variable = 2;
+constexpr int batches_of_a_level = 3;  ///< at least: the first only looks around
+constexpr int max_variables_by_models = 100;
 constexpr int trial_share = 10;  ///< trials of directions that must still be affordable
 /// Share of the motion limit in use below which the ranges of variables become wider. Above, other optima are as likely
 /// as better ones (next to buckling, and where the mesh decides).
@@ -320,6 +326,7 @@ private:
         MinimizeOptions how;
         // Random and global searches belong where there are few variables.
         how.method = first || !method_facts(options.method).is_global ? options.method : Method::sqp;
+        if (begins_by_models(last)) how.method = Method::model;
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
         how.objective_tolerance = options.objective_tolerance;
@@ -328,14 +335,17 @@ private:
         how.largest_gradient = largest_gradient_;
         how.is_relative_to_objective = options.is_relative_to_objective;
         how.trusts_long_steps = options.trusts_long_steps;
+        how.learns_as_before = options.learns_as_before;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;
         how.failures_before = failed_;
         how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
-        how.max_evaluations =
-            last || (how.method == Method::sqp && may_try()) ? state_.evaluations_left() : level_budget();
+        how.max_evaluations = last                                     ? state_.evaluations_left()
+                              : how.method == Method::model            ? budget_by_models()
+                              : how.method == Method::sqp && may_try() ? state_.evaluations_left()
+                                                                       : level_budget();
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
@@ -354,6 +364,23 @@ private:
         const bool is_for_all = state_.problem.optimize.shares_with_all_levels;
         const int levels = is_for_all ? to_come : std::clamp(left / (min_evaluations + gradient), 1, to_come);
         return std::max(1, left / levels);
+    }
+    int budget_by_models() const {
+        const int shared = level_budget(), left = state_.evaluations_left();
+        if (state_.problem.optimize.learns_as_before || shared == left) return shared;
+        const int points = points_of_a_variable * (static_cast<int>(state_.space.size()) + 1);
+        const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
+        return std::clamp(std::max(points, batches), 1, std::max(1, left / 2));
+    }
+
+    /// Where trials of values choose what comes next, few variables are searched by models: differences would pay for
+    /// one gradient what brings these near their best. Equalities are met by chance only where models tell them.
+    bool begins_by_models(bool last) const {
+        const OptimizeOptions& options = state_.problem.optimize;
+        const auto is_equality = [](const Constraint& c) { return c.equals.has_value(); };
+        return !last && !options.learns_as_before && options.method == Method::sqp && has_choice() && !has_stayed_ &&
+               std::ranges::none_of(state_.problem.constraints, is_equality) && !state_.space.has_patches &&
+               state_.space.size() <= max_variables_by_models;
     }
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {

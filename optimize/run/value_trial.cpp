@@ -14,11 +14,12 @@ namespace {
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double joins_too = 1.0 / 3;  ///< of the larger gain for each variable: six directions say no more
-constexpr double stays = 0.1;          ///< of it
-constexpr double longest_step = 1;     ///< in the metric
-constexpr double softest = 100;        ///< times softer or stiffer than the metric says
-constexpr double round_off = 1e-5;     ///< of a whitened variable that the others can do
+constexpr double joins_too = 0.7;  ///< of the larger gain for each variable: else it is dearer with both than alone
+constexpr double joined_before = 1.0 / 3;
+constexpr double stays = 0.1;       ///< of it
+constexpr double longest_step = 1;  ///< in the metric
+constexpr double softest = 100;     ///< times softer or stiffer than the metric says
+constexpr double round_off = 1e-5;  ///< of a whitened variable that the others can do
 
 bool is_field(const DesignSpace& space, int j) {
     return space.variables[static_cast<std::size_t>(j)].kind == VariableKind::field;
@@ -255,7 +256,8 @@ TrialResult next_by_values(RunState& state, LevelProgram& program, const LeftLev
     double best = 0;
     for (const Group& g : groups) best = std::max({best, can_be_paid(g) ? g.finer.gain : 0, g.there.gain});
     const auto joins = [&](const Group& g) {
-        return g.finer.size() > 0 && g.finer.gain > 0 && g.finer.gain >= joins_too * best && can_be_paid(g);
+        const double share = state.problem.optimize.learns_as_before ? joined_before : joins_too;
+        return g.finer.size() > 0 && g.finer.gain > 0 && g.finer.gain >= share * best && can_be_paid(g);
     };
     const auto remains = [&](const Group& g) {
         return g.is_there() && (result.is_idle || g.there.gain >= stays * best);

@@ -17,7 +17,8 @@ struct LeftLevel {
 /// it. A random direction of length 1 in the metric, within the n directions of such a part, has the mean square slope
 /// |gradient|^2 / n. One value further along the slopes tells the curvature. What all n gain by a step no longer than
 /// the trust region, over n, is what each variable is worth: it costs one evaluation a gradient.
-/// - The group that gains more for each of its variables joins; the other one, too, where it gains at least a third.
+/// - The group that gains more for each of its variables joins; the other one, too, where it gains at least 0.7 of
+/// that.
 /// - No group joins whose differences the evaluations that are left do not pay `affordable_gradients` times.
 /// - What is there of a group stays where it gains at least a tenth for each variable; else it is frozen, and returns
 ///   by the same trial.

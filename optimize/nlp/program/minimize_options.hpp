@@ -29,6 +29,8 @@ struct MinimizeOptions {
     bool is_relative_to_objective = false;
     /// The meaning of earlier runs: what the values of long steps leave open of a gradient is not asked again.
     bool trusts_long_steps = false;
+    /// The meaning of earlier runs, of `model`: no curvature that all directions share.
+    bool learns_as_before = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row
@@ -91,10 +93,10 @@ struct MinimizeResult {
     double largest_gradient = 0;  ///< of this search and those before
     int active_bounds = 0;        ///< variables that a bound keeps from a better value (without gradients: at a bound)
     bool is_flat = false;         ///< all evaluations gave the same objective, or its gradient is zero at a start
-    double radius = 0;            ///< sqp: of the trust region at the end
-    Eigen::MatrixXd hessian;      ///< sqp: model of the Lagrangian's Hessian at the end, n x n; empty: none
-    Eigen::VectorXd last_x;       ///< sqp: the last point that was differentiated; empty: none
-    Evaluation last;              ///< sqp: there, with gradients
+    double radius = 0;            ///< sqp, model: of the trust region at the end
+    Eigen::MatrixXd hessian;      ///< sqp, model: model of the Lagrangian's Hessian at the end, n x n; empty: none
+    Eigen::VectorXd last_x;       ///< sqp: the last point that was differentiated, model: the best; empty: none
+    Evaluation last;              ///< there, with gradients; model: by its models
     /// sqp with a cheap program: by how much a change of its values is multiplied; empty: there is none.
     Eigen::VectorXd low_fidelity_scale;
     /// What its steps have gained, as a share of what they were expected to gain. NaN: there was none.

@@ -23,7 +23,10 @@ Eigen::Index terms_of(Trend trend, Eigen::Index d) {
 
 GaussianProcess::GaussianProcess(MatrixXd points, VectorXd values, const GaussianProcessOptions& options,
                                  const Kernel* start)
-    : points_(std::move(points)), values_(std::move(values)), trend_(options.trend) {
+    : points_(std::move(points)),
+      values_(std::move(values)),
+      trend_(options.trend),
+      square_about_(options.square_about) {
     std::vector<int> group = options.group;
     if (group.empty())
         for (Eigen::Index j = 0; j < points_.cols(); ++j) group.push_back(static_cast<int>(j));
@@ -65,14 +68,19 @@ void GaussianProcess::check(const std::vector<int>& group) const {
 
 void GaussianProcess::choose_trend() {
     const Eigen::Index n = points_.rows(), d = points_.cols();
-    while (trend_ != Trend::constant &&
-           static_cast<double>(n) < points_per_term * static_cast<double>(terms_of(trend_, d)))
+    const auto can_tell = [&](Eigen::Index terms) {
+        return static_cast<double>(n) >= points_per_term * static_cast<double>(terms);
+    };
+    while (trend_ != Trend::constant && !can_tell(terms_of(trend_, d) + has_square()))
         trend_ = trend_ == Trend::quadratic ? Trend::linear : Trend::constant;
+    if (trend_ == Trend::quadratic || !can_tell(terms_of(trend_, d) + 1)) square_about_.resize(0);
     centre_ = points_.colwise().mean();
     unit_ = (points_.rowwise() - centre_.transpose()).cwiseAbs().colwise().maxCoeff();
     for (double& u : unit_)
         if (!(u > 0)) u = 1;
-    H_.resize(n, terms_of(trend_, d));
+    if (has_square()) square_unit_ = (points_.rowwise() - square_about_.transpose()).rowwise().norm().maxCoeff();
+    if (!(square_unit_ > 0)) square_about_.resize(0);
+    H_.resize(n, terms_of(trend_, d) + has_square());
     for (Eigen::Index i = 0; i < n; ++i) H_.row(i) = terms(points_.row(i));
     // Terms that these points cannot tell apart have no weights of their own.
     const Eigen::LLT<MatrixXd> llt(H_.transpose() * H_);
@@ -80,13 +88,15 @@ void GaussianProcess::choose_trend() {
         llt.matrixLLT().diagonal().minCoeff() > 1e-6 * llt.matrixLLT().diagonal().maxCoeff())
         return;
     trend_ = Trend::constant;
+    square_about_.resize(0);
     H_ = VectorXd::Ones(n);
 }
 
 VectorXd GaussianProcess::terms(const VectorXd& x) const {
     const Eigen::Index d = x.size();
-    VectorXd h(terms_of(trend_, d));
+    VectorXd h(terms_of(trend_, d) + has_square());
     h[0] = 1;
+    if (has_square()) h[h.size() - 1] = (x - square_about_).squaredNorm() / (square_unit_ * square_unit_);
     if (trend_ == Trend::constant) return h;
     const VectorXd z = (x - centre_).cwiseQuotient(unit_);
     h.segment(1, d) = z;
@@ -99,6 +109,7 @@ VectorXd GaussianProcess::terms(const VectorXd& x) const {
 MatrixXd GaussianProcess::term_slopes(const VectorXd& x) const {
     const Eigen::Index d = x.size();
     MatrixXd slopes = MatrixXd::Zero(H_.cols(), d);
+    if (has_square()) slopes.bottomRows(1) = 2 / (square_unit_ * square_unit_) * (x - square_about_).transpose();
     if (trend_ == Trend::constant) return slopes;
     const VectorXd z = (x - centre_).cwiseQuotient(unit_);
     slopes.middleRows(1, d) = unit_.cwiseInverse().asDiagonal();
@@ -152,6 +163,7 @@ MatrixXd GaussianProcess::hessian(const VectorXd& x) const {
     const MatrixXd off = (points_.rowwise() - x.transpose()) * inverse.asDiagonal();
     MatrixXd H = off.transpose() * w.asDiagonal() * off;
     H.diagonal() -= w.sum() * inverse;
+    if (has_square()) H.diagonal().array() += 2 / (square_unit_ * square_unit_) * beta_[beta_.size() - 1];
     Eigen::Index t = 1 + d;
     for (Eigen::Index j = 0; j < d && trend_ == Trend::quadratic; ++j)
         for (Eigen::Index k = j; k < d; ++k, ++t) {
@@ -198,14 +210,20 @@ double GaussianProcess::predicted_share() const {
 }
 
 VectorXd GaussianProcess::weights() const {
-    VectorXd w(beta_.size() + alpha_.size());
-    w << beta_, alpha_;
+    const Eigen::Index terms = beta_.size() - has_square(), parts = square_about_.size();
+    VectorXd w(terms + parts + alpha_.size());
+    w << beta_.head(terms), VectorXd::Constant(parts, has_square() ? beta_[terms] : 0), alpha_;
     return w;
 }
 
 VectorXd GaussianProcess::factors(int coordinate, double x) const {
     const Eigen::Index d = points_.cols(), c = coordinate;
-    VectorXd f = VectorXd::Ones(beta_.size() + alpha_.size());
+    const Eigen::Index terms = beta_.size() - has_square();
+    VectorXd f = VectorXd::Ones(terms + square_about_.size() + alpha_.size());
+    if (has_square()) {
+        const double off = (x - square_about_[c]) / square_unit_;
+        f[terms + c] = off * off;
+    }
     const double z = (x - centre_[c]) / unit_[c];
     if (trend_ != Trend::constant) f[1 + c] = z;
     Eigen::Index t = 1 + d;

@@ -22,6 +22,8 @@ struct GaussianProcessOptions {
     /// coordinate (automatic relevance determination). All zero: isotropic.
     std::vector<int> group = {};
     double min_nugget = 1e-10;  ///< in (0, 1); what noise there is beyond it is estimated
+    /// One more term of a constant or linear trend, |x - this|^2: a curvature that all directions share. Empty: none.
+    Eigen::VectorXd square_about = {};
 };
 
 /// What the likelihood decides.
@@ -66,13 +68,14 @@ public:
     int num_terms() const { return static_cast<int>(beta_.size()); }
 
     /// The mean as a sum of products of functions of one coordinate: weight(t) prod_j factor(j, x_j)(t), first the
-    /// terms of the trend, then one for each point.
+    /// terms of the trend, the squared distance in parts for each coordinate, then one for each point.
     Eigen::VectorXd weights() const;
     Eigen::VectorXd factors(int coordinate, double x) const;
 
 private:
     void check(const std::vector<int>& group) const;
     void choose_trend();
+    bool has_square() const { return square_about_.size() > 0; }
     void fit();
     Eigen::VectorXd kernel_to(const Eigen::VectorXd& x) const;
     Eigen::VectorXd terms(const Eigen::VectorXd& x) const;
@@ -83,6 +86,8 @@ private:
     Eigen::VectorXd values_;
     Trend trend_ = Trend::linear;
     Eigen::VectorXd centre_, unit_;  ///< of the trend's terms: they are of size 1
+    Eigen::VectorXd square_about_;   ///< of the squared distance; empty: there is no such term
+    double square_unit_ = 1;
     Kernel kernel_;
     double std_ = 0;
     Eigen::MatrixXd H_;                    ///< n x terms

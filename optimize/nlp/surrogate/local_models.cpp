@@ -66,7 +66,8 @@ std::vector<int> SampledPoints::nearest(const VectorXd& z, double reach, int min
     return order;
 }
 
-LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double radius, const LocalModels* before) {
+LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double radius, bool shares_curvature,
+                         const LocalModels* before) {
     const Eigen::Index d = points.dimensions();
     const int terms = static_cast<int>(d + 1);
     used_ = points.nearest(z, reach * radius, min_points_per_term * terms,
@@ -76,6 +77,7 @@ LocalModels::LocalModels(const SampledPoints& points, const VectorXd& z, double 
     for (Eigen::Index i = 0; i < n; ++i) at.row(i) = points[used_[static_cast<std::size_t>(i)]].z;
     GaussianProcessOptions options;
     options.trend = d <= max_quadratic ? Trend::quadratic : Trend::linear;
+    if (shares_curvature) options.square_about = z;
     const bool has_lengths = d <= max_lengths && n >= points_per_length * d;
     if (!has_lengths) options.group.assign(static_cast<std::size_t>(d), 0);
     for (Eigen::Index row = 0; row < points[0].values.size(); ++row) {

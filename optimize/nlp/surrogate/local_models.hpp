@@ -42,9 +42,12 @@ private:
 /// A Gaussian process for the objective and for each constraint, in z.
 class LocalModels {
 public:
-    /// Of the points next to z. @param radius of the trust region: far beyond it points tell little. @param before
-    /// models of the step before, whose kernels are where the search for the new ones begins; may be null.
-    LocalModels(const SampledPoints& points, const Eigen::VectorXd& z, double radius, const LocalModels* before);
+    /// Of the points next to z. @param radius of the trust region: far beyond it points tell little.
+    /// @param shares_curvature the trend has a curvature that all directions of z share: where the metric is right they
+    /// have the same, and few points tell it. @param before models of the step before, whose kernels are where the
+    /// search for the new ones begins; may be null.
+    LocalModels(const SampledPoints& points, const Eigen::VectorXd& z, double radius, bool shares_curvature,
+                const LocalModels* before);
 
     const GaussianProcess& operator[](Eigen::Index row) const { return rows_[static_cast<std::size_t>(row)]; }
     Eigen::Index size() const { return static_cast<Eigen::Index>(rows_.size()); }

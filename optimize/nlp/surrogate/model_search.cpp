@@ -5,6 +5,7 @@
 #include "optimize/nlp/surrogate/model_minimum.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 #include <cmath>
 #include <iterator>
@@ -30,8 +31,9 @@ constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
-constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
-constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
+constexpr int exact_rounds = 4;          ///< towards constraints that are known exactly
+constexpr double least_curvature = 0.1;  ///< of the mean: what the models do not know bends at least so
+constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
 
 /// A point of a batch, and what the models expect there.
 struct Proposal {
@@ -57,6 +59,7 @@ public:
         while (!has_ended_) step();
         end_.radius = radius_;
         if (models_) end_.noise = (*models_)[0].noise();
+        if (models_ && centre().values.allFinite()) tell_slopes();
         return end_;
     }
 
@@ -103,7 +106,8 @@ private:
     void step() {
         centre_ = best_point();
         if (points_.size() > 1) {
-            models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, models_.get());
+            models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, !guard_.options.learns_as_before,
+                                                    models_.get());
             raise_penalty();
             centre_ = best_point();
         }
@@ -113,10 +117,9 @@ private:
         if (!ends_here(batch)) evaluate(batch);
     }
 
-    /// By multipliers of the models' gradients.
-    void raise_penalty() {
+    /// At the centre, with gradients by the models.
+    Evaluation differentiated() const {
         const Eigen::Index rows = models_->size() - 1;
-        if (rows == 0) return;
         const SampledPoints::Point& c = centre();
         Evaluation at;
         at.objective = c.values[0];
@@ -125,6 +128,34 @@ private:
         at.jacobian.resize(rows, c.x.size());
         for (Eigen::Index i = 0; i < rows; ++i)
             at.jacobian.row(i) = points_.unwhitened((*models_)[i + 1].gradient(c.z)).transpose();
+        return at;
+    }
+
+    /// What a search by gradients begins with after this one.
+    void tell_slopes() {
+        centre_ = best_point();
+        end_.x = centre().x;
+        end_.at = differentiated();
+        const VectorXd lambda = multipliers(program(), end_.x, end_.at);
+        MatrixXd H = (*models_)[0].hessian(centre().z);
+        if (lambda.allFinite())
+            for (Eigen::Index i = 0; i < lambda.size(); ++i)
+                if (lambda[i] != 0) H += lambda[i] * (*models_)[i + 1].hessian(centre().z);
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> of(0.5 * (H + H.transpose()));
+        const double mean = of.eigenvalues().cwiseAbs().mean();
+        if (!(mean > 0)) return;
+        const VectorXd curvature = of.eigenvalues().cwiseMax(least_curvature * mean);
+        const MatrixXd root =
+            points_.U().transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();  // H = root root'
+        end_.hessian = metric_of(program()) * mean;
+        end_.hessian(points_.free(), points_.free()) = root * root.transpose();
+    }
+
+    /// By multipliers of the models' gradients.
+    void raise_penalty() {
+        if (models_->size() == 1) return;
+        const SampledPoints::Point& c = centre();
+        const Evaluation at = differentiated();
         const VectorXd found = multipliers(program(), c.x, at);
         if (found.allFinite()) penalty_ = std::max(penalty_, penalty_over_multiplier * found.lpNorm<Eigen::Infinity>());
         if (penalty_ == 0) penalty_ = at.gradient.norm();

@@ -18,6 +18,11 @@ struct ModelEnd {
     int shrinks = 0;
     double radius = 0;  ///< of the trust region at the end
     double noise = 0;   ///< of the objective, standard deviation, by its model
+    /// Where the search stood, with gradients by the models, and the Hessian of their Lagrangian by all variables, its
+    /// curvatures in the metric no less than a tenth of their mean. Empty: no model was made.
+    Eigen::VectorXd x;
+    Evaluation at;
+    Eigen::MatrixXd hessian;
 };
 
 /// Starts at the guard's best point, which is evaluated; leaves the best in the guard.

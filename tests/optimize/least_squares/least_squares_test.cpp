@@ -4,6 +4,7 @@
 #include "optimize/least_squares/least_squares_watch.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/QR>
 #include <limits>
 
 using namespace strake;

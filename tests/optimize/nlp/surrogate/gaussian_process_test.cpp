@@ -60,9 +60,38 @@ TEST(GaussianProcess, InterpolatesAndPredictsASmoothFunction) {
     EXPECT_GT(model.predicted_share(), 0.999);
 }
 
-TEST(GaussianProcess, DerivativesHaveSecondOrderRemainder) {
+/// Trends without and with the squared distance from a point, where they can have it.
+std::vector<GaussianProcessOptions> all_trends() {
+    std::vector<GaussianProcessOptions> all;
     for (const Trend trend : {Trend::constant, Trend::linear, Trend::quadratic}) {
-        const GaussianProcess model = wavy_model({.trend = trend});
+        all.push_back({.trend = trend});
+        if (trend != Trend::quadratic) all.push_back({.trend = trend, .square_about = vec({0.2, 0.7})});
+    }
+    return all;
+}
+
+/// Five points tell the curvature that eight directions share, and none of the slopes across the others.
+TEST(GaussianProcess, ACurvatureThatAllDirectionsShareIsKnownFromFewPoints) {
+    constexpr int d = 8;
+    const VectorXd about = VectorXd::Constant(d, 0.3);
+    MatrixXd points = MatrixXd::Zero(5, d);
+    points.rowwise() += about.transpose();
+    for (int k = 0; k < 4; ++k) points(k + 1, k / 2) += k % 2 == 0 ? 1 : -1;
+    VectorXd values(5);
+    for (int k = 0; k < 5; ++k) values[k] = 3 + 2 * (points.row(k).transpose() - about).squaredNorm() + points(k, 0);
+    const GaussianProcess with(points, values, {.trend = Trend::constant, .square_about = about});
+    const GaussianProcess without(points, values, {.trend = Trend::constant});
+    VectorXd far = about;
+    far[7] += 1;
+    EXPECT_NEAR(with.mean(far), 5 + about[0], 0.05);
+    EXPECT_GT(std::abs(without.mean(far) - 5 - about[0]), 0.5);  // the check can fail
+    EXPECT_NEAR(with.hessian(about).diagonal().mean(), 4, 0.2);
+}
+
+TEST(GaussianProcess, DerivativesHaveSecondOrderRemainder) {
+    for (const GaussianProcessOptions& options : all_trends()) {
+        const Trend trend = options.trend;
+        const GaussianProcess model = wavy_model(options);
         ASSERT_EQ(model.trend(), trend);
         const VectorXd x = vec({0.31, 0.62}), p = vec({0.8, -0.5});
         const auto remainder = [&](double h, double factor) {
@@ -80,14 +109,26 @@ TEST(GaussianProcess, DerivativesHaveSecondOrderRemainder) {
 
 TEST(GaussianProcess, VarianceGradientIsThatOfTheVariance) {
     MatrixXd points = sobol_points(0, 8, 2);
-    const GaussianProcess model(points, values_of(points, wavy), {});
-    const VectorXd x = vec({1.3, 0.9}), p = vec({0.8, 0.5});
-    const double scale = model.variance(x);
-    ASSERT_GT(scale, 0);
-    const auto remainder = [&](double h) {
-        return std::abs(model.variance(x + h * p) - scale - h * model.variance_gradient(x).dot(p));
-    };
-    EXPECT_NEAR(std::log10(remainder(3e-2) / remainder(3e-3)), 2, 0.15);
+    for (const GaussianProcessOptions& options : all_trends()) {
+        if (options.trend == Trend::quadratic) continue;  // these points are too few for it
+        const GaussianProcess model(points, values_of(points, wavy), options);
+        const VectorXd x = vec({1.3, 0.9}), p = vec({0.8, 0.5});
+        const double scale = model.variance(x);
+        ASSERT_GT(scale, 0);
+        const auto remainder = [&](double h) {
+            return std::abs(model.variance(x + h * p) - scale - h * model.variance_gradient(x).dot(p));
+        };
+        EXPECT_NEAR(std::log10(remainder(3e-2) / remainder(3e-3)), 2, 0.15);
+    }
+}
+
+TEST(GaussianProcess, IsASumOfProductsOfFunctionsOfOneCoordinate) {
+    for (const GaussianProcessOptions& options : all_trends()) {
+        const GaussianProcess model = wavy_model(options);
+        const VectorXd x = vec({0.4, 0.9});
+        const double sum = model.weights().dot(model.factors(0, x[0]).cwiseProduct(model.factors(1, x[1])));
+        EXPECT_NEAR(sum, model.mean(x), 1e-9);
+    }
 }
 
 TEST(GaussianProcess, LeaveOneOutIsWhatAModelOfTheOthersPredicts) {

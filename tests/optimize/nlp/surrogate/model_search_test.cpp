@@ -63,6 +63,21 @@ TEST(ModelSearch, LearnsACurvedValley) {
     EXPECT_LT(r.best.objective - 1, 0.3) << r.reason;
 }
 
+/// A bowl that is as round as its metric: what one direction tells holds for all.
+TEST(ModelSearch, ARoundBowlTakesLittleMoreThanItsSlopes) {
+    constexpr int n = 27;
+    NonlinearProgram p = long_bowl(n);
+    p.evaluate = [](const VectorXd& x) {
+        Evaluation at;
+        at.objective = (x.array() - 1 / std::sqrt(n)).square().sum();
+        return at;
+    };
+    MinimizeOptions how = few(48);
+    EXPECT_LT(minimize(p, how).best.objective, 0.01);  // of 1 at the start
+    how.learns_as_before = true;
+    EXPECT_GT(minimize(p, how).best.objective, 0.01);
+}
+
 /// Differences have no step yet.
 TEST(ModelSearch, HasGainedBeforeAGradientByDifferencesIsPaid) {
     const auto left = [](Method method) {

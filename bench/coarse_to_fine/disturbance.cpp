@@ -26,6 +26,7 @@ EvidenceProblem disturbed(EvidenceProblem evidence, const Disturbance& disturban
     for (Quantity& quantity : evidence.problem.quantities) {
         const auto named = std::ranges::find(quantity.names, objective);
         if (named == quantity.names.end()) continue;
+        quantity.failing_shortens_step = true;
         const auto value = static_cast<std::size_t>(named - quantity.names.begin());
         quantity.evaluate = [=, evaluate = quantity.evaluate](const QuantityRequest& request) {
             const std::uint64_t hash = hash_of(request.surface.vertices, disturbance.seed);

@@ -1,5 +1,6 @@
 #include "bench/coarse_to_fine/solve.hpp"
 
+#include "bench/coarse_to_fine/cma_es.hpp"
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "optimize/evaluate/constraints.hpp"
@@ -8,6 +9,7 @@
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/space/refinement.hpp"
 
+#include <cmath>
 #include <ctime>
 
 namespace strake::evidence {
@@ -256,7 +258,7 @@ struct EndedByItself {};
 ComparedMotion comparator_motion(const EvidenceProblem& evidence, Solver solver, Method method) {
     if (solver == Solver::lattice_4x4x4) return spline_lattice(evidence, {4, 4, 4});
     if (solver == Solver::lattice_8x4x2) return spline_lattice(evidence, {8, 4, 2});
-    if (solver == Solver::box_12) return bezier_box(evidence, 12);
+    if (solver == Solver::box_12 || solver == Solver::cma_es_12) return bezier_box(evidence, 12);
     if (solver == Solver::box_24) return bezier_box(evidence, 24);
     // As many variables as the last level of the tree has: those of its patches that are not wholly held.
     if (solver == Solver::ffd) return bezier_box(evidence, variables_of_last_level(evidence.problem));
@@ -306,9 +308,10 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
 }  // namespace
 
 const std::vector<Solver>& all_solvers() {
-    static const std::vector<Solver> all{
-        Solver::fields, Solver::as_it_comes, Solver::adaptive,      Solver::uniform,       Solver::finest,  Solver::ffd,
-        Solver::box_12, Solver::box_24,      Solver::lattice_4x4x4, Solver::lattice_8x4x2, Solver::filtered};
+    static const std::vector<Solver> all{Solver::fields,        Solver::as_it_comes,   Solver::adaptive,
+                                         Solver::uniform,       Solver::finest,        Solver::ffd,
+                                         Solver::box_12,        Solver::box_24,        Solver::cma_es_12,
+                                         Solver::lattice_4x4x4, Solver::lattice_8x4x2, Solver::filtered};
     return all;
 }
 
@@ -334,6 +337,8 @@ std::string to_string(Solver solver) {
             return "box_12";
         case Solver::box_24:
             return "box_24";
+        case Solver::cma_es_12:
+            return "cma_es_12";
         case Solver::filtered:
             return "filtered";
     }
@@ -380,10 +385,19 @@ Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int bu
     tracer.enough = enough;
     const bool is_ours = solver == Solver::fields || solver == Solver::as_it_comes || solver == Solver::adaptive ||
                          solver == Solver::uniform || solver == Solver::finest;
-    if (is_ours)
+    if (is_ours) {
         run_strake(problem, solver, method, budget, tracer);
-    else
+    } else if (solver == Solver::cma_es_12) {
+        const ComparedMotion motion = comparator_motion(problem, solver, method);
+        result.variables = tracer.variables = motion.size();
+        result.levels = text(motion.size());
+        result.status = "budget";
+        const double step = MinimizeOptions().first_step / std::sqrt(motion.size());
+        Comparator comparator(problem, motion, tracer);
+        minimize_by_cma_es(comparator.program(), budget, problem.problem.optimize.seed, step);
+    } else {
         run_comparator(problem, comparator_motion(problem, solver, method), method, budget, tracer);
+    }
     return result;
 }
 

@@ -13,6 +13,7 @@ enum class Solver {
     ffd,          ///< Bezier box with about as many variables as `finest`
     box_12,       ///< with about 12 and 24 variables, as users set them for few evaluations
     box_24,
+    cma_es_12,      ///< the first of these boxes by CMA-ES, whatever the method
     lattice_4x4x4,  ///< B-spline lattices as users set them
     lattice_8x4x2,
     filtered  ///< every vertex through a Helmholtz filter; not with sqp, whose models are dense

@@ -1,7 +1,10 @@
 #include "casefile/build/problem_builder.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/invariance.hpp"
+#include "core/fields/wing_coordinates.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/planform/find_wings.hpp"
+#include "core/planform/wing_lines.hpp"
 #include "optimize/space/field_conditions.hpp"
 
 #include <algorithm>
@@ -14,6 +17,8 @@ namespace {
 /// Sections moved, turned, scaled and sheared up to degree two along the axis; then to higher ones.
 constexpr double invariance_tolerance = 1e-6;  ///< of the start, in diagonals: ten times what single precision leaves
 constexpr std::array automatic_steps{27, 60, 192};
+/// Of a wing: as many as a few evaluations can use.
+constexpr std::array steps_of_wing{24, 60, 192};
 /// Of shapes that are the same around an axis: there are fewer of a degree.
 constexpr std::array steps_about_axis{12, 27, 60};
 /// Knots are halved from level to level.
@@ -107,6 +112,61 @@ void ProblemBuilder::set_hold() {
     std::sort(out_.problem.supports.begin(), out_.problem.supports.end());
 }
 
+/// What looks like a wing on a surface that declares none.
+std::optional<FoundWing> ProblemBuilder::wing_seen() const {
+    constexpr int max_searched = 400000;  // triangles
+    if (wrap_ || start_.mesh.num_triangles() > max_searched) return {};
+    WingSearch search{{}, {}, case_.symmetry};
+    if (const auto& axes = case_.aero.axes; axes && axes->is_stated)
+        search.downstream = axes->downstream, search.up = axes->up;
+    return find_wing(start_.mesh, search);
+}
+
+/// The wing whose coordinates the fields have: the one that is declared, else what looks like one. By default where
+/// nothing else can move; where `kind: wing` is stated the rest stays.
+ProblemBuilder::FieldsOfWing ProblemBuilder::fields_of_wing(FieldConditions& conditions) {
+    const FieldsEntry& entry = case_.parameters.fields;
+    using Kind = FieldsEntry::Kind;
+    const bool is_stated = entry.kind == Kind::wing;
+    const bool has_own = entry.axis || !entry.motions.empty() || entry.along != AlongAxis::polynomials;
+    if (entry.kind == Kind::sections) return {};
+    if (!is_stated && (has_own || entry.are_sections_by_default || case_.invariance || !case_.fit.empty())) return {};
+    const auto refuse = [&](const auto&... why) -> FieldsOfWing {
+        if (is_stated) throw InvalidInput(text("kind: wing: ", why..., "; or write kind: sections"));
+        return {};
+    };
+    if (case_.planform.size() > 1)
+        return refuse("planform declares ", case_.planform.size(), " wings; fields are those of one");
+    FieldsOfWing result;
+    std::shared_ptr<const Wing> wing;
+    std::string seen;
+    if (case_.planform.empty()) {
+        const auto found = wing_seen();
+        if (!found) return refuse("nothing of the surface looks like a wing; declare it under planform");
+        wing = std::make_shared<const Wing>(start_.mesh, found->declaration);
+        seen = found->why;
+    } else {
+        wing = wings_.at(case_.planform.front().name);
+        result.keeps_planform = case_.planform.front().keeps_outline && keeps_edges();
+    }
+    std::vector<char> stays(static_cast<std::size_t>(start_.mesh.num_triangles()), 1), is_held(stays.size(), 0);
+    for (int side = 0; side < wing->num_sides(); ++side)
+        for (const int t : wing->triangles(side)) stays[static_cast<std::size_t>(t)] = 0;
+    for (const int t : conditions.held) is_held[static_cast<std::size_t>(t)] = 1;
+    for (std::size_t t = 0; t < stays.size(); ++t) {
+        if (!stays[t] || is_held[t]) continue;
+        if (!is_stated) return {};  // a body that moves, too
+        conditions.held.push_back(static_cast<int>(t));
+    }
+    std::sort(conditions.held.begin(), conditions.held.end());
+    if (wing->has_winglet() && !is_stated) return {};
+    if (!seen.empty())
+        out_.notes.push_back(text("parameters.fields: those of a wing, which the surface looks like (", seen,
+                                  "); kind: sections has the others"));
+    result.wing = std::make_shared<const WingCoordinates>(wing_lines(start_.mesh, *wing));
+    return result;
+}
+
 void ProblemBuilder::set_fields() {
     const FieldsEntry& entry = case_.parameters.fields;
     Parameters& p = out_.problem.parameters;
@@ -118,10 +178,16 @@ void ProblemBuilder::set_fields() {
     if (case_.hold.by == HoldEntry::By::point)
         conditions.still = case_.hold.point.value_or(area_centroid(elastic().mesh, out_.problem.supports));
     const bool is_about_axis = case_.invariance && case_.invariance->type != ShapeKind::Type::extruded;
-    const std::span<const int> automatic = entry.along == AlongAxis::splines ? std::span<const int>(spline_steps)
-                                           : is_about_axis                   ? std::span<const int>(steps_about_axis)
-                                                                             : std::span<const int>(automatic_steps);
+    std::span<const int> automatic = entry.along == AlongAxis::splines ? std::span<const int>(spline_steps)
+                                     : is_about_axis                   ? std::span<const int>(steps_about_axis)
+                                                                       : std::span<const int>(automatic_steps);
+    FieldsOfWing of_wing;
+    at(entry.place, "parameters.fields: ", [&] { of_wing = fields_of_wing(conditions); });
+    if (!errors_.empty()) return;
+    if (of_wing.wing) automatic = steps_of_wing;
     FieldOptions options;
+    options.wing = of_wing.wing;
+    options.keeps_planform = of_wing.keeps_planform;
     options.number = entry.number > 0 ? entry.number : automatic.back();
     options.axis = entry.axis;
     options.motions = entry.motions;

@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 10;
+constexpr int latest_meaning = 11;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;

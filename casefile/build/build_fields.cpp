@@ -5,6 +5,7 @@
 #include "core/mesh/geometry.hpp"
 #include "core/planform/find_wings.hpp"
 #include "core/planform/wing_lines.hpp"
+#include "optimize/run/stored_design.hpp"
 #include "optimize/space/field_conditions.hpp"
 
 #include <algorithm>
@@ -130,7 +131,12 @@ ProblemBuilder::FieldsOfWing ProblemBuilder::fields_of_wing(FieldConditions& con
     const bool is_stated = entry.kind == Kind::wing;
     const bool has_own = entry.axis || !entry.motions.empty() || entry.along != AlongAxis::polynomials;
     if (entry.kind == Kind::sections) return {};
-    if (!is_stated && (has_own || entry.are_sections_by_default || case_.invariance || !case_.fit.empty())) return {};
+    const bool goes_on =
+        stored_ && std::ranges::any_of(stored_->given, [](const auto& given) {
+            return given.second != 0 && (given.first.starts_with("section.") || given.first.starts_with("polynomial."));
+        });
+    if (!is_stated && (has_own || goes_on || entry.are_sections_by_default || case_.invariance || !case_.fit.empty()))
+        return {};
     const auto refuse = [&](const auto&... why) -> FieldsOfWing {
         if (is_stated) throw InvalidInput(text("kind: wing: ", why..., "; or write kind: sections"));
         return {};

@@ -18,12 +18,26 @@ namespace {
 /// Sections moved, turned, scaled and sheared up to degree two along the axis; then to higher ones.
 constexpr double invariance_tolerance = 1e-6;  ///< of the start, in diagonals: ten times what single precision leaves
 constexpr std::array automatic_steps{27, 60, 192};
-/// Of a wing: as many as a few evaluations can use.
-constexpr std::array steps_of_wing{24, 60, 192};
+/// Of a wing that keeps its planform, and that twist by station comes beside: as many as few evaluations can use.
+constexpr std::array steps_of_kept_wing{24, 60, 192};
 /// Of shapes that are the same around an axis: there are fewer of a degree.
 constexpr std::array steps_about_axis{12, 27, 60};
 /// Knots are halved from level to level.
 constexpr std::array spline_steps{12, 24, 48, 96, 192, 384};
+
+/// More of a section's half thickness than this, and its sides cross.
+constexpr double thinning = 0.6;
+
+/// A field that changes thickness has a range of its own where the wing is thinner than the motion limit is wide.
+void limit_thickness(const WingLines& lines, double diagonal, Parameters& parameters) {
+    double sum = 0;
+    for (const auto& section : lines.sections) sum += 0.5 * section.thickness;
+    const double limit = thinning * sum / static_cast<double>(lines.sections.size()) / diagonal;
+    const double unit = parameters.variable_scale > 0 ? parameters.variable_scale : parameters.max_displacement;
+    for (UserVariable& variable : parameters.user_variables)
+        if (variable.field >= 0 && motion_of(variable.name) == "thickness" && limit < unit)
+            variable.max_displacement = limit;
+}
 
 }  // namespace
 
@@ -190,7 +204,7 @@ void ProblemBuilder::set_fields() {
     FieldsOfWing of_wing;
     at(entry.place, "parameters.fields: ", [&] { of_wing = fields_of_wing(conditions); });
     if (!errors_.empty()) return;
-    if (of_wing.wing) automatic = steps_of_wing;
+    if (of_wing.keeps_planform) automatic = steps_of_kept_wing;
     FieldOptions options;
     options.wing = of_wing.wing;
     options.keeps_planform = of_wing.keeps_planform;
@@ -206,6 +220,7 @@ void ProblemBuilder::set_fields() {
                 if (p.field_steps.empty() || p.field_steps.back() < fields->size())
                     p.field_steps.push_back(std::min(step, fields->size()));
         add_fields(p, fields);
+        if (of_wing.wing) limit_thickness(of_wing.wing->lines(), start_.diagonal, p);
     });
 }
 

@@ -77,7 +77,8 @@ std::vector<Key> field_keys() {
              "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
              "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: wing "
              "where a wing alone can move, one at most is declared, and the case is no fit and states no axis, "
-             "motions, along or invariance; else sections. Of a wing number: auto means 24 at first.",
+             "motions, along or invariance; else sections. Of a wing that keeps its planform number: auto means 24 at "
+             "first.",
          .fallback = "auto",
          .words = {"auto", "sections", "wing"}},
         {.path = "parameters.fields.along",

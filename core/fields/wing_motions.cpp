@@ -70,19 +70,19 @@ private:
     void all(int i, int j, int k) {
         if (k == 0 && j == 0) {
             add(i, 0, up, i, j, k, "move_up");
-            add(i, 1, aft, i, j, k, "move_aft");
+            add(i + 0.3, 1, aft, i, j, k, "move_aft");
             if (i > 0) add(i == 1 ? 0.9 : i, 2, out, i, j, k, "move_out");
         } else if (k == 0 && j == 1) {
-            add(i + 0.5, 0, up, i, j, k, "twist");
-            add(i + 0.5, 1, aft, i, j, k, "chord");
+            add(i + 0.3, 0, up, i, j, k, "twist");
+            add(i + 0.6, 1, aft, i, j, k, "chord");
         } else if (k == 0) {
-            add(i + 0.9 + 0.6 * (j - 2), 0, up, i, j, k, text("camber.", j));
+            add(i + 0.5 + 0.6 * (j - 2), 0, up, i, j, k, text("camber.", j));
         } else if (k == 1) {
-            add(i + 0.5 + 0.5 * j, 2, up, i, j, k, text("thickness.", j));
+            add(i + 0.8 + 0.7 * j, 2, up, i, j, k, text("thickness.", j));
         } else {
             add(i + 0.75 * j + 2.0 * k, 4, up, i, j, k, text("bend.", j, "_", k));
         }
-        if (j >= 2 || k >= 1) add(i + 0.75 * j + k + 1, 5, aft, i, j, k, text("stretch.", j, "_", k));
+        if (j >= 2 || k >= 1) add(i + 0.75 * j + k + 2, 5, aft, i, j, k, text("stretch.", j, "_", k));
         if (i > 0 && j + k >= 1) add(i + 0.75 * j + k + 0.75, 6, out, i, j, k, text("tilt.", j, "_", k));
     }
 

@@ -160,10 +160,33 @@ std::vector<TypicalMotion> airfoil_motions(const TriMesh& mesh, const FieldCondi
 
 std::vector<Body> wings(const std::string& folder) {
     std::vector<Body> all{{"wing, root held", example::wing(5000), {}}};
-    for (const char* file : {"oneraM6_su2_surface.stl", "dpw_w1_pypan.tri"})
+    for (const char* file : {"oneraM6_pyhyp_small.ply", "dpw_w1_pypan.tri"})
         if (const auto path = std::filesystem::path(folder) / file; std::filesystem::exists(path))
             all.push_back({text(file, ", root held"), read_surface(path).mesh, {}});
     return all;
+}
+
+std::vector<int> root_of(const TriMesh& mesh, const WingCoordinates& wing) {
+    std::vector<int> held;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const auto corner = mesh.triangles.row(t);
+        if (std::all_of(corner.begin(), corner.end(), [&](int v) { return wing.at(mesh.vertices.row(v)).s < 0.05; }))
+            held.push_back(t);
+    }
+    return held;
+}
+
+/// Sections (s) and fields of a wing (w) of these numbers.
+std::vector<DisplacementFields> both_kinds(const Body& body, const std::shared_ptr<const WingCoordinates>& wing) {
+    std::vector<DisplacementFields> fields;
+    for (const bool of_wing : {false, true})
+        for (const int number : {12, 24, 27, 36, 60}) {
+            FieldOptions options{number, {}};
+            if (of_wing) options.wing = wing;
+            fields.emplace_back(body.mesh, body.conditions, options);
+            fmt::print("{:>7}", text(of_wing ? "w" : "s", fields.back().size()));
+        }
+    return fields;
 }
 
 void print_wings(const std::string& folder) {
@@ -172,20 +195,9 @@ void print_wings(const std::string& folder) {
         if (!found) throw InvalidInput(text(body.name, ": no wing is seen"));
         const Wing wing(body.mesh, found->declaration);
         const auto coordinates = std::make_shared<const WingCoordinates>(wing_lines(body.mesh, wing));
-        for (int t = 0; t < body.mesh.num_triangles(); ++t) {
-            bool is_in = true;
-            for (const int v : body.mesh.triangles.row(t)) is_in &= coordinates->at(body.mesh.vertices.row(v)).s < 0.05;
-            if (is_in) body.conditions.held.push_back(t);
-        }
-        std::vector<DisplacementFields> fields;
+        body.conditions.held = root_of(body.mesh, *coordinates);
         fmt::print("{}\n{:<10}", body.name, "");
-        for (const bool of_wing : {false, true})
-            for (const int number : {12, 24, 27, 36, 60}) {
-                FieldOptions options{number, {}};
-                if (of_wing) options.wing = coordinates;
-                fields.emplace_back(body.mesh, body.conditions, options);
-                fmt::print("{:>7}", text(of_wing ? "w" : "s", fields.back().size()));
-            }
+        const std::vector<DisplacementFields> fields = both_kinds(body, coordinates);
         std::vector<TypicalMotion> motions = airfoil_motions(body.mesh, body.conditions, *coordinates);
         for (TypicalMotion& motion : typical_motions(body.mesh, body.conditions)) motions.push_back(std::move(motion));
         for (const TypicalMotion& motion : motions) {

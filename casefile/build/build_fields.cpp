@@ -28,6 +28,20 @@ constexpr std::array spline_steps{12, 24, 48, 96, 192, 384};
 /// More of a section's half thickness than this, and its sides cross.
 constexpr double thinning = 0.6;
 
+constexpr double same_direction = 1e-6;
+
+/// Triangles that are neither of the wing nor held.
+std::vector<int> free_beside(const Wing& wing, const std::vector<int>& held, int num_triangles) {
+    std::vector<char> marks(static_cast<std::size_t>(num_triangles), 1);
+    for (int side = 0; side < wing.num_sides(); ++side)
+        for (const int t : wing.triangles(side)) marks[static_cast<std::size_t>(t)] = 0;
+    for (const int t : held) marks[static_cast<std::size_t>(t)] = 0;
+    std::vector<int> rest;
+    for (int t = 0; t < num_triangles; ++t)
+        if (marks[static_cast<std::size_t>(t)]) rest.push_back(t);
+    return rest;
+}
+
 /// A field that changes thickness has a range of its own where the wing is thinner than the motion limit is wide.
 void limit_thickness(const WingLines& lines, double diagonal, Parameters& parameters) {
     double sum = 0;
@@ -137,54 +151,60 @@ std::optional<FoundWing> ProblemBuilder::wing_seen() const {
     return find_wing(start_.mesh, search);
 }
 
-/// The wing whose coordinates the fields have: the one that is declared, else what looks like one. By default where
-/// nothing else can move; where `kind: wing` is stated the rest stays.
-ProblemBuilder::FieldsOfWing ProblemBuilder::fields_of_wing(FieldConditions& conditions) {
-    const FieldsEntry& entry = case_.parameters.fields;
+/// By default only where nothing else is said that sections alone have, and where a run has none to keep.
+bool ProblemBuilder::wants_fields_of_wing() const {
     using Kind = FieldsEntry::Kind;
-    const bool is_stated = entry.kind == Kind::wing;
-    const bool has_own = entry.axis || !entry.motions.empty() || entry.along != AlongAxis::polynomials;
-    if (entry.kind == Kind::sections) return {};
-    const bool goes_on =
-        stored_ && std::ranges::any_of(stored_->given, [](const auto& given) {
-            return given.second != 0 && (given.first.starts_with("section.") || given.first.starts_with("polynomial."));
-        });
-    if (!is_stated && (has_own || goes_on || entry.are_sections_by_default || case_.invariance || !case_.fit.empty()))
-        return {};
-    const auto refuse = [&](const auto&... why) -> FieldsOfWing {
-        if (is_stated) throw InvalidInput(text("kind: wing: ", why..., "; or write kind: sections"));
-        return {};
-    };
+    const FieldsEntry& entry = case_.parameters.fields;
+    if (entry.kind != Kind::automatic) return entry.kind == Kind::wing;
+    if (entry.axis || !entry.motions.empty() || entry.along != AlongAxis::polynomials) return false;
+    if (entry.are_sections_by_default || case_.invariance || !case_.fit.empty()) return false;
+    return !stored_ || std::ranges::none_of(stored_->given, [](const auto& given) {
+        return given.second != 0 && (given.first.starts_with("section.") || given.first.starts_with("polynomial."));
+    });
+}
+
+/// The wing whose coordinates the fields have: the one that is declared, else what looks like one. What is not of the
+/// wing becomes held. @throws InvalidInput where there is none.
+ProblemBuilder::FieldsOfWing ProblemBuilder::fields_of_wing(FieldConditions& conditions) {
+    const bool is_stated = case_.parameters.fields.kind == FieldsEntry::Kind::wing;
     if (case_.planform.size() > 1)
-        return refuse("planform declares ", case_.planform.size(), " wings; fields are those of one");
+        throw InvalidInput(text("planform declares ", case_.planform.size(), " wings; fields are those of one"));
     FieldsOfWing result;
     std::shared_ptr<const Wing> wing;
     std::string seen;
     if (case_.planform.empty()) {
         const auto found = wing_seen();
-        if (!found) return refuse("nothing of the surface looks like a wing; declare it under planform");
+        if (!found) throw InvalidInput("nothing of the surface looks like a wing; declare it under planform");
         wing = std::make_shared<const Wing>(start_.mesh, found->declaration);
         seen = found->why;
     } else {
         wing = wings_.at(case_.planform.front().name);
         result.keeps_planform = case_.planform.front().keeps_outline && keeps_edges();
     }
-    std::vector<char> stays(static_cast<std::size_t>(start_.mesh.num_triangles()), 1), is_held(stays.size(), 0);
-    for (int side = 0; side < wing->num_sides(); ++side)
-        for (const int t : wing->triangles(side)) stays[static_cast<std::size_t>(t)] = 0;
-    for (const int t : conditions.held) is_held[static_cast<std::size_t>(t)] = 1;
-    for (std::size_t t = 0; t < stays.size(); ++t) {
-        if (!stays[t] || is_held[t]) continue;
-        if (!is_stated) return {};  // a body that moves, too
-        conditions.held.push_back(static_cast<int>(t));
-    }
+    const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
+    if (plane && plane->normal.cross(wing->span(0)).norm() > same_direction)
+        throw InvalidInput("the plane of symmetry is not normal to the span of the wing");
+    const std::vector<int> rest = free_beside(*wing, conditions.held, start_.mesh.num_triangles());
+    if (!rest.empty() && !is_stated) throw InvalidInput("a body moves, too");
+    result.wing = std::make_shared<const WingCoordinates>(wing_lines(start_.mesh, *wing));
+    conditions.held.insert(conditions.held.end(), rest.begin(), rest.end());
     std::sort(conditions.held.begin(), conditions.held.end());
-    if (wing->has_winglet() && !is_stated) return {};
     if (!seen.empty())
         out_.notes.push_back(text("parameters.fields: those of a wing, which the surface looks like (", seen,
                                   "); kind: sections has the others"));
-    result.wing = std::make_shared<const WingCoordinates>(wing_lines(start_.mesh, *wing));
     return result;
+}
+
+/// Where they are not asked for, sections serve where there is no wing.
+ProblemBuilder::FieldsOfWing ProblemBuilder::chosen_fields_of_wing(FieldConditions& conditions) {
+    if (!wants_fields_of_wing()) return {};
+    try {
+        return fields_of_wing(conditions);
+    } catch (const InvalidInput& e) {
+        if (case_.parameters.fields.kind == FieldsEntry::Kind::wing)
+            throw InvalidInput(text("kind: wing: ", e.what(), "; or write kind: sections"));
+        return {};
+    }
 }
 
 void ProblemBuilder::set_fields() {
@@ -202,7 +222,7 @@ void ProblemBuilder::set_fields() {
                                      : is_about_axis                   ? std::span<const int>(steps_about_axis)
                                                                        : std::span<const int>(automatic_steps);
     FieldsOfWing of_wing;
-    at(entry.place, "parameters.fields: ", [&] { of_wing = fields_of_wing(conditions); });
+    at(entry.place, "parameters.fields: ", [&] { of_wing = chosen_fields_of_wing(conditions); });
     if (!errors_.empty()) return;
     if (of_wing.keeps_planform) automatic = steps_of_kept_wing;
     FieldOptions options;

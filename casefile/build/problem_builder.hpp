@@ -111,7 +111,9 @@ private:
         std::shared_ptr<const WingCoordinates> wing;  ///< null: fields are not those of a wing
         bool keeps_planform = false;
     };
+    bool wants_fields_of_wing() const;
     FieldsOfWing fields_of_wing(FieldConditions& conditions);
+    FieldsOfWing chosen_fields_of_wing(FieldConditions& conditions);
     std::optional<FoundWing> wing_seen() const;
     void set_invariance();
     void set_hold();

@@ -278,6 +278,25 @@ void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOp
             throw InvalidInput(text("fields: held triangle ", t, " must be in [0, ", rest.num_triangles(), ")"));
 }
 
+std::vector<FieldCandidate> listed(const FunctionSpace& space, bool is_symmetric, int count,
+                                   const FieldConditions& conditions, const FieldOptions& options) {
+    if (space.wing) return wing_candidates(*space.wing, is_symmetric, options.keeps_planform, count, options.motions);
+    return field_candidates(space.frame, is_symmetric, count, conditions.kind, options.motions,
+                            space.along == AlongAxis::splines ? max_spline_number : max_polynomial_degree);
+}
+
+/// By the functions of the space.
+std::vector<FieldCandidate> rigid_motions_in(const FunctionSpace& space, bool is_symmetric,
+                                             const std::optional<ShapeKind>& kind) {
+    std::vector<FieldCandidate> rigid = rigid_candidates(space.frame, is_symmetric, kind);
+    if (!space.wing) return rigid;
+    for (FieldCandidate& candidate : rigid)
+        for (FieldCandidate::Term& term : candidate.terms)
+            if (const auto linear = std::ranges::find(term.powers, 1); linear != term.powers.end())
+                term.powers = space.linear(static_cast<int>(linear - term.powers.begin()));
+    return rigid;
+}
+
 }  // namespace
 
 const std::vector<std::string>& field_motions() {
@@ -303,21 +322,10 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
         still_ = symmetric_point(*conditions.still, plane, conditions.kind);
     std::vector<FieldCandidate> rigid;
     if (conditions.held.empty() && !conditions.keeps_rigid_motions)
-        rigid = rigid_candidates(space_.frame, plane.has_value(), conditions.kind);
-    for (FieldCandidate& candidate : rigid)
-        for (FieldCandidate::Term& term : candidate.terms)
-            for (int k = 0; space_.wing && k < 3; ++k)
-                if (term.powers[static_cast<std::size_t>(k)] == 1) {
-                    term.powers = space_.linear(k);
-                    break;
-                }
+        rigid = rigid_motions_in(space_, plane.has_value(), conditions.kind);
     int before = -1;  // twice as many that add nothing: the vertices have no more
     for (int tried = 2 * options.number + 20;; tried *= 2) {
-        const std::vector<FieldCandidate> candidates =
-            space_.wing
-                ? wing_candidates(*space_.wing, plane.has_value(), options.keeps_planform, tried, options.motions)
-                : field_candidates(space_.frame, plane.has_value(), tried, conditions.kind, options.motions,
-                                   space_.along == AlongAxis::splines ? max_spline_number : max_polynomial_degree);
+        const std::vector<FieldCandidate> candidates = listed(space_, plane.has_value(), tried, conditions, options);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
         choose(rest, cut.at_vertices, rigid, candidates, options.number);
         if (size() == options.number || are_all || size() == before) break;

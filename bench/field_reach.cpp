@@ -2,15 +2,19 @@
 #include "cases/geometry/closed_body.hpp"
 #include "core/fields/displacement_fields.hpp"
 #include "core/fields/typical_motions.hpp"
+#include "core/planform/find_wings.hpp"
+#include "core/planform/wing_lines.hpp"
 
 #include <fmt/core.h>
 #include <Eigen/QR>
 #include <algorithm>
 #include <cstdlib>
 #include <filesystem>
+#include <numbers>
 
 /// What displacement fields can make: percent of the squared displacement (by area) of typical motions, on six bodies.
 ///     field_reach [FOLDER]    with the folder of real surfaces (default: $STRAKE_DATA), two more
+///     field_reach --wings [FOLDER]    sections and fields of a wing on three wings: the same, and shapes of airfoils
 /// "27+9": the first 27 and the nine of 192 that a refinement takes, each for what it adds to those before.
 namespace {
 
@@ -125,11 +129,94 @@ double chosen_share(const TriMesh& mesh, const DisplacementFields& fields, const
     return 1 - left.squaredNorm() / target.squaredNorm();
 }
 
+/// Shapes of airfoils, zero at the root and largest at 0.8 of the semispan, by s and xi of the sections found: a mean
+/// line of NACA's four digits with its top at 0.4, more thickness between 0.3 and 0.9 of the chord, a nose that droops
+/// from 0.25 of the chord on, a load that is carried aft of 0.6.
+std::vector<TypicalMotion> airfoil_motions(const TriMesh& mesh, const FieldConditions& conditions,
+                                           const WingCoordinates& wing) {
+    const auto squared = [](double t) { return t > 0 ? t * t : 0; };
+    const auto rise = [&](const std::string& name, double xi, double eta) {
+        xi = std::clamp(xi, 0.0, 1.0);
+        if (name == "camber") return xi < 0.4 ? 1 - squared((0.4 - xi) / 0.4) : 1 - squared((xi - 0.4) / 0.6);
+        if (name == "thickness")
+            return eta * squared(std::sin(std::numbers::pi * std::clamp((xi - 0.3) / 0.6, 0.0, 1.0)));
+        if (name == "nose") return -squared((0.25 - xi) / 0.25);
+        return 4 * squared((xi - 0.6) / 0.4) * (1 - xi) * (1 + xi);
+    };
+    std::vector<TypicalMotion> motions;
+    for (const char* name : {"camber", "thickness", "nose", "aft load"}) {
+        Points u = Points::Zero(mesh.num_vertices(), 3);
+        for (int v = 0; v < mesh.num_vertices(); ++v) {
+            const WingCoordinates::At at = wing.at(mesh.vertices.row(v));
+            u.row(v) = std::sin(std::numbers::pi / 1.6 * std::clamp(at.s, 0.0, 1.0)) * rise(name, at.xi, at.eta) *
+                       wing.lines().up;
+        }
+        for (const int t : conditions.held)
+            for (int k = 0; k < 3; ++k) u.row(mesh.triangles(t, k)).setZero();
+        motions.push_back({name, u});
+    }
+    return motions;
+}
+
+std::vector<Body> wings(const std::string& folder) {
+    std::vector<Body> all{{"wing, root held", example::wing(5000), {}}};
+    for (const char* file : {"oneraM6_pyhyp_small.ply", "dpw_w1_pypan.tri"})
+        if (const auto path = std::filesystem::path(folder) / file; std::filesystem::exists(path))
+            all.push_back({text(file, ", root held"), read_surface(path).mesh, {}});
+    return all;
+}
+
+std::vector<int> root_of(const TriMesh& mesh, const WingCoordinates& wing) {
+    std::vector<int> held;
+    for (int t = 0; t < mesh.num_triangles(); ++t) {
+        const auto corner = mesh.triangles.row(t);
+        if (std::all_of(corner.begin(), corner.end(), [&](int v) { return wing.at(mesh.vertices.row(v)).s < 0.05; }))
+            held.push_back(t);
+    }
+    return held;
+}
+
+/// Sections (s) and fields of a wing (w) of these numbers.
+std::vector<DisplacementFields> both_kinds(const Body& body, const std::shared_ptr<const WingCoordinates>& wing) {
+    std::vector<DisplacementFields> fields;
+    for (const bool of_wing : {false, true})
+        for (const int number : {12, 24, 27, 36, 60}) {
+            FieldOptions options{number, {}};
+            if (of_wing) options.wing = wing;
+            fields.emplace_back(body.mesh, body.conditions, options);
+            fmt::print("{:>7}", text(of_wing ? "w" : "s", fields.back().size()));
+        }
+    return fields;
+}
+
+void print_wings(const std::string& folder) {
+    for (Body& body : wings(folder)) {
+        const auto found = find_wing(body.mesh);
+        if (!found) throw InvalidInput(text(body.name, ": no wing is seen"));
+        const Wing wing(body.mesh, found->declaration);
+        const auto coordinates = std::make_shared<const WingCoordinates>(wing_lines(body.mesh, wing));
+        body.conditions.held = root_of(body.mesh, *coordinates);
+        fmt::print("{}\n{:<10}", body.name, "");
+        const std::vector<DisplacementFields> fields = both_kinds(body, coordinates);
+        std::vector<TypicalMotion> motions = airfoil_motions(body.mesh, body.conditions, *coordinates);
+        for (TypicalMotion& motion : typical_motions(body.mesh, body.conditions)) motions.push_back(std::move(motion));
+        for (const TypicalMotion& motion : motions) {
+            fmt::print("\n{:<10}", motion.name);
+            for (const DisplacementFields& one : fields)
+                fmt::print("{:7.1f}", 100 * share(body.mesh, one, motion.displacement, true));
+        }
+        fmt::print("\n\n");
+    }
+}
+
 }  // namespace
 
 int main(int argc, char** argv) {
     const char* data = std::getenv("STRAKE_DATA");
-    const std::string folder = argc > 1 ? argv[1] : data ? data : "";
+    const bool is_of_wings = argc > 1 && std::string(argv[1]) == "--wings";
+    const int first = is_of_wings ? 2 : 1;
+    const std::string folder = argc > first ? argv[first] : data ? data : "";
+    if (is_of_wings) return print_wings(folder), 0;
     for (const Body& body : bodies(folder)) {
         fmt::print("{}\n{:<10}", body.name, "");
         std::vector<DisplacementFields> fields;

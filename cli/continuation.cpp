@@ -49,7 +49,7 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
                   since_large_bodies_are_quick = 8, since_coarse_noses_stay = 8, since_stations_are_level = 8,
                   since_noses_are_corners_later = 8, since_winglets_are_followed = 9, since_boxes_sum = 10,
-                  since_curvature_is_shared = 11;
+                  since_curvature_is_shared = 11, since_wings_have_fields = 11;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -66,6 +66,7 @@ void keep_meaning(Case& the_case, int meaning) {
                               : meaning < since_boxes_sum            ? RadialSums::by_centers
                                                                      : RadialSums::by_boxes;
     the_case.parameters.fields.products_as_before = meaning < since_large_bodies_are_quick;
+    the_case.parameters.fields.are_sections_by_default = meaning < since_wings_have_fields;
     the_case.parameters.kept_rules = meaning < since_polynomials_keep_edges ? KeptRules::earlier
                                      : meaning < since_coarse_noses_stay    ? KeptRules::coarse_noses_move
                                                                             : KeptRules::latest;

@@ -104,14 +104,23 @@ public:
         // There are no prisms: a triangle counts as inverted when its normal turns by more than 90 degrees.
         at_rest_.rotation.assign(problem_.surface.num_triangles(), Eigen::Quaterniond::Identity());
         at_rest_.displacement = Points::Zero(problem_.surface.num_triangles(), 3);
+        if (has_gradients_ && !problem_.program_parameters.empty())
+            throw InvalidInput("parameters of programs are compared by values alone (--values-only)");
         for (const Quantity& q : problem_.quantities) names_.insert(names_.end(), q.names.begin(), q.names.end());
     }
 
     NonlinearProgram program() {
         NonlinearProgram p;
-        p.start = VectorXd::Zero(motion_.size());
-        p.lower = motion_.lower.cwiseProduct(motion_.weight);
-        p.upper = motion_.upper.cwiseProduct(motion_.weight);
+        const auto n = motion_.size(), own = static_cast<int>(problem_.program_parameters.size());
+        p.start = VectorXd::Zero(n + own);
+        p.lower = p.upper = p.start;
+        p.lower.head(n) = motion_.lower.cwiseProduct(motion_.weight);
+        p.upper.head(n) = motion_.upper.cwiseProduct(motion_.weight);
+        for (int j = 0; j < own; ++j) {  // one is half of the range, as in Strake's own runs
+            const ProgramParameter& of = problem_.program_parameters[static_cast<std::size_t>(j)];
+            p.lower[n + j] = (of.min - of.start) / half_range(of);
+            p.upper[n + j] = (of.max - of.start) / half_range(of);
+        }
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
         if (has_gradients_)
@@ -119,12 +128,31 @@ public:
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
         p.metric = motion_.metric;
+        if (own > 0 && p.metric.size() > 0) {
+            p.metric = Eigen::MatrixXd::Identity(n + own, n + own);
+            p.metric.topLeftCorner(n, n) = motion_.metric;
+        }
         add_known_constraints(p);
         return p;
     }
-    Points vertices(const VectorXd& y) const { return motion_.vertices(y.cwiseQuotient(motion_.weight)); }
+    Points vertices(const VectorXd& y) const {
+        return motion_.vertices(y.head(motion_.size()).cwiseQuotient(motion_.weight));
+    }
 
 private:
+    static double half_range(const ProgramParameter& of) { return 0.5 * (of.max - of.min); }
+
+    /// Of an evaluation whose gradients nobody needs.
+    std::vector<std::pair<std::string, double>> parameters(const VectorXd& y) const {
+        std::vector<std::pair<std::string, double>> named;
+        for (std::size_t j = 0; j < problem_.program_parameters.size(); ++j) {
+            const ProgramParameter& of = problem_.program_parameters[j];
+            const double value = of.start + half_range(of) * y[motion_.size() + static_cast<Eigen::Index>(j)];
+            named.emplace_back(of.name, std::clamp(value, of.min, of.max));
+        }
+        return named;
+    }
+
     int index(const std::string& name) const {
         return static_cast<int>(std::find(names_.begin(), names_.end(), name) - names_.begin());
     }
@@ -184,7 +212,7 @@ private:
             const Quantity& quantity = problem_.quantities[i];
             const QuantityResult r =
                 quantity.combination ? combined(*quantity.combination, values)
-                                     : quantity.evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}});
+                                     : quantity.evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}, parameters(y)});
             if (r.failure) sample.failure = r.failure->message;
             values.insert(values.end(), r.values.begin(), r.values.end());
             dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());

@@ -19,7 +19,7 @@ struct Settings {
     std::string file, out;
     std::vector<std::string> set, boxes;
     int budget = 60;
-    bool downstream = false, root_held = false, values_only = false, only_boxes = false;
+    bool downstream = false, root_held = false, values_only = false, only_boxes = false, no_twist = false;
     double reach = 0.1;
 };
 
@@ -31,6 +31,7 @@ WingBox box_of(const std::string& word, const Settings& settings) {
                                 ": expected points along chord, span and height, each at least 2, for example 6x5x2"));
     box.moves_downstream = settings.downstream;
     box.root_held = settings.root_held;
+    if (settings.no_twist) box.twist = 0;
     box.reach = settings.reach;
     return box;
 }
@@ -99,6 +100,7 @@ int main(int argc, char** argv) {
         ->check(CLI::Range(1e-3, 1.0));
     app.add_flag("--downstream", settings.downstream, "points of boxes move along the stream, too");
     app.add_flag("--root-held", settings.root_held, "the first plane of points along the span does not move");
+    app.add_flag("--no-twist", settings.no_twist, "boxes do not twist");
     app.add_flag("--values-only", settings.values_only, "no gradients");
     app.add_flag("--only-boxes", settings.only_boxes, "not by the case's own variables");
     app.add_option("--out", settings.out, "folder for histories and shapes");

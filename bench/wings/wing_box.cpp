@@ -67,7 +67,7 @@ Moving moving(const TriMesh& surface, const Wing& wing, const WingBox& box) {
     const auto [nx, ny, nz] = box.points;
     const int first = box.root_held ? 1 : 0;
     result.points.resize(rows, nx * (ny - first) * nz);
-    result.planes.resize(rows, ny - 1);
+    result.planes.resize(rows, box.twist > 0 ? ny - 1 : 0);
     result.axis.resize(rows, 2);
     for (Eigen::Index r = 0; r < rows; ++r) {
         const int v = result.vertex[static_cast<std::size_t>(r)];
@@ -84,7 +84,7 @@ Moving moving(const TriMesh& surface, const Wing& wing, const WingBox& box) {
         Eigen::Index column = 0;
         for (int j = 0; j < ny; ++j) {
             const double by_span = b_spline(ny, j, s);
-            if (j > 0) result.planes(r, j - 1) = by_span;
+            if (j > 0 && result.planes.cols() > 0) result.planes(r, j - 1) = by_span;
             for (int i = 0; j >= first && i < nx; ++i)
                 for (int k = 0; k < nz; ++k)
                     result.points(r, column++) = by_span * b_spline(nx, i, along) * b_spline(nz, k, above);

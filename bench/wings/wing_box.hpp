@@ -12,7 +12,7 @@ struct WingBox {
     bool moves_downstream = false;       ///< points move along the stream, too, which changes chords and sweep
     bool root_held = false;              ///< those of the first plane along the span do not move
     double reach = 0.1;                  ///< of the mean chord: how far a point moves
-    double twist = 0.0872664625997165;   ///< radians: range of the twist of the planes along the span
+    double twist = 0.0872664625997165;   ///< radians: range of the twist of the planes along the span; 0: none
 };
 
 /// Points move up (and downstream), then the planes of sections turn about their quarter chords, exactly: v = a +

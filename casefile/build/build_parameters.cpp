@@ -122,13 +122,18 @@ void ProblemBuilder::set_planform() {
 
 /// Wings whose edges stay where loads, strains and fields would move them. Fits go where their data are; attached
 /// parts and kinds of shape have rules of their own.
-void ProblemBuilder::set_kept_sections() {
-    Parameters& p = out_.problem.parameters;
+bool ProblemBuilder::keeps_edges() const {
+    const Parameters& p = out_.problem.parameters;
     const bool is_motion_listed = !twists_.empty() || std::ranges::any_of(p.user_variables, [](const UserVariable& v) {
         return v.field < 0 && v.planform < 0 && v.traction.rows() == 0;
     });
+    return !is_motion_listed && case_.fit.empty() && !p.invariance && out_.problem.attached.empty();
+}
+
+void ProblemBuilder::set_kept_sections() {
+    Parameters& p = out_.problem.parameters;
     const bool moves = !p.kinds.empty() || p.fields || !case_.parameters.user_variables.empty();
-    if (!moves || is_motion_listed || !case_.fit.empty() || p.invariance || !out_.problem.attached.empty()) return;
+    if (!moves || !keeps_edges()) return;
     std::vector<std::shared_ptr<const Wing>> wings;
     for (const WingEntry& entry : case_.planform)
         if (entry.keeps_outline) {

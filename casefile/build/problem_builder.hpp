@@ -1,6 +1,7 @@
 #pragma once
 #include "casefile/build/build_problem.hpp"
 #include "casefile/build/region_ground.hpp"
+#include "core/planform/find_wings.hpp"
 #include "optimize/space/twist.hpp"
 
 #include <map>
@@ -11,8 +12,10 @@ namespace strake {
 
 struct ShellSetup;
 struct Wrap;
+struct FieldConditions;
 struct ProgramPoints;
 struct StoredDesign;
+class WingCoordinates;
 
 class ProblemBuilder {
 public:
@@ -102,7 +105,16 @@ private:
     void set_planform();
     void set_kept_sections();
     void check_dof();
+    bool keeps_edges() const;
     void set_fields();  // build_fields.cpp
+    struct FieldsOfWing {
+        std::shared_ptr<const WingCoordinates> wing;  ///< null: fields are not those of a wing
+        bool keeps_planform = false;
+    };
+    bool wants_fields_of_wing() const;
+    FieldsOfWing fields_of_wing(FieldConditions& conditions);
+    FieldsOfWing chosen_fields_of_wing(FieldConditions& conditions);
+    std::optional<FoundWing> wing_seen() const;
     void set_invariance();
     void set_hold();
     void check_hold();

@@ -199,12 +199,16 @@ struct HoldEntry {
 
 /// Displacement fields.
 struct FieldsEntry {
+    /// automatic: of a wing where a wing alone may move, and nothing is stated that sections alone have.
+    enum class Kind { automatic, sections, wing };
     bool is_wanted = false;
     int number = 0;  ///< 0: automatic
     std::optional<Reference> on;
     std::optional<Eigen::Vector3d> axis;  ///< unit
     std::vector<std::string> motions;     ///< empty: all
     AlongAxis along = AlongAxis::polynomials;
+    Kind kind = Kind::automatic;
+    bool are_sections_by_default = false;  ///< what `automatic` means to a run that began so
     bool products_as_before = false;  ///< `FieldOptions`: of a run that began so
     Place place;
 };

@@ -69,6 +69,10 @@ void CaseReader::read_fields(const Value& value) {
     fields.motions = texts(value.find("motions"));
     if (const Value* along = value.find("along"); along && along->accepted)
         fields.along = along->text == "splines" ? AlongAxis::splines : AlongAxis::polynomials;
+    if (const Value* kind = value.find("kind"); kind && kind->accepted)
+        fields.kind = kind->text == "wing"       ? FieldsEntry::Kind::wing
+                      : kind->text == "sections" ? FieldsEntry::Kind::sections
+                                                 : FieldsEntry::Kind::automatic;
 }
 
 }  // namespace strake

@@ -1,9 +1,19 @@
 #include "casefile/schema/schema_parts.hpp"
 #include "core/fields/displacement_fields.hpp"
 
+#include <algorithm>
+
 namespace strake {
 
 namespace {
+
+/// Of both kinds of fields.
+std::vector<std::string> words_of_motions() {
+    std::vector<std::string> words = field_motions();
+    for (const std::string& word : wing_motions())
+        if (std::ranges::find(words, word) == words.end()) words.push_back(word);
+    return words;
+}
 
 std::vector<Key> field_keys() {
     return {
@@ -53,10 +63,24 @@ std::vector<Key> field_keys() {
          .type = Type::list,
          .doc =
              "What the fields may do, by the words in their names, for example [scale] of a body of revolution, whose "
-             "profile then changes and whose stations stay. out and around: of bodies that are revolved or cyclic. "
+             "profile then changes and whose stations stay. out and around: of bodies that are revolved or cyclic; "
+             "chord, "
+             "camber, thickness, bend and stretch: of kind: wing. "
              "Default: all.",
-         .words = field_motions(),
+         .words = words_of_motions(),
          .element = Type::word},
+        {.path = "parameters.fields.kind",
+         .type = Type::word,
+         .doc =
+             "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates of "
+             "a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
+             "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
+             "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: wing "
+             "where a wing alone can move, one at most is declared, and the case is no fit and states no axis, "
+             "motions, along or invariance; else sections. Of a wing that keeps its planform number: auto means 24 at "
+             "first.",
+         .fallback = "auto",
+         .words = {"auto", "sections", "wing"}},
         {.path = "parameters.fields.along",
          .type = Type::word,
          .doc =

@@ -1,7 +1,8 @@
 #include "core/fields/displacement_fields.hpp"
 
 #include "core/error.hpp"
-#include "core/fields/thin_products.hpp"
+#include "core/fields/function_sum.hpp"
+#include "core/fields/wing_motions.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/closest_point.hpp"
 #include "core/mesh/geometry.hpp"
@@ -180,104 +181,6 @@ CutOff cut_off(const TriMesh& rest, const Points& centroid, const FieldCondition
     return cut;
 }
 
-/// Functions along the axes of the frame at one point; room for them is made once.
-class LocalFunctions {
-public:
-    LocalFunctions(const FieldFrame& frame, AlongAxis along, const std::vector<Powers>& powers) : frame_(frame) {
-        std::array<int, 3> last{0, 0, 0};
-        for (const Powers& p : powers)
-            for (int k = 0; k < 3; ++k) last[k] = std::max(last[k], p[k]);
-        for (int k = 0; k < 3; ++k) along_.emplace_back(k == 0 ? along : AlongAxis::polynomials, 0, last[k]);
-    }
-    void set(const Vector3d& x) {
-        const Vector3d at = frame_.local(x);
-        for (int k = 0; k < 3; ++k) along_[k].set(at[k]);
-    }
-    double value(const Powers& p) const {
-        return along_[0].value[p[0]] * along_[1].value[p[1]] * along_[2].value[p[2]];
-    }
-    /// By the local coordinate k, per length.
-    double slope(const Powers& p, int k) const {
-        double product = frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
-        for (int i = 0; i < 3; ++i) product *= i == k ? along_[i].slope[p[i]] : along_[i].value[p[i]];
-        return product;
-    }
-
-private:
-    const FieldFrame& frame_;
-    std::vector<FunctionsAlong> along_;
-};
-
-/// The functions at the vertices, columns in the order of `powers`, times the cut-off.
-MatrixXd function_values(LocalFunctions functions, const Points& x, const std::vector<Powers>& powers,
-                         const VectorXd& cut) {
-    MatrixXd values(x.rows(), static_cast<Eigen::Index>(powers.size()));
-    for (Eigen::Index v = 0; v < x.rows(); ++v) {
-        functions.set(x.row(v));
-        for (std::size_t f = 0; f < powers.size(); ++f)
-            values(v, static_cast<Eigen::Index>(f)) = cut[v] * functions.value(powers[f]);
-    }
-    return values;
-}
-
-/// A sum of functions and its gradient at many points. Functions that differ along the axis alone are summed there
-/// first.
-class FunctionSum {
-public:
-    FunctionSum(const FieldFrame& frame, AlongAxis along, const std::vector<Powers>& powers, const Coefficients& c)
-        : frame_(frame) {
-        std::array<int, 3> last{0, 0, 0};
-        std::map<std::pair<int, int>, std::vector<std::size_t>> across;
-        for (const std::size_t f : used_functions(c)) {
-            for (int k = 0; k < 3; ++k) last[k] = std::max(last[k], powers[f][k]);
-            across[{powers[f][1], powers[f][2]}].push_back(f);
-        }
-        for (int k = 0; k < 3; ++k)
-            along_.emplace_back(k == 0 ? along : AlongAxis::polynomials, 0, last[static_cast<std::size_t>(k)]);
-        for (const auto& [number, functions] : across) {
-            Group group{number.first, number.second, {}, Eigen::Matrix3Xd(3, functions.size())};
-            for (std::size_t i = 0; i < functions.size(); ++i) {
-                group.along.push_back(powers[functions[i]][0]);
-                group.factor.col(static_cast<Eigen::Index>(i)) = c.row(static_cast<Eigen::Index>(functions[i]));
-            }
-            groups_.push_back(std::move(group));
-        }
-    }
-    /// Column k of the gradient: by the local coordinate k, per length.
-    void at(const Vector3d& x, Vector3d& value, Matrix3d& by_local) {
-        const Vector3d local = frame_.local(x);
-        for (int k = 0; k < 3; ++k) along_[static_cast<std::size_t>(k)].set(local[k]);
-        value.setZero();
-        by_local.setZero();
-        const auto &first = along_[0], &second = along_[1], &third = along_[2];
-        for (const Group& group : groups_) {
-            Vector3d sum = Vector3d::Zero(), slope = Vector3d::Zero();
-            for (std::size_t i = 0; i < group.along.size(); ++i) {
-                const auto number = static_cast<std::size_t>(group.along[i]);
-                const auto factor = group.factor.col(static_cast<Eigen::Index>(i));
-                sum += first.value[number] * factor;
-                slope += first.slope[number] * factor;
-            }
-            const auto j = static_cast<std::size_t>(group.second), k = static_cast<std::size_t>(group.third);
-            value += second.value[j] * third.value[k] * sum;
-            by_local.col(0) += second.value[j] * third.value[k] * slope;
-            by_local.col(1) += second.slope[j] * third.value[k] * sum;
-            by_local.col(2) += second.value[j] * third.slope[k] * sum;
-        }
-        for (int k = 0; k < 3; ++k) by_local.col(k) *= frame_.half[k] > 0 ? 1 / frame_.half[k] : 0;
-    }
-
-private:
-    struct Group {
-        int second, third;        ///< numbers of the functions across the axis
-        std::vector<int> along;   ///< and of those along it
-        Eigen::Matrix3Xd factor;  ///< a column for each of these
-    };
-    const FieldFrame& frame_;
-    std::vector<FunctionsAlong> along_;
-    std::vector<Group> groups_;
-};
-
 /// The point that a field of this symmetry can leave alone: on the plane, and on the axis.
 Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, const std::optional<ShapeKind>& kind) {
     if (kind && kind->type != ShapeKind::Type::extruded)
@@ -359,10 +262,13 @@ private:
 void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOptions& options) {
     if (options.number < 1 || options.number > max_number)
         throw InvalidInput(text("fields: number = ", options.number, " must be in [1, ", max_number, "]"));
+    if (options.wing && (options.axis || options.along != AlongAxis::polynomials || conditions.kind))
+        throw InvalidInput("fields of a wing have no axis, no splines along it and keep no kind of shape");
+    const std::vector<std::string>& motions = options.wing ? wing_motions() : field_motions();
     for (const std::string& motion : options.motions)
-        if (std::ranges::find(field_motions(), motion) == field_motions().end()) {
+        if (std::ranges::find(motions, motion) == motions.end()) {
             std::string all;
-            for (const std::string& known : field_motions()) all += (all.empty() ? "" : ", ") + known;
+            for (const std::string& known : motions) all += (all.empty() ? "" : ", ") + known;
             throw InvalidInput(text("fields: motion '", motion, "' is none of ", all));
         }
     if (conditions.cut && conditions.mirror)
@@ -370,6 +276,25 @@ void check(const TriMesh& rest, const FieldConditions& conditions, const FieldOp
     for (const int t : conditions.held)
         if (t < 0 || t >= rest.num_triangles())
             throw InvalidInput(text("fields: held triangle ", t, " must be in [0, ", rest.num_triangles(), ")"));
+}
+
+std::vector<FieldCandidate> listed(const FunctionSpace& space, bool is_symmetric, int count,
+                                   const FieldConditions& conditions, const FieldOptions& options) {
+    if (space.wing) return wing_candidates(*space.wing, is_symmetric, options.keeps_planform, count, options.motions);
+    return field_candidates(space.frame, is_symmetric, count, conditions.kind, options.motions,
+                            space.along == AlongAxis::splines ? max_spline_number : max_polynomial_degree);
+}
+
+/// By the functions of the space.
+std::vector<FieldCandidate> rigid_motions_in(const FunctionSpace& space, bool is_symmetric,
+                                             const std::optional<ShapeKind>& kind) {
+    std::vector<FieldCandidate> rigid = rigid_candidates(space.frame, is_symmetric, kind);
+    if (!space.wing) return rigid;
+    for (FieldCandidate& candidate : rigid)
+        for (FieldCandidate::Term& term : candidate.terms)
+            if (const auto linear = std::ranges::find(term.powers, 1); linear != term.powers.end())
+                term.powers = space.linear(static_cast<int>(linear - term.powers.begin()));
+    return rigid;
 }
 
 }  // namespace
@@ -381,11 +306,14 @@ const std::vector<std::string>& field_motions() {
 
 DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldConditions& conditions,
                                        const FieldOptions& options)
-    : along_(options.along), products_as_before_(options.products_as_before) {
+    : products_as_before_(options.products_as_before) {
+    space_.along = options.along;
+    space_.wing = options.wing;
     check(surface, conditions, options);
     const TriMesh rest = with_loose_vertices_joined(surface);
     const std::optional<SymmetryPlane>& plane = conditions.cut ? conditions.cut : conditions.mirror;
-    frame_ = field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
+    space_.frame = options.wing ? wing_frame(rest, options.wing->lines(), plane, conditions.cut.has_value())
+                                : field_frame(rest, plane, conditions.cut.has_value(), options.axis, conditions.kind);
     centroid_ = triangle_centroids(rest);
     CutOff cut = cut_off(rest, centroid_, conditions);
     cut_off_ = std::move(cut.at_centroids);
@@ -394,12 +322,10 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
         still_ = symmetric_point(*conditions.still, plane, conditions.kind);
     std::vector<FieldCandidate> rigid;
     if (conditions.held.empty() && !conditions.keeps_rigid_motions)
-        rigid = rigid_candidates(frame_, plane.has_value(), conditions.kind);
+        rigid = rigid_motions_in(space_, plane.has_value(), conditions.kind);
     int before = -1;  // twice as many that add nothing: the vertices have no more
     for (int tried = 2 * options.number + 20;; tried *= 2) {
-        const std::vector<FieldCandidate> candidates =
-            field_candidates(frame_, plane.has_value(), tried, conditions.kind, options.motions,
-                             along_ == AlongAxis::splines ? max_spline_number : max_polynomial_degree);
+        const std::vector<FieldCandidate> candidates = listed(space_, plane.has_value(), tried, conditions, options);
         const bool are_all = static_cast<int>(candidates.size()) < tried || tried > 8 * max_number;
         choose(rest, cut.at_vertices, rigid, candidates, options.number);
         if (size() == options.number || are_all || size() == before) break;
@@ -414,24 +340,25 @@ DisplacementFields::DisplacementFields(const TriMesh& surface, const FieldCondit
 
 void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const std::vector<FieldCandidate>& rigid,
                                 const std::vector<FieldCandidate>& candidates, int count) {
-    powers_.clear();
+    space_.powers.clear();
     coefficients_.clear();
     names_.clear();
     std::map<Powers, int> number;
     const auto list = [&](const FieldCandidate& candidate) {
         for (const FieldCandidate::Term& term : candidate.terms)
-            if (number.emplace(term.powers, static_cast<int>(powers_.size())).second) powers_.push_back(term.powers);
+            if (number.emplace(term.powers, static_cast<int>(space_.powers.size())).second)
+                space_.powers.push_back(term.powers);
     };
     std::for_each(rigid.begin(), rigid.end(), list);
     std::for_each(candidates.begin(), candidates.end(), list);
-    values_ = function_values(LocalFunctions(frame_, along_, powers_), rest.vertices, powers_, cut);
+    values_ = function_values(space_, rest.vertices, cut);
     const Eigen::HouseholderQR<MatrixXd> qr(vertex_areas(rest).cwiseSqrt().asDiagonal() * values_);
     const Eigen::Index rows = std::min(values_.rows(), values_.cols());
     Orthogonalization orthogonal(qr.matrixQR().topRows(rows).template triangularView<Eigen::Upper>());
     const auto motion = [&](const FieldCandidate& candidate) {
         Coefficients c = Coefficients::Zero(values_.cols(), 3);
         for (const FieldCandidate::Term& term : candidate.terms)
-            c.row(number.at(term.powers)) += term.factor * frame_.axes.col(term.axis).transpose();
+            c.row(number.at(term.powers)) += term.factor * space_.frame.axes.col(term.axis).transpose();
         return c;
     };
     for (const FieldCandidate& candidate : rigid)
@@ -453,34 +380,33 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
     for (int b = 0; b < size(); ++b) coefficients_[static_cast<std::size_t>(b)] /= largest[b];
 }
 
-/// Without the rigid motion that the field does at the point. The functions of first degree are among `powers_`.
+/// Without the rigid motion that the field does at the point. The functions of first degree are among `space_.powers`.
 DisplacementFields::Coefficients DisplacementFields::still_at(const Vector3d& point, Coefficients motion) const {
     Vector3d value;
     Matrix3d by_local;
-    FunctionSum(frame_, along_, powers_, motion).at(point, value, by_local);
-    const Matrix3d gradient = by_local * frame_.axes.transpose();
+    FunctionSum(space_, motion).at(point, value, by_local);
+    const Matrix3d gradient = by_local * space_.frame.axes.transpose();
     const Matrix3d spin = 0.5 * (gradient - gradient.transpose());
     Vector3d constant = value - spin * point;
-    for (std::size_t f = 0; f < powers_.size(); ++f) {
-        const auto& [i, j, k] = powers_[f];
-        if (i + j + k != 1) continue;
-        const int along = i == 1 ? 0 : j == 1 ? 1 : 2;
-        const Vector3d axis = frame_.axes.col(along);
-        motion.row(static_cast<Eigen::Index>(f)) -= frame_.half[along] * (spin * axis).transpose();
+    for (std::size_t f = 0; f < space_.powers.size(); ++f) {
+        const int along = space_.linear_axis(space_.powers[f]);
+        if (along < 0) continue;
+        const Vector3d axis = space_.frame.axes.col(along);
+        motion.row(static_cast<Eigen::Index>(f)) -= space_.frame.half[along] * (spin * axis).transpose();
     }
-    for (int k = 0; k < 3; ++k) constant += frame_.middle[k] * (spin * frame_.axes.col(k));
-    for (std::size_t f = 0; f < powers_.size(); ++f)
-        if (powers_[f] == Powers{0, 0, 0}) motion.row(static_cast<Eigen::Index>(f)) -= constant.transpose();
+    for (int k = 0; k < 3; ++k) constant += space_.frame.middle[k] * (spin * space_.frame.axes.col(k));
+    for (std::size_t f = 0; f < space_.powers.size(); ++f)
+        if (space_.powers[f] == Powers{0, 0, 0}) motion.row(static_cast<Eigen::Index>(f)) -= constant.transpose();
     return motion;
 }
 
 /// Bits of rounding do not leave the plane of the cut.
 void DisplacementFields::keep_in_plane(const TriMesh& rest, const SymmetryPlane& plane) {
-    const double reach = on_plane * frame_.half.maxCoeff();
+    const double reach = on_plane * space_.frame.half.maxCoeff();
     for (int v = 0; v < rest.num_vertices(); ++v) {
         if (std::abs(plane.normal.dot(rest.vertices.row(v)) - plane.offset) > reach) continue;
-        for (std::size_t f = 0; f < powers_.size(); ++f)
-            if (powers_[f][frame_.plane_axis] % 2 == 1) values_(v, static_cast<Eigen::Index>(f)) = 0;
+        for (std::size_t f = 0; f < space_.powers.size(); ++f)
+            if (space_.is_odd(space_.powers[f])) values_(v, static_cast<Eigen::Index>(f)) = 0;
     }
 }
 
@@ -527,7 +453,7 @@ std::vector<Matrix3d> DisplacementFields::rotations(const VectorXd& z) const {
 }
 
 std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
-    const FunctionSum all(frame_, along_, powers_, combined(z));
+    const FunctionSum all(space_, combined(z));
     std::vector<Matrix3d> maps(static_cast<std::size_t>(centroid_.rows()));
     for_blocks(static_cast<int>(centroid_.rows()), 4096, [&](int begin, int end) {
         FunctionSum sum = all;  // it remembers its last point
@@ -535,8 +461,9 @@ std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
         Matrix3d by_local;
         for (Eigen::Index t = begin; t < end; ++t) {
             sum.at(centroid_.row(t), u, by_local);
-            maps[static_cast<std::size_t>(t)] =
-                Matrix3d::Identity() + cut_off_[t] * by_local * frame_.axes.transpose() + u * cut_off_gradient_.row(t);
+            maps[static_cast<std::size_t>(t)] = Matrix3d::Identity() +
+                                                cut_off_[t] * by_local * space_.frame.axes.transpose() +
+                                                u * cut_off_gradient_.row(t);
         }
     });
     return maps;
@@ -545,14 +472,14 @@ std::vector<Matrix3d> DisplacementFields::local_maps(const VectorXd& z) const {
 VectorXd DisplacementFields::map_gradient(int triangle, const Matrix3d& dJ_dF) const {
     if (triangle < 0 || triangle >= centroid_.rows())
         throw InvalidInput(text("fields: triangle ", triangle, " is not in [0, ", centroid_.rows(), ")"));
-    LocalFunctions functions(frame_, along_, powers_);
+    LocalFunctions functions(space_);
     functions.set(centroid_.row(triangle));
     const Vector3d by_value = dJ_dF * cut_off_gradient_.row(triangle).transpose();
-    const Matrix3d by_slope = cut_off_[triangle] * dJ_dF * frame_.axes;
+    const Matrix3d by_slope = cut_off_[triangle] * dJ_dF * space_.frame.axes;
     Coefficients by_function(values_.cols(), 3);
-    for (std::size_t f = 0; f < powers_.size(); ++f) {
-        Vector3d own = functions.value(powers_[f]) * by_value;
-        for (int k = 0; k < 3; ++k) own += functions.slope(powers_[f], k) * by_slope.col(k);
+    for (std::size_t f = 0; f < space_.powers.size(); ++f) {
+        Vector3d own = functions.value(space_.powers[f]) * by_value;
+        for (int k = 0; k < 3; ++k) own += functions.slope(space_.powers[f], k) * by_slope.col(k);
         by_function.row(static_cast<Eigen::Index>(f)) = own.transpose();
     }
     VectorXd gradient(size());

@@ -44,10 +44,15 @@ struct FieldOptions {
     std::vector<std::string> motions{};
     AlongAxis along = AlongAxis::polynomials;
     bool products_as_before = false;  ///< of one field alone: the bits of earlier runs, in many times the time
+    /// Fields of this wing, in its own coordinates; then without `axis` and `along`, and not of a kind of shape.
+    std::shared_ptr<const WingCoordinates> wing{};
+    bool keeps_planform = false;  ///< of a wing: only what leaves both edges of its sections where they are
 };
 
 /// move, scale, twist, tilt, shear, out, around: what a field does, as its name says it.
 const std::vector<std::string>& field_motions();
+/// The same of fields of a wing: move, twist, chord, camber, thickness, bend, stretch, tilt.
+const std::vector<std::string>& wing_motions();
 
 /// The rotation next to a linear map with a positive determinant (Higham, 1986).
 Eigen::Matrix3d polar_rotation(const Eigen::Matrix3d& F);
@@ -69,7 +74,7 @@ public:
     int size() const { return static_cast<int>(names_.size()); }  ///< <= number: what adds nothing is left out
     const std::string& name(int b) const { return names_[static_cast<std::size_t>(b)]; }
     int num_vertices() const { return static_cast<int>(values_.rows()); }
-    const FieldFrame& frame() const { return frame_; }
+    const FieldFrame& frame() const { return space_.frame; }
 
     Points field(int b) const;                            ///< n x 3, at z_b = 1
     Points displacement(const Eigen::VectorXd& z) const;  ///< n x 3: sum_b z_b field(b)
@@ -91,10 +96,8 @@ private:
     Coefficients still_at(const Eigen::Vector3d& point, Coefficients motion) const;
     void keep_in_plane(const TriMesh& rest, const SymmetryPlane& plane);
 
-    FieldFrame frame_;
-    AlongAxis along_;
+    FunctionSpace space_;
     std::optional<Eigen::Vector3d> still_;
-    std::vector<Powers> powers_;  ///< of the functions
     bool products_as_before_ = false;
     Eigen::MatrixXd values_;                  ///< n x functions, cut-off included
     std::vector<Coefficients> coefficients_;  ///< per field

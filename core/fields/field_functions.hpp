@@ -1,11 +1,14 @@
 #pragma once
 #include "core/fields/field_frame.hpp"
 
+#include <memory>
 #include <string>
 #include <vector>
 
 /// Functions and motions that displacement fields are made of. Internal.
 namespace strake {
+
+class WingCoordinates;
 
 using Powers = std::array<int, 3>;  ///< numbers of the functions along the axes of the frame: degrees of polynomials
 
@@ -13,6 +16,21 @@ using Powers = std::array<int, 3>;  ///< numbers of the functions along the axes
 enum class AlongAxis {
     polynomials,  ///< of Legendre
     splines  ///< cubic, of evenly spaced knots that are halved again and again: local, and they can take a kink away
+};
+
+/// Which functions there are.
+struct FunctionSpace {
+    FieldFrame frame;
+    AlongAxis along = AlongAxis::polynomials;
+    std::shared_ptr<const WingCoordinates> wing = {};  ///< functions of a wing's coordinates; null: of the frame's
+    std::vector<Powers> powers = {};                   ///< their numbers
+
+    /// The axis of the frame along which the function is linear, and constant across it; -1: it is another one.
+    int linear_axis(const Powers& p) const;
+    /// The function that is linear along an axis.
+    Powers linear(int axis) const;
+    /// On the plane of symmetry of the frame the function is 0.
+    bool is_odd(const Powers& p) const;
 };
 
 constexpr int max_polynomial_degree = 40;

@@ -1,8 +1,10 @@
+#include "core/fields/displacement_fields.hpp"
 #include "core/planform/planform_motion.hpp"
 #include "optimize/check/start_check.hpp"
 #include "tests/casefile/build_fixture.hpp"
 #include "tests/core/planform/lofted_wing.hpp"
 
+#include <algorithm>
 #include <map>
 #include <numbers>
 
@@ -169,6 +171,61 @@ TEST_F(Planform, ErrorsSayWhatToDo) {
     EXPECT_TRUE(contains(error(wing + "regions: {a: {of: wing, side: above}}\n"), "upper, lower or both"));
     EXPECT_TRUE(contains(error("regions: {a: {plane: {normal: [1, 0, 0], at: 0}}}\n"), "regions.a.side is missing"));
     EXPECT_TRUE(contains(error("regions: {a: {plane: {normal: [1, 0, 0], at: 0}, side: upper}}\n"), "above or below"));
+}
+
+/// Where a wing alone can move, declared or not, fields are those of a wing, unless the case says otherwise or its run
+/// began before there were any.
+TEST_F(Planform, FieldsAreThoseOfAWingWhereItAloneMoves) {
+    const std::string goal = "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n",
+                      wing = "planform: {wing: {span: y}}\n";
+    const auto fields = [&](const std::string& rest) { return build(goal + rest).problem.parameters; };
+    const Parameters own = fields(wing + "parameters: {fields: auto}\n");
+    EXPECT_EQ(own.user_variables[0].name, "wing.camber.2.s0") << "the planform is kept";
+    EXPECT_EQ(own.field_steps.front(), 24);
+    const Parameters free = fields("planform: {w: {span: y, keep: none}}\nparameters: {fields: 9}\n");
+    EXPECT_TRUE(std::ranges::any_of(free.user_variables, [](const UserVariable& v) { return v.name == "w.twist.s0"; }));
+    const BuiltProblem seen = build(goal + "parameters: {fields: 9}\n");
+    EXPECT_TRUE(seen.problem.parameters.user_variables[0].name.starts_with("wing.")) << "it looks like one";
+    EXPECT_TRUE(std::ranges::any_of(seen.notes, [](const std::string& n) { return contains(n, "kind: sections"); }));
+    for (const char* others : {"{number: 9, kind: sections}", "{number: 9, axis: y}", "{number: 9, motions: [move]}",
+                               "{number: 9, along: splines}"})
+        EXPECT_TRUE(
+            fields(wing + "parameters: {fields: " + others + "}\n").user_variables[0].name.starts_with("section."))
+            << others;
+    EXPECT_TRUE(fields(wing + "parameters: {fields: {number: 4, kind: wing, motions: [thickness]}}\n")
+                    .user_variables[3]
+                    .name.starts_with("wing.thickness."));
+    Case before = load_case(
+        folder.write("case.yaml", "case: c\nsurface: {file: s.obj}\n" + goal + wing + "parameters: {fields: auto}\n"),
+        Purpose::any);
+    before.parameters.fields.are_sections_by_default = true;
+    const Parameters began = build_problem(before, Purpose::any).problem.parameters;
+    EXPECT_TRUE(began.user_variables[0].name.starts_with("section."));
+    EXPECT_EQ(began.field_steps.front(), 27);
+}
+
+/// A body that moves, too, has sections; `kind: wing` leaves it where it is, and so does a wing beside it that is
+/// fixed.
+TEST_F(Planform, FieldsOfAWingLeaveTheRest) {
+    const std::string goal =
+        "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n"
+        "regions: {inner: {box: [[-9, -9, -9], [9, 0.8, 9]]}}\n"
+        "planform: {wing: {span: y, on: all - inner}}\n";
+    const auto fields = [&](const std::string& rest) { return build(goal + rest).problem.parameters; };
+    EXPECT_TRUE(fields("parameters: {fields: 9}\n").user_variables[0].name.starts_with("section."));
+    for (const char* words :
+         {"fixed: [inner]\nparameters: {fields: 9}\n", "parameters: {fields: {number: 9, kind: wing}}\n"}) {
+        const BuiltProblem built = build(goal + words);
+        const Parameters& p = built.problem.parameters;
+        EXPECT_TRUE(p.user_variables[0].name.starts_with("wing.")) << words;
+        const Points u = p.fields->displacement(Eigen::VectorXd::Ones(9));
+        for (const int t : region(built, "inner"))
+            for (const int v : built.problem.surface.triangles.row(t)) EXPECT_TRUE(u.row(v).isZero(0));
+        EXPECT_GT(u.norm(), 1);
+    }
+    EXPECT_TRUE(contains(error("shell: none\nhold: none\nobjective: {maximize: volume}\n"
+                               "planform: {a: {span: y}, b: {span: y}}\nparameters: {fields: {kind: wing}}\n"),
+                         "planform declares 2 wings; fields are those of one; or write kind: sections"));
 }
 
 TEST_F(Planform, RangesAreVariables) {

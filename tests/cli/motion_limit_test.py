@@ -32,7 +32,7 @@ regions: {root: {box: [[-9, -9, -9], [9, 0.1, 9]]}}
 fixed: [root]
 planform: {wing: {on: all - root, span: y KEEP}}
 shell: none
-parameters: {fields: 12, max_displacement: 2%}
+parameters: {fields: {number: 12, kind: sections}, max_displacement: 2%}
 objective: {maximize: volume}
 constraints: {area: {max: 1, relative: true}}
 optimize: {budget: {evaluations: 3}}
@@ -214,10 +214,10 @@ class MotionLimit(unittest.TestCase):
         folder = pathlib.Path(FOLDER.name)
         subprocess.run([MAKE_SURFACE, "wing", "--triangles", "1000", "-o", "wing.obj"], cwd=folder, check=True,
                        stdout=subprocess.DEVNULL)
-        alone = WING.replace("KEEP", "").replace("fields: 12", "planform: {wing.span: {range: [-10%, 10%]}}")
+        alone = WING.replace("KEEP", "").replace("fields: {number: 12, kind: sections}", "planform: {wing.span: {range: [-10%, 10%]}}")
         alone = alone.replace("max: 1, relative", "max: 1.2, relative")
         cases = {"alone": (alone, 1), "default": (alone.replace(", max_displacement: 2%", ""), 0),
-                 "fields": (alone.replace("{planform", "{fields: 12, planform"), 0)}
+                 "fields": (alone.replace("{planform", "{fields: {number: 12, kind: sections}, planform"), 0)}
         for name, (text, count) in cases.items():
             (folder / f"{name}.yaml").write_text(text)
             said = strake("check", f"{name}.yaml", "--quick")
@@ -269,7 +269,7 @@ class MotionLimit(unittest.TestCase):
                        stdout=subprocess.DEVNULL)
         (folder / "free.yaml").write_text(
             "surface: {file: free.obj}\nshell: none\nhold: point\nobjective: {maximize: volume}\n"
-            "optimize: {budget: {evaluations: 30}}\nparameters: {fields: 24, max_displacement: 0.5%}\n")
+            "optimize: {budget: {evaluations: 30}}\nparameters: {fields: {number: 24, kind: sections}, max_displacement: 0.5%}\n")
         gain = {}
         for meaning in (5, 8):
             run = f"free{meaning}"

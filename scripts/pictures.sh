@@ -114,8 +114,9 @@ if [ -f $published/wing_body_free/best.obj ]; then
 fi
 if [ -f $published/stokes_area/best.obj ]; then
     picture published-stokes_area.png $generated/sphere.obj $published/stokes_area/best.obj --view=0,-1,0.2 --edges \
-        --titles "start|least drag in Stokes flow, same area" --size 520,300
+        --titles "start|least drag in Stokes flow, same area" --size 400,230
 fi
+find $out -name "published-*.png" -exec /usr/bin/python3 scripts/smaller_png.py {} +
 if [ -f "$evidence/local_bump-sqp.vtp" ] && [ -f "$evidence/global_twist-sqp.vtp" ]; then
     bump=$evidence/local_bump-sqp.vtp twist=$evidence/global_twist-sqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \

@@ -350,7 +350,7 @@ class Page(unittest.TestCase):
         self.assertEqual(published.merged(table, results(9, "stokes")), published.tables(results(1, "haack") + results(9, "stokes")))
         self.assertEqual(published.merged(table, results(1, "newton_1")), published.tables(results(1, "haack", "newton_1", "stokes")))
 
-    def test_table_of_levels_counts_evaluations_of_the_best_so_far(self):
+    def test_table_of_levels_counts_evaluations(self):
         one = {"variant": "box", "excess": [3.0, None, 0.09, 0.2, 0.002], "seconds": 7.4, "end": "budget"}
         self.assertIn("| `haack` | box | 3 | 5 | – | 0.2 | 5 | 7 | budget |", published_levels.table({"haack": [one]}))
         x, y = np.array([[float(c) for c in point.split(",")] for point in published_levels.curve(one["excess"], 5).split()]).T

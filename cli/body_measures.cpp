@@ -3,6 +3,7 @@
 #include "cli/planform_sheet.hpp"
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
+#include "core/text/file.hpp"
 
 #include <fmt/format.h>
 

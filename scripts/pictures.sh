@@ -100,6 +100,23 @@ solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj 
     "before|after: less wave drag, same volume" --view side --edges
 solver openfoam_wing.png $external/openfoam_wing/generated/start.obj runs/openfoam_wing \
     "before|after: less drag, same lift" --view=-1,-0.7,0.45
+# Problems with published answers: scripts/published.sh wing_body_free stokes_area, into build/published.
+published=build/published generated=cases/published/generated
+with_wing() {  # BODY NAME: both in one file
+    awk 'FNR == 1 {before = n} $1 == "v" {++n; print} $1 == "f" {print "f", $2 + before, $3 + before, $4 + before}' \
+        "$1" $generated/wing_panels.obj >"$work/$2.obj"
+}
+if [ -f $published/wing_body_free/best.obj ]; then
+    with_wing $generated/bumped_spindle.obj start
+    with_wing $published/wing_body_free/best.obj free
+    picture published-wing_body_free.png "$work/start.obj" "$work/free.obj" --view=-1,-1,0.8 \
+        --titles "start|free fuselage: least wave drag at Mach 1.4" --size 520,300
+fi
+if [ -f $published/stokes_area/best.obj ]; then
+    picture published-stokes_area.png $generated/sphere.obj $published/stokes_area/best.obj --view=0,-1,0.2 --edges \
+        --titles "start|least drag in Stokes flow, same area" --size 400,230
+fi
+find $out -name "published-*.png" -exec /usr/bin/python3 scripts/smaller_png.py {} +
 if [ -f "$evidence/local_bump-sqp.vtp" ] && [ -f "$evidence/global_twist-sqp.vtp" ]; then
     bump=$evidence/local_bump-sqp.vtp twist=$evidence/global_twist-sqp.vtp
     picture trees.png "$bump:fineness" "$bump:patch" "$twist:fineness" "$twist:patch" --columns 2 --size 640,360 --view=0.4,1,0.6 \

@@ -15,6 +15,7 @@
 namespace strake::evidence {
 namespace {
 
+using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 double cpu_seconds() {
@@ -32,16 +33,18 @@ struct Tracer {
     double begin = cpu_seconds();
     double enough = -std::numeric_limits<double>::infinity();
     bool has_enough() const { return !solve.trace.empty() && solve.trace.back().best <= enough; }
-    /// @param objective as minimized; NaN: no value
-    void add(double objective, bool feasible) {
+    /// @param objective as minimized; NaN: no value. @param tolerance of the violation
+    void add(double objective, double violation, double tolerance) {
         TracePoint point = solve.trace.empty() ? TracePoint{} : solve.trace.back();
         ++point.evaluation;
         point.paid += 1 + (has_gradients && std::isfinite(objective) ? variables : 0) + std::exchange(choosing, 0);
         point.cpu = cpu_seconds() - begin;
         if (!std::isfinite(objective))
             ++solve.failures;
-        else if (feasible && !(point.best <= objective))
+        else if (violation <= tolerance && !(point.best <= objective))
             point.best = objective;
+        point.objective = objective;
+        point.violation = violation;
         if (solve.trace.empty()) solve.start = objective;
         solve.trace.push_back(point);
         solve.evaluations = point.evaluation;
@@ -74,7 +77,7 @@ void run_strake(const EvidenceProblem& evidence, Solver solver, Method method, i
         if (record.is_taken_over) return;  // nothing was computed
         const double sign = problem.maximize ? -1 : 1;
         tracer.add(record.status == "ok" ? sign * record.objective : std::numeric_limits<double>::quiet_NaN(),
-                   record.max_violation <= problem.optimize.constraint_tolerance);
+                   record.max_violation, problem.optimize.constraint_tolerance);
     };
     events.note = [&](const std::string& words) { result.notes.push_back(words); };
     events.level_end = [&](const LevelSummary& level) {
@@ -104,53 +107,53 @@ public:
         // There are no prisms: a triangle counts as inverted when its normal turns by more than 90 degrees.
         at_rest_.rotation.assign(problem_.surface.num_triangles(), Eigen::Quaterniond::Identity());
         at_rest_.displacement = Points::Zero(problem_.surface.num_triangles(), 3);
-        if (has_gradients_ && !problem_.program_parameters.empty())
-            throw InvalidInput("parameters of programs are compared by values alone (--values-only)");
         for (const Quantity& q : problem_.quantities) names_.insert(names_.end(), q.names.begin(), q.names.end());
+        lower_ = motion_.lower.cwiseProduct(motion_.weight);
+        upper_ = motion_.upper.cwiseProduct(motion_.weight);
+        const Eigen::Index n = motion_.size(), all = n + static_cast<Eigen::Index>(parameters().size());
+        lower_.conservativeResize(all);
+        upper_.conservativeResize(all);
+        for (Eigen::Index i = n; i < all; ++i) {
+            const ProgramParameter& p = parameters()[static_cast<std::size_t>(i - n)];
+            lower_[i] = (p.min - p.start) / unit(p);
+            upper_[i] = (p.max - p.start) / unit(p);
+        }
     }
 
     NonlinearProgram program() {
         NonlinearProgram p;
-        const auto n = motion_.size(), own = static_cast<int>(problem_.program_parameters.size());
-        p.start = VectorXd::Zero(n + own);
-        p.lower = p.upper = p.start;
-        p.lower.head(n) = motion_.lower.cwiseProduct(motion_.weight);
-        p.upper.head(n) = motion_.upper.cwiseProduct(motion_.weight);
-        for (int j = 0; j < own; ++j) {  // one is half of the range, as in Strake's own runs
-            const ProgramParameter& of = problem_.program_parameters[static_cast<std::size_t>(j)];
-            p.lower[n + j] = (of.min - of.start) / half_range(of);
-            p.upper[n + j] = (of.max - of.start) / half_range(of);
-        }
+        p.start = VectorXd::Zero(lower_.size());
+        p.lower = lower_;
+        p.upper = upper_;
         std::tie(p.num_inequalities, p.num_equalities) = count_constraints(problem_.constraints);
         p.evaluate = [this](const VectorXd& y) { return evaluate(y); };
         if (has_gradients_)
             p.differentiate = [this](const VectorXd& y, Evaluation& sample) { differentiate(y, sample); };
         else
             p.differences.emplace().step = problem_.optimize.difference_step;
-        p.metric = motion_.metric;
-        if (own > 0 && p.metric.size() > 0) {
-            p.metric = Eigen::MatrixXd::Identity(n + own, n + own);
-            p.metric.topLeftCorner(n, n) = motion_.metric;
+        if (motion_.metric.size() > 0) {
+            p.metric = MatrixXd::Identity(lower_.size(), lower_.size());
+            p.metric.topLeftCorner(motion_.size(), motion_.size()) = motion_.metric;
         }
-        add_known_constraints(p);
+        add_cheap_values(p);
         return p;
     }
-    Points vertices(const VectorXd& y) const {
-        return motion_.vertices(y.head(motion_.size()).cwiseQuotient(motion_.weight));
-    }
+    Points vertices(const VectorXd& y) const { return motion_.vertices(of_motion(y)); }
 
 private:
-    static double half_range(const ProgramParameter& of) { return 0.5 * (of.max - of.min); }
+    /// Parameters of programs follow the variables of the motion.
+    const std::vector<ProgramParameter>& parameters() const { return problem_.program_parameters; }
+    static double unit(const ProgramParameter& p) { return 0.5 * (p.max - p.min); }
+    VectorXd of_motion(const VectorXd& y) const { return y.head(motion_.size()).cwiseQuotient(motion_.weight); }
 
-    /// Of an evaluation whose gradients nobody needs.
-    std::vector<std::pair<std::string, double>> parameters(const VectorXd& y) const {
-        std::vector<std::pair<std::string, double>> named;
-        for (std::size_t j = 0; j < problem_.program_parameters.size(); ++j) {
-            const ProgramParameter& of = problem_.program_parameters[j];
-            const double value = of.start + half_range(of) * y[motion_.size() + static_cast<Eigen::Index>(j)];
-            named.emplace_back(of.name, std::clamp(value, of.min, of.max));
+    QuantityRequest request(const TriMesh& surface, const VectorXd& y, bool sensitivities) const {
+        QuantityRequest request{surface, sensitivities, tracer_.solve.evaluations, 0, {}};
+        for (std::size_t k = 0; k < parameters().size(); ++k) {
+            const ProgramParameter& p = parameters()[k];
+            request.parameters.emplace_back(p.name,
+                                            p.start + unit(p) * y[motion_.size() + static_cast<Eigen::Index>(k)]);
         }
-        return named;
+        return request;
     }
 
     int index(const std::string& name) const {
@@ -159,8 +162,16 @@ private:
 
     static bool is_built_in(const Quantity& quantity) { return !quantity.combination && quantity.program.empty(); }
 
-    /// Constraints that no program tells are known at each design beside the programs, as in Strake's own runs.
-    void add_known_constraints(NonlinearProgram& p) {
+    /// The value that stands for the objective in the cheap program; empty: none.
+    std::string cheap_objective() const {
+        for (const CheapModel& model : problem_.cheap_models)
+            if (model.value == problem_.objective) return model.low;
+        return {};
+    }
+
+    /// Constraints that no program tells are known at each design beside the programs, and a cheap model of the
+    /// objective, as in Strake's own runs.
+    void add_cheap_values(NonlinearProgram& p) {
         const auto kind = [&](const std::string& name) {
             for (const Quantity& q : problem_.quantities)
                 if (std::ranges::find(q.names, name) != q.names.end())
@@ -169,7 +180,7 @@ private:
         };
         if (has_gradients_ || kind(problem_.objective) == LowFidelityValue::same) return;
         LowFidelity low;
-        low.values.push_back(LowFidelityValue::none);
+        low.values.push_back(cheap_objective().empty() ? LowFidelityValue::none : LowFidelityValue::approximate);
         for (const bool equalities : {false, true})
             for (const Constraint& c : problem_.constraints)
                 low.values.insert(low.values.end(),
@@ -178,22 +189,29 @@ private:
         auto built_in = std::make_shared<NonlinearProgram>(p);
         built_in->evaluate = [this](const VectorXd& y) { return evaluate_built_in(y); };
         low.program = std::move(built_in);
+        if (!cheap_objective().empty())
+            low.first_scale = [this, start = p.start] {
+                VectorXd scale = VectorXd::Ones(1 + static_cast<Eigen::Index>(rows_.rows.size()));
+                scale[0] = tracer_.solve.start / evaluate_built_in(start).objective;
+                return scale;
+            };
         p.low_fidelity = std::move(low);
     }
 
-    /// Constraints alone; 0 where a program would tell.
+    /// Constraints and the cheap objective; 0 where a program would tell.
     Evaluation evaluate_built_in(const VectorXd& y) {
         Evaluation sample;
         const TriMesh surface = with_vertices(problem_.surface, vertices(y));
         std::vector<double> values;
         for (const Quantity& quantity : problem_.quantities) {
             QuantityResult r;
-            if (is_built_in(quantity)) r = quantity.evaluate({surface, false, tracer_.solve.evaluations, 0, {}});
+            if (is_built_in(quantity)) r = quantity.evaluate(request(surface, y, false));
             if (r.failure) sample.failure = r.failure->message;
             r.values.resize(quantity.names.size(), std::numeric_limits<double>::quiet_NaN());
             values.insert(values.end(), r.values.begin(), r.values.end());
         }
-        sample.objective = 0;
+        const std::string low = cheap_objective();
+        sample.objective = low.empty() ? 0 : sign() * values[index(low)];
         sample.constraints.resize(static_cast<Eigen::Index>(rows_.rows.size()));
         for (std::size_t i = 0; i < rows_.rows.size(); ++i) {
             const double c = rows_.rows[i].of(values[rows_.rows[i].value]);
@@ -208,19 +226,21 @@ private:
         sample.failure = guard_.defect(surface.vertices, at_rest_);
         std::vector<double> values;
         dJ_dv_.clear();
+        dJ_dp_.clear();
         for (std::size_t i = 0; sample.failure.empty() && i < problem_.quantities.size(); ++i) {
             const Quantity& quantity = problem_.quantities[i];
-            const QuantityResult r =
-                quantity.combination ? combined(*quantity.combination, values)
-                                     : quantity.evaluate({surface, has_gradients_, tracer_.solve.evaluations, 0, {}, parameters(y)});
+            const QuantityResult r = quantity.combination ? combined(*quantity.combination, values)
+                                                          : quantity.evaluate(request(surface, y, has_gradients_));
             if (r.failure) sample.failure = r.failure->message;
             values.insert(values.end(), r.values.begin(), r.values.end());
             dJ_dv_.insert(dJ_dv_.end(), r.dJ_dv.begin(), r.dJ_dv.end());
+            for (std::size_t k = 0; k < quantity.names.size(); ++k)
+                dJ_dp_.push_back(k < r.dJ_dp.size() && r.dJ_dp[k].size() > 0 ? r.dJ_dp[k] : no_parameters());
         }
         double violation = 0;
         if (sample.failure.empty()) violation = fill(values, sample);
         if (!sample.failure.empty()) tracer_.solve.notes.push_back(sample.failure);
-        tracer_.add(sample.objective, violation <= problem_.optimize.constraint_tolerance);
+        tracer_.add(sample.objective, violation, problem_.optimize.constraint_tolerance);
         return sample;
     }
 
@@ -231,8 +251,12 @@ private:
         QuantityResult result{.values = {combination.value(of, &slopes)}, .dJ_dv = {}, .failure = {}};
         if (!has_gradients_) return result;
         result.dJ_dv = {Points::Zero(problem_.surface.num_vertices(), 3)};
-        for (Eigen::Index i = 0; i < of.size(); ++i)
-            result.dJ_dv[0] += slopes[i] * dJ_dv_[index(combination.of[static_cast<std::size_t>(i)])];
+        result.dJ_dp = {no_parameters()};
+        for (Eigen::Index i = 0; i < of.size(); ++i) {
+            const auto value = static_cast<std::size_t>(index(combination.of[static_cast<std::size_t>(i)]));
+            result.dJ_dv[0] += slopes[i] * dJ_dv_[value];
+            result.dJ_dp[0] += slopes[i] * dJ_dp_[value];
+        }
         return result;
     }
 
@@ -255,18 +279,25 @@ private:
     }
 
     void differentiate(const VectorXd& y, Evaluation& sample) {
-        const VectorXd x = y.cwiseQuotient(motion_.weight);
+        const VectorXd x = of_motion(y);
         const auto by_y = [&](int value) {
-            return VectorXd(motion_.gradient(x, dJ_dv_[value]).cwiseQuotient(motion_.weight));
+            VectorXd g(lower_.size());
+            g.head(motion_.size()) = motion_.gradient(x, dJ_dv_[value]).cwiseQuotient(motion_.weight);
+            for (std::size_t k = 0; k < parameters().size(); ++k) {
+                const auto at = static_cast<Eigen::Index>(k);
+                g[motion_.size() + at] = unit(parameters()[k]) * dJ_dp_[static_cast<std::size_t>(value)][at];
+            }
+            return g;
         };
         sample.gradient = sign() * by_y(index(problem_.objective));
-        sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), motion_.size());
+        sample.jacobian.resize(static_cast<Eigen::Index>(rows_.rows.size()), lower_.size());
         for (std::size_t i = 0; i < rows_.rows.size(); ++i)
             sample.jacobian.row(static_cast<Eigen::Index>(i)) =
                 rows_.rows[i].sign / rows_.rows[i].scale * by_y(rows_.rows[i].gradient).transpose();
     }
 
     double sign() const { return problem_.maximize ? -1 : 1; }
+    VectorXd no_parameters() const { return VectorXd::Zero(static_cast<Eigen::Index>(parameters().size())); }
 
     const Problem& problem_;
     const bool has_gradients_;
@@ -277,6 +308,8 @@ private:
     std::vector<std::string> names_;
     ConstraintRows rows_;
     std::vector<Points> dJ_dv_;
+    std::vector<VectorXd> dJ_dp_;
+    VectorXd lower_, upper_;  ///< of the program's variables
 };
 
 /// Above this, the dense models of sqp cost minutes a step; a first-order method that ends is then taken at its word.
@@ -297,8 +330,8 @@ ComparedMotion comparator_motion(const EvidenceProblem& evidence, Solver solver,
 void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motion, Method method, int budget,
                     Tracer& tracer) {
     Solve& result = tracer.solve;
-    result.variables = tracer.variables = motion.size();
-    result.levels = text(motion.size());
+    result.variables = tracer.variables = motion.size() + static_cast<int>(evidence.problem.program_parameters.size());
+    result.levels = text(result.variables);
     result.notes.push_back(motion.name);
     Comparator comparator(evidence, motion, tracer);
     const OptimizeOptions& options = evidence.problem.optimize;

@@ -30,6 +30,8 @@ struct TracePoint {
     double cpu = 0;  ///< seconds of the process since the solve began, set-up included
     /// Best feasible objective so far, as minimized (a maximized one with its sign changed); NaN before there is one.
     double best = std::numeric_limits<double>::quiet_NaN();
+    double objective = std::numeric_limits<double>::quiet_NaN();  ///< of this evaluation, likewise; NaN: it failed
+    double violation = std::numeric_limits<double>::quiet_NaN();  ///< of this evaluation: of a constraint, the largest
 };
 
 struct Solve {

@@ -22,6 +22,7 @@ ROOT = np.sqrt(15)
 A1, A2, W1, W2 = (6 - ROOT) / 21, (6 + ROOT) / 21, (155 - ROOT) / 1200, (155 + ROOT) / 1200
 POINTS = np.array([[1 / 3] * 3] + [[1 - 2 * a if k == j else a for k in range(3)] for a in (A1, A2) for j in range(3)])
 WEIGHTS = np.array([9 / 40] + [W1] * 3 + [W2] * 3)
+PAIR_WEIGHTS = np.outer(WEIGHTS, WEIGHTS).ravel()
 
 
 def near_pairs(triangles, vertices):
@@ -59,15 +60,10 @@ def own_gradient(f, edges, area, l, g1, g2, tensor):
     return area[:, None, None] ** 2 * by_edge, 2 * area * np.einsum("ti,tij,tj->t", f, tensor, f)
 
 
-def stokeslets(d):
-    """1/r and d/r for differences d (... x 3)."""
-    inverse = 1 / np.sqrt(np.sum(d**2, -1))
-    return inverse, d * inverse[..., None]
-
-
 def by_difference(d, p, q):
     """Derivative of p.G(d) q by d."""
-    inverse, e = stokeslets(d)
+    inverse = 1 / np.sqrt(np.sum(d**2, -1))
+    e = d * inverse[..., None]
     pe, qe, pq = np.sum(p * e, -1), np.sum(q * e, -1), np.sum(p * q, -1)
     return inverse[..., None] ** 2 * ((-pq - 3 * pe * qe)[..., None] * e + qe[..., None] * p + pe[..., None] * q)
 
@@ -84,26 +80,43 @@ class Body:
         self.i, self.j = near_pairs(triangles, len(vertices))
 
     def near(self):
-        """Differences between the points of near pairs, pair by pair: pairs x 7 x 7 x 3, in pieces."""
-        for begin in range(0, len(self.i), 20000):
-            i, j = self.i[begin:begin + 20000], self.j[begin:begin + 20000]
-            yield i, j, self.points[i][:, :, None] - self.points[j][:, None, :]
+        """Differences between the points of near pairs, three of pairs x 49, in pieces that stay in the processor's cache."""
+        for begin in range(0, len(self.i), 500):
+            i, j = self.i[begin:begin + 500], self.j[begin:begin + 500]
+            yield i, j, [(self.points[i, :, None, c] - self.points[j, None, :, c]).reshape(len(i), 49) for c in range(3)]
+
+    def summed(self, triangles, rows):
+        """Per triangle, the sum of its rows."""
+        return sparse.csr_matrix((np.ones(len(rows)), triangles, np.arange(len(rows) + 1)), shape=(len(rows), len(self.t))).T @ rows
+
+    def far(self, rows):
+        """Differences between these centroids and all, three of rows x n, and one over their lengths."""
+        d = [self.centroid[rows, c, None] - self.centroid[None, :, c] for c in range(3)]
+        square = d[0] ** 2 + d[1] ** 2 + d[2] ** 2
+        here = np.arange(len(square))
+        square[here, rows.start + here] = 1  # with themselves: the closed form takes its place
+        return d, 1 / np.sqrt(square)
 
     def matrix(self):
         n = len(self.t)
         A = np.empty((n, 3, n, 3))
-        for begin in range(0, n, 250):
-            d = self.centroid[begin:begin + 250, None] - self.centroid[None]
-            here = np.arange(len(d))
-            d[here, begin + here] = 1
-            inverse, e = stokeslets(d)
-            weight = inverse * self.area[begin:begin + 250, None] * self.area
-            A[begin:begin + 250] = (np.einsum("ij,ab->iajb", weight, np.eye(3))
-                                    + (weight[..., None, None] * e[..., :, None] * e[..., None, :]).transpose(0, 2, 1, 3))
+        for begin in range(0, n, 250):  # component by component: a temporary array of all is the most of the time
+            rows = slice(begin, begin + 250)
+            d, inverse = self.far(rows)
+            weight = inverse * self.area[rows, None] * self.area
+            by_square = weight * inverse**2
+            for a in range(3):
+                of_a = by_square * d[a]
+                for b in range(a, 3):
+                    A[rows, b, :, a] = A[rows, a, :, b] = of_a * d[b] + (weight if a == b else 0)
         for i, j, d in self.near():
-            inverse, e = stokeslets(d)
-            weight = inverse * WEIGHTS[:, None] * WEIGHTS
-            block = np.einsum("npq,npqa,npqb->nab", weight, e, e, optimize=True) + weight.sum((1, 2))[:, None, None] * np.eye(3)
+            inverse = 1 / np.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+            weight = inverse * PAIR_WEIGHTS
+            by_square, block = weight * inverse**2, np.empty((len(i), 3, 3))
+            for a in range(3):
+                of_a = by_square * d[a]
+                for b in range(a, 3):
+                    block[:, a, b] = block[:, b, a] = np.einsum("nk,nk->n", of_a, d[b]) + (weight.sum(1) if a == b else 0)
             block *= (self.area[i] * self.area[j])[:, None, None]
             A[i, :, j, :] = block
             A[j, :, i, :] = block
@@ -111,14 +124,17 @@ class Body:
         t = np.arange(n)
         A[t, :, t, :] = self.own[0]
         # Tractions along the normal (a pressure) move no fluid: A has them as its null vector. The product of the normals fills it.
-        A = A.reshape(3 * n, 3 * n)
-        A += np.outer(self.normal.ravel() / 2, self.normal.ravel() / 2)
-        return A / (8 * np.pi)
+        A, half = A.reshape(3 * n, 3 * n), self.normal.ravel() / 2
+        for begin in range(0, 3 * n, 250):  # in place: a second matrix costs more time than what is written to it
+            A[begin:begin + 250] += np.outer(half[begin:begin + 250], half)
+            A[begin:begin + 250] /= 8 * np.pi
+        return A
 
     def drag(self):
         b = np.zeros((len(self.t), 3))
         b[:, 0] = self.area
-        self.f = linalg.solve(self.matrix(), b.ravel(), assume_a="pos", overwrite_a=True, check_finite=False).reshape(-1, 3)
+        factor = linalg.cho_factor(self.matrix().T, lower=True, overwrite_a=True, check_finite=False)
+        self.f = linalg.cho_solve(factor, b.ravel(), check_finite=False).reshape(-1, 3)
         self.value = float(np.sum(b * self.f))
         return self.value
 
@@ -128,19 +144,24 @@ class Body:
         q = area[:, None] * f
         by_centroid, by_point = np.zeros((n, 3)), np.zeros((n, 7, 3))
         for begin in range(0, n, 250):
-            d = self.centroid[begin:begin + 250, None] - self.centroid[None]
-            here = np.arange(len(d))
-            d[here, begin + here] = 1
-            pull = by_difference(d, q[begin:begin + 250, None], q[None])
-            pull[here, begin + here] = 0
-            by_centroid[begin:begin + 250] = 2 * pull.sum(1)
+            rows = slice(begin, begin + 250)
+            d, inverse = self.far(rows)  # differences with themselves are zero, and pull nothing
+            pq = q[rows] @ q.T
+            pd, qd = (sum(d[c] * (q[rows, c, None] if own else q[None, :, c]) for c in range(3)) for own in (True, False))
+            cubed = inverse**3
+            along = -(pq + 3 * pd * qd * inverse**2) * cubed
+            for c in range(3):
+                by_centroid[rows, c] = 2 * (np.sum(along * d[c], 1) + q[rows, c] * np.sum(qd * cubed, 1) + (pd * cubed) @ q[:, c])
         for i, j, d in self.near():
             far = by_difference(self.centroid[i] - self.centroid[j], q[i], q[j])
-            np.add.at(by_centroid, i, -2 * far)
-            np.add.at(by_centroid, j, 2 * far)
-            pull = by_difference(d, q[i][:, None, None], q[j][:, None, None]) * (WEIGHTS[:, None] * WEIGHTS)[..., None]
-            np.add.at(by_point, i, 2 * pull.sum(2))
-            np.add.at(by_point, j, -2 * pull.sum(1))
+            by_centroid += self.summed(j, 2 * far) - self.summed(i, 2 * far)
+            inverse = 1 / np.sqrt(d[0] ** 2 + d[1] ** 2 + d[2] ** 2)
+            pd, qd = (sum(q[k, c, None] * d[c] for c in range(3)) for k in (i, j))
+            cubed = inverse**3 * PAIR_WEIGHTS
+            along = -(np.sum(q[i] * q[j], 1)[:, None] + 3 * pd * qd * inverse**2) * cubed
+            for c in range(3):
+                pull = (along * d[c] + (q[i, c, None] * qd + q[j, c, None] * pd) * cubed).reshape(-1, 7, 7)
+                by_point[:, :, c] += self.summed(i, 2 * pull.sum(2)) - self.summed(j, 2 * pull.sum(1))
         block, l, g1, g2, tensor = self.own
         by_edge, by_area = own_gradient(f, self.edges, area, l, g1, g2, tensor)
         # The area stands in both factors of every block; the rows of A f = b say what the others add up to.

@@ -26,6 +26,7 @@ import newton  # noqa: E402
 import newton_hull  # noqa: E402
 import nose  # noqa: E402
 import published  # noqa: E402
+import published_levels  # noqa: E402
 import sbend  # noqa: E402
 import stokes  # noqa: E402
 import surfaces  # noqa: E402
@@ -336,6 +337,38 @@ class TransonicWing(unittest.TestCase):
         for camber, angle in ((-0.01 * x, -0.01), (4 * 0.02 * x * (1 - x), -0.04)):
             shift = np.stack([0 * x, 0 * x, camber * chord], axis=1)
             self.assertAlmostEqual(m6.zero_lift_angle(points, shift), angle, delta=4e-4)
+
+
+class Page(unittest.TestCase):
+    """What published.sh and published_levels.py write."""
+
+    def test_rows_take_the_place_of_those_of_the_same_problem(self):
+        def results(value, *names):
+            return [(name, 100, [published.Row("a", "1", value, True), published.Row("b", "", 2, None)], 3, 4.0, "") for name in names]
+        table = published.tables(results(1, "haack", "stokes"))
+        self.assertEqual(published.merged(table, []), table)
+        self.assertEqual(published.merged(table, results(9, "stokes")), published.tables(results(1, "haack") + results(9, "stokes")))
+        self.assertEqual(published.merged(table, results(1, "newton_1")), published.tables(results(1, "haack", "newton_1", "stokes")))
+
+    def test_table_of_levels_counts_evaluations(self):
+        one = {"variant": "box", "excess": [3.0, None, 0.09, 0.2, 0.002], "seconds": 7.4, "end": "budget"}
+        self.assertIn("| `haack` | box | 3 | 5 | – | 0.2 | 5 | 7 | budget |", published_levels.table({"haack": [one]}))
+        x, y = np.array([[float(c) for c in point.split(",")] for point in published_levels.curve(one["excess"], 5).split()]).T
+        self.assertTrue(np.all(np.diff(x) >= 0) and np.all(np.diff(y) >= 0))
+        self.assertAlmostEqual(x[-1], published_levels.WIDTH)
+        self.assertEqual(published_levels.curve([None, None], 2), "")
+
+    def test_variants_of_cases_change_what_they_say(self):
+        """A case whose line of parameters reads otherwise would be run as it is."""
+        for name in published_levels.LEAST:
+            text = (published.CASES / f"{published.PROBLEMS[name].case or name}.yaml").read_text(encoding="utf-8")
+            made = {variant: change(text) for variant, change in published_levels.VARIANTS.items()}
+            self.assertIn("number: auto", made["fields, coarse to fine"])
+            if name not in published_levels.ONLY_FIELDS:
+                self.assertIn("levels: auto, variables: [normal], max_displacement: ", made["patches"])
+                self.assertNotIn("fields:", made["patches"])
+                self.assertIn("variables: [normal]", made["fields and patches"])
+                self.assertNotIn("shell: none", made["fields and patches"])
 
 
 if __name__ == "__main__":

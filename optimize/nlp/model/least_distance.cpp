@@ -1,5 +1,6 @@
 #include "optimize/nlp/model/least_distance.hpp"
 
+#include <Eigen/Householder>
 #include <Eigen/Jacobi>
 #include <limits>
 #include <optional>

@@ -95,9 +95,9 @@ double evaluate_start(const Problem& problem, const std::shared_ptr<const RestFa
     return seconds;
 }
 
-void add_border(const RestFacts& rest, const std::vector<char>& held, const Variable& variable, const Points& dv,
-                BorderFacts& border) {
-    const double turn = border_turn(rest, held, dv, border.move * rest.diagonal).degrees;
+void add_border(const RestFacts& rest, const Adjacency& adjacent, const std::vector<char>& held,
+                const Variable& variable, const Points& dv, BorderFacts& border) {
+    const double turn = border_turn(rest, adjacent, held, dv, border.move * rest.diagonal).degrees;
     if (turn > std::max(border.by_fields, border.by_patches)) border.variable = variable.name;
     double& most = variable.kind == VariableKind::field ? border.by_fields : border.by_patches;
     most = std::max(most, turn);
@@ -124,9 +124,10 @@ CheckFacts check_facts(const BuiltProblem& built, const CheckWishes& wishes) {
     std::vector<Field> modes;
     const bool wants_modes = !wishes.modes.empty();
     const std::vector<char> held = pinned_triangles(*rest);
+    const Adjacency of_surface = rest->wrap ? adjacency(rest->surface) : rest->adjacent;
     if (!problem.fixed.empty()) facts.border.emplace().is_smooth = problem.parameters.keeps_smooth_border;
     facts.space = space_facts(space, [&](const Variable& variable, const Points& dv) {
-        if (facts.border) add_border(*rest, held, variable, dv, *facts.border);
+        if (facts.border) add_border(*rest, of_surface, held, variable, dv, *facts.border);
         if (wants_modes) modes.push_back({variable.name, dv});
     });
     if (wants_modes) write_modes(wishes.modes, problem, *facts.space, std::move(modes));

@@ -193,7 +193,7 @@ Points of_kind(const Problem& problem, const Points& vertices) {
 std::string defect_of_solved(const Problem& problem, const PrimoShell& shell, const Points& vertices) {
     if (!problem.wrap) return guard_of(problem).defect(vertices, shell.poses());
     const std::shared_ptr<const RestFacts> rest = rest_facts(problem);
-    return strake::defect_of(strake::guard_of(problem, *rest), *rest, {}, vertices, &shell);
+    return strake::defect_of(strake::guard_of(problem, rest), *rest, {}, vertices, &shell);
 }
 
 /// The equilibrium, which must be a valid surface.

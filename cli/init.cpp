@@ -38,7 +38,7 @@ struct InitArguments {
     std::string surface, out = "case.yaml";
     int evaluations = 60;
     std::string hold = "band";
-    bool json = false, quiet = false;
+    bool joints = false, json = false, quiet = false;
 };
 
 /// The case file while it is being tried; removed again unless it is kept.
@@ -194,11 +194,13 @@ struct Attempt {
     std::exception_ptr refused;
 };
 
-Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWay way, const std::string& reason) {
+Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWay way, const std::string& reason,
+                bool joints) {
     Attempt made;
     try {
-        made.proposal = propose_case(args.surface, case_file,
-                                     {args.evaluations, hold_of(args.hold), way, reason, max_examined_triangles});
+        made.proposal =
+            propose_case(args.surface, case_file,
+                         {args.evaluations, hold_of(args.hold), way, reason, max_examined_triangles, joints});
         const NewFile written(case_file, made.proposal.yaml);
         if (!args.quiet && !args.json && (made.proposal.num_triangles > many_triangles || ::isatty(STDERR_FILENO) == 1))
             say("trying       {}\n", way_words(way));
@@ -226,7 +228,8 @@ Attempt attempt(const InitArguments& args, const fs::path& case_file, ProposedWa
 }
 
 std::string words_of(ProposedWay way, const Attempt& made) {
-    const std::string shown = way_words(way) + ": ";
+    const std::string shown =
+        way_words(way) + (made.proposal.has_new_vertices ? ", with new vertices at joints: " : ": ");
     if (!made.built) return shown + "refused, " + head_of(made.trial.reason);
     if (made.trial.tried == 0) return shown + "too large for a test deformation";
     std::string words = fmt::format("{}{} of {} test deformations fail", shown, made.trial.failed, made.trial.tried);
@@ -272,7 +275,11 @@ Chosen choose(const InitArguments& args, const fs::path& case_file) {
          {ProposedWay::shell, ProposedWay::remeshed_shell, ProposedWay::wrap, ProposedWay::fields}) {
         if (way == ProposedWay::remeshed_shell && !may_remesh) continue;
         const std::string reason = tried.empty() ? "" : text("Chosen by trial, in place of ", tried.front());
-        Attempt made = attempt(args, case_file, way, reason);
+        Attempt made = attempt(args, case_file, way, reason, args.joints);
+        if (made.proposal.has_new_vertices && !is_enough(made)) {  // then at least as the file has it
+            tried.push_back(words_of(way, made));
+            made = attempt(args, case_file, way, text("Chosen by trial, in place of ", tried.front()), false);
+        }
         if (way == ProposedWay::shell) may_remesh = made.proposal.may_remesh, refused = made.refused;
         tried.push_back(words_of(way, made));
         const bool is_first = tried.size() == 1, ends = is_enough(made);
@@ -338,6 +345,9 @@ void add_init(CLI::App& app) {
             "what keeps the body in its place: a band (default; twist and thickness at the root stay), one point "
             "(everything but the place and attitude there is free), or none (fields alone)")
         ->check(CLI::IsMember({"band", "point", "none"}));
+    command->add_flag("--joints", args->joints,
+                      "add vertices where parts pass through each other with long edges (repair: joints), if these "
+                      "keep the joints closed in a test bend");
     command->add_flag("--json", args->json, "print one JSON object instead of words");
     command->add_flag("-q,--quiet", args->quiet, "print nothing");
     command->callback([args] { init(*args); });

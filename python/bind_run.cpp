@@ -30,7 +30,7 @@ public:
         : surface_(p.surface),
           rest_(rest_facts(boxed(p.problem))),
           space_(design_space(rest_, level)),
-          guard_(guard_of(p.problem, *rest_)) {}
+          guard_(guard_of(p.problem, rest_)) {}
 
     const DesignSpace& space() const { return space_; }
     const SurfacePointer& surface() const { return surface_; }

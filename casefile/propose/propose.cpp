@@ -72,13 +72,22 @@ std::string surface_text(const std::string& path, const std::string& units, cons
            text(c.box.max.z() - c.box.min.z()) + " in the file's unit)\n";
 }
 
+/// New vertices are the user's decision.
+std::string joints_text(const RepairedSurface& surface) {
+    if (!surface.joints || surface.has_new_vertices) return "";
+    const std::string key = text("joints: ", surface.joints->percent, "%");
+    const std::string line = surface.keys.empty() ? "# repair: {" + key + "}" : "  # " + key;
+    return std::string(surface.keys.empty() ? "\n" : "") +
+           padded(line, "new vertices: " + joint_words(*surface.joints));
+}
+
 std::string repair_text(const RepairedSurface& surface) {
-    if (surface.keys.empty()) return "";
+    if (surface.keys.empty()) return joints_text(surface);
     std::string out =
         "\n# Repairs that the surface needs before it can be deformed; the run folder gets a list of them."
         "\nrepair:\n";
     for (std::size_t i = 0; i < surface.keys.size(); ++i) out += padded("  " + surface.keys[i], surface.why[i]);
-    return out;
+    return out + joints_text(surface);
 }
 
 std::string attach_text(const std::vector<PartRole>& parts) {
@@ -419,14 +428,13 @@ std::vector<std::string> sentences_of_fields(const RepairedSurface& surface, con
     if (const std::size_t crossing = pairs ? pairs->apart.size() + pairs->adjacent.size() : 0; crossing > 0)
         found.push_back(
             text("note: ", crossing, " pairs of triangles intersect; the ", mover, " move both of each alike"));
+    if (surface.joints && !surface.has_new_vertices)
+        found.push_back(text("note: long edges where parts pass through each other: with strake init --joints, ",
+                             joint_words(*surface.joints)));
     found.push_back(has_volume ? "objective: the volume; replace it"
                                : "objective: the area (the surface encloses no volume); replace it");
     return found;
 }
-
-}  // namespace
-
-namespace {
 
 std::optional<FoundWing> searched(const TriMesh& mesh, const std::optional<SymmetryPlane>& half) {
     if (mesh.num_triangles() > max_searched) return {};
@@ -469,7 +477,8 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     if (cut) snap_open_edges(cut->plane, cut->percent / 100 * box_diagonal(read.mesh), read.mesh);
     const bool by_wrap = options.way == ProposedWay::wrap;
     const bool by_fields = options.way == ProposedWay::fields || by_wrap;  // the surface as it is
-    const RepairedSurface surface = by_fields ? as_it_is(std::move(read.mesh)) : repaired(file, std::move(read.mesh));
+    const RepairedSurface surface =
+        by_fields ? as_it_is(std::move(read.mesh), options.joints) : repaired(file, std::move(read.mesh));
     const auto half = half_plane(surface.checkup, surface.mesh);
     const auto mirror = half ? std::nullopt : plane_of_symmetry(surface.mesh);
     ProposedCase proposal;
@@ -483,6 +492,7 @@ ProposedCase propose_case(const std::filesystem::path& file, const std::filesyst
     const double thickness = by_fields ? 2 * volume.value_or(0) / surface.checkup.area : mean_thickness(surface, half);
     proposal.may_remesh = may_remesh(surface, proposal.has_volume, std::abs(thickness));
     proposal.is_dirty = is_dirty(surface);
+    proposal.has_new_vertices = surface.has_new_vertices;
     proposal.plane = half ? half : mirror;
     const std::optional<FoundWing> wing = searched(surface.mesh, half);
     proposal.found = by_fields ? sentences_of_fields(surface, half, mirror, proposal.has_volume, by_wrap)

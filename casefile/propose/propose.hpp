@@ -33,6 +33,9 @@ struct ProposalOptions {
     std::string reason;  ///< why this way, for the case and `found`; empty: nothing is said
     /// Of a surface for a shell, as the file has it: minutes of examination would lead to nothing.
     int max_triangles = std::numeric_limits<int>::max();
+    /// New vertices are welcome where parts pass through each other, if they keep joints closed (`repair.joints`): of
+    /// `wrap` and `fields`.
+    bool joints = false;
 };
 
 /// A guess, with the reason that is written beside it.
@@ -47,7 +50,8 @@ struct ProposedCase {
     Eigen::Vector3d down = Eigen::Vector3d::Zero();  ///< toward the ground, if the body seems to stand; zero: unknown
     int num_triangles = 0;                           ///< of the surface as it would be deformed
     bool has_volume = false;
-    bool may_remesh = false;  ///< slivers, and a body that new triangles of the mean edge length can follow
+    bool has_new_vertices = false;  ///< at joints
+    bool may_remesh = false;        ///< slivers, and a body that new triangles of the mean edge length can follow
     /// A part that carries area lies along or beside another one, and shells of each keep their joint only where it is
     /// held. What carries both along, a wrap or fields, is better where it is sound.
     bool ties_parts = false;

@@ -4,13 +4,30 @@
 /// The parts of propose_case. Between its files; not for others.
 namespace strake::proposing {
 
+/// Halving of long edges where parts pass through each other (`repair.joints`), as a test bend shows it.
+struct JointTrial {
+    double percent = 0;            ///< of the diagonal: edges that are left
+    double before = 0, after = 0;  ///< largest gap of a joint, diagonals
+    int triangles = 0;             ///< with them
+};
+/// Bends the body by 5 % of its diagonal, as it is and with edges of 1 % or else 2 % of the diagonal at its joints.
+/// None where joints stay closed as they are, or halved edges do not close them to a tenth without multiplying
+/// triangles.
+/// @param pairs that intersect, none where they are not known
+std::optional<JointTrial> tried_joints(const TriMesh& mesh, const std::optional<Intersections>& pairs);
+
+/// "a bend of 5 % of the diagonal opens joints by 2.1e-06 of it (0.0032 as they are); 13599 triangles"
+std::string joint_words(const JointTrial& tried);
+
 /// The repairs that a surface needs before it can be deformed (entries of `repair:`), and the result.
 struct RepairedSurface {
     std::vector<std::string> keys;  ///< "holes: 19%"; empty: none needed
     std::vector<std::string> why;   ///< one per key
     TriMesh mesh;
     Checkup checkup;
-    bool couple = false;  ///< edges with more than two triangles remain
+    bool couple = false;               ///< edges with more than two triangles remain
+    std::optional<JointTrial> joints;  ///< what new vertices would do, or do where `has_new_vertices`
+    bool has_new_vertices = false;     ///< they are among the keys
 };
 /// Debris is dropped first. @throws InputError if no repair helps.
 RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh);
@@ -28,7 +45,8 @@ std::optional<Debris> debris(const TriMesh& mesh);
 
 /// The surface as it is for displacement fields, which need no repair but that its triangles agree on what is outside;
 /// debris is dropped.
-RepairedSurface as_it_is(TriMesh mesh);
+/// @param adds_vertices where parts pass through each other and `tried_joints` says that it pays
+RepairedSurface as_it_is(TriMesh mesh, bool adds_vertices);
 
 /// The plane of a half model: the coordinate plane in which its open boundary lies. None for the mouth of a vessel,
 /// beyond which the body reaches to all sides.

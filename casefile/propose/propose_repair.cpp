@@ -40,6 +40,11 @@ public:
                                 : text("at ", f.misoriented_edges.size(), " edges the orientation changes"));
         options.orient = true;
     }
+    void joints(const JointTrial& tried) {
+        add(text("joints: ", tried.percent, "%"), joint_words(tried));
+        options.joints = tried.percent / 100 * unit_;
+        result.has_new_vertices = true;
+    }
     void topology(const Checkup& c) {
         const TopologyFacts& f = c.facts;
         if (!f.duplicate_vertices.empty() && !f.boundary_loops.empty()) {
@@ -142,16 +147,22 @@ RepairedSurface repaired(const std::filesystem::path& file, TriMesh mesh) {
     return result;
 }
 
-RepairedSurface as_it_is(TriMesh mesh) {
+RepairedSurface as_it_is(TriMesh mesh, bool adds_vertices) {
     TriMesh before = mesh;
     Needs needs(mesh);
     Checkup found = checkup(mesh);
     needs.orientation(found);
     RepairedSurface& result = needs.result;
-    if (!result.keys.empty()) {
+    const auto repair_again = [&] {
         RepairResult done = repair(before, needs.options);
         mesh = std::move(done.mesh);
         found = std::move(done.after);
+    };
+    if (!result.keys.empty()) repair_again();
+    result.joints = tried_joints(mesh, found.pairs);
+    if (result.joints && adds_vertices) {
+        needs.joints(*result.joints);
+        repair_again();
     }
     result.mesh = std::move(mesh);
     result.checkup = std::move(found);

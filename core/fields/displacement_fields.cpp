@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "core/fields/function_sum.hpp"
+#include "core/fields/function_values.hpp"
 #include "core/fields/wing_motions.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/closest_point.hpp"
@@ -189,32 +190,6 @@ Vector3d symmetric_point(Vector3d x, const std::optional<SymmetryPlane>& plane, 
     return x;
 }
 
-/// The largest displacement of any vertex by each motion. Products of many columns, in blocks that stay in the cache.
-VectorXd largest_motions(const MatrixXd& values, const std::vector<Coefficients>& motions) {
-    constexpr Eigen::Index rows_at_once = 256, motions_at_once = 16;
-    const auto count = static_cast<Eigen::Index>(motions.size());
-    VectorXd squares = VectorXd::Zero(count);
-    for (Eigen::Index first = 0; first < count; first += motions_at_once) {
-        const Eigen::Index n = std::min(motions_at_once, count - first);
-        MatrixXd factors(values.cols(), 3 * n);
-        Eigen::Index used = 0;  // early motions have few functions, which come first
-        for (Eigen::Index b = 0; b < n; ++b) {
-            factors.middleCols(3 * b, 3) = motions[static_cast<std::size_t>(first + b)];
-            const std::vector<std::size_t> own = used_functions(motions[static_cast<std::size_t>(first + b)]);
-            if (!own.empty()) used = std::max(used, static_cast<Eigen::Index>(own.back()) + 1);
-        }
-        MatrixXd moved;
-        for (Eigen::Index row = 0; row < values.rows(); row += rows_at_once) {
-            const Eigen::Index m = std::min(rows_at_once, values.rows() - row);
-            moved.noalias() = values.block(row, 0, m, used) * factors.topRows(used);
-            for (Eigen::Index b = 0; b < n; ++b)
-                squares[first + b] =
-                    std::max(squares[first + b], moved.middleCols(3 * b, 3).rowwise().squaredNorm().maxCoeff());
-        }
-    }
-    return squares.cwiseSqrt();
-}
-
 /// Takes motions one after the other, without what those before them do. Columns are 3 functions long: the mean product
 /// over the surface of two motions is that of R times their coefficients.
 class Orthogonalization {
@@ -351,12 +326,12 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
     };
     std::for_each(rigid.begin(), rigid.end(), list);
     std::for_each(candidates.begin(), candidates.end(), list);
-    values_ = function_values(space_, rest.vertices, cut);
-    const Eigen::HouseholderQR<MatrixXd> qr(vertex_areas(rest).cwiseSqrt().asDiagonal() * values_);
-    const Eigen::Index rows = std::min(values_.rows(), values_.cols());
-    Orthogonalization orthogonal(qr.matrixQR().topRows(rows).template triangularView<Eigen::Upper>());
+    const auto count_of_functions = static_cast<Eigen::Index>(space_.powers.size());
+    values_.resize(0, 0);  // before others take its place
+    FunctionValues at_vertices{LocalFunctions(space_), rest.vertices, space_.powers, cut};
+    Orthogonalization orthogonal(ValuesQR(at_vertices, vertex_areas(rest)).triangle());
     const auto motion = [&](const FieldCandidate& candidate) {
-        Coefficients c = Coefficients::Zero(values_.cols(), 3);
+        Coefficients c = Coefficients::Zero(count_of_functions, 3);
         for (const FieldCandidate::Term& term : candidate.terms)
             c.row(number.at(term.powers)) += term.factor * space_.frame.axes.col(term.axis).transpose();
         return c;
@@ -376,8 +351,30 @@ void DisplacementFields::choose(const TriMesh& rest, const VectorXd& cut, const 
         coefficients_.push_back(*own);
         names_.push_back(candidate.name);
     }
-    const VectorXd largest = largest_motions(values_, coefficients_);
-    for (int b = 0; b < size(); ++b) coefficients_[static_cast<std::size_t>(b)] /= largest[b];
+    keep_used(at_vertices);
+}
+
+/// Keeps the values of functions that a field has, and scales the fields.
+void DisplacementFields::keep_used(FunctionValues& at_vertices) {
+    std::vector<char> is_used(space_.powers.size(), products_as_before_);
+    for (const Coefficients& own : coefficients_)
+        for (const std::size_t f : used_functions(own)) is_used[f] = 1;
+    columns_.clear();
+    for (std::size_t f = 0; f < is_used.size(); ++f)
+        if (is_used[f]) columns_.push_back(static_cast<int>(f));
+    const Eigen::Index rows = at_vertices.x.rows();
+    values_.resize(rows, static_cast<Eigen::Index>(columns_.size()));
+    LargestMotions largest(coefficients_);
+    MatrixXd block;
+    for (Eigen::Index row = 0; row < rows; row += rows_at_once) {
+        block.resize(std::min(rows_at_once, rows - row), static_cast<Eigen::Index>(space_.powers.size()));
+        at_vertices.fill(row, block);
+        largest.add(block);
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            values_.col(static_cast<Eigen::Index>(c)).segment(row, block.rows()) = block.col(columns_[c]);
+    }
+    const VectorXd lengths = largest.result();
+    for (int b = 0; b < size(); ++b) coefficients_[static_cast<std::size_t>(b)] /= lengths[b];
 }
 
 /// Without the rigid motion that the field does at the point. The functions of first degree are among `space_.powers`.
@@ -405,14 +402,15 @@ void DisplacementFields::keep_in_plane(const TriMesh& rest, const SymmetryPlane&
     const double reach = on_plane * space_.frame.half.maxCoeff();
     for (int v = 0; v < rest.num_vertices(); ++v) {
         if (std::abs(plane.normal.dot(rest.vertices.row(v)) - plane.offset) > reach) continue;
-        for (std::size_t f = 0; f < space_.powers.size(); ++f)
-            if (space_.is_odd(space_.powers[f])) values_(v, static_cast<Eigen::Index>(f)) = 0;
+        for (std::size_t c = 0; c < columns_.size(); ++c)
+            if (space_.is_odd(space_.powers[static_cast<std::size_t>(columns_[c])]))
+                values_(v, static_cast<Eigen::Index>(c)) = 0;
     }
 }
 
 DisplacementFields::Coefficients DisplacementFields::combined(const VectorXd& z) const {
     if (z.size() != size()) throw InvalidInput(text("fields: ", z.size(), " values for ", size(), " fields"));
-    Coefficients sum = Coefficients::Zero(values_.cols(), 3);
+    Coefficients sum = Coefficients::Zero(static_cast<Eigen::Index>(space_.powers.size()), 3);
     for (int b = 0; b < size(); ++b)
         if (z[b] != 0) sum += z[b] * coefficients_[static_cast<std::size_t>(b)];
     return sum;
@@ -433,13 +431,25 @@ Matrix3d polar_rotation(const Matrix3d& F) {
 Points DisplacementFields::field(int b) const {
     const Coefficients& own = coefficients_[static_cast<std::size_t>(b)];
     if (products_as_before_) return values_ * own;
-    return thin_product(values_, own);
+    return thin_product(values_, own(columns_, Eigen::all));
 }
 
-Points DisplacementFields::displacement(const VectorXd& z) const { return thin_product(values_, combined(z)); }
+Points DisplacementFields::displacement(const VectorXd& z) const {
+    return thin_product(values_, combined(z)(columns_, Eigen::all));
+}
 
 VectorXd DisplacementFields::gradient(const Points& dJ_dv) const {
-    const Coefficients by_function = thin_transposed_product(values_, dJ_dv);
+    return gradient_by(thin_transposed_product(values_, dJ_dv));
+}
+
+VectorXd DisplacementFields::gradient(int vertex, const Vector3d& dJ_dv) const {
+    return gradient_by(values_.row(vertex).transpose() * dJ_dv.transpose());
+}
+
+/// @param by_kept by the functions that a field has
+VectorXd DisplacementFields::gradient_by(const Coefficients& by_kept) const {
+    Coefficients by_function = Coefficients::Zero(static_cast<Eigen::Index>(space_.powers.size()), 3);
+    by_function(columns_, Eigen::all) = by_kept;
     VectorXd gradient(size());
     for (int b = 0; b < size(); ++b)
         gradient[b] = coefficients_[static_cast<std::size_t>(b)].cwiseProduct(by_function).sum();
@@ -476,7 +486,7 @@ VectorXd DisplacementFields::map_gradient(int triangle, const Matrix3d& dJ_dF) c
     functions.set(centroid_.row(triangle));
     const Vector3d by_value = dJ_dF * cut_off_gradient_.row(triangle).transpose();
     const Matrix3d by_slope = cut_off_[triangle] * dJ_dF * space_.frame.axes;
-    Coefficients by_function(values_.cols(), 3);
+    Coefficients by_function(static_cast<Eigen::Index>(space_.powers.size()), 3);
     for (std::size_t f = 0; f < space_.powers.size(); ++f) {
         Vector3d own = functions.value(space_.powers[f]) * by_value;
         for (int k = 0; k < 3; ++k) own += functions.slope(space_.powers[f], k) * by_slope.col(k);

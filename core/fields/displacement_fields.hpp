@@ -18,6 +18,8 @@
 /// parts the smaller ones count as one: a product of many ramps leaves no motion between them.
 namespace strake {
 
+struct FunctionValues;
+
 /// What the fields have to respect.
 struct FieldConditions {
     std::vector<int> held;  ///< triangles whose vertices do not move
@@ -79,6 +81,7 @@ public:
     Points field(int b) const;                            ///< n x 3, at z_b = 1
     Points displacement(const Eigen::VectorXd& z) const;  ///< n x 3: sum_b z_b field(b)
     Eigen::VectorXd gradient(const Points& dJ_dv) const;  ///< dJ/dz, exactly: the transpose of `displacement`
+    Eigen::VectorXd gradient(int vertex, const Eigen::Vector3d& dJ_dv) const;  ///< of one vertex alone: the same bits
     /// Per triangle: I + grad u at its centroid, the linear part of the map x -> x + u(x) there.
     std::vector<Eigen::Matrix3d> local_maps(const Eigen::VectorXd& z) const;
     /// dJ/dz by that of the linear part F at the centroid of one triangle: the transpose of `local_maps`.
@@ -93,13 +96,16 @@ private:
     Coefficients combined(const Eigen::VectorXd& z) const;
     void choose(const TriMesh& rest, const Eigen::VectorXd& cut, const std::vector<FieldCandidate>& rigid,
                 const std::vector<FieldCandidate>& candidates, int count);
+    Eigen::VectorXd gradient_by(const Coefficients& by_kept) const;
+    void keep_used(FunctionValues& at_vertices);
     Coefficients still_at(const Eigen::Vector3d& point, Coefficients motion) const;
     void keep_in_plane(const TriMesh& rest, const SymmetryPlane& plane);
 
     FunctionSpace space_;
     std::optional<Eigen::Vector3d> still_;
     bool products_as_before_ = false;
-    Eigen::MatrixXd values_;                  ///< n x functions, cut-off included
+    std::vector<int> columns_;                ///< functions that a field has
+    Eigen::MatrixXd values_;                  ///< n x these, cut-off included
     std::vector<Coefficients> coefficients_;  ///< per field
     std::vector<std::string> names_;
     Points centroid_;          ///< m x 3

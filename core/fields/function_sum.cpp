@@ -59,18 +59,6 @@ double LocalFunctions::slope(const Powers& p, int k) const {
     return product;
 }
 
-Eigen::MatrixXd function_values(const FunctionSpace& space, const Points& x, const Eigen::VectorXd& cut) {
-    LocalFunctions functions(space);
-    const std::vector<Powers>& powers = space.powers;
-    Eigen::MatrixXd values(x.rows(), static_cast<Eigen::Index>(powers.size()));
-    for (Eigen::Index v = 0; v < x.rows(); ++v) {
-        functions.set(x.row(v));
-        for (std::size_t f = 0; f < powers.size(); ++f)
-            values(v, static_cast<Eigen::Index>(f)) = cut[v] * functions.value(powers[f]);
-    }
-    return values;
-}
-
 FunctionSum::FunctionSum(const FunctionSpace& space, const Coefficients& c) : space_(space) {
     if (space.wing) {
         std::vector<Powers> used;

@@ -22,9 +22,6 @@ private:
     std::optional<WingFunctions> of_wing_;
 };
 
-/// The functions at points, columns in the order of the space, times the cut-off.
-Eigen::MatrixXd function_values(const FunctionSpace& space, const Points& x, const Eigen::VectorXd& cut);
-
 /// A sum of functions and its gradient at many points. Functions that differ along the axis alone are summed there
 /// first.
 class FunctionSum {

@@ -4,6 +4,8 @@
 #include "core/mesh/weld.hpp"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace strake {
@@ -11,9 +13,23 @@ namespace {
 
 constexpr int leaf_size = 4;
 
+/// A box in single precision, rounded outward: boxes only tell what needs no look, and those of ten million triangles
+/// are half a gigabyte. Relative to a point in the middle of the surface, wherever that is.
 struct Bounds {
-    Eigen::Vector3d low, high;
+    Eigen::Vector3f low, high;
 
+    static Bounds around(const Eigen::Vector3d& lowest, const Eigen::Vector3d& highest, const Eigen::Vector3d& middle) {
+        constexpr float infinity = std::numeric_limits<float>::infinity();
+        Bounds box;
+        for (int k = 0; k < 3; ++k) {
+            const double from = lowest[k] - middle[k], to = highest[k] - middle[k];
+            box.low[k] = static_cast<float>(from);
+            box.high[k] = static_cast<float>(to);
+            if (box.low[k] > from) box.low[k] = std::nextafter(box.low[k], -infinity);
+            if (box.high[k] < to) box.high[k] = std::nextafter(box.high[k], infinity);
+        }
+        return box;
+    }
     void add(const Bounds& other) {
         low = low.cwiseMin(other.low);
         high = high.cwiseMax(other.high);
@@ -52,13 +68,15 @@ struct IntersectionTree::Search {
     Intersections found;
 
     void refit() {
+        const Eigen::Vector3d middle =
+            0.5 * (tree.rest_->vertices.colwise().minCoeff() + tree.rest_->vertices.colwise().maxCoeff());
         leaf_box.resize(tree.order_.size());
         for (std::size_t i = 0; i < leaf_box.size(); ++i) {
             const auto corner = [&](int k) {
-                return Eigen::Vector3d(vertices.row(tree.triangles_(tree.order_[i], k)));
+                return Eigen::Vector3d(vertices.row(tree.rest_->triangles(tree.order_[i], k)));
             };
-            leaf_box[i] = {corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)),
-                           corner(0).cwiseMax(corner(1)).cwiseMax(corner(2))};
+            leaf_box[i] = Bounds::around(corner(0).cwiseMin(corner(1)).cwiseMin(corner(2)),
+                                         corner(0).cwiseMax(corner(1)).cwiseMax(corner(2)), middle);
         }
         box.resize(tree.nodes_.size());
         node_moved.assign(tree.nodes_.size(), 0);
@@ -119,7 +137,7 @@ struct IntersectionTree::Search {
     Corners corners(int t) const {
         Corners c;
         for (int k = 0; k < 3; ++k) {
-            const int v = tree.triangles_(t, k);
+            const int v = tree.rest_->triangles(t, k);
             c.at[k] = vertices.row(v);
             c.id[k] = id.empty() ? v : id[v];
         }
@@ -127,18 +145,25 @@ struct IntersectionTree::Search {
     }
 };
 
-IntersectionTree::IntersectionTree(const TriMesh& rest)
-    : rest_(rest.vertices), triangles_(rest.triangles), twin_(twins(rest.vertices)), seam_(1e-9 * box_diagonal(rest)) {
-    const auto id = [&](int t, int k) { return twin_.empty() ? triangles_(t, k) : twin_[triangles_(t, k)]; };
-    for (int t = 0; t < rest.num_triangles(); ++t)
+IntersectionTree::IntersectionTree(std::shared_ptr<const TriMesh> rest)
+    : rest_(std::move(rest)), twin_(twins(rest_->vertices)), seam_(1e-9 * box_diagonal(*rest_)) {
+    const Triangles& triangles = rest_->triangles;
+    const auto id = [&](int t, int k) { return twin_.empty() ? triangles(t, k) : twin_[triangles(t, k)]; };
+    for (int t = 0; t < rest_->num_triangles(); ++t)
         if (id(t, 0) != id(t, 1) && id(t, 1) != id(t, 2) && id(t, 2) != id(t, 0)) order_.push_back(t);
-    const Points centroids = triangle_centroids(rest);
+    set_order();
+    at_rest_ = search(rest_->vertices, {});
+}
+
+void IntersectionTree::set_order() {
+    const Points& x = rest_->vertices;
+    const Triangles& triangles = rest_->triangles;
     std::vector<Centre> centres;
     centres.reserve(order_.size());
-    for (const int t : order_) centres.push_back({centroids.row(t), t});
+    for (const int t : order_)
+        centres.push_back({(x.row(triangles(t, 0)) + x.row(triangles(t, 1)) + x.row(triangles(t, 2))) / 3, t});
     if (!order_.empty()) build(0, static_cast<int>(order_.size()), centres);
     for (std::size_t i = 0; i < order_.size(); ++i) order_[i] = centres[i].triangle;
-    at_rest_ = search(rest_, {});
 }
 
 /// Halves at the median along the longest side of the centroids' box. Equal coordinates are ordered by number.
@@ -146,10 +171,10 @@ void IntersectionTree::build(int begin, int end, std::vector<Centre>& centres) {
     const std::size_t self = nodes_.size();
     nodes_.push_back({begin, end, -1});
     if (end - begin <= leaf_size) return;
-    Bounds around{centres[begin].at, centres[begin].at};
-    for (int i = begin; i < end; ++i) around.add({centres[i].at, centres[i].at});
+    Eigen::Vector3d low = centres[begin].at, high = low;
+    for (int i = begin; i < end; ++i) low = low.cwiseMin(centres[i].at), high = high.cwiseMax(centres[i].at);
     int axis = 0;
-    (around.high - around.low).maxCoeff(&axis);
+    (high - low).maxCoeff(&axis);
     const int middle = begin + (end - begin) / 2;
     std::nth_element(centres.begin() + begin, centres.begin() + middle, centres.begin() + end,
                      [axis](const Centre& s, const Centre& t) {
@@ -187,10 +212,11 @@ Intersections IntersectionTree::search(const Points& vertices, const std::vector
 }
 
 std::vector<std::array<int, 2>> IntersectionTree::fresh(const Points& vertices) const {
-    std::vector<char> moved(triangles_.rows());
-    for (int t = 0; t < triangles_.rows(); ++t)
+    const Triangles& triangles = rest_->triangles;
+    std::vector<char> moved(triangles.rows());
+    for (int t = 0; t < triangles.rows(); ++t)
         for (int k = 0; k < 3; ++k)
-            if (vertices.row(triangles_(t, k)) != rest_.row(triangles_(t, k))) moved[t] = 1;
+            if (vertices.row(triangles(t, k)) != rest_->vertices.row(triangles(t, k))) moved[t] = 1;
     const auto joined = [](Intersections all) {
         all.apart.insert(all.apart.end(), all.adjacent.begin(), all.adjacent.end());
         std::sort(all.apart.begin(), all.apart.end());
@@ -202,7 +228,10 @@ std::vector<std::array<int, 2>> IntersectionTree::fresh(const Points& vertices) 
     return result;
 }
 
-Intersections intersections(const TriMesh& mesh) { return IntersectionTree(mesh).at_rest(); }
+Intersections intersections(const TriMesh& mesh) {
+    const std::shared_ptr<const TriMesh> borrowed(std::shared_ptr<const TriMesh>(), &mesh);
+    return IntersectionTree(borrowed).at_rest();
+}
 
 std::vector<std::array<int, 2>> self_intersections(const TriMesh& mesh) { return intersections(mesh).apart; }
 

@@ -1,6 +1,8 @@
 #pragma once
 #include "core/mesh/topology.hpp"
 
+#include <memory>
+
 /// Finds self-intersections of a surface, repeatedly while its vertices move.
 namespace strake {
 
@@ -11,7 +13,8 @@ namespace strake {
 class IntersectionTree {
 public:
     /// Cost: m log m and one search.
-    explicit IntersectionTree(const TriMesh& rest);
+    explicit IntersectionTree(std::shared_ptr<const TriMesh> rest);
+    explicit IntersectionTree(const TriMesh& rest) : IntersectionTree(std::make_shared<const TriMesh>(rest)) {}
 
     /// intersections(rest).
     const Intersections& at_rest() const { return at_rest_; }
@@ -30,12 +33,12 @@ private:
         Eigen::Vector3d at;
         int triangle;
     };
+    void set_order();
     void build(int begin, int end, std::vector<Centre>& centres);
     Points with_closed_seams(const Points& vertices, std::vector<int>& id) const;
     Intersections search(const Points& vertices, const std::vector<char>& moved) const;
 
-    Points rest_;
-    Triangles triangles_;
+    std::shared_ptr<const TriMesh> rest_;
     std::vector<int> twin_;   ///< per vertex: the first at the same place at rest; empty when all places differ
     double seam_ = 0;         ///< largest distance of twins
     std::vector<int> order_;  ///< triangles with three different corners, leaf by leaf

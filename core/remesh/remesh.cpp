@@ -20,6 +20,7 @@ constexpr double worth_approaching = 0.03;  ///< allowed deviation of an edge fr
 constexpr double evenly_shaped = 0.977;     ///< mean quality above which lengths no longer change
 constexpr double min_finished = 0.97;       ///< mean quality above which only the finish is needed
 constexpr double min_graded = 0.93;         ///< the same, with much shorter edges where the shape needs them
+constexpr double doubled = 2;               ///< times the least number of intersections
 constexpr double few_gaps = 0.02;           ///< share of removed triangles tolerated without compaction
 constexpr int finishing = 3;                ///< iterations
 constexpr double too_long = 4.0 / 3, too_short = 4.0 / 5;
@@ -120,6 +121,8 @@ public:
         return is_graded_as_wanted(lengths()) || (has_wanted_lengths() && mean_quality_inside() > min_finished);
     }
 
+    /// Intersections left by run() have a cause in the shape: other lengths would leave some, too.
+    bool are_of_shape() const { return are_of_shape_; }
     /// Restores the input around intersections left by run(). @return number of restored triangles
     int freeze(std::vector<char>& frozen) {
         frozen.resize(base_.tri.size(), 0);
@@ -303,7 +306,8 @@ private:
         return sum;
     }
 
-    /// Shortens edges at new self-intersections while that helps.
+    /// Shortens edges at new self-intersections while that helps. Where in the end there are twice as many as there
+    /// were the sheets are nearer to each other than any edge there.
     void disentangle() {
         WorkingMesh best;
         result_.new_intersections = std::numeric_limits<int>::max();
@@ -321,6 +325,7 @@ private:
                 best = mesh_;
             }
             const bool is_hopeless = count > 0.05 * mesh_.num_triangles();  // wires, and sheets that lie on each other
+            are_of_shape_ = count > doubled * result_.new_intersections;
             if (round == 4 || in_vain == 2 || is_hopeless) break;
             for (const auto& pair : pairs) shorten(pair);
             update_sizes(mesh_, sizing_);
@@ -358,9 +363,10 @@ private:
     Input input_ = Input::raw;
     StepGuard firm_, loose_;  ///< of collapses; of flips and smoothing
     WorkingMesh mesh_;
-    double mean_quality_ = -1;  ///< once it is known
-    int skipped_ = 0;           ///< iterations, as there was nothing left to do but the finish
-    double max_expected_ = 0;   ///< triangles, of the input or at the wanted length
+    double mean_quality_ = -1;   ///< once it is known
+    int skipped_ = 0;            ///< iterations, as there was nothing left to do but the finish
+    double max_expected_ = 0;    ///< triangles, of the input or at the wanted length
+    bool are_of_shape_ = false;  ///< intersections that are left
     Crossings crossings_{base_};
     RemeshResult result_;
 };
@@ -468,7 +474,7 @@ RemeshResult remesh(const TriMesh& given, const RemeshOptions& options, const Re
         if (is_as_wanted) count = static_cast<std::size_t>(remesher.freeze(tangled));
         const bool is_local = static_cast<double>(count) <= 0.05 * given.num_triangles();
         if (!is_local) break;  // not here and there
-        if (attempt == 0 && left > few) attempt = other_lengths.size();
+        if (attempt == 0 && (left > few || remesher.are_of_shape())) attempt = other_lengths.size();
         const bool tries_length = attempt < other_lengths.size();
         tried.edge_length = (tries_length ? other_lengths[attempt] : 1) * best.edge_length;
         tried.max_triangles = std::numeric_limits<int>::max();

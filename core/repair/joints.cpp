@@ -1,7 +1,7 @@
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
-#include "core/mesh/disjoint_sets.hpp"
 #include "core/mesh/topology.hpp"
+#include "core/repair/joint_gap.hpp"
 #include "core/repair/surface_parts.hpp"
 
 #include <algorithm>
@@ -14,16 +14,6 @@ namespace {
 
 constexpr int max_added = 4'000'000;  ///< triangles
 constexpr int max_rounds = 60;        ///< each halves edges: beyond that lengths are rounding
-
-/// Per triangle, the smallest vertex of its part: what shares vertices is one.
-std::vector<int> part_of_triangles(const TriMesh& mesh) {
-    DisjointSets sets(mesh.num_vertices());
-    for (int t = 0; t < mesh.num_triangles(); ++t)
-        for (int k = 1; k < 3; ++k) sets.join(mesh.triangles(t, 0), mesh.triangles(t, k));
-    std::vector<int> part(static_cast<std::size_t>(mesh.num_triangles()));
-    for (int t = 0; t < mesh.num_triangles(); ++t) part[t] = sets.root(mesh.triangles(t, 0));
-    return part;
-}
 
 /// Edges longer than the limit of triangles that another part cuts. @param cut marks of these triangles
 std::vector<char> long_edges(const TriMesh& mesh, const Adjacency& adjacent, double limit, std::vector<char>& cut) {

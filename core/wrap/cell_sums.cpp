@@ -319,15 +319,26 @@ Points CellSums::values(const RadialWeights& weights) const {
 std::vector<Eigen::Matrix3d> CellSums::slopes(const RadialWeights& weights) const {
     if (order_.empty()) return cubic_slopes(at_, center_, weights);
     std::vector<Eigen::Matrix3d> slopes(static_cast<std::size_t>(at_.rows()));
+    each_slope(weights, [&](Index p, const Eigen::Matrix3d& slope) { slopes[static_cast<std::size_t>(p)] = slope; });
+    return slopes;
+}
+
+void CellSums::each_slope(const RadialWeights& weights,
+                          const std::function<void(Index, const Eigen::Matrix3d&)>& consume) const {
+    if (order_.empty()) {
+        const std::vector<Eigen::Matrix3d> slopes = cubic_slopes(at_, center_, weights);
+        for (std::size_t p = 0; p < slopes.size(); ++p) consume(static_cast<Index>(p), slopes[p]);
+        return;
+    }
     over_tiles(weights, [&](Index from, Index count, const Tile& now, const LeafTerms& leaf) {
         double sums[9][tile];
         tile_slopes(now, count, leaf, sums);
         for (Index i = 0; i < count; ++i) {
-            Eigen::Matrix3d& one = slopes[static_cast<std::size_t>(order_[static_cast<std::size_t>(from + i)])];
+            Eigen::Matrix3d one;
             for (int k = 0; k < 9; ++k) one(k / 3, k % 3) = sums[k][i];
+            consume(order_[static_cast<std::size_t>(from + i)], one);
         }
     });
-    return slopes;
 }
 
 /// Sums over the points of one of the smallest boxes of the products times the values.
@@ -355,9 +366,7 @@ CellSums::Tensor CellSums::moments(const Cell& cell, const MatrixXd& values) con
 }
 
 /// Of one of the smallest boxes: its moments, and what centres near it get.
-MatrixXd CellSums::at_leaf(const Cell& cell, const MatrixXd& values, Tensor& moment) const {
-    MatrixXd mine(cell.count, values.cols());
-    for (int i = 0; i < cell.count; ++i) mine.row(i) = values.row(order_[static_cast<std::size_t>(cell.first + i)]);
+MatrixXd CellSums::at_leaf(const Cell& cell, const MatrixXd& mine, Tensor& moment) const {
     if (cell.has_polynomial()) moment = moments(cell, mine);
     if (cell.near.empty()) return {};
     return transpose_here(at_.middleRows(cell.first, cell.count), center_(cell.near, Eigen::all), mine);
@@ -368,7 +377,8 @@ MatrixXd CellSums::pull_back(const Cell& cell, std::vector<Tensor>& moment, Tens
     if (cell.child >= 0) {
         mine = Tensor::Zero(num_products(cell.degree), columns);
         for (int c = cell.child; c < cell.child + 2; ++c)
-            mine += from_parent(cells_[static_cast<std::size_t>(c)], moment[static_cast<std::size_t>(c)], true);
+            if (const Tensor& of_half = moment[static_cast<std::size_t>(c)]; of_half.size() > 0)
+                mine += from_parent(cells_[static_cast<std::size_t>(c)], of_half, true);
         keep_used(cell.degree, mine);
     }
     if (cell.far.empty()) return {};
@@ -378,27 +388,70 @@ MatrixXd CellSums::pull_back(const Cell& cell, std::vector<Tensor>& moment, Tens
 
 MatrixXd CellSums::transpose(const MatrixXd& values) const {
     if (order_.empty()) return cubic_sums_transpose(at_, center_, values);
-    std::vector<MatrixXd> of_far(cells_.size()), of_near(cells_.size());
+    std::vector<MatrixXd> of_near(cells_.size());
     std::vector<Tensor> moment(cells_.size());
     for_blocks(static_cast<int>(leaves_.size()), 1, [&](int begin, int end) {
         for (int i = begin; i < end; ++i) {
             const auto c = static_cast<std::size_t>(leaves_[static_cast<std::size_t>(i)]);
-            of_near[c] = at_leaf(cells_[c], values, moment[c]);
+            const Cell& cell = cells_[c];
+            MatrixXd mine(cell.count, values.cols());
+            for (int p = 0; p < cell.count; ++p)
+                mine.row(p) = values.row(order_[static_cast<std::size_t>(cell.first + p)]);
+            of_near[c] = at_leaf(cell, mine, moment[c]);
         }
     });
+    return pull_back_all(moment, of_near, std::vector<char>(cells_.size(), 1), values.cols());
+}
+
+/// From the smallest boxes to the largest. @param is_met boxes that hold anything
+MatrixXd CellSums::pull_back_all(std::vector<Tensor>& moment, const std::vector<MatrixXd>& of_near,
+                                 const std::vector<char>& is_met, Index columns) const {
+    std::vector<MatrixXd> of_far(cells_.size());
     for (std::size_t level = level_.size() - 1; level-- > 0;)
         for_blocks(level_[level + 1] - level_[level], 1, [&](int begin, int end) {
             for (int i = level_[level] + begin; i < level_[level] + end; ++i) {
                 const auto c = static_cast<std::size_t>(i);
-                if (cells_[c].has_polynomial()) of_far[c] = pull_back(cells_[c], moment, moment[c], values.cols());
+                if (is_met[c] && cells_[c].has_polynomial())
+                    of_far[c] = pull_back(cells_[c], moment, moment[c], columns);
             }
         });
-    MatrixXd sums = MatrixXd::Zero(center_.rows(), values.cols());
+    MatrixXd sums = MatrixXd::Zero(center_.rows(), columns);
     const auto add = [&](const std::vector<int>& centers, const MatrixXd& of_them) {
         for (Index c = 0; c < of_them.rows(); ++c) sums.row(centers[static_cast<std::size_t>(c)]) += of_them.row(c);
     };
     for (std::size_t i = 0; i < cells_.size(); ++i) add(cells_[i].far, of_far[i]), add(cells_[i].near, of_near[i]);
     return sums;
+}
+
+MatrixXd CellSums::transpose_at(const std::vector<int>& points, const Points& values) const {
+    const Index columns = 3 * values.rows();
+    const auto value = [&](std::size_t i) { return values.row(static_cast<Index>(i)); };
+    if (order_.empty()) {
+        MatrixXd sums(center_.rows(), columns);
+        for (std::size_t i = 0; i < points.size(); ++i)
+            sums.middleCols<3>(3 * static_cast<Index>(i)) =
+                transpose_here(at_.middleRows(points[i], 1), center_, MatrixXd(value(i)));
+        return sums;
+    }
+    std::vector<MatrixXd> of_near(cells_.size());
+    std::vector<Tensor> moment(cells_.size());
+    std::vector<char> is_met(cells_.size(), 0);
+    for (const int leaf : leaves_) {
+        const Cell& cell = cells_[static_cast<std::size_t>(leaf)];
+        const auto begin = order_.begin() + cell.first, end = begin + cell.count;
+        MatrixXd mine;
+        for (std::size_t i = 0; i < points.size(); ++i) {
+            const auto at = std::lower_bound(begin, end, points[i]);
+            if (at == end || *at != points[i]) continue;
+            if (mine.size() == 0) mine = MatrixXd::Zero(cell.count, columns);
+            mine.block<1, 3>(at - begin, 3 * static_cast<Index>(i)) = value(i);
+        }
+        if (mine.size() == 0) continue;
+        of_near[static_cast<std::size_t>(leaf)] = at_leaf(cell, mine, moment[static_cast<std::size_t>(leaf)]);
+        for (int c = leaf; c >= 0; c = cells_[static_cast<std::size_t>(c)].parent)
+            is_met[static_cast<std::size_t>(c)] = 1;
+    }
+    return pull_back_all(moment, of_near, is_met, columns);
 }
 
 double CellSums::cost() const {

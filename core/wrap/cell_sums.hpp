@@ -1,6 +1,7 @@
 #pragma once
 #include "core/wrap/cell_polynomials.hpp"
 
+#include <functional>
 #include <vector>
 
 /// Sums over a few hundred centres x_c at millions of points that stay where they are (`radial_sums.hpp`), quickly.
@@ -22,8 +23,14 @@ public:
     Points values(const RadialWeights& weights) const;
     /// Its transpose: per centre the sum over the points. @param values a row per point; a multiple of 3 columns
     Eigen::MatrixXd transpose(const Eigen::MatrixXd& values) const;
+    /// Of values that are zero but at one point for every three columns, with the same bits: only boxes on the way to
+    /// these are looked at. @param values three each (m x 3) @return centres x 3m
+    Eigen::MatrixXd transpose_at(const std::vector<int>& points, const Points& values) const;
     /// Derivative of the values: sum_c 3 |x - x_c| weights_c (x - x_c)^T, to 1e-9 of the sum of the weights.
     std::vector<Eigen::Matrix3d> slopes(const RadialWeights& weights) const;
+    /// The same, handed on point by point, from several threads: 72 bytes each are much of millions of points.
+    void each_slope(const RadialWeights& weights,
+                    const std::function<void(Eigen::Index point, const Eigen::Matrix3d& slope)>& consume) const;
 
     const Points& points() const { return at_; }  ///< in the order of the boxes, where there are any
     /// Terms and coefficients that `values` adds, all together; without boxes points times centres.
@@ -51,7 +58,9 @@ private:
     template <class Work>
     void over_tiles(const RadialWeights& weights, const Work& work) const;
     Tensor moments(const Cell& cell, const Eigen::MatrixXd& values) const;
-    Eigen::MatrixXd at_leaf(const Cell& cell, const Eigen::MatrixXd& values, Tensor& moment) const;
+    Eigen::MatrixXd at_leaf(const Cell& cell, const Eigen::MatrixXd& mine, Tensor& moment) const;
+    Eigen::MatrixXd pull_back_all(std::vector<Tensor>& moment, const std::vector<Eigen::MatrixXd>& of_near,
+                                  const std::vector<char>& is_met, Eigen::Index columns) const;
     Eigen::MatrixXd pull_back(const Cell& cell, std::vector<Tensor>& moment, Tensor& mine, Eigen::Index columns) const;
 
     Points at_, center_;      ///< the points in the order of the boxes

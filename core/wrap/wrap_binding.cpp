@@ -110,8 +110,9 @@ Index expected_entries(const std::vector<Row>& first, Index count, Index rows) {
 
 struct WrapBinding::Impl {
     Eigen::RowVector3d middle;
-    double scale = 1;           ///< lengths are divided by it: the diagonal
-    Points wrap, body, center;  ///< scaled
+    double scale = 1;     ///< lengths are divided by it: the diagonal
+    Points wrap, center;  ///< scaled
+    Index num_body = 0;   ///< vertices of the body
     Affine wrap_affine, body_affine;
     Eigen::Matrix<double, 4, Eigen::Dynamic> fit;  ///< u -> coefficients of the nearest affine map
     std::vector<int> centers;
@@ -126,16 +127,18 @@ struct WrapBinding::Impl {
     CellSums of_body, of_wrap;  ///< where radial functions are not kept
 
     void factorize();
-    void spread(const TriMesh& surface);
-    void store();
+    void spread(const TriMesh& surface, const Points& body);
+    void store(Points body);
     MatrixXd kernel(const Points& at, int begin, int end) const;
-    CellSums places(const Points& at) const {
-        return {at, center, sums == RadialSums::by_boxes && at.rows() >= many_points};
+    CellSums places(Points at) const {
+        const bool by_boxes = sums == RadialSums::by_boxes && at.rows() >= many_points;
+        return {std::move(at), center, by_boxes};
     }
     Points radial(const CellSums& at, const MatrixXd& weights) const;
     MatrixXd radial_transpose(const CellSums& at, const MatrixXd& values) const;
     MatrixXd local_transpose(const MatrixXd& of_body) const;
     MatrixXd transposed(const MatrixXd& of_body) const;
+    MatrixXd through_centers(const MatrixXd& by_affine, MatrixXd by_wrap, const MatrixXd& by_centers) const;
     template <class Rows>
     void hold(Rows& rows) const;
 
@@ -160,7 +163,7 @@ void WrapBinding::Impl::factorize() {
 }
 
 /// The local part: for each vertex of the body a weighted mean over vertices of the wrap.
-void WrapBinding::Impl::spread(const TriMesh& surface) {
+void WrapBinding::Impl::spread(const TriMesh& surface, const Points& body) {
     const VectorXd area = vertex_areas(surface);
     const ClosestPointTree closest(surface);
     const PointTree tree(surface.vertices);
@@ -209,10 +212,10 @@ MatrixXd WrapBinding::Impl::kernel(const Points& at, int begin, int end) const {
     return rows;
 }
 
-void WrapBinding::Impl::store() {
+void WrapBinding::Impl::store(Points body) {
     const auto bytes = [&](Index rows) { return 8.0 * static_cast<double>(rows * center.rows()); };
     if (bytes(body.rows()) > max_stored || bytes(wrap.rows()) > max_stored) {
-        of_body = places(body);
+        of_body = places(std::move(body));
         of_wrap = places(wrap);
         return;
     }
@@ -266,9 +269,10 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     m.middle = 0.5 * (box.min + box.max).transpose();
     m.scale = (box.max - box.min).norm();
     m.wrap = (wrap.vertices.rowwise() - m.middle) / m.scale;
-    m.body = (body.rowwise() - m.middle) / m.scale;
+    Points scaled = (body.rowwise() - m.middle) / m.scale;
+    m.num_body = scaled.rows();
     m.wrap_affine = affine_rows(m.wrap);
-    m.body_affine = affine_rows(m.body);
+    m.body_affine = affine_rows(scaled);
     m.held = options.held;
     m.sums = options.sums;
     m.edge = mean_edge(wrap);
@@ -280,8 +284,8 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     m.centers = farthest_points(m.wrap, options.centers, options.image);
     m.center = m.wrap(m.centers, Eigen::all);
     m.factorize();
-    m.spread(wrap);
-    m.store();
+    m.spread(wrap, scaled);
+    m.store(std::move(scaled));
 }
 
 WrapBinding::~WrapBinding() = default;
@@ -308,8 +312,8 @@ Points WrapBinding::displacement(const Points& of_wrap) const {
     const Impl::Smooth parts = m.smooth(of_wrap);
     Points left = parts.rest - m.wrap_affine * parts.linear, moved;
     if (m.by_weights.size() > 0) {
-        moved.resize(m.body.rows(), 3);
-        for_blocks(static_cast<int>(m.body.rows()), block, [&](int begin, int end) {
+        moved.resize(m.num_body, 3);
+        for_blocks(static_cast<int>(m.num_body), block, [&](int begin, int end) {
             moved.middleRows(begin, end - begin).noalias() =
                 m.by_weights.middleRows(begin, end - begin) * parts.weights;
         });
@@ -331,30 +335,30 @@ std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, cons
 }
 
 std::vector<Eigen::Matrix3d> WrapBinding::local_maps(const Points& of_wrap, const CellSums& at) const {
+    std::vector<Eigen::Matrix3d> maps(static_cast<std::size_t>(at.points().rows()));
+    each_local_map(of_wrap, at, [&](Index p, const Eigen::Matrix3d& map) { maps[static_cast<std::size_t>(p)] = map; });
+    return maps;
+}
+
+void WrapBinding::each_local_map(const Points& of_wrap, const CellSums& at,
+                                 const std::function<void(Index, const Eigen::Matrix3d&)>& consume) const {
     const Impl& m = *impl_;
     const Impl::Smooth parts = m.smooth(of_wrap);
     const Eigen::Matrix3d affine = (parts.nearest + parts.linear).bottomRows<3>().transpose();
-    const auto map = [&](const Eigen::Matrix3d& radial) -> Eigen::Matrix3d {
-        return Eigen::Matrix3d::Identity() + (affine + radial) / m.scale;
+    const auto take = [&](Index p, const Eigen::Matrix3d& radial) {
+        consume(p, Eigen::Matrix3d::Identity() + (affine + radial) / m.scale);
     };
-    std::vector<Eigen::Matrix3d> maps;
-    if (m.sums != RadialSums::by_products) {
-        maps = at.slopes(parts.weights);
-        for (Eigen::Matrix3d& one : maps) one = map(one);
-        return maps;
-    }
+    if (m.sums != RadialSums::by_products) return at.each_slope(parts.weights, take);
     const Points& x = at.points();
-    maps.resize(static_cast<std::size_t>(x.rows()));
     for_blocks(static_cast<int>(x.rows()), block, [&](int begin, int end) {
         for (int p = begin; p < end; ++p) {
             Points away = (-m.center).rowwise() + x.row(p);
             const VectorXd slope = 3 * away.rowwise().norm();  // of r^3: 3 r times the vector
             const Eigen::Matrix3d radial =
                 parts.weights.transpose() * (away.array().colwise() * slope.array()).matrix();
-            maps[static_cast<std::size_t>(p)] = map(radial);
+            take(p, radial);
         }
     });
-    return maps;
 }
 
 /// Adds local^T g to a matrix of as many columns: what they add to a vertex of the wrap stands together.
@@ -384,12 +388,21 @@ MatrixXd WrapBinding::Impl::local_transpose(const MatrixXd& g) const {
 MatrixXd WrapBinding::Impl::transposed(const MatrixXd& g) const {
     const Index k = center.rows();
     const MatrixXd by_affine = body_affine.transpose() * g;
-    MatrixXd by_wrap = local_transpose(g);  // by what the radial part leaves, then by what the affine part leaves
-    MatrixXd right(k + 4, g.cols());
+    MatrixXd by_wrap = local_transpose(g);
+    MatrixXd by_centers(k, g.cols());
     if (by_weights.size() > 0)
-        right.topRows(k) = wide_product(by_weights, g);
+        by_centers = wide_product(by_weights, g);
     else
-        right.topRows(k) = radial_transpose(of_body, g) - radial_transpose(of_wrap, by_wrap);
+        by_centers = radial_transpose(of_body, g) - radial_transpose(of_wrap, by_wrap);
+    return through_centers(by_affine, std::move(by_wrap), by_centers);
+}
+
+/// @param by_wrap by what the radial part leaves; then, here, by what the affine part leaves
+MatrixXd WrapBinding::Impl::through_centers(const MatrixXd& by_affine, MatrixXd by_wrap,
+                                            const MatrixXd& by_centers) const {
+    const Index k = center.rows();
+    MatrixXd right(k + 4, by_wrap.cols());
+    right.topRows(k) = by_centers;
     right.bottomRows(4) = by_affine - wrap_affine.transpose() * by_wrap;
     const MatrixXd solved = system.transpose().solve(right);
     for (Index c = 0; c < k; ++c) by_wrap.row(centers[static_cast<std::size_t>(c)]) += solved.row(c);
@@ -399,11 +412,11 @@ MatrixXd WrapBinding::Impl::transposed(const MatrixXd& g) const {
 
 std::vector<Points> WrapBinding::transpose(const std::vector<Points>& of_body) const {
     const Impl& m = *impl_;
-    MatrixXd all(m.body.rows(), 3 * static_cast<Index>(of_body.size()));
+    MatrixXd all(m.num_body, 3 * static_cast<Index>(of_body.size()));
     for (std::size_t i = 0; i < of_body.size(); ++i) {
-        if (of_body[i].rows() != m.body.rows())
+        if (of_body[i].rows() != m.num_body)
             throw InvalidInput(
-                text("wrap: ", of_body[i].rows(), " derivatives for ", m.body.rows(), " vertices of the body"));
+                text("wrap: ", of_body[i].rows(), " derivatives for ", m.num_body, " vertices of the body"));
         all.middleCols<3>(3 * static_cast<Index>(i)) = of_body[i];
     }
     m.hold(all);
@@ -411,6 +424,34 @@ std::vector<Points> WrapBinding::transpose(const std::vector<Points>& of_body) c
     std::vector<Points> of_wrap;
     for (std::size_t i = 0; i < of_body.size(); ++i)
         of_wrap.emplace_back(by_wrap.middleCols<3>(3 * static_cast<Index>(i)));
+    return of_wrap;
+}
+
+std::vector<Points> WrapBinding::transpose_at(const std::vector<int>& vertex, const Points& of_body) const {
+    const Impl& m = *impl_;
+    if (static_cast<Index>(vertex.size()) != of_body.rows())
+        throw InvalidInput(text("wrap: ", of_body.rows(), " derivatives for ", vertex.size(), " vertices"));
+    for (const int v : vertex)
+        if (v < 0 || v >= m.num_body) throw InvalidInput(text("wrap: vertex ", v, " is not in [0, ", m.num_body, ")"));
+    if (m.by_weights.size() > 0 || m.sums == RadialSums::by_products) {  // small bodies, and earlier runs
+        std::vector<Points> whole(vertex.size(), Points::Zero(m.num_body, 3));
+        for (std::size_t i = 0; i < vertex.size(); ++i) whole[i].row(vertex[i]) = of_body.row(static_cast<Index>(i));
+        return transpose(whole);
+    }
+    const Index columns = 3 * of_body.rows();
+    Points g = of_body;
+    MatrixXd by_affine(4, columns), by_wrap = MatrixXd::Zero(m.wrap.rows(), columns);
+    for (Index i = 0; i < g.rows(); ++i) {
+        const int v = vertex[static_cast<std::size_t>(i)];
+        if (!m.held.empty() && m.held[static_cast<std::size_t>(v)]) g.row(i).setZero();
+        for (Index c = 0; c < 3; ++c) by_affine.col(3 * i + c) = m.body_affine.row(v).transpose() * g(i, c);
+        for (Eigen::SparseMatrix<double, Eigen::RowMajor>::InnerIterator at(m.local, v); at; ++at)
+            by_wrap.block<1, 3>(at.col(), 3 * i) += at.value() * g.row(i);
+    }
+    const MatrixXd by_centers = m.of_body.transpose_at(vertex, g) - m.radial_transpose(m.of_wrap, by_wrap);
+    const MatrixXd all = m.through_centers(by_affine, by_wrap, by_centers);
+    std::vector<Points> of_wrap;
+    for (Index i = 0; i < g.rows(); ++i) of_wrap.emplace_back(all.middleCols<3>(3 * i));
     return of_wrap;
 }
 

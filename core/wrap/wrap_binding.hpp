@@ -1,6 +1,7 @@
 #pragma once
 #include "core/mesh/mesh.hpp"
 
+#include <functional>
 #include <memory>
 #include <vector>
 
@@ -57,11 +58,17 @@ public:
     Points transpose(const Points& of_body) const;
     /// Of several at once, for less than one after another.
     std::vector<Points> transpose(const std::vector<Points>& of_body) const;
+    /// Of functionals of one vertex of the body each, with the same bits, for little time and memory.
+    /// @param of_body dJ/d(that vertex), a row each
+    std::vector<Points> transpose_at(const std::vector<int>& vertex, const Points& of_body) const;
     /// Per point (n x 3): the linear part I + grad of the motion there, without that of the local part, which is small
     /// and no motion of its own. What is held is not looked at. Cost: centres times points.
     std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap, const Points& at) const;
     /// The same at points that are asked for again and again. @param at of this binding
     std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap, const CellSums& at) const;
+    /// Handed on point by point, from several threads.
+    void each_local_map(const Points& of_wrap, const CellSums& at,
+                        const std::function<void(Eigen::Index point, const Eigen::Matrix3d& map)>& consume) const;
     std::shared_ptr<const CellSums> places(const Points& at) const;
 
     const std::vector<int>& centers() const;  ///< vertices of the wrap, in the order of choice

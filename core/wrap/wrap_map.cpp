@@ -51,7 +51,6 @@ std::vector<int> nearest_triangles(const TriMesh& from, const TriMesh& to) {
 WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& options)
     : mesh_(std::move(wrap)),
       adjacent_(adjacency(mesh_)),
-      body_triangles_(body.triangles),
       held_(options.held),
       binding_([&] {
           WrapBindingOptions binding{options.held};
@@ -71,10 +70,20 @@ WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& option
       wrap_triangle_(nearest_triangles(body, mesh_)),
       body_triangle_(nearest_triangles(mesh_, body)) {
     if (held_.empty()) held_.assign(static_cast<std::size_t>(body.num_vertices()), 0);
+    set_held_triangles(body);
     if (!half_) return;
     const double near = on_cut * box_diagonal(body);
     for (int v = 0; v < body.num_vertices(); ++v)
         if (std::abs(half_->normal.dot(body.vertices.row(v)) - half_->offset) <= near) on_plane_.push_back(v);
+}
+
+void WrapMap::set_held_triangles(const TriMesh& body) {
+    if (std::ranges::find(held_, 1) == held_.end()) return;
+    is_held_triangle_.assign(static_cast<std::size_t>(body.num_triangles()), 1);
+    for (int t = 0; t < body.num_triangles(); ++t)
+        for (int k = 0; k < 3; ++k)
+            is_held_triangle_[static_cast<std::size_t>(t)] &=
+                held_[static_cast<std::size_t>(body.triangles(t, k))] != 0;
 }
 
 /// Displacements of the whole wrap by those of its half.
@@ -103,7 +112,11 @@ std::vector<Points> WrapMap::transpose(const std::vector<Points>& of_body) const
     for (Points& g : all)
         for (const int v : on_plane_)
             if (g.rows() == static_cast<Eigen::Index>(held_.size())) g.row(v) -= g.row(v).dot(n) * n;
-    all = binding_.transpose(all);
+    return folded(binding_.transpose(all));
+}
+
+/// What acts on the mirror image acts on the half.
+std::vector<Points> WrapMap::folded(std::vector<Points> all) const {
     for (Points& whole : all) {
         Points of_half = whole.topRows(mesh_.num_vertices());
         for (Eigen::Index v = of_half.rows(); v < whole.rows(); ++v)
@@ -113,17 +126,32 @@ std::vector<Points> WrapMap::transpose(const std::vector<Points>& of_body) const
     return all;
 }
 
+std::vector<Points> WrapMap::transpose_at(const std::vector<int>& vertex, const Points& of_body) const {
+    if (!half_) return binding_.transpose_at(vertex, of_body);
+    Points g = of_body;
+    const Eigen::RowVector3d n = half_->normal.transpose();
+    for (std::size_t i = 0; i < vertex.size(); ++i)
+        if (const auto row = static_cast<Eigen::Index>(i); std::ranges::binary_search(on_plane_, vertex[i]))
+            g.row(row) -= g.row(row).dot(n) * n;
+    return folded(binding_.transpose_at(vertex, g));
+}
+
 Points WrapMap::transpose(const Points& of_body) const { return transpose(std::vector<Points>{of_body})[0]; }
 
 std::vector<Eigen::Matrix3d> WrapMap::local_maps(const Points& of_wrap) const {
-    std::vector<Eigen::Matrix3d> maps = binding_.local_maps(half_ ? both(of_wrap) : of_wrap, *middle_);
-    for (std::size_t t = 0; t < maps.size(); ++t) {
-        bool is_held = true;
-        for (int k = 0; k < 3; ++k)
-            is_held &= held_[static_cast<std::size_t>(body_triangles_(static_cast<Eigen::Index>(t), k))] != 0;
-        if (is_held) maps[t].setIdentity();
-    }
+    std::vector<Eigen::Matrix3d> maps(wrap_triangle_.size(), Eigen::Matrix3d::Identity());
+    binding_.each_local_map(half_ ? both(of_wrap) : of_wrap, *middle_, [&](Eigen::Index t, const Eigen::Matrix3d& F) {
+        if (!is_held_triangle(t)) maps[static_cast<std::size_t>(t)] = F;
+    });
     return maps;
+}
+
+void WrapMap::add_to_maps(const Points& of_wrap, std::vector<Eigen::Matrix3d>& maps) const {
+    if (maps.size() != wrap_triangle_.size())
+        throw InvalidInput(text("wrap: ", maps.size(), " maps for ", wrap_triangle_.size(), " triangles of the body"));
+    binding_.each_local_map(half_ ? both(of_wrap) : of_wrap, *middle_, [&](Eigen::Index t, const Eigen::Matrix3d& F) {
+        if (!is_held_triangle(t)) maps[static_cast<std::size_t>(t)] += F - Eigen::Matrix3d::Identity();
+    });
 }
 
 std::vector<int> WrapMap::carried(const std::vector<int>& body_triangles) const {

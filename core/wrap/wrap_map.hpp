@@ -30,9 +30,13 @@ public:
     /// B^T g, its exact transpose; of several functionals at once for less.
     Points transpose(const Points& of_body) const;
     std::vector<Points> transpose(const std::vector<Points>& of_body) const;
+    /// Of functionals of one vertex of the body each (`WrapBinding::transpose_at`).
+    std::vector<Points> transpose_at(const std::vector<int>& vertex, const Points& of_body) const;
     /// Per triangle of the body: the linear part of the motion at its middle (`WrapBinding::local_maps`); I where all
     /// of its vertices are held.
     std::vector<Eigen::Matrix3d> local_maps(const Points& of_wrap) const;
+    /// Adds what they are beside I to maps of the same triangles.
+    void add_to_maps(const Points& of_wrap, std::vector<Eigen::Matrix3d>& maps) const;
 
     /// Per triangle of the body the nearest of the wrap, and the other way round, by their middles.
     const std::vector<int>& wrap_triangle() const { return wrap_triangle_; }
@@ -43,11 +47,16 @@ public:
 
 private:
     Points both(const Points& of_half) const;
+    std::vector<Points> folded(std::vector<Points> of_both) const;
+    void set_held_triangles(const TriMesh& body);
+    bool is_held_triangle(Eigen::Index t) const {
+        return !is_held_triangle_.empty() && is_held_triangle_[static_cast<std::size_t>(t)];
+    }
 
     TriMesh mesh_;
     Adjacency adjacent_;
-    Triangles body_triangles_;
     std::vector<char> held_;
+    std::vector<char> is_held_triangle_;      ///< all of its vertices are; empty: none
     std::optional<SymmetryPlane> half_;       ///< of halves
     std::vector<int> image_;                  ///< per vertex of the wrap, or of its whole
     std::vector<int> on_plane_;               ///< vertices of the body, of halves

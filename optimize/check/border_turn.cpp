@@ -8,13 +8,14 @@
 
 namespace strake {
 
-BorderTurn border_turn(const RestFacts& rest, const std::vector<char>& held, const Points& motion, double size) {
+BorderTurn border_turn(const RestFacts& rest, const Adjacency& adjacent, const std::vector<char>& held,
+                       const Points& motion, double size) {
     BorderTurn most;
     const double largest = motion.rowwise().norm().maxCoeff();
     if (!(largest > 0)) return most;
     const TriMesh moved = with_vertices(rest.surface, rest.surface.vertices + size / largest * motion);
-    for (int e = 0; e < rest.adjacent.num_edges(); ++e) {
-        const auto& sides = rest.adjacent.edge_triangles[e];
+    for (int e = 0; e < adjacent.num_edges(); ++e) {
+        const auto& sides = adjacent.edge_triangles[e];
         bool is_border = false, is_free = false;
         for (const int t : sides) (held[static_cast<std::size_t>(t)] ? is_border : is_free) = true;
         if (!is_border || !is_free) continue;

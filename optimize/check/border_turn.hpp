@@ -11,7 +11,9 @@ struct BorderTurn {
 };
 
 /// @param held per triangle. @param motion n x 3, which is scaled to the largest displacement `size` (length)
-BorderTurn border_turn(const RestFacts& rest, const std::vector<char>& held, const Points& motion, double size);
+/// @param adjacent of the surface
+BorderTurn border_turn(const RestFacts& rest, const Adjacency& adjacent, const std::vector<char>& held,
+                       const Points& motion, double size);
 
 /// Per triangle: pinned at rest, as `border_turn` asks for it.
 std::vector<char> pinned_triangles(const RestFacts& rest);

@@ -31,9 +31,11 @@ EdgeKind kind_of(const TriMesh& mesh, const Adjacency& adjacent, int e, const st
 
 }  // namespace
 
-ClosedParts::ClosedParts(const TriMesh& rest, const Adjacency& adjacent, const std::optional<SymmetryPlane>& symmetry,
+ClosedParts::ClosedParts(std::shared_ptr<const TriMesh> at_rest, const Adjacency& adjacent,
+                         const std::optional<SymmetryPlane>& symmetry,
                          const std::vector<std::array<int, 2>>& intersecting)
-    : triangles_(rest.triangles), symmetry_(symmetry) {
+    : rest_(std::move(at_rest)), symmetry_(symmetry) {
+    const TriMesh& rest = *rest_;
     const double diagonal = box_diagonal(rest);
     const Box box = bounding_box(rest);
     origin_ = 0.5 * (box.min + box.max);
@@ -77,10 +79,10 @@ int ClosedParts::vertex_away(const Part& part, const Part& other, const Points& 
     int best = -1;
     double farthest = -1;
     for (std::size_t k = 0; k < part_samples; ++k) {
-        const int v = triangles_(part.triangles[k * part.triangles.size() / part_samples], 0);
+        const int v = rest_->triangles(part.triangles[k * part.triangles.size() / part_samples], 0);
         double nearest = std::numeric_limits<double>::infinity();
         for (const int t : other.triangles)
-            nearest = std::min(nearest, (rest.row(triangles_(t, 0)) - rest.row(v)).squaredNorm());
+            nearest = std::min(nearest, (rest.row(rest_->triangles(t, 0)) - rest.row(v)).squaredNorm());
         if (nearest > farthest) best = v, farthest = nearest;
     }
     return best;
@@ -89,8 +91,8 @@ int ClosedParts::vertex_away(const Part& part, const Part& other, const Points& 
 double ClosedParts::volume(const Part& part, const Points& vertices) const {
     double sum = 0;
     for (const int t : part.triangles) {
-        const Eigen::Vector3d a = vertices.row(triangles_(t, 0)), b = vertices.row(triangles_(t, 1)),
-                              c = vertices.row(triangles_(t, 2));
+        const Eigen::Vector3d a = vertices.row(rest_->triangles(t, 0)), b = vertices.row(rest_->triangles(t, 1)),
+                              c = vertices.row(rest_->triangles(t, 2));
         sum += (a - origin_).dot((b - origin_).cross(c - origin_));
     }
     return sum / 6;
@@ -100,9 +102,9 @@ double ClosedParts::volume(const Part& part, const Points& vertices) const {
 int ClosedParts::winding(const Part& part, const Points& vertices, const Eigen::Vector3d& x) const {
     double angle = 0;
     for (const int t : part.triangles) {
-        const Eigen::Vector3d a = vertices.row(triangles_(t, 0)).transpose() - x,
-                              b = vertices.row(triangles_(t, 1)).transpose() - x,
-                              c = vertices.row(triangles_(t, 2)).transpose() - x;
+        const Eigen::Vector3d a = vertices.row(rest_->triangles(t, 0)).transpose() - x,
+                              b = vertices.row(rest_->triangles(t, 1)).transpose() - x,
+                              c = vertices.row(rest_->triangles(t, 2)).transpose() - x;
         const double la = a.norm(), lb = b.norm(), lc = c.norm();
         angle += 2 * std::atan2(a.dot(b.cross(c)), la * lb * lc + a.dot(b) * lc + b.dot(c) * la + c.dot(a) * lb);
     }
@@ -115,8 +117,8 @@ int ClosedParts::inside(int vertex, int other, const Points& vertices) const {
     Eigen::Vector3d low = x, high = x;
     for (const int t : around.triangles)
         for (int k = 0; k < 3; ++k) {
-            low = low.cwiseMin(vertices.row(triangles_(t, k)).transpose());
-            high = high.cwiseMax(vertices.row(triangles_(t, k)).transpose());
+            low = low.cwiseMin(vertices.row(rest_->triangles(t, k)).transpose());
+            high = high.cwiseMax(vertices.row(rest_->triangles(t, k)).transpose());
         }
     const bool beside = (x.array() == low.array()).any() || (x.array() == high.array()).any();
     if (!around.by_plane) return beside ? 0 : winding(around, vertices, x);

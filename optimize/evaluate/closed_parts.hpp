@@ -2,6 +2,8 @@
 #include "core/mesh/adjacency.hpp"
 #include "core/primo/shell.hpp"
 
+#include <memory>
+
 /// The closed parts of a surface while it deforms: each stays the right way out, and inside of what it was inside of.
 namespace strake {
 
@@ -10,8 +12,8 @@ namespace strake {
 class ClosedParts {
 public:
     /// @param intersecting pairs of triangles that intersect at rest: parts that pierce each other are in no relation.
-    ClosedParts(const TriMesh& rest, const Adjacency& adjacent, const std::optional<SymmetryPlane>& symmetry,
-                const std::vector<std::array<int, 2>>& intersecting);
+    ClosedParts(std::shared_ptr<const TriMesh> rest, const Adjacency& adjacent,
+                const std::optional<SymmetryPlane>& symmetry, const std::vector<std::array<int, 2>>& intersecting);
 
     /// A part whose enclosed volume has no longer the sign that it has at rest, in words; else empty. Parts without
     /// volume at rest are ignored.
@@ -33,7 +35,7 @@ private:
     int inside(int vertex, int other, const Points& vertices) const;
     std::string words(const Part& part) const;
 
-    Triangles triangles_;
+    std::shared_ptr<const TriMesh> rest_;
     std::optional<SymmetryPlane> symmetry_;
     Eigen::Vector3d origin_;  ///< of the volumes: on the plane of symmetry
     std::vector<Part> parts_;

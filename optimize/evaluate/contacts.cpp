@@ -29,37 +29,36 @@ double segment_distance(const Eigen::Vector3d& p, const Eigen::Vector3d& d, cons
 
 }  // namespace
 
-Contacts::Contacts(const TriMesh& rest, const Adjacency& adjacent, std::vector<std::array<int, 2>> intersecting)
-    : triangles_(rest.triangles),
-      rest_(rest.vertices),
-      touching_(touching_rel * box_diagonal(rest)),
-      component_(edge_components(rest, adjacent)) {
-    if (intersecting.empty()) return;
-    partners_.resize(static_cast<std::size_t>(rest.num_triangles()));
-    at_vertex_.resize(static_cast<std::size_t>(rest.num_vertices()));
+Contacts::Contacts(std::shared_ptr<const TriMesh> rest, const Adjacency& adjacent,
+                   std::vector<std::array<int, 2>> intersecting)
+    : rest_(std::move(rest)),
+      touching_(touching_rel * box_diagonal(*rest_)),
+      component_(edge_components(*rest_, adjacent)) {
     for (const auto& [s, t] : intersecting) {
-        partners_[static_cast<std::size_t>(s)].push_back(t);
-        partners_[static_cast<std::size_t>(t)].push_back(s);
+        partners_[s].push_back(t);
+        partners_[t].push_back(s);
         if (component_[s] != component_[t]) piercing_.insert(std::minmax(component_[s], component_[t]));
     }
-    for (int t = 0; t < rest.num_triangles(); ++t)
-        for (int k = 0; !partners_[static_cast<std::size_t>(t)].empty() && k < 3; ++k)
-            at_vertex_[static_cast<std::size_t>(rest.triangles(t, k))].push_back(t);
+    for (const auto& [t, others] : partners_)
+        for (int k = 0; k < 3; ++k) at_vertex_[triangles()(t, k)].push_back(t);
 }
 
 bool Contacts::shares_vertex(int s, int t) const {
     for (int i = 0; i < 3; ++i)
         for (int j = 0; j < 3; ++j)
-            if (triangles_(s, i) == triangles_(t, j)) return true;
+            if (triangles()(s, i) == triangles()(t, j)) return true;
     return false;
 }
 
 bool Contacts::is_near(int s, int t) const {
     if (component_[s] != component_[t] && piercing_.contains(std::minmax(component_[s], component_[t]))) return true;
-    for (int k = 0; !partners_.empty() && k < 3; ++k)
-        for (const int beside : at_vertex_[static_cast<std::size_t>(triangles_(s, k))])
-            for (const int partner : partners_[static_cast<std::size_t>(beside)])
+    for (int k = 0; k < 3; ++k) {
+        const auto at = at_vertex_.find(triangles()(s, k));
+        if (at == at_vertex_.end()) continue;
+        for (const int beside : at->second)
+            for (const int partner : partners_.at(beside))
                 if (shares_vertex(partner, t)) return true;
+    }
     return touches(s, t);
 }
 
@@ -67,12 +66,12 @@ bool Contacts::touches(int s, int t) const {
     bool any_shared = false;
     const auto has_corner_at = [&](int triangle, int v) {
         for (int k = 0; k < 3; ++k)
-            if (rest_.row(triangles_(triangle, k)) == rest_.row(v)) return true;
+            if (rest_->vertices.row(triangles()(triangle, k)) == rest_->vertices.row(v)) return true;
         return false;
     };
     for (const auto& [one, other] : {std::pair(s, t), std::pair(t, s)})
         for (int k = 0; k < 3; ++k) {
-            const int v = triangles_(one, k);
+            const int v = triangles()(one, k);
             if (has_corner_at(other, v))
                 any_shared = true;
             else if (corner_distance(v, other) <= touching_)
@@ -86,8 +85,8 @@ double Contacts::corner_distance(int v, int t) const {
     one.triangles.resize(1, 3);
     one.triangles << 0, 1, 2;
     one.vertices.resize(3, 3);
-    for (int k = 0; k < 3; ++k) one.vertices.row(k) = rest_.row(triangles_(t, k));
-    return closest_point_on_triangle(one, 0, rest_.row(v)).distance;
+    for (int k = 0; k < 3; ++k) one.vertices.row(k) = rest_->vertices.row(triangles()(t, k));
+    return closest_point_on_triangle(one, 0, rest_->vertices.row(v)).distance;
 }
 
 double Contacts::distance(int s, int t) const {
@@ -96,8 +95,8 @@ double Contacts::distance(int s, int t) const {
     pair.triangles << 0, 1, 2, 3, 4, 5;
     pair.vertices.resize(6, 3);
     for (int k = 0; k < 3; ++k) {
-        pair.vertices.row(k) = rest_.row(triangles_(s, k));
-        pair.vertices.row(3 + k) = rest_.row(triangles_(t, k));
+        pair.vertices.row(k) = rest_->vertices.row(triangles()(s, k));
+        pair.vertices.row(3 + k) = rest_->vertices.row(triangles()(t, k));
     }
     const auto corner = [&](int k) -> Eigen::Vector3d { return pair.vertices.row(k); };
     double least = std::numeric_limits<double>::infinity();

@@ -2,6 +2,8 @@
 #include "core/mesh/adjacency.hpp"
 
 #include <array>
+#include <map>
+#include <memory>
 #include <set>
 #include <utility>
 #include <vector>
@@ -15,7 +17,8 @@ namespace strake {
 class Contacts {
 public:
     /// @param intersecting pairs of triangles at rest.
-    Contacts(const TriMesh& rest, const Adjacency& adjacent, std::vector<std::array<int, 2>> intersecting);
+    Contacts(std::shared_ptr<const TriMesh> rest, const Adjacency& adjacent,
+             std::vector<std::array<int, 2>> intersecting);
 
     /// Triangles s and t lie at a contact: they belong to two connected parts that pierce each other, have neighbours
     /// (sharing a vertex) that intersect, or touch at rest: closer than 1e-5 of the diagonal, as open edges that count
@@ -30,13 +33,14 @@ private:
     bool touches(int s, int t) const;
     double corner_distance(int v, int t) const;
 
-    Triangles triangles_;
-    Points rest_;
+    const Triangles& triangles() const { return rest_->triangles; }
+
+    std::shared_ptr<const TriMesh> rest_;
     double touching_;
-    std::vector<int> component_;               ///< per triangle: its connected part
-    std::set<std::pair<int, int>> piercing_;   ///< of them, the smaller number first
-    std::vector<std::vector<int>> partners_;   ///< per triangle: those it intersects at rest
-    std::vector<std::vector<int>> at_vertex_;  ///< per vertex: its triangles with partners
+    std::vector<int> component_;                 ///< per triangle: its connected part
+    std::set<std::pair<int, int>> piercing_;     ///< of them, the smaller number first
+    std::map<int, std::vector<int>> partners_;   ///< of triangles: those that they intersect at rest
+    std::map<int, std::vector<int>> at_vertex_;  ///< of vertices: their triangles with partners
 };
 
 }  // namespace strake

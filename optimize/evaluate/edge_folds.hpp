@@ -2,6 +2,7 @@
 #include "core/mesh/adjacency.hpp"
 
 #include <array>
+#include <memory>
 
 /// Edges along which a surface folds up. A folded surface is refused, and that is known before anything is paid for,
 /// with its derivative: searches keep to it as to a limit. Internal to the evaluator.
@@ -26,7 +27,7 @@ public:
 
     EdgeFolds() = default;  ///< none
     /// @param excluded per triangle: edges at it are none that may fold; empty: no triangle.
-    EdgeFolds(const TriMesh& rest, const Adjacency& adjacent, const std::vector<char>& excluded);
+    EdgeFolds(std::shared_ptr<const TriMesh> rest, const Adjacency& adjacent, const std::vector<char>& excluded);
 
     bool is_none() const { return hinges_.empty(); }
     /// Edges with a dihedral above `degrees`, ascending. @param normal of all triangles
@@ -34,20 +35,17 @@ public:
     bool any_above(double degrees, const Points& vertices) const;
     /// The same with derivatives: the largest first, at most `count`, no two at one vertex.
     std::vector<Row> rows(const Points& vertices, double degrees, int count) const;
-    const std::array<int, 2>& triangles(int edge) const { return hinges_[static_cast<std::size_t>(edge)].triangles; }
+    const std::array<int, 2>& triangles(int edge) const { return hinges_[static_cast<std::size_t>(edge)]; }
     /// Its two vertices.
     std::array<int, 2> ends(int edge) const;
 
 private:
-    struct Hinge {
-        std::array<int, 2> triangles;
-        std::array<int, 4> vertices;  ///< as in `Row`
-    };
+    std::array<int, 4> vertices(int edge) const;  ///< as in `Row`
     Points normals(const Points& vertices) const;
     Row row(int edge, const Points& vertices, double angle) const;
 
-    Triangles triangles_;
-    std::vector<Hinge> hinges_;  ///< interior edges whose dihedral is below 120 degrees at rest
+    std::shared_ptr<const TriMesh> rest_;
+    std::vector<std::array<int, 2>> hinges_;  ///< triangles at interior edges whose dihedral is below 120 degrees
 };
 
 }  // namespace strake

@@ -28,22 +28,30 @@ Eigen::RowVector3d middle_of(const TriMesh& mesh, int t) {
     return mesh.vertices(mesh.triangles.row(t), Eigen::all).colwise().mean();
 }
 
+/// Triangles, and the maps there.
+struct Chosen {
+    std::vector<std::size_t> triangles;
+    Maps maps;
+};
+
 /// Triangles of least determinant below `below`, spread over the surface.
-std::vector<std::size_t> chosen_triangles(const RestFacts& rest, const Maps& maps, double below) {
+Chosen chosen_triangles(const RestFacts& rest, const Maps& maps, double below) {
     std::vector<std::pair<double, std::size_t>> low;
     for (std::size_t t = 0; t < maps.size(); ++t)
         if (const double determinant = maps[t].determinant(); determinant < below) low.emplace_back(determinant, t);
     // Triangles that are alike but for rounding are taken in their order.
     const auto steps = [](double determinant) { return std::round(determinant * 1e9); };
     std::ranges::stable_sort(low, {}, [&](const auto& entry) { return steps(entry.first); });
-    std::vector<std::size_t> chosen;
+    Chosen chosen;
     for (const auto& [determinant, t] : low) {
-        if (chosen.size() == max_conditions) break;
+        if (chosen.triangles.size() == max_conditions) break;
         const Eigen::RowVector3d middle = middle_of(rest.surface, static_cast<int>(t));
-        if (std::ranges::none_of(chosen, [&](std::size_t other) {
+        if (std::ranges::any_of(chosen.triangles, [&](std::size_t other) {
                 return (middle_of(rest.surface, static_cast<int>(other)) - middle).norm() < spread * rest.diagonal;
             }))
-            chosen.push_back(t);
+            continue;
+        chosen.triangles.push_back(t);
+        chosen.maps.push_back(maps[t]);
     }
     return chosen;
 }
@@ -73,18 +81,18 @@ Eigen::VectorXd by_fields(const DesignSpace& space, int triangle, const Eigen::M
     return fields->map_gradient(triangle, by_map) + fields->gradient(by_motion);
 }
 
-/// To first order at x, whose maps these are.
-FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, const Maps& maps,
-                          const std::vector<std::size_t>& triangles) {
+/// To first order at x, where these are the maps.
+FoldConditions linearised(const DesignSpace& space, const Eigen::VectorXd& x, const Chosen& chosen) {
     FoldConditions at;
-    at.values.resize(static_cast<Eigen::Index>(triangles.size()));
+    at.values.resize(static_cast<Eigen::Index>(chosen.triangles.size()));
     at.slopes.resize(at.values.size(), space.size());
     for (Eigen::Index i = 0; i < at.values.size(); ++i) {
-        const std::size_t t = triangles[static_cast<std::size_t>(i)];
-        at.values[i] = wanted_determinant - maps[t].determinant();
-        at.slopes.row(i) = design_gradient_of_fields(space, by_fields(space, static_cast<int>(t), -cofactors(maps[t])));
+        const auto t = static_cast<int>(chosen.triangles[static_cast<std::size_t>(i)]);
+        const Eigen::Matrix3d& map = chosen.maps[static_cast<std::size_t>(i)];
+        at.values[i] = wanted_determinant - map.determinant();
+        at.slopes.row(i) = design_gradient_of_fields(space, by_fields(space, t, -cofactors(map)));
     }
-    if (!triangles.empty()) add_planform_slopes(space, x, triangles, at.slopes);
+    if (!chosen.triangles.empty()) add_planform_slopes(space, x, chosen.triangles, at.slopes);
     return at;
 }
 
@@ -103,8 +111,7 @@ bool is_folded(const DesignSpace& space, const Eigen::VectorXd& x, double determ
 
 FoldConditions fold_conditions(const DesignSpace& space, const Eigen::VectorXd& x, double below) {
     if (!may_fold(space)) return {};
-    const Maps maps = maps_at(space, x);
-    FoldConditions at = linearised(space, x, maps, chosen_triangles(*space.rest, maps, below));
+    FoldConditions at = linearised(space, x, chosen_triangles(*space.rest, maps_at(space, x), below));
     // Between what designs keep and what steps aim at is not beyond the limit.
     for (double& value : at.values)
         if (value <= wanted_determinant - kept_determinant) value = std::min(value, 0.0);
@@ -115,12 +122,15 @@ FoldConditions fold_conditions_between(const DesignSpace& space, const Eigen::Ve
                                        const Eigen::VectorXd& to) {
     const Eigen::VectorXd step = to - from;
     if (!may_fold(space) || step.isZero(0)) return {};
-    const Maps before = maps_at(space, from), after = maps_at(space, to);
-    const std::vector<std::size_t> triangles = chosen_triangles(*space.rest, after, wanted_determinant);
-    FoldConditions at = linearised(space, to, after, triangles);
+    // One after the other: maps of millions of triangles are more than the surface.
+    const Chosen chosen = chosen_triangles(*space.rest, maps_at(space, to), wanted_determinant);
+    FoldConditions at = linearised(space, to, chosen);
+    if (chosen.triangles.empty()) return at;
+    const Maps before = maps_at(space, from);
     for (Eigen::Index i = 0; i < at.values.size(); ++i) {
         const double end = at.values[i];
-        at.values[i] = std::min(0.0, wanted_determinant - before[triangles[static_cast<std::size_t>(i)]].determinant());
+        at.values[i] =
+            std::min(0.0, wanted_determinant - before[chosen.triangles[static_cast<std::size_t>(i)]].determinant());
         at.slopes.row(i) += (end - at.values[i] - at.slopes.row(i).dot(step)) / step.squaredNorm() * step.transpose();
     }
     return at;

@@ -1,6 +1,7 @@
 #include "optimize/evaluate/limited_motion.hpp"
 
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "optimize/evaluate/fold_conditions.hpp"
 #include "optimize/nlp/model/quadratic_model.hpp"
 #include "optimize/space/shape_map.hpp"
@@ -77,6 +78,43 @@ Eigen::VectorXd on_the_way_back(ShapeSolver& solver, const Eigen::VectorXd& x, c
     return low > 0 ? Eigen::VectorXd(inside + low * (x - inside)) : inside;
 }
 
+/// Derivatives of the motion limit's rows, where each is that of one vertex and nothing else.
+void differentiate_rows(ShapeSolver& solver, const Eigen::VectorXd& x, const AdjointOptions& options,
+                        MotionConditions& at) {
+    const DesignSpace& space = solver.space();
+    const auto& fields = space.rest->parameters.fields;
+    std::vector<int> moved;
+    Points directions(at.num_rows(), 3);
+    for (std::size_t i = 0; i < at.rows.size(); ++i) {
+        moved.push_back(at.rows[i].vertex);
+        directions.row(static_cast<Eigen::Index>(i)) = at.rows[i].direction / solver.limit().reference();
+    }
+    at.sensitivities = solver.adjoint_of_vertices(moved, directions, options);
+    for (Eigen::Index i = 0; i < at.num_rows(); ++i) {
+        Eigen::VectorXd slope = design_gradient(space, x, at.sensitivities[static_cast<std::size_t>(i)]);
+        if (fields)
+            slope += design_gradient_of_fields(
+                space, fields->gradient(moved[static_cast<std::size_t>(i)], directions.row(i).transpose()));
+        at.slopes.row(i) = slope;
+    }
+}
+
+void differentiate(ShapeSolver& solver, const Eigen::VectorXd& x, const Points& vertices, const AdjointOptions& options,
+                   MotionConditions& at) {
+    at.slopes.resize(at.values.size(), x.size());
+    if (at.folds.empty() && acts_as_given(*solver.space().rest)) return differentiate_rows(solver, x, options, at);
+    std::vector<Points> functionals(at.rows.size() + at.folds.size(), Points::Zero(vertices.rows(), 3));
+    for (std::size_t i = 0; i < at.rows.size(); ++i)
+        functionals[i].row(at.rows[i].vertex) = at.rows[i].direction / solver.limit().reference();
+    for (std::size_t i = 0; i < at.folds.size(); ++i)
+        for (int k = 0; k < 4; ++k)
+            functionals[at.rows.size() + i].row(at.folds[i].vertices[static_cast<std::size_t>(k)]) =
+                degree * at.folds[i].gradient.row(k);
+    at.sensitivities = solver.adjoint(functionals, options, vertices);
+    for (Eigen::Index i = 0; i < at.values.size(); ++i)
+        at.slopes.row(i) = design_gradient(solver.space(), x, at.sensitivities[static_cast<std::size_t>(i)]);
+}
+
 }  // namespace
 
 MotionLimit motion_limit(const Problem& problem, const std::shared_ptr<const RestFacts>& rest,
@@ -116,33 +154,21 @@ MotionConditions motion_conditions(ShapeSolver& solver, const Eigen::VectorXd& x
     at.rows = solver.limit().rows(solver.beside_planform(vertices), min_used, max_conditions);
     at.folds = solver.edge_folds().rows(vertices, angles.nearly, max_folds);
     if (at.rows.empty() && at.folds.empty()) return at;
-    std::vector<Points> functionals(at.rows.size() + at.folds.size(), Points::Zero(vertices.rows(), 3));
-    at.values.resize(static_cast<Eigen::Index>(functionals.size()));
+    at.values.resize(static_cast<Eigen::Index>(at.rows.size() + at.folds.size()));
     const double unit = solver.limit().reference();
-    for (std::size_t i = 0; i < at.rows.size(); ++i) {
-        functionals[i].row(at.rows[i].vertex) = at.rows[i].direction / unit;
-        at.values[static_cast<Eigen::Index>(i)] = at.rows[i].value / unit;
-    }
-    for (std::size_t i = 0; i < at.folds.size(); ++i) {
-        const EdgeFolds::Row& fold = at.folds[i];
-        for (int k = 0; k < 4; ++k)
-            functionals[at.rows.size() + i].row(fold.vertices[static_cast<std::size_t>(k)]) =
-                degree * fold.gradient.row(k);
-        at.values[at.num_rows() + static_cast<Eigen::Index>(i)] = degree * (fold.angle - angles.aimed);
-    }
+    for (std::size_t i = 0; i < at.rows.size(); ++i) at.values[static_cast<Eigen::Index>(i)] = at.rows[i].value / unit;
+    for (std::size_t i = 0; i < at.folds.size(); ++i)
+        at.values[at.num_rows() + static_cast<Eigen::Index>(i)] = degree * (at.folds[i].angle - angles.aimed);
     AdjointOptions options;
     options.tolerance = adjoint_tolerance;
     const DesignSpace& space = solver.space();
     options.prism_height =
         space.changes_height() || std::ranges::count(space.rest->parameters.kinds, VariableKind::stiffness) > 0;
     try {
-        at.sensitivities = solver.adjoint(functionals, options, vertices);
+        differentiate(solver, x, vertices, options, at);
     } catch (const SolverError&) {  // on the brink of buckling nothing is known of steps
         return {};
     }
-    at.slopes.resize(at.values.size(), x.size());
-    for (Eigen::Index i = 0; i < at.values.size(); ++i)
-        at.slopes.row(i) = design_gradient(solver.space(), x, at.sensitivities[static_cast<std::size_t>(i)]);
     for (int j = 0; j < space.num_shape(); ++j)  // the datum goes with the planform
         if (space.variables[static_cast<std::size_t>(j)].kind == VariableKind::planform)
             at.slopes.col(j).head(at.num_rows()).setZero();

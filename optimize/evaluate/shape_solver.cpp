@@ -30,10 +30,13 @@ std::string to_string(EvaluationStatus status) {
     return "unknown";
 }
 
-ShapeGuard guard_of(const Problem& problem, const RestFacts& rest) {
+ShapeGuard guard_of(const Problem& problem, const std::shared_ptr<const RestFacts>& rest) {
     const bool is_mapped = !problem.has_shell || problem.wrap;
-    ShapeGuard guard{
-        {rest.surface, rest.adjacent, {problem.fixed, problem.symmetry, sliding_triangles(problem), is_mapped}}};
+    const std::shared_ptr<const TriMesh> surface(rest, &rest->surface);  // one of millions of triangles is enough
+    const Adjacency of_body = problem.wrap ? adjacency(*surface) : Adjacency{};
+    ShapeGuard guard{{surface,
+                      problem.wrap ? of_body : rest->adjacent,
+                      {problem.fixed, problem.symmetry, sliding_triangles(problem), is_mapped}}};
     if (problem.wrap) {
         ValidityOptions of_wrap;
         of_wrap.symmetry = problem.symmetry;
@@ -53,7 +56,7 @@ std::string defect_of(const ShapeGuard& guard, const RestFacts& rest, const Shel
 }
 
 ShapeSolver::ShapeSolver(const Problem& problem, std::shared_ptr<const RestFacts> rest)
-    : rest_(std::move(rest)), guard_(guard_of(problem, *rest_)) {}
+    : rest_(std::move(rest)), guard_(guard_of(problem, rest_)) {}
 
 void ShapeSolver::enter(const DesignSpace& space) {
     space_ = space;
@@ -189,6 +192,11 @@ std::vector<ShellSensitivities> ShapeSolver::adjoint(const std::vector<Points>& 
                                                      const Points& surface) {
     const Points about = beside_planform(surface);
     return surface_adjoint(*rest_, shell_.get(), dJ_dv, options, &about);
+}
+
+std::vector<ShellSensitivities> ShapeSolver::adjoint_of_vertices(const std::vector<int>& vertices, const Points& dJ_dv,
+                                                                 const AdjointOptions& options) {
+    return strake::adjoint_of_vertices(*rest_, shell_.get(), vertices, dJ_dv, options);
 }
 
 Points ShapeSolver::beside_planform(const Points& vertices) const {

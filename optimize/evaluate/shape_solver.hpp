@@ -14,7 +14,7 @@ struct ShapeGuard {
     ValidityGuard surface;
     std::optional<ValidityGuard> wrap = {};
 };
-ShapeGuard guard_of(const Problem& problem, const RestFacts& rest);
+ShapeGuard guard_of(const Problem& problem, const std::shared_ptr<const RestFacts>& rest);
 
 /// What the guard says of a surface in the equilibrium of `demand`. A surface in a wrap is moved by a map of space, as
 /// one without a shell is, and the wrap must be sound as well. @param shell in that equilibrium; null: there is none.
@@ -63,6 +63,9 @@ public:
     PrimoShell* shell() { return shell_.get(); }  ///< null: the problem has none
     /// At the equilibrium of the last shape, `surface` (n x 3), one adjoint solve each; without a shell what is left is
     /// `vertex`.
+    /// `adjoint_of_vertices`, at the present equilibrium.
+    std::vector<ShellSensitivities> adjoint_of_vertices(const std::vector<int>& vertices, const Points& dJ_dv,
+                                                        const AdjointOptions& options);
     std::vector<ShellSensitivities> adjoint(const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                             const Points& surface);
     /// The surface of the last shape as the motion limit sees it, whose datum the planform moves.

@@ -63,28 +63,29 @@ std::vector<int> vertices_of(const TriMesh& mesh, const std::vector<int>& triang
 
 }  // namespace
 
-ValidityGuard::ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, const ValidityOptions& options)
-    : triangles_(rest.triangles),
-      rest_(rest.vertices),
-      fixed_vertices_(vertices_of(rest, options.fixed)),
-      tree_(rest),
-      parts_(rest, adjacent, options.symmetry, tree_.at_rest().apart),
-      normal_(triangle_normals(rest)),
-      area_(triangle_areas(rest)),
+ValidityGuard::ValidityGuard(std::shared_ptr<const TriMesh> at_rest, const Adjacency& adjacent,
+                             const ValidityOptions& options)
+    : rest_(std::move(at_rest)),
+      fixed_vertices_(vertices_of(*rest_, options.fixed)),
+      tree_(rest_),
+      parts_(rest_, adjacent, options.symmetry, tree_.at_rest().apart),
+      normal_(triangle_normals(*rest_)),
+      area_(triangle_areas(*rest_)),
       height_(area_.size()) {
+    const TriMesh& rest = *rest_;
     if (!options.attached.empty()) let_cuts_wander(rest, adjacent, options.attached);
-    for (int t = 0; t < triangles_.rows(); ++t)
-        height_[t] = smallest_height(rest.vertices, triangles_.row(t), area_[t]);
+    for (int t = 0; t < triangles().rows(); ++t)
+        height_[t] = smallest_height(rest.vertices, triangles().row(t), area_[t]);
     if (options.by_map) {
         std::vector<std::array<int, 2>> pairs = tree_.at_rest().apart;
         pairs.insert(pairs.end(), tree_.at_rest().adjacent.begin(), tree_.at_rest().adjacent.end());
-        contacts_.emplace(rest, adjacent, std::move(pairs));
-        is_sliver_.resize(static_cast<std::size_t>(triangles_.rows()));
-        for (int t = 0; t < triangles_.rows(); ++t)
+        contacts_.emplace(rest_, adjacent, std::move(pairs));
+        is_sliver_.resize(static_cast<std::size_t>(triangles().rows()));
+        for (int t = 0; t < triangles().rows(); ++t)
             is_sliver_[static_cast<std::size_t>(t)] =
-                !(height_[t] > sliver * longest_edge(rest.vertices, triangles_.row(t)));
+                !(height_[t] > sliver * longest_edge(rest.vertices, triangles().row(t)));
     }
-    folds_ = EdgeFolds(rest, adjacent, is_sliver_);
+    folds_ = EdgeFolds(rest_, adjacent, is_sliver_);
 }
 
 void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjacent, const std::vector<int>& attached) {
@@ -97,9 +98,9 @@ void ValidityGuard::let_cuts_wander(const TriMesh& rest, const Adjacency& adjace
 }
 
 void ValidityGuard::check_size(Eigen::Index vertices, std::size_t per_triangle, const char* of) const {
-    if (vertices != rest_.rows() || static_cast<Eigen::Index>(per_triangle) != triangles_.rows())
+    if (vertices != rest_->num_vertices() || static_cast<Eigen::Index>(per_triangle) != triangles().rows())
         throw InvalidInput(text("validity guard: ", vertices, " vertices and ", per_triangle, " ", of, ", expected ",
-                                rest_.rows(), " and ", triangles_.rows()));
+                                rest_->num_vertices(), " and ", triangles().rows()));
 }
 
 std::string ValidityGuard::defect(const Points& vertices, const Poses& poses) const {
@@ -127,15 +128,15 @@ std::string ValidityGuard::folding(const std::vector<Eigen::Matrix3d>& maps) con
         if (!(maps[t].determinant() > min_determinant)) folds.add(static_cast<int>(t));
     if (folds.count == 0) return {};
     return text("the displacement fields fold space at triangle ", folds.first, " (", folds.count, " in all), ",
-                place(centre(rest_, triangles_.row(folds.first))), " at rest");
+                place(centre(rest_->vertices, triangles().row(folds.first))), " at rest");
 }
 
 /// By how much the edges miss the linear part of the map: more than any point of the flat triangle does.
 double ValidityGuard::chord_error(int t, const Points& vertices, const Eigen::Matrix3d& map) const {
     double largest = 0;
     for (int k = 0; k < 3; ++k) {
-        const int a = triangles_(t, k), b = triangles_(t, (k + 1) % 3);
-        const Eigen::Vector3d rest = (rest_.row(b) - rest_.row(a)).transpose();
+        const int a = triangles()(t, k), b = triangles()(t, (k + 1) % 3);
+        const Eigen::Vector3d rest = (rest_->vertices.row(b) - rest_->vertices.row(a)).transpose();
         largest = std::max(largest, ((vertices.row(b) - vertices.row(a)).transpose() - map * rest).norm());
     }
     return largest;
@@ -145,7 +146,7 @@ std::string ValidityGuard::defect(const Points& vertices, const Expected& expect
                                   const std::vector<Eigen::Matrix3d>* maps) const {
     for (int v = 0; v < vertices.rows(); ++v)
         if (!vertices.row(v).allFinite()) return text("vertex ", v, " is not finite");
-    Points normal(triangles_.rows(), 3);
+    Points normal(triangles().rows(), 3);
     std::string words = moved_fixed(vertices);
     if (words.empty()) words = bad_triangles(vertices, expected, normal);
     if (words.empty()) words = folded(vertices, normal);
@@ -158,24 +159,24 @@ std::string ValidityGuard::defect(const Points& vertices, const Expected& expect
 std::string ValidityGuard::moved_fixed(const Points& vertices) const {
     Finding moved;
     for (const int v : fixed_vertices_)
-        if (vertices.row(v) != rest_.row(v)) moved.add(v);
+        if (vertices.row(v) != rest_->vertices.row(v)) moved.add(v);
     if (moved.count == 0) return {};
     return text("fixed vertex ", moved.first, " has moved by ",
-                (vertices.row(moved.first) - rest_.row(moved.first)).norm(), " (", moved.count, " in all), ",
+                (vertices.row(moved.first) - rest_->vertices.row(moved.first)).norm(), " (", moved.count, " in all), ",
                 place(vertices.row(moved.first)));
 }
 
 std::string ValidityGuard::bad_triangles(const Points& vertices, const Expected& expected, Points& normal) const {
     Finding inverted, collapsed;
-    for (int t = 0; t < triangles_.rows(); ++t) {
-        const Eigen::Vector3d a = vertices.row(triangles_(t, 0)), b = vertices.row(triangles_(t, 1)),
-                              c = vertices.row(triangles_(t, 2));
+    for (int t = 0; t < triangles().rows(); ++t) {
+        const Eigen::Vector3d a = vertices.row(triangles()(t, 0)), b = vertices.row(triangles()(t, 1)),
+                              c = vertices.row(triangles()(t, 2));
         const Eigen::Vector3d area_vector = 0.5 * (b - a).cross(c - a);
         const double area = area_vector.norm();
         normal.row(t) = area > 0 ? Eigen::Vector3d(area_vector / area) : Eigen::Vector3d::Zero();
         if (!is_sliver_.empty() && is_sliver_[static_cast<std::size_t>(t)]) continue;
         if (area < smallest_share * area_[t] ||
-            smallest_height(vertices, triangles_.row(t), area) < smallest_share * height_[t])
+            smallest_height(vertices, triangles().row(t), area) < smallest_share * height_[t])
             collapsed.add(t);
         else if (!(area_vector.dot(expected(t)) >= 0))
             inverted.add(t);
@@ -183,7 +184,7 @@ std::string ValidityGuard::bad_triangles(const Points& vertices, const Expected&
     for (const auto& [name, finding] : {std::pair("inverted", inverted), std::pair("collapsed", collapsed)})
         if (finding.count > 0)
             return text("triangle ", finding.first, " is ", name, " (", finding.count, " in all), ",
-                        place(centre(vertices, triangles_.row(finding.first))));
+                        place(centre(vertices, triangles().row(finding.first))));
     return {};
 }
 
@@ -212,7 +213,7 @@ std::string ValidityGuard::intersection(const Points& vertices, const std::vecto
     if (pairs.empty()) return {};
     const auto [s, t] = pairs[0];
     return text("triangles ", s, " and ", t, " intersect (", pairs.size(), " pairs in all), ",
-                place(between(vertices, triangles_.row(s), triangles_.row(t))));
+                place(between(vertices, triangles().row(s), triangles().row(t))));
 }
 
 }  // namespace strake

@@ -42,7 +42,9 @@ public:
     static constexpr double min_determinant = 0.05;  ///< of a map that does not fold
 
     /// @throws InvalidInput when a fixed triangle is none. Cost: one search for intersections.
-    ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, const ValidityOptions& options = {});
+    ValidityGuard(std::shared_ptr<const TriMesh> rest, const Adjacency& adjacent, const ValidityOptions& options = {});
+    ValidityGuard(const TriMesh& rest, const Adjacency& adjacent, const ValidityOptions& options = {})
+        : ValidityGuard(std::make_shared<const TriMesh>(rest), adjacent, options) {}
 
     /// The first defect in words, where it is and how many there are of its kind ("triangle 12 is inverted (3 in all),
     /// at (0.1, 0.2, 0.3)"), or an empty text for a valid surface. @throws InvalidInput on wrong sizes.
@@ -66,10 +68,11 @@ private:
     std::string folded(const Points& vertices, const Points& normal) const;
     std::string intersection(const Points& vertices, const std::vector<Eigen::Matrix3d>* maps) const;
 
-    Triangles triangles_;
-    Points rest_;
-    std::vector<int> fixed_vertices_;  ///< ascending
-    std::vector<int> component_;       ///< per triangle its connected part; empty where nothing is attached
+    const Triangles& triangles() const { return rest_->triangles; }
+
+    std::shared_ptr<const TriMesh> rest_;  ///< one for all that follow
+    std::vector<int> fixed_vertices_;      ///< ascending
+    std::vector<int> component_;           ///< per triangle its connected part; empty where nothing is attached
     IntersectionTree tree_;
     ClosedParts parts_;
     std::set<std::pair<int, int>> piercing_;  ///< connected parts whose cut may wander, the smaller number first

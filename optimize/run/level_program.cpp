@@ -63,19 +63,20 @@ bool uses_cheap_program(const Problem& problem) {
 }
 
 /// Sum of weight * sensitivities, over those that count for design variables.
-ShellSensitivities weighted_sum(const std::vector<ShellSensitivities>& all, const Eigen::VectorXd& weight) {
-    ShellSensitivities sum = all[0];
+ShellSensitivities weighted_sum(const std::vector<const ShellSensitivities*>& all, const Eigen::VectorXd& weight) {
+    ShellSensitivities sum = *all[0];
     sum.vertex *= weight[0];
     sum.force *= weight[0];
     sum.prism_height *= weight[0];
     sum.wrench *= weight[0];
     sum.surface *= weight[0];
     for (Eigen::Index i = 1; i < weight.size(); ++i) {
-        sum.vertex += weight[i] * all[i].vertex;
-        sum.force += weight[i] * all[i].force;
-        sum.prism_height += weight[i] * all[i].prism_height;
-        sum.wrench += weight[i] * all[i].wrench;
-        sum.surface += weight[i] * all[i].surface;
+        const ShellSensitivities& one = *all[static_cast<std::size_t>(i)];
+        if (one.vertex.rows() > 0) sum.vertex += weight[i] * one.vertex;
+        sum.force += weight[i] * one.force;
+        sum.prism_height += weight[i] * one.prism_height;
+        sum.wrench += weight[i] * one.wrench;
+        sum.surface += weight[i] * one.surface;
     }
     return sum;
 }
@@ -456,16 +457,23 @@ Eigen::VectorXd LevelProgram::lagrangian_weights() const {
 }
 
 ShellSensitivities LevelProgram::lagrangian() const {
-    std::vector<ShellSensitivities> all = known_.sensitivities;
+    std::vector<const ShellSensitivities*> all;
+    for (const ShellSensitivities& one : known_.sensitivities) all.push_back(&one);
     Eigen::VectorXd weight = lagrangian_weights();
     const Eigen::VectorXd limits = limit_multipliers(known_.sample);
     for (Eigen::Index i = 0; i < limits.size(); ++i) {
         if (!(limits[i] > 0)) continue;
-        all.push_back(known_.motion.sensitivities[static_cast<std::size_t>(i)]);
+        all.push_back(&known_.motion.sensitivities[static_cast<std::size_t>(i)]);
         weight.conservativeResize(weight.size() + 1);
         weight[weight.size() - 1] = limits[i];
     }
-    return weighted_sum(all, weight);
+    ShellSensitivities sum = weighted_sum(all, weight);
+    for (Eigen::Index i = 0; i < limits.size(); ++i) {
+        const MotionLimit::Row& row = known_.motion.rows[static_cast<std::size_t>(i)];
+        if (limits[i] > 0 && known_.motion.sensitivities[static_cast<std::size_t>(i)].vertex.rows() == 0)
+            sum.vertex.row(row.vertex) += limits[i] * (row.direction / state_.evaluator.motion_limit().reference());
+    }
+    return sum;
 }
 
 }  // namespace strake

@@ -152,7 +152,7 @@ MixedDesign mixed_design(const DesignOfRun& a, const DesignOfRun& b, double weig
         out.vertices = with_fields(*one.rest, wanted, one.rest->surface.vertices);
     }
     if (out.end.status != SolveStatus::converged) return out;
-    out.defect = defect_of(guard_of(a.problem, *one.rest), *one.rest, wanted, out.vertices, shell ? &*shell : nullptr);
+    out.defect = defect_of(guard_of(a.problem, one.rest), *one.rest, wanted, out.vertices, shell ? &*shell : nullptr);
     std::optional<Poses> of_datum;
     const MotionLimit limit = motion_limit(a.problem, one.rest, {}, of_datum);
     if (!limit.is_none()) out.beyond = limit.excess(beside_planform(*one.rest, wanted, out.vertices));

@@ -141,7 +141,7 @@ Eigen::VectorXd dof_gradient(const DesignSpace& space, const Eigen::VectorXd& va
                              const ShellSensitivities& sensitivities) {
     const RestFacts& rest = *space.rest;
     Eigen::VectorXd gradient = Eigen::VectorXd::Zero(space.num_dofs());
-    if (const auto& fields = rest.parameters.fields)
+    if (const auto& fields = rest.parameters.fields; fields && sensitivities.vertex.rows() > 0)
         add_gradient_by(&UserVariable::field, space, fields->gradient(sensitivities.vertex), gradient);
     if (const auto& planform = rest.parameters.planform)  // not linear in its values
         add_gradient_by(

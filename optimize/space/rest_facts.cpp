@@ -65,7 +65,7 @@ std::shared_ptr<const RestFacts> rest_facts(const Problem& problem) {
     rest->has_shell = problem.has_shell;
     rest->setup = shell_setup(problem);
     rest->surface = problem.surface;
-    rest->adjacent = adjacency(problem.surface);
+    if (!problem.wrap) rest->adjacent = adjacency(problem.surface);
     rest->wrap = problem.wrap;
     rest->area = triangle_areas(elastic_surface(problem));
     rest->normal = triangle_normals(elastic_surface(problem));

@@ -12,7 +12,7 @@ class WrapMap;
 /// Facts about the start surface that every level shares.
 struct RestFacts {
     TriMesh surface;
-    Adjacency adjacent;
+    Adjacency adjacent;  ///< of the surface; with a wrap, whose shell is elsewhere, none: it is as large as a surface
     std::shared_ptr<const WrapMap> wrap;  ///< `Problem::wrap`
     Eigen::VectorXd area;                 ///< m, of the elastic surface
     Points normal;                        ///< m x 3, unit, of the elastic surface

@@ -122,8 +122,7 @@ std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand
 
 std::vector<Eigen::Matrix3d> local_maps(const RestFacts& rest, const ShellDemand& demand, const Points& of_wrap) {
     std::vector<Eigen::Matrix3d> maps = local_maps(rest, demand);
-    const std::vector<Eigen::Matrix3d> carried = rest.wrap->local_maps(of_wrap - rest.wrap->mesh().vertices);
-    for (std::size_t t = 0; t < maps.size(); ++t) maps[t] += carried[t] - Eigen::Matrix3d::Identity();
+    rest.wrap->add_to_maps(of_wrap - rest.wrap->mesh().vertices, maps);
     return maps;
 }
 
@@ -162,6 +161,20 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
     if (!rest.wrap && (rest.parameters.invariance || rest.parameters.kept_sections))
         for (ShellSensitivities& one : all) one.force = kept_rates(rest, one.force, nullptr);
     return as_given(std::move(all));
+}
+
+bool acts_as_given(const RestFacts& rest) {
+    return (rest.wrap || !rest.has_shell) && !rest.parameters.invariance && !rest.parameters.kept_sections &&
+           !rest.parameters.planform && !attached_beside_fields(rest);
+}
+
+std::vector<ShellSensitivities> adjoint_of_vertices(const RestFacts& rest, PrimoShell* shell,
+                                                    const std::vector<int>& vertices, const Points& dJ_dv,
+                                                    const AdjointOptions& options) {
+    if (!shell) return std::vector<ShellSensitivities>(vertices.size());
+    std::vector<ShellSensitivities> all = shell->adjoint(rest.wrap->transpose_at(vertices, dJ_dv), options);
+    for (ShellSensitivities& one : all) one.vertex.resize(0, 3);
+    return all;
 }
 
 }  // namespace strake

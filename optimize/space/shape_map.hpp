@@ -35,4 +35,13 @@ std::vector<ShellSensitivities> surface_adjoint(const RestFacts& rest, PrimoShel
                                                 const std::vector<Points>& dJ_dv, const AdjointOptions& options,
                                                 const Points* surface);
 
+/// Forces on single vertices of the surface are forces on fields and shell as they are: nothing follows others, keeps a
+/// kind of shape or moves with a planform, and the shell is elsewhere.
+bool acts_as_given(const RestFacts& rest);
+/// `surface_adjoint` of functionals of one vertex each (dJ/dv a row of `dJ_dv`), with the same bits; `vertex` of the
+/// sensitivities is left empty: of millions of vertices one each would take gigabytes. @pre acts_as_given
+std::vector<ShellSensitivities> adjoint_of_vertices(const RestFacts& rest, PrimoShell* shell,
+                                                    const std::vector<int>& vertices, const Points& dJ_dv,
+                                                    const AdjointOptions& options);
+
 }  // namespace strake

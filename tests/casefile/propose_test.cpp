@@ -362,6 +362,52 @@ TEST_F(Proposed, TestDeformationsAreCutShortByWorkNotByTime) {
     EXPECT_LT(tried[0], 6);
 }
 
+/// A wing of long triangles through a body of long triangles.
+Parts pierced_body(double wing_at = 0) {
+    Parts parts;
+    parts.add("body", {6, 0.6, 0.6}, {0, 0, 0}, 2);
+    parts.add("wing", {1, 5, 0.1}, {0.1, 0, wing_at}, 2);
+    return parts;
+}
+
+TEST_F(Proposed, ShorterEdgesAtJointsAreOfferedWhereABendShowsThatTheyCloseThem) {
+    const TriMesh mesh = pierced_body().mesh;
+    const auto tried = proposing::tried_joints(mesh, intersections(mesh));
+    ASSERT_TRUE(tried);
+    EXPECT_GT(tried->before, 1e-3);
+    EXPECT_LT(tried->after, 0.1 * tried->before);
+    surface(mesh);
+    for (const ProposedWay way : {ProposedWay::wrap, ProposedWay::fields}) {
+        ProposalOptions options{60, ProposedHold::band, way, ""};
+        const ProposedCase as_it_is = propose_case(folder.path() / "s.obj", folder.path() / "new.yaml", options);
+        EXPECT_TRUE(contains(as_it_is.yaml, "\n# repair: {joints: 1%}")) << as_it_is.yaml;
+        EXPECT_FALSE(as_it_is.has_new_vertices);
+        EXPECT_EQ(as_it_is.num_triangles, mesh.num_triangles()) << "new vertices are the user's decision";
+        EXPECT_TRUE(std::ranges::any_of(as_it_is.found, [](const auto& s) { return contains(s, "init --joints"); }));
+        options.joints = true;
+        const ProposedCase halved = propose_case(folder.path() / "s.obj", folder.path() / "new.yaml", options);
+        EXPECT_TRUE(contains(halved.yaml, "\nrepair:\n  joints: 1%")) << halved.yaml;
+        EXPECT_TRUE(halved.has_new_vertices);
+        EXPECT_EQ(halved.num_triangles, tried->triangles);
+        const BuiltProblem built =
+            build_problem(load_case(folder.write("new.yaml", halved.yaml), Purpose::run), Purpose::run);
+        EXPECT_EQ(built.problem.surface.num_triangles(), tried->triangles) << "what was measured is what the case has";
+        EXPECT_FALSE(proposing::tried_joints(built.problem.surface, intersections(built.problem.surface)))
+            << "its joints stay closed";
+        EXPECT_LT(try_deformations(built.problem, 1e9).failed, 1);
+    }
+}
+
+TEST_F(Proposed, NoEdgesAreHalvedWherePartsDoNotMeetOrShellsHoldThem) {
+    const TriMesh apart = pierced_body(2).mesh, pierced = pierced_body().mesh;
+    EXPECT_FALSE(proposing::tried_joints(apart, intersections(apart)));
+    EXPECT_FALSE(proposing::tried_joints(pierced, {})) << "the pairs are not known";
+    surface(apart);
+    ProposalOptions options{60, ProposedHold::band, ProposedWay::fields, ""};
+    options.joints = true;
+    EXPECT_FALSE(contains(propose_case(folder.path() / "s.obj", folder.path() / "new.yaml", options).yaml, "joints"));
+}
+
 TEST(Trial, OneFailureOfSixIsNotSound) {
     Trial trial;
     EXPECT_FALSE(trial.is_sound()) << "nothing was tried";

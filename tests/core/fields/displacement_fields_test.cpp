@@ -68,6 +68,18 @@ TEST(DisplacementFields, AreExactlyZeroOnWhatIsHeldAndOfSizeOne) {
     }
 }
 
+TEST(DisplacementFields, TheGradientByOneVertexHasTheBitsOfThatByAll) {
+    const HeldWing wing;
+    const DisplacementFields fields(wing.mesh, wing.conditions, {40, {}});
+    const Vector3d g(0.3, -2, 0.7);
+    for (const int v : {0, 1000, wing.mesh.num_vertices() - 1}) {
+        Points all = Points::Zero(wing.mesh.num_vertices(), 3);
+        all.row(v) = g.transpose();
+        EXPECT_EQ(fields.gradient(v, g), fields.gradient(all)) << v;
+    }
+    EXPECT_GT(fields.gradient(1000, g).norm(), 1e-3);
+}
+
 TEST(DisplacementFields, TheGradientOfAMapIsTheTransposeOfTheMaps) {
     const HeldWing wing;
     const DisplacementFields fields(wing.mesh, wing.conditions, {20, {}});

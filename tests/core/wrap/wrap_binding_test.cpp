@@ -169,6 +169,32 @@ TEST(WrapBinding, BoxesMoveVeryLargeBodiesAsCenterByCenter) {
     for (std::size_t p = 0; p < maps.size(); p += 997) EXPECT_LT((maps[p] - maps_before[p]).norm(), 1e-5);
 }
 
+/// However radial functions are added up, and whether they are kept.
+TEST(WrapBinding, FunctionalsOfOneVertexHaveTheBitsOfWholeOnes) {
+    const Pair pair;
+    const auto check = [&](int triangles, RadialSums sums) {
+        const Points body = example::superellipsoid(triangles, {{2, 0.6, 0.45}, 2.5}).vertices;
+        const auto n = static_cast<int>(body.rows());
+        std::vector<char> held(static_cast<std::size_t>(n), 0);
+        held[static_cast<std::size_t>(n / 3)] = 1;
+        const WrapBinding binding(pair.wrap, body, {held, 500, {}, sums});
+        const std::vector<int> vertex{0, n / 3, n / 2, n / 2 + 1, n - 1, n / 2, 17};
+        const Points g = random_points(static_cast<Eigen::Index>(vertex.size()), 4);
+        std::vector<Points> whole(vertex.size(), Points::Zero(n, 3));
+        for (std::size_t i = 0; i < vertex.size(); ++i) whole[i].row(vertex[i]) = g.row(static_cast<Eigen::Index>(i));
+        const std::vector<Points> wanted = binding.transpose(whole), back = binding.transpose_at(vertex, g);
+        for (std::size_t i = 0; i < vertex.size(); ++i) EXPECT_EQ(back[i], wanted[i]) << n << " " << i;
+        EXPECT_GT(back[0].norm(), 0.1);
+        EXPECT_TRUE(back[1].isZero(0)) << "it is held";
+        EXPECT_THROW(binding.transpose_at({n}, random_points(1, 1)), InvalidInput);
+        EXPECT_THROW(binding.transpose_at({0}, g), InvalidInput);
+    };
+    check(2000, RadialSums::by_boxes);
+    check(40000, RadialSums::by_centers);
+    check(40000, RadialSums::by_products);
+    check(220000, RadialSums::by_boxes);
+}
+
 TEST(WrapBinding, CentersAreInterpolatedAndHeldVerticesStay) {
     const Pair pair;
     const WrapBinding ahead(pair.wrap, pair.body.vertices, {{}, 200});

@@ -13,6 +13,7 @@
 #include <gtest/gtest.h>
 #include <Eigen/Geometry>
 #include <numbers>
+#include <numeric>
 
 using namespace strake;
 
@@ -75,6 +76,11 @@ TEST(WrapMap, TheTransposeIsExactOfWholesAndHalves) {
         const double one = map.displacement(u).cwiseProduct(g).sum(), other = u.cwiseProduct(map.transpose(g)).sum();
         EXPECT_NEAR(one, other, 1e-9 * u.norm() * g.norm());
         EXPECT_TRUE((map.displacement(Points::Zero(u.rows(), 3)).array() == 0).all()) << "the bits of the rest";
+        std::vector<int> all(static_cast<std::size_t>(rows));
+        std::iota(all.begin(), all.end(), 0);
+        std::vector<Points> one_each(all.size(), Points::Zero(rows, 3));
+        for (std::size_t v = 0; v < all.size(); ++v) one_each[v].row(all[v]) = g.row(all[v]);
+        EXPECT_EQ(map.transpose_at(all, g), map.transpose(one_each)) << "of one vertex each, also on the plane";
     };
     check(whole, body.num_vertices());
     check(half, half_body.num_vertices());
@@ -116,6 +122,12 @@ TEST(WrapMap, LocalMapsAreGradientsOfTheMotion) {
     F << 1.1, 0.2, 0, -0.1, 0.9, 0.1, 0.05, 0, 1.2;
     const Points affine = around.vertices * (F - Eigen::Matrix3d::Identity()).transpose();
     for (const Eigen::Matrix3d& local : map.local_maps(affine)) EXPECT_LT((local - F).norm(), 1e-10);
+    std::vector<Eigen::Matrix3d> maps_of_both(static_cast<std::size_t>(body.num_triangles()), F);
+    map.add_to_maps(affine, maps_of_both);
+    for (const Eigen::Matrix3d& both : maps_of_both)
+        EXPECT_LT((both - (2 * F - Eigen::Matrix3d::Identity())).norm(), 1e-10);
+    maps_of_both.pop_back();
+    EXPECT_THROW(map.add_to_maps(affine, maps_of_both), InvalidInput);
     const auto bent = [](const Points& x) {
         Points u = Points::Zero(x.rows(), 3);
         u.col(2) = 0.2 * x.col(0).array().square();

@@ -144,8 +144,9 @@ TEST(Capability, TheTurnAtTheBorderIsToldAndASmoothOneIsSmall) {
         const auto rest = rest_facts(problem);
         double most = 0;
         for (int b = 0; b < 12; ++b)
-            most = std::max(most,
-                            border_turn(*rest, pinned_triangles(*rest), fields.field(b), 0.1 * rest->diagonal).degrees);
+            most = std::max(
+                most, border_turn(*rest, rest->adjacent, pinned_triangles(*rest), fields.field(b), 0.1 * rest->diagonal)
+                          .degrees);
         if (is_smooth) {
             EXPECT_LT(most, 2);
         } else {

@@ -22,7 +22,7 @@ TriMesh hinge(double degrees) {
     return mesh;
 }
 
-EdgeFolds of(const TriMesh& rest) { return {rest, adjacency(rest), {}}; }
+EdgeFolds of(const TriMesh& rest) { return {std::make_shared<const TriMesh>(rest), adjacency(rest), {}}; }
 
 }  // namespace
 
@@ -43,7 +43,7 @@ TEST(EdgeFolds, SharpEdgesOfTheStartAreNone) {
     EXPECT_TRUE(of(hinge(121)).is_none());
     EXPECT_FALSE(of(hinge(119)).is_none());
     const TriMesh flat = hinge(0);
-    EXPECT_TRUE(EdgeFolds(flat, adjacency(flat), {1, 0}).is_none());
+    EXPECT_TRUE(EdgeFolds(std::make_shared<const TriMesh>(flat), adjacency(flat), {1, 0}).is_none());
 }
 
 /// Central differences of second order: a step half as long leaves a quarter of the error.

@@ -103,6 +103,41 @@ TEST(WrapSpace, ResponsesAreDerivativesOfTheShape) {
     EXPECT_LT((change - along).norm(), 1e-4 * along.norm());
 }
 
+/// Of bodies in a wrap, and of those that fields alone move: no row has a column of all vertices.
+TEST(WrapSpace, ConditionsOfTheMotionLimitAreDerivativesOfItsVertices) {
+    for (const bool has_shell : {true, false}) {
+        Problem problem = wrapped(6, {VariableKind::normal_load});
+        if (!has_shell) {
+            problem.wrap.reset();
+            problem.has_shell = false;
+            problem.supports.clear();
+            problem.prism_height.resize(0);
+            problem.tree = octants(problem.surface, 2);
+            problem.parameters.kinds.clear();
+        }
+        problem.parameters.max_displacement = 0.2;
+        Evaluated e(problem);
+        e.evaluator.limit_motion();
+        const Eigen::VectorXd x = 0.15 * random_vector(e.space.size(), 3), p = random_vector(e.space.size(), 5);
+        const MotionConditions at = e.evaluator.motion_conditions(x, 0.05);
+        ASSERT_GE(at.rows.size(), 3u);
+        const auto along = [&](const Eigen::VectorXd& y) {
+            const Points now = e.evaluator.equilibrium(y);
+            Eigen::VectorXd found(at.num_rows());
+            for (std::size_t i = 0; i < at.rows.size(); ++i) {
+                EXPECT_EQ(at.sensitivities[i].vertex.rows(), 0);
+                found[static_cast<Eigen::Index>(i)] =
+                    now.row(at.rows[i].vertex).dot(at.rows[i].direction) / e.evaluator.motion_limit().reference();
+            }
+            return found;
+        };
+        constexpr double h = 1e-4;
+        const Eigen::VectorXd change = (along(x + h * p) - along(x - h * p)) / (2 * h);
+        EXPECT_LT((change - at.slopes * p).norm(), 1e-5 * change.norm()) << has_shell;
+        EXPECT_GT((change - 1.01 * at.slopes * p).norm(), 1e-3 * change.norm()) << "the test can fail";
+    }
+}
+
 /// Without the strains that energies are measured by, the metric is the mean square motion of the surface.
 TEST(WrapSpace, TheMetricIsThatOfTheSurface) {
     Evaluated e(wrapped(6, {VariableKind::normal_load}));

@@ -71,14 +71,13 @@ std::vector<Key> field_keys() {
          .element = Type::word},
         {.path = "parameters.fields.kind",
          .type = Type::word,
-         .doc =
-             "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates of "
-             "a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
-             "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
-             "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: wing "
-             "where a wing alone can move, one at most is declared, and the case is no fit and states no axis, "
-             "motions, along or invariance; else sections. Of a wing that keeps its planform number: auto means 24 at "
-             "first.",
+         .doc = "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates "
+                "of a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
+                "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
+                "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: "
+                "wing where a program gives values only (gradients: false), one wing is declared that keeps its "
+                "planform, nothing else can move, and the case is no fit and states no axis, motions, along or "
+                "invariance; number: auto then means 24 at first. Else sections.",
          .fallback = "auto",
          .words = {"auto", "sections", "wing"}},
         {.path = "parameters.fields.along",
@@ -105,14 +104,22 @@ std::vector<Key> planform_range_keys() {
              "wing.delta_twist@0.37, 0 at "
              "the start: docs/planform.md.",
          .may_be_empty = true},
-        {.path = "parameters.planform.*",
-         .doc = "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates "
-                "of a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
-                "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
-                "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: "
-                "wing where a program gives values only (gradients: false), one wing is declared that keeps its "
-                "planform, nothing else can move, and the case is no fit and states no axis, motions, along or "
-                "invariance; number: auto then means 24 at first. Else sections.",
+        {.path = "parameters.planform.*", .doc = "A change of a wing."},
+        {.path = "parameters.planform.*.range",
+         .type = Type::list,
+         .doc =
+             "Smallest and largest change, around 0: with deg or rad for sweep (tip aft), dihedral (tip up) and twist "
+             "(nose up), in % for span, chord and thickness (t/c), of their own values, and camber, aft and up, of the "
+             "chord. "
+             "max_displacement does not limit it.",
+         .required = true,
+         .element = Type::text,
+         .count = 2},
+        {.path = "parameters.planform.*.by",
+         .type = Type::word,
+         .doc =
+             "station: one variable for each station of the wing, with straight edges between; of sweep and dihedral "
+             "one for each panel, named by the station where it begins. wing: one for all.",
          .fallback = "wing",
          .words = {"wing", "station"}},
         {.path = "parameters.planform.*.root",

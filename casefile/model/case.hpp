@@ -199,7 +199,8 @@ struct HoldEntry {
 
 /// Displacement fields.
 struct FieldsEntry {
-    /// automatic: of a wing where a wing alone may move, and nothing is stated that sections alone have.
+    /// automatic: of a wing that is declared, keeps its planform and alone may move, by values alone, where nothing is
+    /// stated that sections alone have.
     enum class Kind { automatic, sections, wing };
     bool is_wanted = false;
     int number = 0;  ///< 0: automatic

@@ -49,7 +49,7 @@ struct JournalFacts {
     /// (`RadialSums::by_centers`), fields are products in one (`FieldOptions`), edges of sections are kept
     /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
     /// `WingRules::sliding`; 9: by `WingRules::latest`; 10: bodies of many vertices follow their wraps by sums over
-    /// boxes (`RadialSums::by_boxes`); 11: fields are those of a wing where one alone can move (`FieldsEntry::Kind`).
+    /// boxes (`RadialSums::by_boxes`); 11: fields of a wing that keeps its planform are in its coordinates.
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -210,7 +210,7 @@ struct FieldsEntry {
     AlongAxis along = AlongAxis::polynomials;
     Kind kind = Kind::automatic;
     bool are_sections_by_default = false;  ///< what `automatic` means to a run that began so
-    bool products_as_before = false;  ///< `FieldOptions`: of a run that began so
+    bool products_as_before = false;       ///< `FieldOptions`: of a run that began so
     Place place;
 };
 

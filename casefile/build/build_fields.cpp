@@ -151,13 +151,20 @@ std::optional<FoundWing> ProblemBuilder::wing_seen() const {
     return find_wing(start_.mesh, search);
 }
 
-/// By default only where nothing else is said that sections alone have, and where a run has none to keep.
+/// By default where they were measured to be better: of a declared wing that keeps its planform, by values alone; and
+/// only where nothing is said that sections alone have, and where a run has none to keep.
 bool ProblemBuilder::wants_fields_of_wing() const {
     using Kind = FieldsEntry::Kind;
     const FieldsEntry& entry = case_.parameters.fields;
     if (entry.kind != Kind::automatic) return entry.kind == Kind::wing;
     if (entry.axis || !entry.motions.empty() || entry.along != AlongAxis::polynomials) return false;
     if (entry.are_sections_by_default || case_.invariance || !case_.fit.empty()) return false;
+    if (case_.planform.size() != 1 || !case_.planform.front().keeps_outline || !keeps_edges()) return false;
+    const bool by_values = std::ranges::any_of(case_.quantities, [](const QuantityEntry& quantity) {
+        const auto* program = std::get_if<ExternalEntry>(&quantity.what);
+        return program && !program->has_gradients;
+    });
+    if (!by_values) return false;
     return !stored_ || std::ranges::none_of(stored_->given, [](const auto& given) {
         return given.second != 0 && (given.first.starts_with("section.") || given.first.starts_with("polynomial."));
     });

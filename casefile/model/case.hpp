@@ -199,7 +199,8 @@ struct HoldEntry {
 
 /// Displacement fields.
 struct FieldsEntry {
-    /// automatic: of a wing where a wing alone may move, and nothing is stated that sections alone have.
+    /// automatic: of a wing that is declared, keeps its planform and alone may move, by values alone, where nothing is
+    /// stated that sections alone have.
     enum class Kind { automatic, sections, wing };
     bool is_wanted = false;
     int number = 0;  ///< 0: automatic
@@ -209,7 +210,7 @@ struct FieldsEntry {
     AlongAxis along = AlongAxis::polynomials;
     Kind kind = Kind::automatic;
     bool are_sections_by_default = false;  ///< what `automatic` means to a run that began so
-    bool products_as_before = false;  ///< `FieldOptions`: of a run that began so
+    bool products_as_before = false;       ///< `FieldOptions`: of a run that began so
     Place place;
 };
 

@@ -71,14 +71,13 @@ std::vector<Key> field_keys() {
          .element = Type::word},
         {.path = "parameters.fields.kind",
          .type = Type::word,
-         .doc =
-             "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates of "
-             "a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
-             "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
-             "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: wing "
-             "where a wing alone can move, one at most is declared, and the case is no fit and states no axis, "
-             "motions, along or invariance; else sections. Of a wing that keeps its planform number: auto means 24 at "
-             "first.",
+         .doc = "sections: cross-sections of the body are moved, turned, scaled and sheared. wing: in the coordinates "
+                "of a wing, the one under planform or else what the surface shows: its sections are moved, turned and "
+                "stretched, and reshaped along the chord (camber, thickness), by amounts that are polynomials along "
+                "the span; where it keeps its planform they are only reshaped, and what is not the wing stays. auto: "
+                "wing where a program gives values only (gradients: false), one wing is declared that keeps its "
+                "planform, nothing else can move, and the case is no fit and states no axis, motions, along or "
+                "invariance; number: auto then means 24 at first. Else sections.",
          .fallback = "auto",
          .words = {"auto", "sections", "wing"}},
         {.path = "parameters.fields.along",

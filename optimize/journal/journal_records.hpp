@@ -50,8 +50,8 @@ struct JournalFacts {
     /// by `KeptRules::latest`, stations of a wing are `StationCorners::level`, and wings are measured by
     /// `WingRules::sliding`; 9: by `WingRules::latest`; 10: bodies of many vertices follow their wraps by sums over
     /// boxes (`RadialSums::by_boxes`); 11: models of `method: model` have a curvature that all directions share
-    /// (`OptimizeOptions::learns_as_before`), and fields are those of a wing where one alone can move
-    /// (`FieldsEntry::Kind`).
+    /// (`OptimizeOptions::learns_as_before`), and fields are those of a wing where it keeps its planform and a program
+    /// gives values only (`FieldsEntry::Kind`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

@@ -173,20 +173,34 @@ TEST_F(Planform, ErrorsSayWhatToDo) {
     EXPECT_TRUE(contains(error("regions: {a: {plane: {normal: [1, 0, 0], at: 0}, side: upper}}\n"), "above or below"));
 }
 
-/// Where a wing alone can move, declared or not, fields are those of a wing, unless the case says otherwise or its run
-/// began before there were any.
+/// By values, of a declared wing that keeps its planform and alone can move, fields are those of a wing, unless the
+/// case says otherwise or its run began before there were any. Of others where it is asked for.
 TEST_F(Planform, FieldsAreThoseOfAWingWhereItAloneMoves) {
-    const std::string goal = "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n",
+    const std::string goal =
+                          "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {minimize: flow.drag}\n"
+                          "quantities: {flow: {command: [cat], outputs: [drag], gradients: false}}\n",
                       wing = "planform: {wing: {span: y}}\n";
     const auto fields = [&](const std::string& rest) { return build(goal + rest).problem.parameters; };
     const Parameters own = fields(wing + "parameters: {fields: auto}\n");
     EXPECT_EQ(own.user_variables[0].name, "wing.camber.2.s0") << "the planform is kept";
     EXPECT_EQ(own.field_steps.front(), 24);
-    const Parameters free = fields("planform: {w: {span: y, keep: none}}\nparameters: {fields: 9}\n");
-    EXPECT_TRUE(std::ranges::any_of(free.user_variables, [](const UserVariable& v) { return v.name == "w.twist.s0"; }));
-    const BuiltProblem seen = build(goal + "parameters: {fields: 9}\n");
-    EXPECT_TRUE(seen.problem.parameters.user_variables[0].name.starts_with("wing.")) << "it looks like one";
+    const std::string asked = "parameters: {fields: {number: 9, kind: wing}}\n",
+                      free = "planform: {w: {span: y, keep: none}}\n";
+    const auto has_twist = [](const Parameters& p, const std::string& name) {
+        return std::ranges::any_of(p.user_variables,
+                                   [&](const UserVariable& v) { return v.name == name + ".twist.s0"; });
+    };
+    EXPECT_TRUE(has_twist(fields(free + asked), "w"));
+    const BuiltProblem seen = build(goal + asked);
+    EXPECT_TRUE(has_twist(seen.problem.parameters, "wing")) << "it looks like one";
     EXPECT_TRUE(std::ranges::any_of(seen.notes, [](const std::string& n) { return contains(n, "kind: sections"); }));
+    for (const std::string& declared : {std::string(), free})
+        EXPECT_TRUE(fields(declared + "parameters: {fields: 9}\n").user_variables[0].name.starts_with("section."));
+    EXPECT_TRUE(build("shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n" + wing +
+                      "parameters: {fields: 9}\n")
+                    .problem.parameters.user_variables[0]
+                    .name.starts_with("section."))
+        << "by gradients";
     for (const char* others : {"{number: 9, kind: sections}", "{number: 9, axis: y}", "{number: 9, motions: [move]}",
                                "{number: 9, along: splines}"})
         EXPECT_TRUE(
@@ -208,7 +222,8 @@ TEST_F(Planform, FieldsAreThoseOfAWingWhereItAloneMoves) {
 /// fixed.
 TEST_F(Planform, FieldsOfAWingLeaveTheRest) {
     const std::string goal =
-        "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {maximize: volume}\n"
+        "shell: none\nsymmetry: {plane: y, at: 0}\nobjective: {minimize: flow.drag}\n"
+        "quantities: {flow: {command: [cat], outputs: [drag], gradients: false}}\n"
         "regions: {inner: {box: [[-9, -9, -9], [9, 0.8, 9]]}}\n"
         "planform: {wing: {span: y, on: all - inner}}\n";
     const auto fields = [&](const std::string& rest) { return build(goal + rest).problem.parameters; };

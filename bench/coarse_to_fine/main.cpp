@@ -122,6 +122,12 @@ Solve solve_disturbed(const EvidenceProblem& problem, Solver solver, Method meth
     return result;
 }
 
+Solve solve_as_asked(const EvidenceProblem& problem, Solver solver, Method method, const Settings& settings) {
+    const bool is_disturbed = settings.noise > 0 || settings.failures > 0;
+    return is_disturbed ? solve_disturbed(problem, solver, method, settings)
+                        : solve_or_say_why(problem, solver, method, settings);
+}
+
 void run_problem(const std::string& name, const Settings& settings) {
     EvidenceProblem problem = make_problem(name, settings.triangles, settings.seed);
     problem.problem.optimize.level_start = settings.level_start;
@@ -136,9 +142,7 @@ void run_problem(const std::string& name, const Settings& settings) {
             if (!wanted(settings.solvers, to_string(solver)) || !wanted(settings.methods, to_string(method))) continue;
             const std::string file = name + "-" + to_string(solver) + "-" + to_string(method) + "-runs.csv";
             if (std::filesystem::exists(folder / file)) continue;  // by an earlier, interrupted call
-            const bool is_disturbed = settings.noise > 0 || settings.failures > 0;
-            const Solve s = is_disturbed ? solve_disturbed(problem, solver, method, settings)
-                                         : solve_or_say_why(problem, solver, method, settings);
+            const Solve s = solve_as_asked(problem, solver, method, settings);
             write(folder, problem, s);
             std::fprintf(stderr,
                          "%-20s %-13s %-6s %5d variables %4d evaluations (%d failed) %8.1f s  %.6g -> %.6g  %s\n",

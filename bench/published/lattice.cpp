@@ -23,15 +23,21 @@ bool is_half(const TriMesh& surface, const SymmetryPlane& plane) {
     return height.minCoeff() > -near || height.maxCoeff() < near;
 }
 
-/// Of vertices that are not held; without a margin on sides where held ones or the plane of symmetry are.
-Box box_of(const Problem& problem, const std::vector<char>& held) {
-    const Points& v = problem.surface.vertices;
+/// Of vertices that are not held.
+Box free_box(const Points& v, const std::vector<char>& held) {
     Box free{Vector3d::Constant(1e300), Vector3d::Constant(-1e300)};
     for (int k = 0; k < v.rows(); ++k)
         if (!held[static_cast<std::size_t>(k)]) {
             free.min = free.min.cwiseMin(v.row(k).transpose());
             free.max = free.max.cwiseMax(v.row(k).transpose());
         }
+    return free;
+}
+
+/// The same without a margin on sides where held ones or the plane of symmetry are.
+Box box_of(const Problem& problem, const std::vector<char>& held) {
+    const Points& v = problem.surface.vertices;
+    const Box free = free_box(v, held);
     Box box = free;
     const Vector3d extra = margin * (free.max - free.min);
     for (int c = 0; c < 3; ++c) {

@@ -31,6 +31,7 @@ constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
+constexpr double held_limit = 1e-6;      ///< a model's constraint that is nearer to its limit holds the minimum
 constexpr int exact_rounds = 4;          ///< towards constraints that are known exactly
 constexpr double least_curvature = 0.1;  ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
@@ -227,7 +228,10 @@ private:
             for (const Eigen::Index i : exact_rows_) {
                 const double c = at.constraints[i];
                 const double expected = models[i + 1].mean(points_.whitened(x)) + region_.offset[i];
-                missed = std::max(missed, i < program().num_inequalities ? std::max(c, 0.0) : std::abs(c));
+                // What the models hold back from a limit that is farther is missed, too.
+                const bool has_room = i < program().num_inequalities && c < 0 &&
+                                      (guard_.options.learns_as_before || expected + region_.margin[i] < -held_limit);
+                missed = std::max(missed, has_room ? 0.0 : std::abs(c));
                 region_.offset[i] += c - expected;
             }
             if (missed <= 0.5 * guard_.options.constraint_tolerance) break;

@@ -167,7 +167,7 @@ regions:
   tip: {box: [[0.4, -1, -1], [3, 1, 1]]}
 fixed: [tip]
 shell: none
-parameters: {fields: {number: auto, axis: x, motions: [scale, move], along: splines}, variables: []}
+parameters: {fields: {number: auto, axis: x, motions: [scale, move], along: splines, kind: sections}, variables: []}
 objective: {minimize: area}
 )";
 

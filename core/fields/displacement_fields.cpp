@@ -366,8 +366,8 @@ void DisplacementFields::keep_used(FunctionValues& at_vertices) {
     values_.resize(rows, static_cast<Eigen::Index>(columns_.size()));
     LargestMotions largest(coefficients_);
     MatrixXd block;
-    for (Eigen::Index row = 0; row < rows; row += rows_at_once) {
-        block.resize(std::min(rows_at_once, rows - row), static_cast<Eigen::Index>(space_.powers.size()));
+    for (Eigen::Index row = 0; row < rows; row += vertices_at_once) {
+        block.resize(std::min(vertices_at_once, rows - row), static_cast<Eigen::Index>(space_.powers.size()));
         at_vertices.fill(row, block);
         largest.add(block);
         for (std::size_t c = 0; c < columns_.size(); ++c)

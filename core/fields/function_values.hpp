@@ -40,7 +40,7 @@ public:
     }
 };
 
-constexpr Eigen::Index rows_at_once = 256;  ///< of products of many columns: they stay in the cache
+constexpr Eigen::Index vertices_at_once = 256;  ///< of products of many columns: they stay in the cache
 
 /// The largest displacements of the vertices by many motions, from blocks of vertices.
 class LargestMotions {

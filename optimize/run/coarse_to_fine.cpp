@@ -33,8 +33,8 @@ constexpr int min_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
 /// A level that is searched by models gets half of what is left, and no more points than these for each variable.
 constexpr int points_of_a_variable = 2;
-constexpr int least_points_of_a_variable = 3;  ///< of this level and those below it together
-constexpr int batches_of_a_level = 3;          ///< at least: the first only looks around
+constexpr int min_points_of_a_variable = 3;  ///< of this level and those below it together
+constexpr int batches_of_a_level = 3;        ///< at least: the first only looks around
 constexpr int max_variables_by_models = 100;
 constexpr int trial_share = 10;  ///< trials of directions that must still be affordable
 /// Share of the motion limit in use below which the ranges of variables become wider. Above, other optima are as likely
@@ -370,7 +370,7 @@ private:
         const int shared = level_budget(), left = state_.evaluations_left();
         if (state_.problem.optimize.learns_as_before || shared == left) return shared;
         const int terms = static_cast<int>(state_.space.size()) + 1;
-        if (left < least_points_of_a_variable * terms) return left;  // finer variables could not be learned
+        if (left < min_points_of_a_variable * terms) return left;  // finer variables could not be learned
         const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
         return std::clamp(std::max(points_of_a_variable * terms, batches), 1, std::max(1, left / 2));
     }

@@ -96,7 +96,7 @@ TEST(WingBox, ConstraintsThatNeedNoProgramAreKnownBesideIt) {
         counted("height", "", shapes, [&](const Points& v) { return 1 + lift(v); })};
     problem.objective = "drag";
     problem.constraints = {{.quantity = "height", .min = {}, .max = 1.001, .equals = {}}};
-    const Solve found = solve(evidence, one.motion, Method::model, 24);
+    const Solve found = solve(evidence, one.motion, Method::model, 40);
     EXPECT_LE(flows, found.evaluations);  // the others fold
     EXPECT_GT(shapes, flows) << "the constraint is asked for where no flow is";
     EXPECT_NEAR(found.final, 0.97 * 0.97, 1e-3);

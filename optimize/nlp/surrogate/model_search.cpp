@@ -31,10 +31,10 @@ constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
-constexpr double held_limit = 1e-6;      ///< a model's constraint that is nearer to its limit holds the minimum
-constexpr int exact_rounds = 4;          ///< towards constraints that are known exactly
-constexpr double least_curvature = 0.1;  ///< of the mean: what the models do not know bends at least so
-constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
+constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer to its limit holds the minimum
+constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
+constexpr double min_curvature = 0.1;   ///< of the mean: what the models do not know bends at least so
+constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
 
 /// A point of a batch, and what the models expect there.
 struct Proposal {
@@ -145,7 +145,7 @@ private:
         const Eigen::SelfAdjointEigenSolver<MatrixXd> of(0.5 * (H + H.transpose()));
         const double mean = of.eigenvalues().cwiseAbs().mean();
         if (!(mean > 0)) return;
-        const VectorXd curvature = of.eigenvalues().cwiseMax(least_curvature * mean);
+        const VectorXd curvature = of.eigenvalues().cwiseMax(min_curvature * mean);
         const MatrixXd root =
             points_.U().transpose() * of.eigenvectors() * curvature.cwiseSqrt().asDiagonal();  // H = root root'
         end_.hessian = metric_of(program()) * mean;

@@ -175,7 +175,8 @@ struct OptimizeOptions {
     bool begins_with_narrow_ranges = false;
     bool begins_with_narrow_shell_ranges = false;  ///< the same with a shell
     bool trusts_long_steps = false;                ///< the meaning of earlier runs: `MinimizeOptions`
-    /// The meaning of earlier runs, of `model`: `MinimizeOptions`, and all levels have the same share of the budget.
+    /// The meaning of earlier runs: `MinimizeOptions`; all levels by `model` have the same share of the budget; levels
+    /// by differences never begin with it, and a group of variables joins from a third of the other's promise on.
     bool learns_as_before = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"

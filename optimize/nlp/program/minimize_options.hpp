@@ -29,7 +29,8 @@ struct MinimizeOptions {
     bool is_relative_to_objective = false;
     /// The meaning of earlier runs: what the values of long steps leave open of a gradient is not asked again.
     bool trusts_long_steps = false;
-    /// The meaning of earlier runs, of `model`: no curvature that all directions share.
+    /// The meaning of earlier runs, of `model`: no curvature that all directions share, no slopes at the end, and what
+    /// models hold back from a limit that is known exactly is left.
     bool learns_as_before = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled

@@ -124,6 +124,7 @@ void ProblemBuilder::set_wrap() {
     options.plane = case_.symmetry;
     options.is_half = case_.symmetry.has_value();
     options.sums = case_.wrap->sums;
+    options.max_centers = case_.wrap->max_centers;
     if (!options.plane && case_.parameters.mirror) options.plane = start_plane();
     at(case_.wrap->place, "",
        [&] { problem.wrap = std::make_shared<const WrapMap>(wrap_->mesh, start_.mesh, options); });

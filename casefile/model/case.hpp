@@ -340,8 +340,9 @@ enum class Keep { all, failed, best, none };
 
 /// What is elastic in the place of the body.
 struct WrapEntry {
-    std::optional<Length> alpha, offset, edge_length;  ///< without alpha: auto
-    RadialSums sums = RadialSums::by_boxes;            ///< `WrapBindingOptions`: of a run that began so
+    std::optional<Length> alpha, offset, edge_length;    ///< without alpha: auto
+    RadialSums sums = RadialSums::by_boxes;              ///< `WrapBindingOptions`: of a run that began so
+    int max_centers = WrapBindingOptions().max_centers;  ///< the same
     Place place;
 };
 

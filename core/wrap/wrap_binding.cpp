@@ -13,6 +13,7 @@
 #include <Eigen/LU>
 #include <Eigen/SparseCore>
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 namespace strake {
@@ -30,7 +31,9 @@ constexpr int block = 64;
 constexpr Index rows_a_time = 65536;
 constexpr int centers_at_once = 16;
 constexpr Index many_points = 100000;  ///< whose boxes are worth it
-constexpr double max_stored = 64e6;    ///< bytes: radial functions of a larger body are evaluated each time
+constexpr double max_stored = 128e3;   ///< bytes of a centre: radial functions of a larger body are evaluated each time
+/// A motion of second degree, the simplest that is not affine, by 5 % of the diagonal at its ends; what may be off.
+constexpr double bend = 0.05, well_carried = 1.5e-4;
 
 double cube(double squared) { return squared * std::sqrt(squared); }
 
@@ -126,6 +129,8 @@ struct WrapBinding::Impl {
     RadialSums sums = RadialSums::by_boxes;
     CellSums of_body, of_wrap;  ///< where radial functions are not kept
 
+    void choose_centers(int count, const std::vector<int>& image, const Points& body);
+    double off_second_degree(const Points& body) const;
     void factorize();
     void spread(const TriMesh& surface, const Points& body);
     void store(Points body);
@@ -148,8 +153,33 @@ struct WrapBinding::Impl {
         MatrixXd weights;  ///< of the centres
         Points rest;       ///< that the affine part leaves of the displacements
     };
-    Smooth smooth(const Points& of_wrap) const;
+    Smooth smooth(const Points& of_wrap_vertices) const;
+    Points carried(const Points& of_wrap_vertices) const;  ///< B u
 };
+
+void WrapBinding::Impl::choose_centers(int count, const std::vector<int>& image, const Points& body) {
+    centers = farthest_points(wrap, count, image);
+    center = wrap(centers, Eigen::all);
+    factorize();
+    store(body);
+}
+
+/// The farthest that a coordinate of a vertex is from where the six monomials of second degree move it, in diagonals.
+double WrapBinding::Impl::off_second_degree(const Points& body) const {
+    const auto motions = [](const Points& x) {
+        Points squares = 4 * bend * x.array().square(), products(x.rows(), 3);
+        for (int k = 0; k < 3; ++k) products.col(k) = 4 * bend * x.col(k).cwiseProduct(x.col((k + 1) % 3));
+        return std::array<Points, 2>{squares, products};
+    };
+    const std::array<Points, 2> of_wrap = motions(wrap);
+    std::array<Points, 2> wanted = motions(body);
+    double farthest = 0;
+    for (int k = 0; k < 2; ++k) {
+        hold(wanted[k]);
+        farthest = std::max(farthest, (carried(of_wrap[k]) - wanted[k]).cwiseAbs().maxCoeff());
+    }
+    return farthest;
+}
 
 /// [K P; P^T 0] for the weights of the radial functions and a linear part.
 void WrapBinding::Impl::factorize() {
@@ -213,8 +243,9 @@ MatrixXd WrapBinding::Impl::kernel(const Points& at, int begin, int end) const {
 }
 
 void WrapBinding::Impl::store(Points body) {
-    const auto bytes = [&](Index rows) { return 8.0 * static_cast<double>(rows * center.rows()); };
-    if (bytes(body.rows()) > max_stored || bytes(wrap.rows()) > max_stored) {
+    const double least = std::min(1.0, static_cast<double>(center.rows()) / WrapBindingOptions().centers);
+    const auto is_large = [&](Index rows) { return 8.0 * static_cast<double>(rows) * least > max_stored; };
+    if (is_large(body.rows()) || is_large(wrap.rows())) {
         of_body = places(std::move(body));
         of_wrap = places(wrap);
         return;
@@ -281,11 +312,10 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     const Eigen::FullPivLU<Eigen::Matrix4d> inverse(moments);
     if (!(std::abs(inverse.matrixLU()(3, 3)) > flat * flat)) throw InvalidInput("wrap: it lies in a plane");
     m.fit = inverse.solve(Eigen::Matrix<double, 4, Eigen::Dynamic>(m.wrap_affine.transpose() * share.asDiagonal()));
-    m.centers = farthest_points(m.wrap, options.centers, options.image);
-    m.center = m.wrap(m.centers, Eigen::all);
-    m.factorize();
     m.spread(wrap, scaled);
-    m.store(std::move(scaled));
+    m.choose_centers(options.centers, options.image, scaled);
+    if (options.max_centers > options.centers && m.off_second_degree(scaled) > well_carried)
+        m.choose_centers(options.max_centers, options.image, scaled);
 }
 
 WrapBinding::~WrapBinding() = default;
@@ -307,24 +337,24 @@ WrapBinding::Impl::Smooth WrapBinding::Impl::smooth(const Points& of_wrap) const
     return parts;
 }
 
-Points WrapBinding::displacement(const Points& of_wrap) const {
-    const Impl& m = *impl_;
-    const Impl::Smooth parts = m.smooth(of_wrap);
-    Points left = parts.rest - m.wrap_affine * parts.linear, moved;
-    if (m.by_weights.size() > 0) {
-        moved.resize(m.num_body, 3);
-        for_blocks(static_cast<int>(m.num_body), block, [&](int begin, int end) {
-            moved.middleRows(begin, end - begin).noalias() =
-                m.by_weights.middleRows(begin, end - begin) * parts.weights;
+Points WrapBinding::Impl::carried(const Points& of_wrap_vertices) const {
+    const Smooth parts = smooth(of_wrap_vertices);
+    Points left = parts.rest - wrap_affine * parts.linear, moved;
+    if (by_weights.size() > 0) {
+        moved.resize(num_body, 3);
+        for_blocks(static_cast<int>(num_body), block, [&](int begin, int end) {
+            moved.middleRows(begin, end - begin).noalias() = by_weights.middleRows(begin, end - begin) * parts.weights;
         });
     } else {
-        moved = m.radial(m.of_body, parts.weights);
-        left -= m.radial(m.of_wrap, parts.weights);
+        moved = radial(of_body, parts.weights);
+        left -= radial(of_wrap, parts.weights);
     }
-    moved += m.body_affine * (parts.nearest + parts.linear) + m.local * left;
-    m.hold(moved);
+    moved += body_affine * (parts.nearest + parts.linear) + local * left;
+    hold(moved);
     return moved;
 }
+
+Points WrapBinding::displacement(const Points& of_wrap) const { return impl_->carried(of_wrap); }
 
 std::shared_ptr<const CellSums> WrapBinding::places(const Points& at) const {
     return std::make_shared<const CellSums>(impl_->places((at.rowwise() - impl_->middle) / impl_->scale));

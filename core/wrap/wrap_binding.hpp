@@ -15,7 +15,8 @@
 /// B u = affine part + radial part + local part, one after another on what the ones before leave of u:
 ///   the affine map nearest to u, in the mean over the wrap's area;
 ///   sum_c a_c |x - x_c|^3 + b + A x, which interpolates the rest at up to 500 centres, each as far as possible from
-///   those before it (Duchon 1977: the interpolant of least bending energy in space);
+///   those before it (Duchon 1977: the interpolant of least bending energy in space); at up to 1000 where 500 carry a
+///   motion of second degree, 5 % of the diagonal at its ends, more than 1.5e-4 of the diagonal off;
 ///   a mean of the rest over the wrap's vertices nearby (Shepard weights, area times Wendland's function of the
 ///   distance over 2 edges plus 1.5 depths), fading out between 2 and 5 edges from the wrap.
 /// Such a map is smooth where the body is not: neighbours of a crease, slivers and parts that pierce each other move
@@ -38,6 +39,7 @@ struct WrapBindingOptions {
     /// symmetric displacements move a symmetric body symmetrically. Empty: none.
     std::vector<int> image = {};
     RadialSums sums = RadialSums::by_boxes;
+    int max_centers = 1000;  ///< where these do not carry well; no more than `centers`: never
 };
 
 class WrapBinding {
@@ -45,7 +47,7 @@ public:
     /// @throws InvalidInput: no triangle or no area, a wrong size of `held`, fewer than four centers, a coordinate
     /// that is not finite; a wrap that lies in a plane.
     /// Cost: one LU of the number of centres (0.1 s), and a search per vertex of the body. Of up to 16 000 vertices (64
-    /// MB) the radial functions are kept, of more they are evaluated with each product: 0.1 s a million vertices.
+    /// MB; 128) the radial functions are kept, of more they are evaluated with each product: 0.1 s a million vertices.
     WrapBinding(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options = {});
     ~WrapBinding();
     WrapBinding(WrapBinding&&) noexcept;

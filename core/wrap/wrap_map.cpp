@@ -55,6 +55,7 @@ WrapMap::WrapMap(TriMesh wrap, const TriMesh& body, const WrapMapOptions& option
       binding_([&] {
           WrapBindingOptions binding{options.held};
           binding.sums = options.sums;
+          binding.max_centers = options.max_centers;
           const double diagonal = box_diagonal(mesh_);
           if (!options.plane) return WrapBinding(mesh_, body.vertices, binding);
           if (!options.is_half) {

@@ -12,6 +12,7 @@ struct WrapMapOptions {
     std::optional<SymmetryPlane> plane = {};
     bool is_half = false;  ///< wrap and body are halves that end on the plane
     RadialSums sums = RadialSums::by_boxes;
+    int max_centers = WrapBindingOptions().max_centers;
 };
 
 class WrapMap {

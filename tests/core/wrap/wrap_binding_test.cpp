@@ -226,6 +226,30 @@ TEST(WrapBinding, SmoothMotionsArriveSmoothly) {
     }
 }
 
+/// A thin tail far from the centres: with few of them a motion of second degree is carried badly, and more are taken.
+TEST(WrapBinding, BodiesThatAreCarriedBadlyGetMoreCenters) {
+    const Pair pair;
+    const auto off = [&](const WrapBindingOptions& options) {
+        const WrapBinding binding(pair.wrap, pair.body.vertices, options);
+        const double farthest =
+            (binding.displacement(displaced(pair.wrap.vertices, bend())) - displaced(pair.body.vertices, bend()))
+                .rowwise()
+                .norm()
+                .maxCoeff();
+        return std::pair{binding.centers().size(), farthest / box_diagonal(pair.wrap)};
+    };
+    WrapBindingOptions few;
+    few.centers = few.max_centers = 20;
+    const auto [kept, badly] = off(few);
+    EXPECT_EQ(kept, 20u);
+    ASSERT_GT(badly, 1.5e-4);
+    few.max_centers = 400;
+    const auto [more, well] = off(few);
+    EXPECT_EQ(more, 400u);
+    EXPECT_LT(well, 1.5e-4);
+    EXPECT_EQ(WrapBinding(pair.wrap, pair.wrap.vertices).centers().size(), 500u) << "carried well: no more";
+}
+
 TEST(WrapBinding, TurnsAndScalesWithTheBody) {
     const Pair pair;
     const Eigen::Matrix3d R = Eigen::AngleAxisd(0.7, Eigen::Vector3d(1, 2, 3).normalized()).toRotationMatrix();

@@ -324,7 +324,7 @@ void add_check(CLI::App& app) {
     command->add_flag("--json", args->json, "print one JSON object instead of words");
     CLI::Option* evaluate = command->add_flag("--evaluate", args->evaluate,
                                               "run one evaluation at the start design and show what was read back");
-    command->add_option("--out", args->out, "keep the folders of that evaluation here")->needs(evaluate);
+    command->add_option("-o,--out,--output", args->out, "keep the folders of that evaluation here")->needs(evaluate);
     command->add_flag("--print-resolved", args->print_resolved, "print the case with every default filled in")
         ->excludes(evaluate);
     command->add_flag("--quick", args->wishes.quick, "skip what needs a factorization: variables, start, cost");

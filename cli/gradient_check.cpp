@@ -107,7 +107,7 @@ void add_gradient_check(CLI::App& app) {
         ->add_option("--accept", args->options.accept,
                      "also pass if the slopes differ by at most this fraction of the expected one (default: 0)")
         ->check(CLI::Range(0.0, 0.5));
-    command->add_option("--out", args->out, "keep the folders of external evaluations here");
+    command->add_option("-o,--out,--output", args->out, "keep the folders of external evaluations here");
     command->add_flag("--json", args->json, "print the results as JSON");
     command->add_flag("-q,--quiet", args->quiet, "do not print progress");
     command->callback([args] { check_case(*args); });

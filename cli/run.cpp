@@ -12,7 +12,7 @@ void add_run(CLI::App& app) {
     CLI::App* command = app.add_subcommand("run", "run the whole optimization of a case, coarse to fine");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     add_set_option(*command, args->settings);
-    command->add_option("--out", args->out,
+    command->add_option("-o,--out,--output", args->out,
                         "run folder, new or empty (default: output.dir of the case, otherwise runs/<case>)");
     CLI::Option* json = command->add_flag("--json", args->json, "print the results as JSON");
     CLI::Option* quiet = command->add_flag("-q,--quiet", args->quiet, "do not print progress");

@@ -96,7 +96,7 @@ void add_sample(CLI::App& app) {
         "--read", args->table, "table (CSV) of designs that have been evaluated elsewhere, in place of new ones");
     table->excludes(designs)->excludes(method)->excludes(parallel)->excludes(seed);
     add_set_option(*command, args->session.settings);
-    command->add_option("--out", args->session.out,
+    command->add_option("-o,--out,--output", args->session.out,
                         "run folder, new or empty (default: output.dir of the case, otherwise runs/<case>)");
     command->add_flag("--json", args->session.json, "print the results as JSON");
     command->add_flag("-q,--quiet", args->session.quiet, "do not print progress");

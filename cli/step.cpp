@@ -56,7 +56,7 @@ void add_step(CLI::App& app) {
         app.add_subcommand("step", "hand out the evaluations needed next, and continue with those already answered");
     command->add_option("CASE", args->case_file, "case file (YAML)")->required();
     add_set_option(*command, args->settings);
-    command->add_option("--out", args->out,
+    command->add_option("-o,--out,--output", args->out,
                         "run folder: new, or that of the previous steps (default: output.dir of the case)");
     command->add_flag("--json", args->json, "print the results as JSON");
     command->add_flag("-q,--quiet", args->quiet, "do not print progress");

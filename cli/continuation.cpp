@@ -49,7 +49,8 @@ void keep_meaning(Case& the_case, int meaning) {
                   since_shell_ranges_begin_wide = 7, since_long_steps_are_asked = 7, since_edges_are_kept = 7,
                   since_large_bodies_are_quick = 8, since_coarse_noses_stay = 8, since_stations_are_level = 8,
                   since_noses_are_corners_later = 8, since_winglets_are_followed = 9, since_boxes_sum = 10,
-                  since_curvature_is_shared = 11, since_wings_have_fields = 11;
+                  since_curvature_is_shared = 11, since_wings_have_fields = 11, since_binding_is_tried = 12,
+                  since_levels_must_move = 12;
     for (WingEntry& wing : the_case.planform) {
         wing.keeps_outline = wing.keeps_outline && meaning >= since_outlines_are_kept;
         wing.rules = meaning < since_noses_are_corners_later ? WingRules::earlier
@@ -61,6 +62,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.shares_with_all_levels = meaning < since_shapes_are_limited;
     the_case.parameters.counts_kept_motion_alone = meaning < since_held_motion_counts;
     the_case.parameters.lets_edges_fold = meaning < since_edges_are_kept;
+    if (the_case.wrap && meaning < since_binding_is_tried) the_case.wrap->max_centers = WrapBindingOptions().centers;
     if (the_case.wrap)
         the_case.wrap->sums = meaning < since_large_bodies_are_quick ? RadialSums::by_products
                               : meaning < since_boxes_sum            ? RadialSums::by_centers
@@ -77,6 +79,7 @@ void keep_meaning(Case& the_case, int meaning) {
     the_case.optimize.begins_with_narrow_shell_ranges = meaning < since_shell_ranges_begin_wide;
     the_case.optimize.trusts_long_steps = meaning < since_long_steps_are_asked;
     the_case.optimize.learns_as_before = meaning < since_curvature_is_shared;
+    the_case.optimize.descends_as_before = meaning < since_levels_must_move;
 }
 
 int written_meaning(const std::filesystem::path& dir) {

@@ -36,7 +36,8 @@ constexpr int points_of_a_variable = 2;
 constexpr int min_points_of_a_variable = 3;  ///< of this level and those below it together
 constexpr int batches_of_a_level = 3;        ///< at least: the first only looks around
 constexpr int max_variables_by_models = 100;
-constexpr int trial_share = 10;  ///< trials of directions that must still be affordable
+constexpr int max_variables_with_patches = 60;  ///< whose metric says less of the objective's curvature
+constexpr int trial_share = 10;                 ///< trials of directions that must still be affordable
 /// Share of the motion limit in use below which the ranges of variables become wider. Above, other optima are as likely
 /// as better ones (next to buckling, and where the mesh decides).
 constexpr double idle_limit = 0.3;
@@ -327,7 +328,13 @@ private:
         MinimizeOptions how;
         // Random and global searches belong where there are few variables.
         how.method = first || !method_facts(options.method).is_global ? options.method : Method::sqp;
-        if (begins_by_models(last)) how.method = Method::model;
+        how.batch = options.batch;
+        if (begins_by_models(last)) {
+            how.method = Method::model;
+            how.tries_in_order = !options.descends_as_before;
+            // A run that has the evaluations for differences learns more from each where fewer are asked at a time.
+            if (!options.descends_as_before) how.batch = std::max(1, options.batch / 2);
+        }
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
         how.objective_tolerance = options.objective_tolerance;
@@ -350,7 +357,6 @@ private:
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
-        how.batch = options.batch;
         how.first_step = first_step_;
         how.max_step = max_step();
         if (!last) how.max_shrinks = how.max_failures = failures_before_refining;
@@ -380,9 +386,11 @@ private:
     bool begins_by_models(bool last) const {
         const OptimizeOptions& options = state_.problem.optimize;
         const auto is_equality = [](const Constraint& c) { return c.equals.has_value(); };
-        return !last && !options.learns_as_before && options.method == Method::sqp && has_choice() && !has_stayed_ &&
-               std::ranges::none_of(state_.problem.constraints, is_equality) && !state_.space.has_patches &&
-               state_.space.size() <= max_variables_by_models;
+        if (last || options.learns_as_before || options.method != Method::sqp || !has_choice() || has_stayed_ ||
+            std::ranges::any_of(state_.problem.constraints, is_equality))
+            return false;
+        if (!state_.space.has_patches) return state_.space.size() <= max_variables_by_models;
+        return !options.descends_as_before && state_.space.size() <= max_variables_with_patches;
     }
 
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
@@ -416,8 +424,10 @@ private:
                 ? prospect(state_.space, start)
                 : std::nullopt;
         if (below)
-            how.on_model = [&](double expected, const Eigen::MatrixXd& hessian) {
-                return is_best_at_this_level(*below, program, expected, hessian);
+            how.on_model = [&, before = state_.result.evaluations](double expected, const Eigen::MatrixXd& hessian) {
+                still_expected_ = expected;
+                const double kept = kept_of_forecast(state_.result.evaluations - before);
+                return is_best_at_this_level(*below, program, expected / std::max(kept, 1e-9), hessian);
             };
         else if (may_leave && !sees_values_only)
             how.on_model = by_differences_rule(static_cast<int>(start.size()));
@@ -461,17 +471,28 @@ private:
         return gradient_error_.size() > 0 ? Eigen::MatrixXd(gradient_error_(kept, Eigen::all)) : gradient_error_;
     }
 
+    /// Of what a level was expected to gain when the one above was left for it, the share that it has gained. Where the
+    /// gradient of an objective grows with fineness (the drag of a wave), finer details always promise more.
+    double kept_of_forecast(int evaluations_of_level) const {
+        if (state_.problem.optimize.descends_as_before || forecast_of_level_ == 0) return 1;
+        const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
+        if (gained == 0 && evaluations_of_level >= min_evaluations) return 1;  // constraints are being met
+        return std::min(1.0, gained / forecast_of_level_);
+    }
+
     /// False: the details below are expected to gain more than this level, it has done its part. Where only the best
     /// few are split, already a tenth: the metric is stiffer on details than objectives are, and
     /// underestimates their gain.
     bool is_best_at_this_level(const Prospect& below, const NonlinearProgram& program, double expected,
                                const Eigen::MatrixXd& hessian) {
         const double outgrown = state_.rest->parameters.split == SplitRule::tree ? 1 : 10;
-        still_expected_ = expected;
         const ShellSensitivities lagrangian = program_.lagrangian();
         const DesignFacts facts{state_.space, program_.known().x, lagrangian, shape_curvature(hessian, program.metric),
                                 program_.known().dJ_dv};
-        return outgrown * expected_decrease_of(facts, below) <= expected;
+        const double forecast = expected_decrease_of(facts, below);
+        if (outgrown * forecast <= expected) return true;
+        forecast_of_level_ = forecast;
+        return false;
     }
 
     /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.
@@ -544,6 +565,7 @@ private:
     double widened_ = 1;            ///< times the ranges that the level began with
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
+    double forecast_of_level_ = 0;  ///< by the details for which the level above was left; 0: the first level
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false, is_in_noise_ = false;
     bool is_trial_wanted_ = false;  ///< before the next level

@@ -70,7 +70,12 @@ private:
     void differentiate(Evaluation& sample);
     void limit_motion();
     void add_cheap_program();
-    bool learns() const { return state_.problem.optimize.method == Method::model; }
+    /// Searches by models use what coarser levels have paid for.
+    bool learns() const {
+        const OptimizeOptions& options = state_.problem.optimize;
+        return options.method == Method::model ||
+               (options.method == Method::sqp && !options.descends_as_before && !gives_lagrangian());
+    }
     std::vector<KnownPoint> known_points();
     void use_learned();
     std::string contradiction(const std::vector<double>& at_start) const;

@@ -39,7 +39,11 @@ struct MinimizeOptions {
     double first_step = 0.5;             ///< in the metric
     double max_step = 2;                 ///< of sqp: a little more than reasonable, because the metric is an estimate
     int batch = 8;                       ///< model: points that are proposed together, >= 1
-    bool confirm = true;                 ///< converged only when a fresh start at the end gains nothing more
+    /// model: first steps go along one variable after another (each without what those before it can do), in place of
+    /// directions in which all take part: where the first ones are the coarsest and an objective most often wants
+    /// those.
+    bool tries_in_order = false;
+    bool confirm = true;  ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.
     int starts = 1;
     unsigned seed = 1;                     ///< of random starts and of NLopt's random methods

@@ -13,6 +13,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double points_per_term = 2;
+constexpr double largest_nugget = 1;
 constexpr double round_off = 1e-13;  ///< of the values: what the trend leaves of them is nothing
 
 Eigen::Index terms_of(Trend trend, Eigen::Index d) {
@@ -132,6 +133,11 @@ void GaussianProcess::fit() {
     CH_ = C_.solve(H_);
     HCH_.compute(H_.transpose() * CH_);
     beta_ = HCH_.solve(CH_.transpose() * values_);
+    // Points next to one another leave nothing of the trend but rounding: they have more noise in common.
+    if ((HCH_.info() != Eigen::Success || !beta_.allFinite()) && kernel_.nugget < largest_nugget) {
+        kernel_.nugget *= 10;
+        return fit();
+    }
     const VectorXd rest = values_ - H_ * beta_;
     alpha_ = C_.solve(rest);
     const double size = values_.lpNorm<Eigen::Infinity>();

@@ -29,6 +29,7 @@ constexpr double max_radius = 4;          ///< times the first
 constexpr double min_radius = 1e-4;       ///< times the first: below it no model helps
 constexpr double min_distance = 1e-6;     ///< radii between two points
 constexpr double same_point = 1e-9;       ///< in z: round-off of inherited designs
+constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer to its limit holds the minimum
@@ -74,13 +75,34 @@ private:
             const bool failed = !known.evaluation.failure.empty();
             if (failed) guard_.border.add_failed(known.x);
             if (!failed && !values_of(known.evaluation).allFinite()) continue;
-            if (!points_.knows(points_.whitened(known.x), same_point)) points_.add(known.x, known.evaluation);
+            // Points of differences say nothing more.
+            const double nearest = guard_.options.tries_in_order ? next_to * radius_ : same_point;
+            if (!points_.knows(points_.whitened(known.x), nearest)) points_.add(known.x, known.evaluation);
         }
+    }
+
+    bool has_moved(int axis) const {
+        for (int i = 1; i < points_.size(); ++i)
+            if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > same_point) return true;
+        return false;
+    }
+
+    /// The axes of z are the variables, each without what those before it can do: whitening is by a triangular matrix.
+    /// What points that are known have not moved yet comes first.
+    MatrixXd directions_in_order() const {
+        const auto d = static_cast<int>(points_.dimensions());
+        const MatrixXd axes = MatrixXd::Identity(d, d);
+        std::vector<int> order;
+        for (const bool is_known : {false, true})
+            for (int k = 0; k < d; ++k)
+                if (has_moved(k) == is_known) order.push_back(k);
+        return axes(Eigen::all, order);
     }
 
     /// Orthogonal directions in z.
     MatrixXd spread_directions() const {
         const auto d = static_cast<int>(points_.dimensions());
+        if (guard_.options.tries_in_order) return directions_in_order();
         const MatrixXd cloud = latin_hypercube(d, d, guard_.options.seed).array() - 0.5;
         return Eigen::HouseholderQR<MatrixXd>(cloud).householderQ();
     }

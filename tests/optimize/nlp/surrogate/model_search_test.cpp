@@ -78,6 +78,45 @@ TEST(ModelSearch, ARoundBowlTakesLittleMoreThanItsSlopes) {
     EXPECT_GT(minimize(p, how).best.objective, 0.01);
 }
 
+/// One variable after another, each without what those before it can do; those that known designs moved come last.
+TEST(ModelSearch, TriesInOrderWhereItIsTold) {
+    NonlinearProgram p = long_bowl(6);
+    const MatrixXd mix = MatrixXd::Identity(6, 6) + 0.3 * MatrixXd::Ones(6, 6);
+    p.metric = mix * mix.transpose();
+    std::vector<VectorXd> evaluated;
+    p.evaluate = [&, inner = p.evaluate](const VectorXd& x) {
+        evaluated.push_back(x);
+        return inner(x);
+    };
+    MinimizeOptions how = few(4, 3);
+    how.tries_in_order = true;
+    const auto whitened = [&](const VectorXd& x) { return VectorXd(p.metric.llt().matrixU() * x); };
+    const auto axis = [&](std::size_t i) {
+        const VectorXd z = whitened(evaluated.at(i));
+        Eigen::Index k = 0;
+        const double longest = z.cwiseAbs().maxCoeff(&k);
+        return (z.cwiseAbs().array() > 1e-9 * longest).count() == 1 ? static_cast<int>(k) : -1;
+    };
+    minimize(p, how);
+    EXPECT_EQ((std::vector<int>{axis(1), axis(2), axis(3)}), (std::vector<int>{0, 1, 2}));
+    p.known = [&] {
+        const VectorXd x = 0.2 * p.metric.llt().matrixU().solve(VectorXd(VectorXd::Unit(6, 0) + VectorXd::Unit(6, 1)));
+        return std::vector<KnownPoint>{{x, long_bowl(6).evaluate(x)}};
+    };
+    how.max_evaluations = 9;
+    how.batch = 8;
+    evaluated.clear();
+    minimize(p, how);
+    std::vector<int> alone;
+    for (std::size_t i = 1; i < evaluated.size(); ++i) alone.push_back(axis(i));
+    EXPECT_EQ(std::ranges::count(alone, 0) + std::ranges::count(alone, 1), 0) << "the known ones are tried again";
+    how.tries_in_order = false;
+    p.known = nullptr;
+    evaluated.clear();
+    minimize(p, how);
+    for (std::size_t i = 1; i < evaluated.size(); ++i) EXPECT_EQ(axis(i), -1) << i;
+}
+
 /// Differences have no step yet.
 TEST(ModelSearch, HasGainedBeforeAGradientByDifferencesIsPaid) {
     const auto left = [](Method method) {

@@ -100,7 +100,7 @@ solver openfoam_supersonic.png $external/openfoam_supersonic/generated/body.obj 
     "before|after: less wave drag, same volume" --view side --edges
 solver openfoam_wing.png $external/openfoam_wing/generated/start.obj runs/openfoam_wing \
     "before|after: less drag, same lift" --view=-1,-0.7,0.45
-# Problems with published answers: scripts/published.sh wing_body_free stokes_area, into build/published.
+# Problems with published answers: scripts/published.sh wing_body_free stokes_area transonic, into build/published.
 published=build/published generated=cases/published/generated
 with_wing() {  # BODY NAME: both in one file
     awk 'FNR == 1 {before = n} $1 == "v" {++n; print} $1 == "f" {print "f", $2 + before, $3 + before, $4 + before}' \
@@ -115,6 +115,10 @@ fi
 if [ -f $published/stokes_area/best.obj ]; then
     picture published-stokes_area.png $generated/sphere.obj $published/stokes_area/best.obj --view=0,-1,0.2 --edges \
         --titles "start|least drag in Stokes flow, same area" --size 400,230
+fi
+if [ -f $published/transonic/box/transonic-box_4x4x2.obj ]; then
+    scripts/section_picture.py $out/published-transonic.svg --at 0.2,0.7,1.05 start=$generated/onera_m6.obj \
+        Strake=$published/transonic/best.obj "box 4 x 4 x 2=$published/transonic/box/transonic-box_4x4x2.obj"
 fi
 find $out -name "published-*.png" -exec /usr/bin/python3 scripts/smaller_png.py {} +
 if [ -f "$evidence/local_bump-sqp.vtp" ] && [ -f "$evidence/global_twist-sqp.vtp" ]; then

@@ -33,7 +33,7 @@ constexpr int centers_at_once = 16;
 constexpr Index many_points = 100000;  ///< whose boxes are worth it
 constexpr double max_stored = 128e3;   ///< bytes of a centre: radial functions of a larger body are evaluated each time
 /// A motion of second degree, the simplest that is not affine, by 5 % of the diagonal at its ends; what may be off.
-constexpr double bend = 0.05, well_carried = 1.5e-4;
+constexpr double bend = 0.05, well_carried = 2e-4;
 
 double cube(double squared) { return squared * std::sqrt(squared); }
 

@@ -16,7 +16,7 @@
 ///   the affine map nearest to u, in the mean over the wrap's area;
 ///   sum_c a_c |x - x_c|^3 + b + A x, which interpolates the rest at up to 500 centres, each as far as possible from
 ///   those before it (Duchon 1977: the interpolant of least bending energy in space); at up to 1000 where 500 carry a
-///   motion of second degree, 5 % of the diagonal at its ends, more than 1.5e-4 of the diagonal off;
+///   motion of second degree, 5 % of the diagonal at its ends, more than 2e-4 of the diagonal off;
 ///   a mean of the rest over the wrap's vertices nearby (Shepard weights, area times Wendland's function of the
 ///   distance over 2 edges plus 1.5 depths), fading out between 2 and 5 edges from the wrap.
 /// Such a map is smooth where the body is not: neighbours of a crease, slivers and parts that pierce each other move

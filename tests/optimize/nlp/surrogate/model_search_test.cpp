@@ -4,6 +4,8 @@
 #include "programs.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/Cholesky>
+#include <algorithm>
 
 /// method: model.
 namespace strake {

@@ -5,22 +5,15 @@ Each section is drawn over its chord, heights three times as large as lengths. C
 """
 import argparse
 import pathlib
+import sys
 
 import numpy as np
 
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parents[1] / "cases/published"))
+from obj import read_obj  # noqa: E402
+
 COLORS = ["#888888", "#0b62a8", "#c5501f", "#2f8f4e"]
 ACROSS, GAP, HEIGHT_SCALE = 300, 24, 3.0
-
-
-def read_obj(path):
-    vertices, triangles = [], []
-    for line in pathlib.Path(path).read_text(encoding="utf-8").splitlines():
-        words = line.split()
-        if words[:1] == ["v"]:
-            vertices.append([float(w) for w in words[1:4]])
-        elif words[:1] == ["f"]:
-            triangles.append([int(w.split("/")[0]) - 1 for w in words[1:4]])
-    return np.array(vertices), np.array(triangles)
 
 
 def segments(surface, y):

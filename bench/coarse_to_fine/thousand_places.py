@@ -2,8 +2,8 @@
 """A thousand programs at a time: thousand_places.py OUT [--bin FOLDER] [--places N] [--designs N] [--seconds S]
 
 A sample of 5 000 designs (60 fields, a body of 1 500 triangles) by a program that sleeps for 30 seconds, a thousand at a time. Each call notes when it
-began and ended. Prints what share of the places was busy from the moment when all were filled to the last start, and to the end of the first of the last
-calls; CPU and memory of strake itself; the size of its journal.
+began and ended. Prints what share of the places was busy from the moment when all were filled to the last start, and until places become empty for want of
+designs; CPU and memory of strake itself; the size of its journal.
 """
 import argparse
 import os

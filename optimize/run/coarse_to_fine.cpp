@@ -471,8 +471,8 @@ private:
         return gradient_error_.size() > 0 ? Eigen::MatrixXd(gradient_error_(kept, Eigen::all)) : gradient_error_;
     }
 
-    /// Of what a level was expected to gain when the one above was left for it, the share that it has gained. Where the
-    /// gradient of an objective grows with fineness (the drag of a wave), finer details always promise more.
+    /// Of what details were expected to gain when a level was last left for them, the share that this one gains. Where
+    /// the gradient of an objective grows with fineness (the drag of a wave), finer details always promise more.
     double kept_of_forecast(int evaluations_of_level) const {
         if (state_.problem.optimize.descends_as_before || forecast_of_level_ == 0) return 1;
         const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
@@ -565,7 +565,7 @@ private:
     double widened_ = 1;            ///< times the ranges that the level began with
     double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
     double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
-    double forecast_of_level_ = 0;  ///< by the details for which the level above was left; 0: the first level
+    double forecast_of_level_ = 0;  ///< by the details for which a level was last left; 0: none was
     double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false, is_in_noise_ = false;
     bool is_trial_wanted_ = false;  ///< before the next level

@@ -6,7 +6,7 @@
 # everything, clang-tidy, and the three that follow; --slurm: on a real Slurm of one node (needs scripts/setup.sh slurm);
 # --long: with fifty kills of each kind; --fuzz: with a minute for each fuzzer; --parcel: only licences, spelling,
 # the API's reference and the Debian packages, ten minutes (scripts/check_parcel.sh); --published: only all problems with published
-# answers at their full size, with OpenFOAM (scripts/published.sh). It fails where docs/published.md says that a number is missed.
+# answers at their full size, with OpenFOAM (scripts/published.sh). It fails where a number is missed and docs/published.md does not say why.
 # Environment: STRAKE_DATA, a folder of surfaces from outside; tests that need it skip without it.
 set -uo pipefail
 cd "$(dirname "$0")"

@@ -1,6 +1,6 @@
 #!/bin/bash
 # Problems with published answers (cases/published): published.sh [--write] [--quick] [--budget N] [--bin BIN] [NAME...] runs those named, or all,
-# and prints ours beside what is published; exit status 1 where one is missed.
+# and prints ours beside what is published; exit status 1 where one is missed and docs/published.md does not say why.
 # BIN holds strake (default: build/release/programs). --write: their rows in the table of docs/published.md; --quick: as the tests run them;
 # --budget: evaluations of each run, to try a command.
 cd "$(dirname "$0")/.." || exit 1

@@ -1,15 +1,16 @@
 #!/usr/bin/python3
 """A thousand programs at a time: thousand_places.py OUT [--bin FOLDER] [--places N] [--designs N] [--seconds S]
+OUT is a new folder, or an empty one.
 
 A sample of 5 000 designs (60 fields, a body of 1 500 triangles) by a program that sleeps for 30 seconds, a thousand at a time. Each call notes when it
 began and ended. Prints what share of the places was busy from the moment when all were filled to the last start, and until places become empty for want of
-designs; CPU and memory of strake itself; the size of its journal.
+designs; CPU and memory of strake itself; the size of its journal. Ends with the exit status of strake.
 """
 import argparse
 import os
 import pathlib
-import shutil
 import subprocess
+import sys
 import threading
 import time
 
@@ -31,18 +32,36 @@ output: {{keep: none}}
 """
 
 
-def busy_share(calls, places, until):
-    """From when `places` are running to `until`."""
-    changes = sorted([(begin, 1) for begin, _ in calls] + [(end, -1) for _, end in calls])
-    running, filled, last, total = 0, None, 0.0, 0.0
-    for at, change in changes:
-        if filled is not None:
-            total += running * max(0.0, min(at, until) - min(last, until))
+def read_calls(folder):
+    """(begin, end) of each call. A file holds those of one process id, which may be several."""
+    rows = [line.split() for file in folder.iterdir() for line in file.read_text(encoding="ascii").splitlines()]
+    return [(float(words[0]), float(words[2])) for words in rows]
+
+
+def filled_at(calls, places):
+    """When `places` are running for the first time; None: never."""
+    running = 0
+    for at, change in sorted([(begin, 1) for begin, _ in calls] + [(end, -1) for _, end in calls]):
         running += change
-        if filled is None and running == places:
-            filled = at
-        last = at
-    return filled, total / places / (until - filled)
+        if running == places:
+            return at
+    return None
+
+
+def busy_share(calls, places, since, until):
+    return sum(max(0.0, min(end, until) - max(begin, since)) for begin, end in calls) / places / (until - since)
+
+
+def busy_words(calls, places):
+    filled = filled_at(calls, places)
+    if filled is None:
+        return f"the {places} places were never all filled; raise --seconds"
+    last_start, last_full = max(begin for begin, _ in calls), sorted(end for _, end in calls)[-places]
+    if filled >= min(last_start, last_full):
+        return f"the {places} places were not filled before the last start; raise --designs or --seconds"
+    return (f"places filled after {filled - min(begin for begin, _ in calls):.1f} s; "
+            f"busy to the last start {100 * busy_share(calls, places, filled, last_start):.1f} %, "
+            f"to the first end after it {100 * busy_share(calls, places, filled, last_full):.1f} %")
 
 
 def main():
@@ -53,8 +72,11 @@ def main():
     parser.add_argument("--designs", type=int, default=5000)
     parser.add_argument("--seconds", type=float, default=30)
     options = parser.parse_args()
+    if options.designs <= options.places:
+        parser.error(f"--designs {options.designs} must be > --places {options.places}: with fewer, the places are never all filled")
     out = options.out.resolve()
-    shutil.rmtree(out, ignore_errors=True)
+    if out.is_file() or out.is_dir() and any(out.iterdir()):
+        parser.error(f"{out}: exists and is not an empty folder; give a new one")
     (out / "log").mkdir(parents=True)
     (out / "program.sh").write_text(PROGRAM.format(seconds=options.seconds, log=out / "log"), encoding="utf-8")
     (out / "program.sh").chmod(0o755)
@@ -81,17 +103,13 @@ def main():
     code = strake.wait()
     watcher.join()
     wall = time.monotonic() - began
-    calls = []
-    for file in (out / "log").iterdir():
-        words = file.read_text(encoding="ascii").split()
-        calls.append((float(words[0]), float(words[2])))
-    filled, busy = busy_share(calls, options.places, max(begin for begin, _ in calls))
-    last_calls = sorted(end for _, end in calls)[-options.places]
+    calls = read_calls(out / "log")
     print(f"status {code}, {len(calls)} calls, {wall:.0f} s, {options.designs / options.places * options.seconds:.0f} at least")
-    print(f"places filled after {filled - min(begin for begin, _ in calls):.1f} s; busy to the last start {100 * busy:.1f} %, "
-          f"to the first end after it {100 * busy_share(calls, options.places, last_calls)[1]:.1f} %")
+    if code == 0:
+        print(busy_words(calls, options.places))
     print(f"strake: {seen['cpu'] / wall:.2f} of a core, {seen['kB'] / 1024:.0f} MB; journal {sum(f.stat().st_size for f in (out / 'run').glob('journal*')) / 1e6:.1f} MB")
+    return code
 
 
 if __name__ == "__main__":
-    main()
+    sys.exit(main())

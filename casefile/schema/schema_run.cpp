@@ -46,7 +46,9 @@ std::vector<Key> method_keys() {
         {.path = "optimize.batch",
          .type = Type::integer,
          .doc = "Number of designs that method model proposes together, so that as many can be evaluated at the same "
-                "time (`parallel` of a program). Results depend on it, never on `parallel`. Not for fit.",
+                "time (`parallel` of a program). Coarse levels of a search by differences that begin with method model "
+                "ask half "
+                "as many. Results depend on it, never on `parallel`. Not for fit.",
          .fallback = "8",
          .limits = at_least_one},
         {.path = "optimize.finite_differences",

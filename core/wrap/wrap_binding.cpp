@@ -33,7 +33,8 @@ constexpr int centers_at_once = 16;
 constexpr Index many_points = 100000;  ///< whose boxes are worth it
 constexpr double max_stored = 128e3;   ///< bytes of a centre: radial functions of a larger body are evaluated each time
 /// A motion of second degree, the simplest that is not affine, by 5 % of the diagonal at its ends; what may be off.
-constexpr double bend = 0.05, well_carried = 2e-4;
+constexpr double bend = 0.05, well_carried = 2.5e-4;  ///< diagonals
+constexpr int centers_a_time = 50;
 
 double cube(double squared) { return squared * std::sqrt(squared); }
 
@@ -54,16 +55,24 @@ Affine affine_rows(const Points& x) {
 
 /// Each as far as possible from those before it; the first one is the farthest from the mean. Ties: the smaller number.
 /// @param image with mirror images: a point is taken together with its own.
-std::vector<int> farthest_points(const Points& x, int count, const std::vector<int>& image) {
-    const Eigen::RowVector3d mean = x.colwise().mean();
-    VectorXd distance = (x.rowwise() - mean).rowwise().squaredNorm();
-    std::vector<int> chosen;
+/// @param chosen the first ones. @param weight of the squared distances, empty: 1
+std::vector<int> farthest_points(const Points& x, int count, const std::vector<int>& image,
+                                 std::vector<int> chosen = {}, const VectorXd& weight = {}) {
+    const auto distances_from = [&](const Eigen::RowVector3d& point) {
+        const VectorXd distances = (x.rowwise() - point).rowwise().squaredNorm();
+        return weight.size() > 0 ? VectorXd(distances.cwiseProduct(weight)) : distances;
+    };
+    VectorXd distance = distances_from(x.colwise().mean());
+    for (std::size_t k = 0; k < chosen.size(); ++k) {
+        const VectorXd now = distances_from(x.row(chosen[k]));
+        distance = k == 0 ? now : VectorXd(distance.cwiseMin(now));
+    }
     while (static_cast<int>(chosen.size()) < count) {
         Index best = 0;
         if (!(distance.maxCoeff(&best) > 0)) break;  // only copies of those chosen are left
         const auto take = [&](int v) {
             chosen.push_back(v);
-            const VectorXd now = (x.rowwise() - x.row(v)).rowwise().squaredNorm();
+            const VectorXd now = distances_from(x.row(v));
             distance = chosen.size() == 1 ? now : VectorXd(distance.cwiseMin(now));
         };
         take(static_cast<int>(best));
@@ -129,8 +138,9 @@ struct WrapBinding::Impl {
     RadialSums sums = RadialSums::by_boxes;
     CellSums of_body, of_wrap;  ///< where radial functions are not kept
 
-    void choose_centers(int count, const std::vector<int>& image, const Points& body);
-    double off_second_degree(const Points& body) const;
+    void choose_centers(int count, const WrapBindingOptions& options, const Points& body, const VectorXd& weight = {});
+    VectorXd off_second_degree(const Points& body) const;
+    void add_centers(const TriMesh& surface, const WrapBindingOptions& options, const Points& body);
     void factorize();
     void spread(const TriMesh& surface, const Points& body);
     void store(Points body);
@@ -157,15 +167,17 @@ struct WrapBinding::Impl {
     Points carried(const Points& of_wrap_vertices) const;  ///< B u
 };
 
-void WrapBinding::Impl::choose_centers(int count, const std::vector<int>& image, const Points& body) {
-    centers = farthest_points(wrap, count, image);
+void WrapBinding::Impl::choose_centers(int count, const WrapBindingOptions& options, const Points& body,
+                                       const VectorXd& weight) {
+    centers = farthest_points(wrap, count, options.image, std::move(centers), weight);
     center = wrap(centers, Eigen::all);
     factorize();
     store(body);
 }
 
-/// The farthest that a coordinate of a vertex is from where the six monomials of second degree move it, in diagonals.
-double WrapBinding::Impl::off_second_degree(const Points& body) const {
+/// How far each vertex is from where motions of second degree move it, in diagonals: at worst, of a coordinate that
+/// moves by x^T Q x about the middle, |Q| = 1 in the Frobenius norm, which turns with the body.
+VectorXd WrapBinding::Impl::off_second_degree(const Points& body) const {
     const auto motions = [](const Points& x) {
         Points squares = 4 * bend * x.array().square(), products(x.rows(), 3);
         for (int k = 0; k < 3; ++k) products.col(k) = 4 * bend * x.col(k).cwiseProduct(x.col((k + 1) % 3));
@@ -173,12 +185,36 @@ double WrapBinding::Impl::off_second_degree(const Points& body) const {
     };
     const std::array<Points, 2> of_wrap = motions(wrap);
     std::array<Points, 2> wanted = motions(body);
-    double farthest = 0;
-    for (int k = 0; k < 2; ++k) {
-        hold(wanted[k]);
-        farthest = std::max(farthest, (carried(of_wrap[k]) - wanted[k]).cwiseAbs().maxCoeff());
+    for (Points& rows : wanted) hold(rows);
+    return ((carried(of_wrap[0]) - wanted[0]).rowwise().squaredNorm() +
+            2 * (carried(of_wrap[1]) - wanted[1]).rowwise().squaredNorm())
+        .cwiseSqrt();
+}
+
+/// Some at a time, where the wrap is next to what is carried worst.
+void WrapBinding::Impl::add_centers(const TriMesh& surface, const WrapBindingOptions& options, const Points& body) {
+    std::vector<int> nearest;  // triangle of the wrap, per vertex of the body
+    for (int count = options.centers; count < options.max_centers;) {
+        const VectorXd off = off_second_degree(body);
+        if (!(off.maxCoeff() > well_carried)) return;
+        if (nearest.empty()) {
+            const ClosestPointTree closest(surface);
+            nearest.resize(static_cast<std::size_t>(body.rows()));
+            for_blocks(static_cast<int>(body.rows()), block, [&](int begin, int end) {
+                for (int v = begin; v < end; ++v)
+                    nearest[static_cast<std::size_t>(v)] =
+                        closest.find((scale * body.row(v) + middle).transpose()).triangle;
+            });
+        }
+        VectorXd weight = VectorXd::Zero(wrap.rows());
+        for (Index v = 0; v < body.rows(); ++v)
+            for (const int corner : surface.triangles.row(nearest[static_cast<std::size_t>(v)]))
+                weight[corner] = std::max(weight[corner], off[v] * off[v]);
+        const std::size_t before = centers.size();
+        count = std::min(count + centers_a_time, options.max_centers);
+        choose_centers(count, options, body, weight);
+        if (centers.size() == before) return;
     }
-    return farthest;
 }
 
 /// [K P; P^T 0] for the weights of the radial functions and a linear part.
@@ -248,6 +284,7 @@ void WrapBinding::Impl::store(Points body) {
     if (is_large(body.rows()) || is_large(wrap.rows())) {
         of_body = places(std::move(body));
         of_wrap = places(wrap);
+        by_weights.resize(0, 0);
         return;
     }
     MatrixXd by_wrap(wrap.rows(), center.rows());
@@ -313,9 +350,8 @@ WrapBinding::WrapBinding(const TriMesh& wrap, const Points& body, const WrapBind
     if (!(std::abs(inverse.matrixLU()(3, 3)) > flat * flat)) throw InvalidInput("wrap: it lies in a plane");
     m.fit = inverse.solve(Eigen::Matrix<double, 4, Eigen::Dynamic>(m.wrap_affine.transpose() * share.asDiagonal()));
     m.spread(wrap, scaled);
-    m.choose_centers(options.centers, options.image, scaled);
-    if (options.max_centers > options.centers && m.off_second_degree(scaled) > well_carried)
-        m.choose_centers(options.max_centers, options.image, scaled);
+    m.choose_centers(options.centers, options, scaled);
+    m.add_centers(wrap, options, scaled);
 }
 
 WrapBinding::~WrapBinding() = default;

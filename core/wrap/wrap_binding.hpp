@@ -15,8 +15,9 @@
 /// B u = affine part + radial part + local part, one after another on what the ones before leave of u:
 ///   the affine map nearest to u, in the mean over the wrap's area;
 ///   sum_c a_c |x - x_c|^3 + b + A x, which interpolates the rest at up to 500 centres, each as far as possible from
-///   those before it (Duchon 1977: the interpolant of least bending energy in space); at up to 1000 where 500 carry a
-///   motion of second degree, 5 % of the diagonal at its ends, more than 2e-4 of the diagonal off;
+///   those before it (Duchon 1977: the interpolant of least bending energy in space). Where these carry a motion of
+///   second degree, 5 % of the diagonal at its ends, more than 2.5e-4 of the diagonal off at worst, 50 more are chosen
+///   next to what is carried worst (squared distance times squared error), and so on, up to 1000;
 ///   a mean of the rest over the wrap's vertices nearby (Shepard weights, area times Wendland's function of the
 ///   distance over 2 edges plus 1.5 depths), fading out between 2 and 5 edges from the wrap.
 /// Such a map is smooth where the body is not: neighbours of a crease, slivers and parts that pierce each other move
@@ -46,8 +47,9 @@ class WrapBinding {
 public:
     /// @throws InvalidInput: no triangle or no area, a wrong size of `held`, fewer than four centers, a coordinate
     /// that is not finite; a wrap that lies in a plane.
-    /// Cost: one LU of the number of centres (0.1 s), and a search per vertex of the body. Of up to 16 000 vertices (64
-    /// MB; 128) the radial functions are kept, of more they are evaluated with each product: 0.1 s a million vertices.
+    /// Cost: one LU of the number of centres (0.1 s) for each choice of them, and a search per vertex of the body. Of
+    /// up to 16 000 vertices (64 MB; 128) the radial functions are kept, of more they are evaluated with each product:
+    /// 0.1 s a million vertices.
     WrapBinding(const TriMesh& wrap, const Points& body, const WrapBindingOptions& options = {});
     ~WrapBinding();
     WrapBinding(WrapBinding&&) noexcept;

@@ -179,7 +179,8 @@ struct OptimizeOptions {
     /// by differences never begin with it, and a group of variables joins from a third of the other's promise on.
     bool learns_as_before = false;
     /// The meaning of earlier runs: levels by differences that begin by `model` ask whole batches in random directions,
-    /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved.
+    /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
+    /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"

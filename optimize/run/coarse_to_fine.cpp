@@ -5,6 +5,7 @@
 #include "optimize/nlp/program/methods.hpp"
 #include "optimize/nlp/program/partial_gradient.hpp"
 #include "optimize/run/known_designs.hpp"
+#include "optimize/run/level_budget.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_verdict.hpp"
@@ -14,6 +15,7 @@
 #include "optimize/space/scaling.hpp"
 
 #include <algorithm>
+#include <utility>
 
 namespace strake {
 namespace {
@@ -28,16 +30,7 @@ constexpr double patience_by_differences = 2;
 /// Where trials of a few directions tell what else there is, a level is left once the step by a gradient gives no more
 /// than this share of what the level has gained; the trial may find that it is to go on.
 constexpr double early_by_differences = 0.3;
-/// Fewer evaluations move no level: it begins with the shape that it inherits, steps too far and comes back.
-constexpr int min_evaluations = 4;
 constexpr int parts_of_a_patch = 4;
-/// A level that is searched by models gets half of what is left, and no more points than these for each variable.
-constexpr int points_of_a_variable = 2;
-constexpr int min_points_of_a_variable = 3;  ///< of this level and those below it together
-constexpr int batches_of_a_level = 3;        ///< at least: the first only looks around
-constexpr int max_variables_by_models = 100;
-constexpr int max_variables_with_patches = 60;  ///< whose metric says less of the objective's curvature
-constexpr int trial_share = 10;                 ///< trials of directions that must still be affordable
 /// Share of the motion limit in use below which the ranges of variables become wider. Above, other optima are as likely
 /// as better ones (next to buckling, and where the mesh decides).
 constexpr double idle_limit = 0.3;
@@ -51,7 +44,9 @@ constexpr double max_correction = 100;  ///< for expected decreases that turned 
 class Optimization {
 public:
     Optimization(const Problem& problem, const RunEvents& events, Journal* journal)
-        : state_(problem, events, LevelProgram::differentiated_names(problem), journal), program_(state_) {
+        : state_(problem, events, LevelProgram::differentiated_names(problem), journal),
+          program_(state_),
+          budget_(state_, program_) {
         state_.evaluator.take_over_values();
         const OptimizeOptions& options = problem.optimize;
         const bool are_narrow =
@@ -77,6 +72,7 @@ private:
             const Eigen::VectorXd parent = x;
             x = state_.next_level(x, next ? &*next : nullptr);
             program_.carry_designs(parent, x, state_.prolongation);
+            below_.reset();
             if (state_.result.levels.size() == 1 && state_.problem.table) learn_from_table(x);
             if (state_.space.size() == 0) {
                 hessian_.resize(0, 0);
@@ -226,11 +222,12 @@ private:
     bool choose_next(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
         next.reset();
         probed_ = 1;
+        forecast_of_next_ = forecast_of_details();
         is_trial_wanted_ = false;
         const SplitRule rule = state_.rest->parameters.split;
         if (rule == SplitRule::tree) return true;
         if (may_try()) return is_trial_wanted_ = true;
-        if (has_choice() && state_.space.size() > 0 && !can_pay_trial()) {
+        if (program_.has_choice() && state_.space.size() > 0 && !budget_.can_pay_trial()) {
             state_.note("refinement: too few evaluations are left for it");
             refining_is_idle_ = true;
             return false;
@@ -280,15 +277,8 @@ private:
     /// Values alone, and fields beside patches to choose from.
     bool may_try() const {
         const bool has_multipliers = last_.gradient.size() > 0 || state_.problem.constraints.empty();
-        return has_choice() && has_multipliers && state_.space.size() > 0 && can_pay_trial();
+        return program_.has_choice() && has_multipliers && state_.space.size() > 0 && budget_.can_pay_trial();
     }
-    bool can_pay_trial() const { return state_.evaluations_left() > trial_share * trial_directions; }
-    bool has_choice() const {
-        const Parameters& p = state_.rest->parameters;
-        return p.fields && !p.field_steps.empty() && !p.kinds.empty() && p.split == SplitRule::sensitivity &&
-               !program_.gives_lagrangian();
-    }
-
     void choose_by_trial(const Eigen::VectorXd& x, std::optional<LevelSet>& next) {
         const double gained = std::abs(state_.result.objective_start - state_.level_best_objective);
         const double least = state_.problem.optimize.min_expected_gain * gained;
@@ -329,7 +319,7 @@ private:
         // Random and global searches belong where there are few variables.
         how.method = first || !method_facts(options.method).is_global ? options.method : Method::sqp;
         how.batch = options.batch;
-        if (begins_by_models(last)) {
+        if (!last && !has_stayed_ && budget_.begins_by_models()) {
             how.method = Method::model;
             how.tries_in_order = !options.descends_as_before;
             // A run that has the evaluations for differences learns more from each where fewer are asked at a time.
@@ -344,6 +334,7 @@ private:
         how.is_relative_to_objective = options.is_relative_to_objective;
         how.trusts_long_steps = options.trusts_long_steps;
         how.learns_as_before = options.learns_as_before;
+        how.descends_as_before = options.descends_as_before;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;
@@ -351,9 +342,9 @@ private:
         how.constraint_tolerance = options.constraint_tolerance;
         // Where trials choose, levels are left by what they gain.
         how.max_evaluations = last                                     ? state_.evaluations_left()
-                              : how.method == Method::model            ? budget_by_models()
+                              : how.method == Method::model            ? budget_.by_models()
                               : how.method == Method::sqp && may_try() ? state_.evaluations_left()
-                                                                       : level_budget();
+                                                                       : budget_.by_differences();
         how.max_seconds = state_.limits().seconds > 0 ? std::max(state_.seconds_left(), 1e-9) : 0;
         how.clock = [&] { return state_.elapsed(); };
         how.confirm = last;
@@ -364,39 +355,11 @@ private:
         return how;
     }
 
-    /// What is left, in equal parts for the levels to come: for no more of them than it can move.
-    int level_budget() const {
-        const int gradient = program_.gives_lagrangian() ? 0 : static_cast<int>(state_.space.size());
-        const int left = state_.evaluations_left(), to_come = state_.levels_left() + 1;
-        const bool is_for_all = state_.problem.optimize.shares_with_all_levels;
-        const int levels = is_for_all ? to_come : std::clamp(left / (min_evaluations + gradient), 1, to_come);
-        return std::max(1, left / levels);
-    }
-    int budget_by_models() const {
-        const int shared = level_budget(), left = state_.evaluations_left();
-        if (state_.problem.optimize.learns_as_before || shared == left) return shared;
-        const int terms = static_cast<int>(state_.space.size()) + 1;
-        if (left < min_points_of_a_variable * terms) return left;  // finer variables could not be learned
-        const int batches = 1 + batches_of_a_level * state_.problem.optimize.batch;
-        return std::clamp(std::max(points_of_a_variable * terms, batches), 1, std::max(1, left / 2));
-    }
-
-    /// Where trials of values choose what comes next, few variables are searched by models: differences would pay for
-    /// one gradient what brings these near their best. Equalities are met by chance only where models tell them.
-    bool begins_by_models(bool last) const {
-        const OptimizeOptions& options = state_.problem.optimize;
-        const auto is_equality = [](const Constraint& c) { return c.equals.has_value(); };
-        if (last || options.learns_as_before || options.method != Method::sqp || !has_choice() || has_stayed_ ||
-            std::ranges::any_of(state_.problem.constraints, is_equality))
-            return false;
-        if (!state_.space.has_patches) return state_.space.size() <= max_variables_by_models;
-        return !options.descends_as_before && state_.space.size() <= max_variables_with_patches;
-    }
-
     MinimizeResult run_level(const Eigen::VectorXd& start, Entry entry) {
         if (entry == Entry::first || entry == Entry::refined) {
             widened_ = 1;
             spent_ = failed_ = 0;
+            forecast_of_level_ = std::exchange(forecast_of_next_, 0);
             first_step_ = std::min(first_step_, max_step());
         }
         const bool last = entry == Entry::finished || is_last_ || state_.levels_left() == 0;
@@ -419,19 +382,19 @@ private:
             return !(slackened && state_.run_best.feasible);  // not before there is something to refine
         };
         const bool may_leave = watched && state_.problem.optimize.progress_below > 0;
-        const std::optional<Prospect> below =
-            may_leave && state_.rest->parameters.split != SplitRule::gradient && program_.gives_lagrangian()
-                ? prospect(state_.space, start)
-                : std::nullopt;
-        if (below)
+        below_ = may_leave && state_.rest->parameters.split != SplitRule::gradient && program_.gives_lagrangian()
+                     ? prospect(state_.space, start)
+                     : std::nullopt;
+        if (below_)
             how.on_model = [&, before = state_.result.evaluations](double expected, const Eigen::MatrixXd& hessian) {
                 still_expected_ = expected;
                 const double kept = kept_of_forecast(state_.result.evaluations - before);
-                return is_best_at_this_level(*below, program, expected / std::max(kept, 1e-9), hessian);
+                return is_best_at_this_level(*below_, program, expected / std::max(kept, 1e-9), hessian);
             };
         else if (may_leave && !sees_values_only)
             how.on_model = by_differences_rule(static_cast<int>(start.size()));
-        if (may_leave && !sees_values_only && has_choice() && !has_stayed_) how.before_differences = leave_early_rule();
+        if (may_leave && !sees_values_only && program_.has_choice() && !has_stayed_)
+            how.before_differences = leave_early_rule();
         still_expected_ = 0;
         MinimizeResult result = minimize(program, how);
         spent_ = result.evaluations += spent_;
@@ -471,12 +434,12 @@ private:
         return gradient_error_.size() > 0 ? Eigen::MatrixXd(gradient_error_(kept, Eigen::all)) : gradient_error_;
     }
 
-    /// Of what details were expected to gain when a level was last left for them, the share that this one gains. Where
-    /// the gradient of an objective grows with fineness (the drag of a wave), finer details always promise more.
+    /// Of what details were expected to gain when the level above was left for them, the share that this one gains.
+    /// Where the gradient of an objective grows with fineness (the drag of a wave), finer details always promise more.
     double kept_of_forecast(int evaluations_of_level) const {
         if (state_.problem.optimize.descends_as_before || forecast_of_level_ == 0) return 1;
         const double gained = std::abs(state_.result.levels.back().objective_start - state_.level_best_objective);
-        if (gained == 0 && evaluations_of_level >= min_evaluations) return 1;  // constraints are being met
+        if (gained == 0 && evaluations_of_level >= min_evaluations) return 1;  // it leads nowhere, or is not feasible
         return std::min(1.0, gained / forecast_of_level_);
     }
 
@@ -489,10 +452,15 @@ private:
         const ShellSensitivities lagrangian = program_.lagrangian();
         const DesignFacts facts{state_.space, program_.known().x, lagrangian, shape_curvature(hessian, program.metric),
                                 program_.known().dJ_dv};
-        const double forecast = expected_decrease_of(facts, below);
-        if (outgrown * forecast <= expected) return true;
-        forecast_of_level_ = forecast;
-        return false;
+        return outgrown * expected_decrease_of(facts, below) <= expected;
+    }
+
+    /// By all details below, at the level's end. 0: not known.
+    double forecast_of_details() const {
+        if (!below_ || !program_.has_lagrangian()) return 0;
+        const ShellSensitivities lagrangian = program_.lagrangian();
+        return expected_decrease_of({state_.space, program_.known().x, lagrangian, curvature_, program_.known().dJ_dv},
+                                    *below_);
     }
 
     /// Without sensitivities to look ahead by: a level ends when its model expects little, or costs too much.
@@ -554,6 +522,7 @@ private:
 
     RunState state_;
     LevelProgram program_;
+    LevelBudget budget_;
     Eigen::MatrixXd hessian_;         ///< at the end of the level, in y; empty: not known
     Eigen::VectorXd weight_;          ///< y over x
     Eigen::VectorXd last_y_;          ///< the last point of the level that was differentiated
@@ -561,12 +530,14 @@ private:
     Evaluation parent_;               ///< best of the level, its gradient in y
     Eigen::MatrixXd gradient_error_;  ///< of that gradient
     double curvature_ = 1, first_step_ = 0.5, largest_gradient_ = 0;
-    int spent_ = 0, failed_ = 0;    ///< evaluations of the level's searches before the present one, and failures
-    double widened_ = 1;            ///< times the ranges that the level began with
-    double probed_ = 1;             ///< how much softer the details of the next level are than the metric says
-    double still_expected_ = 0;     ///< decrease that the level's model saw ahead at its end
-    double forecast_of_level_ = 0;  ///< by the details for which a level was last left; 0: none was
-    double expected_of_level_ = 0;  ///< by its refinement and the level above; 0: the first level
+    int spent_ = 0, failed_ = 0;     ///< evaluations of the level's searches before the present one, and failures
+    double widened_ = 1;             ///< times the ranges that the level began with
+    double probed_ = 1;              ///< how much softer the details of the next level are than the metric says
+    double still_expected_ = 0;      ///< decrease that the level's model saw ahead at its end
+    std::optional<Prospect> below_;  ///< of the present level; none: it is not left for its details
+    double forecast_of_level_ = 0;   ///< of its details, when the level above was left for them; 0: not known
+    double forecast_of_next_ = 0;    ///< the same of the level to come
+    double expected_of_level_ = 0;   ///< by its refinement and the level above; 0: the first level
     bool refining_is_idle_ = false, is_in_noise_ = false;
     bool is_trial_wanted_ = false;  ///< before the next level
     bool has_converged_ = false;    ///< the last level

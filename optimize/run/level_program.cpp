@@ -446,6 +446,12 @@ bool LevelProgram::gives_lagrangian() const {
     return !needs_differences_ && method_facts(state_.problem.optimize.method).needs_gradients;
 }
 
+bool LevelProgram::has_choice() const {
+    const Parameters& p = state_.rest->parameters;
+    return p.fields && !p.field_steps.empty() && !p.kinds.empty() && p.split == SplitRule::sensitivity &&
+           !gives_lagrangian();
+}
+
 Eigen::VectorXd LevelProgram::lagrangian_weights() const {
     Eigen::VectorXd weight = Eigen::VectorXd::Zero(static_cast<Eigen::Index>(known_.sensitivities.size()));
     weight[objective_gradient_] = sign();

@@ -55,6 +55,8 @@ public:
     Eigen::VectorXd lagrangian_weights() const;  ///< of the differentiated values in it
     /// All that the Lagrangian holds has sensitivities, and the method asks for them.
     bool gives_lagrangian() const;
+    /// Values alone, and fields beside patches to choose from.
+    bool has_choice() const;
     bool has_lagrangian() const { return !known_.sensitivities.empty() && !needs_differences_; }
     const ConstraintRows& rows() const { return rows_; }
     /// At the end of the search of this level. @param best its best evaluation, with gradients where these are known
@@ -74,7 +76,7 @@ private:
     bool learns() const {
         const OptimizeOptions& options = state_.problem.optimize;
         return options.method == Method::model ||
-               (options.method == Method::sqp && !options.descends_as_before && !gives_lagrangian());
+               (options.method == Method::sqp && !options.descends_as_before && has_choice());
     }
     std::vector<KnownPoint> known_points();
     void use_learned();

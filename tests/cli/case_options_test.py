@@ -1,5 +1,5 @@
-"""Keys set on the command line in every command that reads a case, the axes that `check` draws, and the page at the end of a
-run. Arguments: the programs strake and make_surface."""
+"""Keys set on the command line in every command that reads a case, the names of the option for the output, the axes that
+`check` draws, and the page at the end of a run. Arguments: the programs strake and make_surface."""
 import json
 import pathlib
 import subprocess
@@ -8,6 +8,7 @@ import tempfile
 import unittest
 
 STRAKE, MAKE_SURFACE = (str(pathlib.Path(p).resolve()) for p in sys.argv[1:3])
+VOLUME = pathlib.Path(__file__).resolve().parents[2] / "cases/external/volume.py"
 CASE = """case: body
 surface: {file: body.obj}
 regions: {root: {box: [[-9, -9, -9], [0.8, 9, 9]]}, tail: {box: [[5, -9, -9], [99, 9, 9]]}}
@@ -84,6 +85,34 @@ class Settings(unittest.TestCase):
         path("deep/case.yaml").write_text(CASE.replace("body.obj", "../body.obj"))
         strake("check", "deep/case.yaml", "--quick", "--set", "surface.file=../body.obj")
         self.assertIn("does not exist", strake("check", "deep/case.yaml", "--set", "surface.file=body.obj", status=2).stderr)
+
+
+class Output(unittest.TestCase):
+    WORDS = ("-o", "--out", "--output")
+
+    def expect_output(self, file, *arguments):
+        """Whatever the option is called, the command writes `file` into the folder."""
+        for word in self.WORDS:
+            folder = f"{arguments[0]}{word}"
+            strake(*arguments, word, folder)
+            self.assertTrue(path(folder).joinpath(file).exists(), (arguments, word))
+
+    def test_run_folders(self):
+        self.expect_output("samples.csv", "sample", "case.yaml", "-n", "2", "-q")
+        self.expect_output("run.json", "step", "case.yaml", "-q", "--set", "optimize.budget.evaluations=2")
+        self.expect_output("run.json", "fit", "fit.yaml", "-q", "--set", FIT)
+
+    def test_folders_of_evaluations(self):
+        program = ["case.yaml", "--set", 'quantities={bulk: {command: ["%s", "{request}", "{result}"]}}' % VOLUME,
+                   "--set", "objective={maximize: bulk}"]
+        self.expect_output("evaluations/000001/result.json", "check", *program, "--evaluate")
+        self.expect_output("evaluations/000001/result.json", "gradient-check", *program, "-q")
+
+    def test_check_has_none_without_an_evaluation(self):
+        for word in self.WORDS:
+            told = strake("check", "case.yaml", word, "unasked", status=2).stderr
+            self.assertIn("strake: check: --out requires --evaluate\n", told)
+        self.assertFalse(path("unasked").exists())
 
 
 class Axes(unittest.TestCase):

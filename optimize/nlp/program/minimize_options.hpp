@@ -32,6 +32,8 @@ struct MinimizeOptions {
     /// The meaning of earlier runs, of `model`: no curvature that all directions share, no slopes at the end, and what
     /// models hold back from a limit that is known exactly is left.
     bool learns_as_before = false;
+    /// The meaning of earlier runs, of `sqp`: a model that expects a rise counts as one that expects little.
+    bool descends_as_before = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row

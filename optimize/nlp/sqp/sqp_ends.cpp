@@ -12,7 +12,7 @@ using Eigen::VectorXd;
 bool SqpSearch::is_small(double expected_decrease) const {
     const double share = guard_.options.is_relative_to_objective ? trust_region.small_decrease : 1;
     // A model that expects a rise, although no step at all is within it, was not solved.
-    const double size = guard_.options.learns_as_before ? expected_decrease : std::abs(expected_decrease);
+    const double size = guard_.options.descends_as_before ? expected_decrease : std::abs(expected_decrease);
     return size <= std::max(share * guard_.decrease_tolerance(now_.at.objective), std::numeric_limits<double>::min());
 }
 

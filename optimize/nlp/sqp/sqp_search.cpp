@@ -86,7 +86,7 @@ bool SqpSearch::step() {
     if (relief > 0) merit_.raise_penalty(-gain / (trust_region.penalty_share * relief));
     double predicted = merit_.expected_decrease(gain, relief);
     // No step at all would be better: rounding, not the end.
-    if (!guard_.options.learns_as_before && predicted < -guard_.decrease_tolerance(now_.at.objective))
+    if (!guard_.options.descends_as_before && predicted < -guard_.decrease_tolerance(now_.at.objective))
         return model_failed();
     if (is_stationary(d, predicted)) return ends_here() && (!steps_.is_cut_off(d) || end_at_border());
     Trial trial{{}, d};

@@ -13,8 +13,15 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double points_per_term = 2;
-constexpr double largest_nugget = 1;
 constexpr double round_off = 1e-13;  ///< of the values: what the trend leaves of them is nothing
+
+constexpr double beyond_rounding = 1e-7;  ///< its square is near that of a double
+
+/// The weights of a trend's terms, by L of their normal equations.
+bool are_told_apart(const Eigen::LLT<MatrixXd>& normal, double than) {
+    const auto diagonal = normal.matrixLLT().diagonal();
+    return normal.info() == Eigen::Success && diagonal.minCoeff() > than * diagonal.maxCoeff();
+}
 
 Eigen::Index terms_of(Trend trend, Eigen::Index d) {
     return trend == Trend::constant ? 1 : trend == Trend::linear ? 1 + d : 1 + d + d * (d + 1) / 2;
@@ -84,13 +91,14 @@ void GaussianProcess::choose_trend() {
     H_.resize(n, terms_of(trend_, d) + has_square());
     for (Eigen::Index i = 0; i < n; ++i) H_.row(i) = terms(points_.row(i));
     // Terms that these points cannot tell apart have no weights of their own.
-    const Eigen::LLT<MatrixXd> llt(H_.transpose() * H_);
-    if (llt.info() == Eigen::Success &&
-        llt.matrixLLT().diagonal().minCoeff() > 1e-6 * llt.matrixLLT().diagonal().maxCoeff())
-        return;
+    if (are_told_apart(Eigen::LLT<MatrixXd>(H_.transpose() * H_), 1e-6)) return;
+    keep_constant_trend();
+}
+
+void GaussianProcess::keep_constant_trend() {
     trend_ = Trend::constant;
     square_about_.resize(0);
-    H_ = VectorXd::Ones(n);
+    H_ = VectorXd::Ones(points_.rows());
 }
 
 VectorXd GaussianProcess::terms(const VectorXd& x) const {
@@ -133,9 +141,9 @@ void GaussianProcess::fit() {
     CH_ = C_.solve(H_);
     HCH_.compute(H_.transpose() * CH_);
     beta_ = HCH_.solve(CH_.transpose() * values_);
-    // Points next to one another leave nothing of the trend but rounding: they have more noise in common.
-    if ((HCH_.info() != Eigen::Success || !beta_.allFinite()) && kernel_.nugget < largest_nugget) {
-        kernel_.nugget *= 10;
+    // Points next to one another leave nothing of the trend but rounding: a constant is what they tell.
+    if (trend_ != Trend::constant && !are_told_apart(HCH_, beyond_rounding)) {
+        keep_constant_trend();
         return fit();
     }
     const VectorXd rest = values_ - H_ * beta_;

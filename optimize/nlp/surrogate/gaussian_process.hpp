@@ -41,7 +41,7 @@ public:
     GaussianProcess(Eigen::MatrixXd points, Eigen::VectorXd values, const GaussianProcessOptions& options = {},
                     const Kernel* start = nullptr);
 
-    /// The same kernel and trend with other points: O(n^3).
+    /// The same kernel with other points, and the same trend, where these tell its terms apart: O(n^3).
     GaussianProcess with_points(Eigen::MatrixXd points, Eigen::VectorXd values) const;
 
     double mean(const Eigen::VectorXd& x) const;
@@ -75,6 +75,7 @@ public:
 private:
     void check(const std::vector<int>& group) const;
     void choose_trend();
+    void keep_constant_trend();
     bool has_square() const { return square_about_.size() > 0; }
     void fit();
     Eigen::VectorXd kernel_to(const Eigen::VectorXd& x) const;

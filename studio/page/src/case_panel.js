@@ -30,7 +30,7 @@ export class Editor {
 
   async load() {
     const { name, text, mark } = await get('api/case');
-    if (this.isChanged && name === this.name && mark === this.mark) { this.changed(); return; }  // what is typed stays
+    if (this.isChanged && this.name && (!name || (name === this.name && mark === this.mark))) { this.changed(); return; }  // what is typed stays
     this.name = name;
     this.mark = mark;
     if (this.area.value !== text) {

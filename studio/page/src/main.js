@@ -15,6 +15,7 @@ import { History } from './history.js';
 import { Section } from './section_panel.js';
 import { gradient } from '../../../viewer/page/src/colors.js';
 
+const reading = 'Reading the surface, its patches and its defects …';
 const tabs = [['look', 'Surface'], ['choose', 'Choose'], ['case', 'Case'], ['feel', 'Feel'], ['run', 'Run']];
 
 class Studio {
@@ -165,7 +166,8 @@ class Studio {
   async refresh() {
     let state;
     try { state = await get(`api/state?from=${this.runs.rows.length}`); } catch { this.lose(); return; }
-    if (this.isLost) {  // the studio was started again: it opens what this page shows
+    if (this.isLost) {  // the studio was started again: it opens what this page shows, after what it opens by itself
+      if (state.is_opening) { this.tell(reading); this.wasOpening = true; return; }
       this.isLost = false;
       this.version = -1;
       this.tell('');
@@ -181,7 +183,7 @@ class Studio {
         if (!error.isAnswer) { this.lose(); return; }
         this.tell(error.message);
       }
-    } else if (state.is_opening && !this.wasOpening) this.tell('Reading the surface, its patches and its defects …');
+    } else if (state.is_opening && !this.wasOpening) this.tell(reading);
     this.wasOpening = state.is_opening;
     this.showTask(state.task);
     if (state.disk_mark && this.editor.mark && state.disk_mark !== this.editor.mark && !state.is_opening) this.tell(`${state.case} has been changed by another program; Save will ask before it overwrites anything.`);

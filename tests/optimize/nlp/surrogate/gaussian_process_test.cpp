@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 #include <cmath>
+#include <functional>
 #include <random>
 
 namespace strake {
@@ -19,7 +20,7 @@ VectorXd vec(std::initializer_list<double> entries) {
 
 double wavy(const VectorXd& x) { return std::sin(3 * x[0]) + x[0] * x[1] - 0.5 * x[1] * x[1] + 2; }
 
-VectorXd values_of(const MatrixXd& points, double (*f)(const VectorXd&)) {
+VectorXd values_of(const MatrixXd& points, const std::function<double(const VectorXd&)>& f) {
     VectorXd values(points.rows());
     for (Eigen::Index i = 0; i < points.rows(); ++i) values[i] = f(points.row(i));
     return values;
@@ -203,6 +204,26 @@ TEST(GaussianProcess, EqualPointsConstantValuesAndFewPointsAreNoTrouble) {
     MatrixXd same = MatrixXd::Ones(4, 2);
     const GaussianProcess one_place(same, vec({1, 2, 3, 4}));
     EXPECT_NEAR(one_place.mean(VectorXd::Ones(2)), 2.5, 1e-6);
+}
+
+/// What a search may end with: of the trend's terms nothing but rounding is left.
+TEST(GaussianProcess, PointsNextToOneAnotherSayLittleButNoNaN) {
+    constexpr int d = 12, n = 4 * d + 2;
+    const auto f = [](const VectorXd& x) { return x.squaredNorm() + std::sin(3 * x[0]); };
+    for (const Trend trend : {Trend::linear, Trend::quadratic}) {
+        const int count = trend == Trend::linear ? n : (d + 1) * (d + 2) + 4;
+        const MatrixXd points = sobol_points(0, count, d);
+        const GaussianProcess model(points, values_of(points, f), {.trend = trend});
+        EXPECT_EQ(model.trend(), trend);
+        for (const double size : {1e-6, 1e-8, 1e-10, 1e-12, 1e-15, 0.0}) {
+            const MatrixXd near = (size * points).array() + 0.5;
+            const GaussianProcess other = model.with_points(near, values_of(near, f));
+            const VectorXd middle = VectorXd::Constant(d, 0.5);
+            EXPECT_NEAR(other.mean(middle), f(middle), 1e-4) << size;
+            EXPECT_TRUE(other.gradient(middle).allFinite() && other.hessian(middle).allFinite()) << size;
+            EXPECT_GE(other.variance(middle), 0) << size;
+        }
+    }
 }
 
 TEST(GaussianProcess, RefusesWhatIsNotFiniteOrDoesNotFit) {

@@ -310,10 +310,6 @@ def transonic_rows(run, fine):
             Row("runs of the solver", "", len(rows), None, 3)]
 
 
-def transonic_alone(run):
-    return transonic_rows(run, (transonic_polar(run, surface_of(run)), transonic_polar(run, run / "best.obj")))
-
-
 def transonic_drag(run):
     """Against boxes of B-splines by the same search (bench/wings), where that is built; all on a mesh of twice the cells, at three lifts."""
     fine = transonic_polar(run, surface_of(run)), transonic_polar(run, run / "best.obj")
@@ -396,8 +392,6 @@ PROBLEMS = {
                      prepare="sbend.py"),
     "transonic": Problem("onera_m6", 6000, transonic_drag, "AGARD AR-138; an expert's box", is_slow=True, needs="rhoSimpleFoam",
                          prepare="transonic/m6.py"),
-    "transonic_60": Problem("onera_m6", 6000, transonic_alone, "AGARD AR-138", case="transonic", settings=("parameters.fields={number: 60}",),
-                            is_slow=True, needs="rhoSimpleFoam", prepare="transonic/m6.py"),
     "stokes": Problem("sphere", 2000, stokes_drag, "Pironneau 1973; Montenegro-Johnson and Lauga 2014", quick=14),
     "stokes_area": Problem("sphere", 2000, stokes_drag_of_area, "Montenegro-Johnson and Lauga 2014", case="stokes", is_slow=True,
                            settings=("constraints={area: {equals: 1, relative: true}}", "quantities.drag.on_failure=shrink_step")),

@@ -47,12 +47,14 @@ def shares_of(ways, count):
 
 
 def rounds_over_serial(ways, count):
-    """Of the first way, over the evaluations of the best serial one."""
+    """Of the first way, over the evaluations of the best serial one; infinite if it does not get that far."""
     serial = [ways[w] for w in SERIAL if w in ways]
     value = min(best_after(t, count) for t in serial)
     alone = min(reached(t, value) for t in serial)
-    batches = math.ceil((reached(next(iter(ways.values())), value) - 1) / PLACES) if value < math.inf else 0
-    return (1 + batches) / alone
+    if value == math.inf:
+        return 1 / alone
+    in_batches = reached(next(iter(ways.values())), value)
+    return math.inf if in_batches == math.inf else (1 + math.ceil((in_batches - 1) / PLACES)) / alone
 
 
 def main(count, folders):

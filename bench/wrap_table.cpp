@@ -1,12 +1,14 @@
 // How a wrap carries bodies: wrap_table FILE|KIND...   (a kind of make_surface; none: all twelve)
 // Each row: seconds of CPU for wrap, remeshing, binding and one B u, B^T g; then, for motions of 5 % of the diagonal D
 // that are known exactly, given to the wrap's vertices: the body's farthest vertex from the exact motion over D, the
-// change of its dihedral angles beyond those of the exact motion (degrees, rms), and pairs of triangles that intersect
+// change of its dihedral angles beyond those of the exact motion (degrees, rms), the largest error of gaps between
+// vertices of different parts that are within 1 % of D of each other, and pairs of triangles that intersect
 // and did not at rest, carried and under the exact motion; of these, those that do more than touch.
 #include "bench/dirty_bodies.hpp"
 #include "core/error.hpp"
 #include "core/mesh/adjacency.hpp"
 #include "core/mesh/geometry.hpp"
+#include "core/mesh/point_tree.hpp"
 #include "core/mesh/topology.hpp"
 #include "core/wrap/wrap_map.hpp"
 
@@ -29,6 +31,7 @@ constexpr double size = 0.05;  ///< of the motions, in diagonals
 /// Diagonals by which pairs that touch may pass into each other: coplanar triangles in contact do, by one motion or the
 /// other, as their surface bends between their vertices.
 constexpr double touch = 1e-6;
+constexpr double near = 0.01;  ///< diagonals: parts next to each other
 
 using Motion = std::function<Points(const Points& x)>;  ///< of points in diagonals, about the middle of the body
 
@@ -114,6 +117,38 @@ double shift_apart(const TriMesh& mesh, int t, int s) {
     return std::max(0.0, shift);
 }
 
+/// Vertices of different parts that are next to each other, none farther than `near`.
+std::vector<std::array<int, 2>> gaps(const TriMesh& mesh, const Adjacency& adjacent, double near) {
+    std::vector<int> part(static_cast<std::size_t>(mesh.num_vertices()), -1);
+    const std::vector<Sheet> sheets = sheets_of(mesh, adjacent);
+    for (std::size_t s = 0; s < sheets.size(); ++s)
+        for (const int t : sheets[s].triangles)
+            for (const int v : mesh.triangles.row(t)) part[static_cast<std::size_t>(v)] = static_cast<int>(s);
+    const PointTree tree(mesh.vertices);
+    std::vector<std::array<int, 2>> found;
+    std::vector<int> around;
+    for (int v = 0; v < mesh.num_vertices(); ++v) {
+        tree.within(mesh.vertices.row(v).transpose(), near, around);
+        double least = near;
+        int other = -1;
+        for (const int w : around) {
+            const double away = (mesh.vertices.row(w) - mesh.vertices.row(v)).norm();
+            if (part[static_cast<std::size_t>(w)] != part[static_cast<std::size_t>(v)] && away <= least)
+                least = away, other = w;
+        }
+        if (other >= 0) found.push_back({v, other});
+    }
+    return found;
+}
+
+/// The largest that a gap differs by, carried and under the exact motion.
+double gap_change(const std::vector<std::array<int, 2>>& gaps, const Points& carried, const Points& exact) {
+    double largest = 0;
+    for (const auto& [v, w] : gaps)
+        largest = std::max(largest, (carried.row(v) - carried.row(w) - exact.row(v) + exact.row(w)).norm());
+    return largest;
+}
+
 struct NewPairs {
     int all = 0, deep = 0;
 };
@@ -143,6 +178,7 @@ void row(const std::string& name, const TriMesh& body) {
     const Adjacency adjacent = adjacency(body);
     auto at_rest = self_intersections(body);
     std::ranges::sort(at_rest);
+    const auto apart = gaps(body, adjacent, near * diagonal);
     std::printf("%-28s %7d %6d alpha %4.1f %%, genus %d, attempts %d: wrap + remesh %5.1f s, binding %4.1f s\n",
                 name.c_str(), body.num_triangles(), wrap.mesh.num_triangles(), 100 * wrap.alpha / diagonal, wrap.genus,
                 wrap.attempts, wrapped - begin, bound - wrapped);
@@ -159,10 +195,11 @@ void row(const std::string& name, const TriMesh& body) {
         const NewPairs of_map = new_pairs(by_map, at_rest, touch * diagonal),
                        of_wrap = new_pairs(carried, at_rest, touch * diagonal);
         std::printf(
-            "    %-6s off %8.1e D, roughness %6.3f deg, new intersections %d (exact %d), deeper than a touch %d "
-            "(%d); B u %5.3f s, B^T g %5.3f s\n",
+            "    %-6s off %8.1e D, roughness %6.3f deg, gaps %8.1e D off, new intersections %d (exact %d), "
+            "deeper than a touch %d (%d); B u %5.3f s, B^T g %5.3f s\n",
             what, (moved - exact).rowwise().norm().maxCoeff() / diagonal, roughness(body, adjacent, by_map, carried),
-            of_wrap.all, of_map.all, of_wrap.deep, of_map.deep, there - then, back - there);
+            gap_change(apart, moved, exact) / diagonal, of_wrap.all, of_map.all, of_wrap.deep, of_map.deep,
+            there - then, back - there);
     }
     std::fflush(stdout);
 }

@@ -280,7 +280,7 @@ TEST_F(Resume, AFullDiskIsCalledSo) {
                                .c_str());
     };
     fs::create_directory(path("kept"));
-    if (on_disk(64, "true") != 0) GTEST_SKIP() << "no name spaces for users";
+    if (on_disk(64, "true") != 0) GTEST_SKIP() << "no name spaces for users";  // a small disk is mounted in one
     int told = 0, begun = 0;
     for (const int kilobytes : {48, 180, 230, 280}) {
         fs::remove_all(path("kept"));

@@ -2,7 +2,6 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
-#include "optimize/nlp/surrogate/known_constraints.hpp"
 #include "optimize/nlp/surrogate/model_minimum.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
@@ -34,8 +33,6 @@ constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer to its limit holds the minimum
-constexpr double kept_length = 0.5;     ///< of a step that exact limits shorten: less is tried the other way
-constexpr int projections = 2;          ///< onto constraints that are known exactly
 constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
 constexpr double min_curvature = 0.1;   ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
@@ -49,10 +46,12 @@ struct Proposal {
 
 class ModelSearch {
 public:
-    explicit ModelSearch(Guard& guard)
-        : guard_(guard), points_(guard), radius_(guard.options.first_step), known_(guard) {
+    explicit ModelSearch(Guard& guard) : guard_(guard), points_(guard), radius_(guard.options.first_step) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
+        if (const auto& low = guard.program.low_fidelity)
+            for (Eigen::Index i = 0; i < region_.offset.size(); ++i)
+                if (low->values[static_cast<std::size_t>(i) + 1] == LowFidelityValue::same) exact_rows_.push_back(i);
     }
 
     ModelEnd run() {
@@ -137,7 +136,6 @@ private:
         }
         region_.centre = centre().z;
         region_.cut = border_cut();
-        if (!guard_.options.limits_by_models) known_here_ = known_.at(centre().x, true);
         const std::vector<Proposal> batch = models_ ? propose() : first_batch();
         if (!ends_here(batch)) evaluate(batch);
     }
@@ -202,23 +200,10 @@ private:
         for (int k = 0; k < places(); ++k) {
             const auto round = static_cast<int>(k / points_.dimensions());  // to both sides, then farther
             const double length = (1 + round / 2) * first_length * radius_;
-            add(batch, along(round % 2 == 0 ? length : -length), length);
+            add(batch, centre().z + (round % 2 == 0 ? length : -length) * next_direction(), length);
         }
         return batch;
     }
-
-    /// From the centre along the next direction, or against it where exact limits leave more of that.
-    VectorXd along(double length) {
-        const VectorXd c = centre().z, step = length * next_direction();
-        const VectorXd there = kept(c + step);
-        if (!knows_slopes() || (there - c).norm() > kept_length * std::abs(length)) return there;
-        const VectorXd back = kept(c - step);
-        return (back - c).norm() > (there - c).norm() ? back : there;
-    }
-    VectorXd kept(const VectorXd& z) const {
-        return knows_slopes() ? points_.whitened(known_.nearest(points_.variables(z), *known_here_)) : z;
-    }
-    bool knows_slopes() const { return known_here_ && known_here_->has_slopes(); }
 
     int exploiting() const {
         // The last batch has nothing to learn for.
@@ -244,7 +229,7 @@ private:
             const VectorXd z = minimum(models, exploits ? 0 : confidence, from);
             const std::size_t before = batch.size();
             add(batch, z, region_.radius);
-            if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
+            if (batch.size() == before) add(batch, c + exploring_radius * radius_ * next_direction(), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
         }
@@ -252,45 +237,19 @@ private:
         return batch;
     }
 
-    /// What is known exactly holds exactly: there the models serve for their slopes, or for what slopes at the centre
-    /// leave open, whichever leads to less.
+    /// What is known exactly holds exactly: there the models serve for their slopes.
     VectorXd minimum(const LocalModels& models, double deviations, const VectorXd& from) {
         region_.offset.setZero();
-        region_.tilt.resize(0, 0);
-        const VectorXd z = corrected(models, deviations, from);
-        // What looks around is for learning: within all limits it would see less of what lies beyond.
-        const bool explores = deviations > 0;
-        if (explores || !knows_slopes() || guard_.cause != StopCause::none) return z;
-        const VectorXd by_models = projected(z);
-        align(models);
-        const VectorXd by_slopes = projected(corrected(models, deviations, from));
-        return promise(models, by_slopes) < promise(models, by_models) ? by_slopes : by_models;
-    }
-
-    /// What is known exactly has its value and slope at the centre.
-    void align(const LocalModels& models) {
-        region_.offset.setZero();
-        region_.tilt.setZero(region_.offset.size(), points_.dimensions());
-        for (const Eigen::Index i : known_.rows()) {
-            const GaussianProcess& model = models[i + 1];
-            region_.offset[i] = known_here_->constraints[i] - model.mean(region_.centre);
-            const VectorXd slope = points_.gradient_by_z(known_here_->jacobian.row(i));
-            region_.tilt.row(i) = (slope - model.gradient(region_.centre)).transpose();
-        }
-    }
-
-    /// The least of the models, whose offsets are corrected until it meets what is known exactly.
-    VectorXd corrected(const LocalModels& models, double deviations, const VectorXd& from) {
         VectorXd z = model_minimum(program(), points_, models, region_, deviations, from);
-        for (int round = 0; round < exact_rounds && !known_.rows().empty(); ++round) {
-            const VectorXd x = guard_.inside(points_.variables(z)), there = points_.whitened(x);
+        for (int round = 0; round < exact_rounds && !exact_rows_.empty(); ++round) {
+            const VectorXd x = guard_.inside(points_.variables(z));
             if (guard_.cause != StopCause::none) break;
-            const auto found = known_.at(x, false);
-            if (!found) break;
+            const Evaluation at = program().low_fidelity->program->evaluate(x);
+            if (!at.failure.empty() || !at.constraints.allFinite()) break;
             double missed = 0;
-            for (const Eigen::Index i : known_.rows()) {
-                const double c = found->constraints[i];
-                const double expected = models[i + 1].mean(there) + region_.correction(i, there);
+            for (const Eigen::Index i : exact_rows_) {
+                const double c = at.constraints[i];
+                const double expected = models[i + 1].mean(points_.whitened(x)) + region_.offset[i];
                 // What the models hold back from a limit that is farther is missed, too.
                 const bool has_room = i < program().num_inequalities && c < 0 &&
                                       (guard_.options.learns_as_before || expected + region_.margin[i] < -held_limit);
@@ -303,32 +262,12 @@ private:
         return z;
     }
 
-    /// The nearest design that meets what is known exactly.
-    VectorXd projected(const VectorXd& z) const {
-        VectorXd x = points_.variables(z);
-        for (int round = 0; round < projections; ++round) {
-            const auto found = known_.at(x, true);
-            if (!found || known_.are_met(*found)) break;
-            x = known_.nearest(x, *found);
-        }
-        return points_.whitened(x);
-    }
-
-    /// What is expected there: of limits that are known exactly, what they are.
-    double promise(const LocalModels& models, const VectorXd& z) const {
-        VectorXd values = models.means(z);
-        values.segment(1, region_.margin.size()) += region_.margin;
-        if (const auto found = known_.at(points_.variables(z), false))
-            for (const Eigen::Index i : known_.rows()) values[i + 1] = found->constraints[i];
-        return merit(values);
-    }
-
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
     /// keeps farther from what only models tell.
     void keep_distance(const std::vector<Proposal>& batch) {
         if (batch.empty()) return;
         for (Eigen::Index i = 0; i < program().num_inequalities; ++i) {
-            if (known_.has(i)) continue;
+            if (std::ranges::find(exact_rows_, i) != exact_rows_.end()) continue;
             const double deviation = std::sqrt((*models_)[i + 1].variance(batch[0].z));
             region_.margin[i] += std::max(deviation, guard_.options.constraint_tolerance);
         }
@@ -461,8 +400,7 @@ private:
     SampledPoints points_;
     double radius_;  ///< in z
     ProposalRegion region_;
-    KnownConstraints known_;
-    std::optional<KnownConstraints::Found> known_here_;  ///< where the search stands
+    std::vector<Eigen::Index> exact_rows_;  ///< constraints that the program tells without an evaluation
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;

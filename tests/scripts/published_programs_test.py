@@ -362,11 +362,16 @@ class Page(unittest.TestCase):
         """A case whose line of parameters reads otherwise would be run as it is."""
         for name in published_levels.LEAST:
             text = (published.CASES / f"{published.PROBLEMS[name].case or name}.yaml").read_text(encoding="utf-8")
-            made = {variant: change(text) for variant, change in published_levels.VARIANTS.items()}
-            self.assertIn("number: auto", made["fields, coarse to fine"])
+            made = {variant: published_levels.varied(text, variant) for variant in published_levels.VARIANTS}
+            by_values = "fields: auto" in text
+            self.assertIn("fields: auto" if by_values else "number: auto", made["fields, coarse to fine"])
+            self.assertIn("fields: {number: 60}" if by_values else text, made["finest only"])
             if name not in published_levels.ONLY_FIELDS:
-                self.assertIn("levels: auto, variables: [normal], max_displacement: ", made["patches"])
-                self.assertNotIn("fields:", made["patches"])
+                if by_values:
+                    self.assertIn("fields: none", made["patches"])
+                else:
+                    self.assertIn("levels: auto, variables: [normal], max_displacement: ", made["patches"])
+                    self.assertNotIn("fields:", made["patches"])
                 self.assertIn("variables: [normal]", made["fields and patches"])
                 self.assertNotIn("shell: none", made["fields and patches"])
 

@@ -202,7 +202,7 @@ def table(results):
             first = [min((n for n, value in good if value <= limit), default=None) for limit in REACHED]
             best = f"{100 * min(value for _, value in good):.3g}" if good else "–"
             cells = [f"`{name}`" if k == 0 else "", one["variant"], *("–" if n is None else str(n) for n in first), best,
-                     str(len(one["excess"])), f"{one['seconds']:.0f}", one["end"]]
+                     str(len(one["excess"])), "–" if math.isnan(one["seconds"]) else f"{one['seconds']:.0f}", one["end"]]
             lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

@@ -3,12 +3,8 @@
 // those of six functionals, of one shape (equilibrium, guard and values; mean of six), each by the wrap and by a shell
 // on the wrap alone, as a body without one.
 #include "bench/dirty_bodies.hpp"
+#include "bench/four_patches.hpp"
 #include "core/error.hpp"
-#include "core/mesh/geometry.hpp"
-#include "core/patches/automatic.hpp"
-#include "core/wrap/wrap_map.hpp"
-#include "objectives/geometry/measures.hpp"
-#include "optimize/evaluate/evaluation.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -25,19 +21,8 @@ struct Times {
     double two = 0, six = 0, shape = 0;
 };
 
-/// Four patches of the elastic surface, one of whose triangles is held.
 Times times(const TriMesh& surface, std::shared_ptr<const WrapMap> wrap) {
-    Problem problem;
-    problem.surface = surface;
-    problem.wrap = std::move(wrap);
-    const TriMesh& elastic = elastic_surface(problem);
-    AutomaticLevels levels;
-    levels.patches_per_level = {4};
-    problem.tree = segment_automatically(elastic, adjacency(elastic), levels);
-    problem.prism_height = Eigen::VectorXd::Constant(elastic.num_vertices(), 0.02 * box_diagonal(elastic));
-    (problem.wrap ? problem.supports : problem.fixed).push_back(elastic.num_triangles() / 2);
-    problem.parameters.kinds = {VariableKind::normal_load};
-    problem.quantities = {closed_volume(surface), area(true)};
+    const Problem problem = four_patches(surface, std::move(wrap));
     const auto rest = rest_facts(problem);
     const DesignSpace space = design_space(rest, 1);
     ShapeEvaluator evaluator(problem, rest, std::vector<std::string>{"volume"});

@@ -310,6 +310,12 @@ def transonic_rows(run, fine):
             Row("runs of the solver", "", len(rows), None, 3)]
 
 
+def bests_of(trace):
+    """The best so far after each evaluation, of a box by bench/wings."""
+    with open(trace, encoding="utf-8", newline="") as file:
+        return [float(row["best"]) for row in csv.DictReader(file)]
+
+
 def transonic_drag(run):
     """Against boxes of B-splines by the same search (bench/wings), where that is built; all on a mesh of twice the cells, at three lifts."""
     fine = transonic_polar(run, surface_of(run)), transonic_polar(run, run / "best.obj")
@@ -325,8 +331,7 @@ def transonic_drag(run):
         subprocess.run([wings, CASES / "transonic.yaml", "--only-boxes", "--boxes", box, "--values-only", "--set", "optimize.method=model",
                         "--budget", str(count), "--reach", "0.026", "--out", run / "box"], cwd=run, check=True)
         seconds = child_seconds() - before
-        with open(run / f"box/transonic-box_{box}.csv", encoding="utf-8", newline="") as file:
-            found = [float(row["best"]) for row in csv.DictReader(file)][-1]
+        found = bests_of(run / f"box/transonic-box_{box}.csv")[-1]
         by_box = polars[f"the box's of {box}"] = transonic_polar(run, run / f"box/transonic-box_{box}.obj")
         shown += [Row(f"drag by a box of {box} points that twists", "", 1e4 * found, None, 4),
                   Row("seconds of CPU of that", "", seconds, None, 4),

@@ -6,7 +6,6 @@ by a box of B-splines (bench/published: the build tree of --bin holds strake_box
 1 % and 0.1 % of the published value. --write: the table of docs/published.md, and its chart, of all that was run in this folder.
 """
 import argparse
-import csv
 import json
 import math
 import pathlib
@@ -70,10 +69,23 @@ BOXES = {
     "sears_haack": ("37x2x2", "yz"), "haack": ("37x2x2", "yz"), "karman": ("37x2x2", "yz"), "wing_body_1": ("102x2x2", "yz"),
     "newton_1": ("11x2x2", "yz"), "twist_10": ("2x3x1", "z"), "nonplanar": ("2x5x1", "yz"), "stokes": ("5x2x2", "xyz"), "nose_6": ("7x2x2", "yz"),
 }
-# OpenFOAM's own optimizer is a box already: 9 x 5 x 3 volumetric B-splines, BFGS (docs/published.md, run again here).
-# That of the transonic wing is the one of its race (published.sh transonic).
-KNOWN = {"sbend": {"variant": "box", "end": "budget, OpenFOAM's own", "seconds": 700,
-                   "values": [7.17675e-7, 7.13710e-7, 6.70202e-7, 6.51984e-7, 6.40740e-7]}}
+
+
+def box_of_openfoam(_):
+    """OpenFOAM's own optimizer is a box already: 9 x 5 x 3 volumetric B-splines, BFGS (docs/published.md, run again here)."""
+    return [{"variant": "box", "end": "budget, OpenFOAM's own", "seconds": 700, "values": [7.17675e-7, 7.13710e-7, 6.70202e-7, 6.51984e-7, 6.40740e-7]}]
+
+
+def box_of_race(out):
+    """The better one of the transonic wing's race, where published.sh has run that."""
+    traces = [published.bests_of(path) for path in (out / "transonic/box").glob("*.csv")]
+    if not traces:
+        print("transonic: without the box, its race was not run")
+        return []
+    return [{"variant": "box", "end": "budget", "seconds": None, "values": min(traces, key=lambda values: values[-1])}]
+
+
+KNOWN = {"sbend": box_of_openfoam, "transonic": box_of_race}  # boxes that are run elsewhere
 VARIANTS = {
     "finest only": lambda text: text,
     "fields, coarse to fine": lambda text: re.sub(r"number: \d+", "number: auto", text),
@@ -82,7 +94,7 @@ VARIANTS = {
     "fields and patches": lambda text: with_shell(re.sub(r"number: \d+", "number: auto", text).replace("variables: []", "variables: [normal]")),
     "box": lambda text: text,
 }
-# Fields as they come are coarse to fine.
+# The same of cases with `fields: auto`, which are coarse to fine as they come.
 BY_VALUES = {"finest only": "fields: {number: 60}", "fields, coarse to fine": "fields: auto", "patches": "fields: none\n  variables: [normal]",
              "fields and patches": "fields: auto\n  variables: [normal]"}
 # A shell would push the nose ahead: another height, another problem. That of the bend was not tried: seventy seconds an evaluation.
@@ -112,6 +124,7 @@ def prepared(name):
 
 
 def varied(text, variant):
+    """The text of a case with these variables. One whose fields come as they come is by values, and has lines of its own."""
     if "fields: auto" not in text:
         return VARIANTS[variant](text)
     text = text.replace("fields: auto", BY_VALUES[variant]) if variant in BY_VALUES else text
@@ -160,20 +173,6 @@ def run_variant(name, variant, start, options):
     return {"variant": variant, "end": end, "seconds": seconds, "values": values}
 
 
-def box_of_race(race):
-    csvs = sorted(race.glob("box/transonic-box_*.csv"))
-    if not csvs:
-        print("transonic: without the box, its race was not run")
-        return []
-    best = min(csvs, key=lambda path: rows_of(path)[-1])
-    return [{"variant": "box", "end": "budget", "seconds": math.nan, "values": rows_of(best)}]
-
-
-def rows_of(path):
-    with open(path, encoding="utf-8", newline="") as file:
-        return [float(row["best"]) for row in csv.DictReader(file)]
-
-
 def run_problem(name, options):
     start, done = prepared(name), []
     for variant in VARIANTS:
@@ -183,9 +182,8 @@ def run_problem(name, options):
         if one:
             done.append(one)
             print(name, variant, f"{one['seconds']:.0f} s", one["end"], flush=True)
-    done += [dict(KNOWN[name])] if name in KNOWN else []
-    if name == "transonic":
-        done += box_of_race(options.out / "transonic")
+    if name in KNOWN:
+        done += KNOWN[name](options.out)
     found = [value for one in done for value in one["values"] if value is not None]
     least = LEAST[name](options.out / "levels" / f"{name}_0") if LEAST[name] else min(found)
     for one in done:  # the share that is too much; not at all lifts or volumes a value
@@ -202,7 +200,7 @@ def table(results):
             first = [min((n for n, value in good if value <= limit), default=None) for limit in REACHED]
             best = f"{100 * min(value for _, value in good):.3g}" if good else "–"
             cells = [f"`{name}`" if k == 0 else "", one["variant"], *("–" if n is None else str(n) for n in first), best,
-                     str(len(one["excess"])), "–" if math.isnan(one["seconds"]) else f"{one['seconds']:.0f}", one["end"]]
+                     str(len(one["excess"])), "–" if one["seconds"] is None else f"{one['seconds']:.0f}", one["end"]]
             lines.append("| " + " | ".join(cells) + " |")
     return "\n".join(lines)
 

@@ -29,7 +29,7 @@ struct Settings {
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
-    bool values_only = false;
+    bool values_only = false, by_program = false;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
     /// Objectives, as minimized, at which a run has seen enough, by problem and method; none: it goes on.
@@ -135,6 +135,7 @@ void run_problem(const std::string& name, const Settings& settings) {
     problem.problem.optimize.batch = settings.batch;
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
+    if (settings.by_program) problem = with_objective_by_program(problem);
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -213,6 +214,8 @@ int main(int argc, char** argv) {
     app.add_flag(
         "--values-only", settings.values_only,
         "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
+    app.add_flag("--by-program", settings.by_program,
+                 "the same for the objective alone, as if a flow solver told it; limits are known, with gradients");
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));
     app.add_option("--noise", settings.noise,
                    "of the objective's values, a share of what the same way gains without; traces have true values")

@@ -92,6 +92,20 @@ EvidenceProblem without_gradients(EvidenceProblem evidence) {
     return evidence;
 }
 
+EvidenceProblem with_objective_by_program(EvidenceProblem evidence) {
+    const EvidenceProblem without = without_gradients(evidence);
+    auto& quantities = evidence.problem.quantities;
+    for (std::size_t q = 0; q < quantities.size(); ++q) {
+        const auto& names = quantities[q].names;
+        if (std::find(names.begin(), names.end(), evidence.problem.objective) == names.end()) continue;
+        quantities[q] = without.problem.quantities[q];
+        quantities[q].program = "the objective of " + evidence.name;
+    }
+    evidence.has_gradients = false;
+    evidence.problem.optimize.finite_differences = true;
+    return evidence;
+}
+
 EvidenceProblem make_problem(const std::string& name, int triangles, unsigned seed) {
     std::uint64_t number = 0;
     for (const Makers& all : {makers(), physical_makers()})

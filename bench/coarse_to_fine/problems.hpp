@@ -33,6 +33,9 @@ EvidenceProblem make_problem(const std::string& name, int triangles, unsigned se
 
 /// The same as a solver without gradients sees it: quantities give values only, sqp takes differences.
 EvidenceProblem without_gradients(EvidenceProblem evidence);
+/// The same where only the objective comes from a program, as that of a flow solver: values of the shape that are
+/// limited are known, with gradients.
+EvidenceProblem with_objective_by_program(EvidenceProblem evidence);
 
 /// The same with `parameters.fields: auto`.
 EvidenceProblem with_automatic_fields(const EvidenceProblem& evidence);

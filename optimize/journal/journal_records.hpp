@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 12;
+constexpr int latest_meaning = 13;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -53,7 +53,8 @@ struct JournalFacts {
     /// (`OptimizeOptions::learns_as_before`), and fields are those of a wing where it keeps its planform and a program
     /// gives values only (`FieldsEntry::Kind`); 12: levels have to move before they are left for finer ones, and coarse
     /// ones by differences begin by `model` in order (`OptimizeOptions::descends_as_before`); wraps that carry badly
-    /// get more centres (`WrapBindingOptions::max_centers`).
+    /// get more centres (`WrapBindingOptions::max_centers`); 13: searches by models know the slopes of limits that are
+    /// known exactly (`MinimizeOptions::limits_by_models`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

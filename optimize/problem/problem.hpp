@@ -182,6 +182,7 @@ struct OptimizeOptions {
     /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
+    bool limits_by_models = false;       ///< the meaning of earlier runs: `MinimizeOptions`
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

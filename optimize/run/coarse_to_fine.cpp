@@ -335,6 +335,7 @@ private:
         how.trusts_long_steps = options.trusts_long_steps;
         how.learns_as_before = options.learns_as_before;
         how.descends_as_before = options.descends_as_before;
+        how.limits_by_models = options.limits_by_models;
         how.step_tolerance = options.step_tolerance;
         how.scope = text(" of level ", state_.space.level);
         how.evaluations_before = spent_;

@@ -34,6 +34,9 @@ struct MinimizeOptions {
     bool learns_as_before = false;
     /// The meaning of earlier runs, of `sqp`: a model that expects a rise counts as one that expects little.
     bool descends_as_before = false;
+    /// The meaning of earlier runs, of `model`: limits that are known exactly are met along the models' slopes, and
+    /// points around the start or the best one do not keep them.
+    bool limits_by_models = false;
     double step_tolerance = 1e-6;        ///< change of every variable
     double constraint_tolerance = 1e-6;  ///< scaled
     int max_shrinks = 8;                 ///< cuts of the step after failures in a row

@@ -42,6 +42,10 @@ VectorXd SampledPoints::unwhitened(const VectorXd& gradient) const {
     return g;
 }
 
+VectorXd SampledPoints::gradient_by_z(const VectorXd& gradient) const {
+    return U_.triangularView<Eigen::Upper>().transpose().solve(VectorXd(gradient(free_)));
+}
+
 void SampledPoints::add(const VectorXd& x, const Evaluation& evaluation) {
     if (evaluation.failure.empty())
         points_.push_back({x, whitened(x), values_of(evaluation)});

@@ -15,6 +15,8 @@ public:
     Eigen::VectorXd variables(const Eigen::VectorXd& z) const;  ///< all of them, within the bounds
     /// A gradient by z as one by all variables.
     Eigen::VectorXd unwhitened(const Eigen::VectorXd& gradient) const;
+    /// A gradient by all variables as one by z.
+    Eigen::VectorXd gradient_by_z(const Eigen::VectorXd& gradient) const;
     void add(const Eigen::VectorXd& x, const Evaluation& evaluation);
     /// A point, with values or failed, is this near.
     bool knows(const Eigen::VectorXd& z, double distance) const;

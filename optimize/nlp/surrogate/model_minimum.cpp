@@ -60,7 +60,7 @@ private:
         at.constraints.resize(models_.size() - 1 + more());
         for (Eigen::Index i = 0; i + 1 < models_.size(); ++i)
             at.constraints[row_of(i)] =
-                models_[i + 1].mean(z) + region_.offset[i] + (i < inequalities ? region_.margin[i] : 0.0);
+                models_[i + 1].mean(z) + region_.correction(i, z) + (i < inequalities ? region_.margin[i] : 0.0);
         at.constraints[inequalities] = 0.5 * (step.squaredNorm() / (region_.radius * region_.radius) - 1);
         if (region_.cut)
             at.constraints[inequalities + 1] = (region_.cut->normal.dot(x) - region_.cut->limit) / region_.radius;
@@ -76,8 +76,11 @@ private:
             g -= deviations_ / (2 * std::sqrt(models_[0].variance(z) + floor())) * models_[0].variance_gradient(z);
         at.gradient = by_y(g);
         at.jacobian.resize(at.constraints.size(), g.size());
-        for (Eigen::Index i = 0; i + 1 < models_.size(); ++i)
-            at.jacobian.row(row_of(i)) = by_y(models_[i + 1].gradient(z)).transpose();
+        for (Eigen::Index i = 0; i + 1 < models_.size(); ++i) {
+            VectorXd slope = models_[i + 1].gradient(z);
+            if (region_.tilt.size() > 0) slope += region_.tilt.row(i).transpose();
+            at.jacobian.row(row_of(i)) = by_y(slope).transpose();
+        }
         at.jacobian.row(inequalities) = by_y(step / (region_.radius * region_.radius)).transpose();
         if (region_.cut)
             at.jacobian.row(inequalities + 1) = region_.cut->normal(points_.free()).transpose() / region_.radius;
@@ -91,6 +94,10 @@ private:
 };
 
 }  // namespace
+
+double ProposalRegion::correction(Eigen::Index row, const VectorXd& z) const {
+    return tilt.size() > 0 ? offset[row] + tilt.row(row).dot(z - centre) : offset[row];
+}
 
 VectorXd model_minimum(const NonlinearProgram& program, const SampledPoints& points, const LocalModels& models,
                        const ProposalRegion& region, double deviations, const VectorXd& from) {

@@ -10,7 +10,10 @@ struct ProposalRegion {
     double radius = 0;              ///< about the centre, in z
     std::optional<FailureCut> cut;  ///< evaluations are expected to fail beyond it
     Eigen::VectorXd margin;         ///< that each inequality keeps, as constraints are scaled
-    Eigen::VectorXd offset;         ///< of each constraint from its model's mean
+    /// What is added to each constraint's mean at z: offset + tilt (z - centre).
+    Eigen::VectorXd offset;
+    Eigen::MatrixXd tilt;  ///< a row each; empty: none
+    double correction(Eigen::Index row, const Eigen::VectorXd& z) const;
 };
 
 /// Where the lower confidence bound m(z) - `deviations` s(z) of the objective is least within the region and the

@@ -2,6 +2,7 @@
 
 #include "core/error.hpp"
 #include "optimize/nlp/program/first_order.hpp"
+#include "optimize/nlp/surrogate/known_constraints.hpp"
 #include "optimize/nlp/surrogate/model_minimum.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
 
@@ -33,6 +34,10 @@ constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
 constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer to its limit holds the minimum
+constexpr double kept_length = 0.5;     ///< of a step that exact limits shorten: less is tried the other way
+constexpr double least_length = 0.1;    ///< what they leave less of goes on as it was: there is nothing to learn
+constexpr double beyond_region = 1.2;   ///< radii: what is projected farther is another proposal
+constexpr int projections = 2;          ///< onto constraints that are known exactly
 constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
 constexpr double min_curvature = 0.1;   ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
@@ -46,12 +51,10 @@ struct Proposal {
 
 class ModelSearch {
 public:
-    explicit ModelSearch(Guard& guard) : guard_(guard), points_(guard), radius_(guard.options.first_step) {
+    explicit ModelSearch(Guard& guard)
+        : guard_(guard), points_(guard), radius_(guard.options.first_step), known_(guard) {
         region_.margin = VectorXd::Zero(guard.program.num_inequalities);
         region_.offset = VectorXd::Zero(guard.program.num_inequalities + guard.program.num_equalities);
-        if (const auto& low = guard.program.low_fidelity)
-            for (Eigen::Index i = 0; i < region_.offset.size(); ++i)
-                if (low->values[static_cast<std::size_t>(i) + 1] == LowFidelityValue::same) exact_rows_.push_back(i);
     }
 
     ModelEnd run() {
@@ -82,8 +85,10 @@ private:
     }
 
     bool has_moved(int axis) const {
+        // Exact limits move steps a little along all axes.
+        const double least = guard_.options.limits_by_models ? same_point : next_to * radius_;
         for (int i = 1; i < points_.size(); ++i)
-            if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > same_point) return true;
+            if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > least) return true;
         return false;
     }
 
@@ -136,8 +141,17 @@ private:
         }
         region_.centre = centre().z;
         region_.cut = border_cut();
+        look_at_limits();
         const std::vector<Proposal> batch = models_ ? propose() : first_batch();
         if (!ends_here(batch)) evaluate(batch);
+    }
+
+    /// What exact limits are where the search stands, if a proposal will be made.
+    void look_at_limits() {
+        if (guard_.options.limits_by_models || places() == 0) return;
+        if (known_here_ && known_here_->x == centre().x) return;
+        known_here_ = known_.at(centre().x, true);
+        allowed_ = knows_slopes() ? points_.whitened(known_.nearest(centre().x, *known_here_)) : centre().z;
     }
 
     /// At the centre, with gradients by the models.
@@ -200,10 +214,36 @@ private:
         for (int k = 0; k < places(); ++k) {
             const auto round = static_cast<int>(k / points_.dimensions());  // to both sides, then farther
             const double length = (1 + round / 2) * first_length * radius_;
-            add(batch, centre().z + (round % 2 == 0 ? length : -length) * next_direction(), length);
+            const std::size_t before = batch.size();
+            add(batch, along(round % 2 == 0 ? length : -length), length);
+            // What went the other way is there already.
+            if (batch.size() == before && knows_slopes()) add(batch, along(2 * length), length);
         }
         return batch;
     }
+
+    /// From the centre along the next direction, or against it where exact limits leave more of that.
+    VectorXd along(double length) {
+        const VectorXd step = length * next_direction();
+        const VectorXd there = guard_.inside(points_.variables(centre().z + step));
+        if (!knows_slopes() || guard_.cause != StopCause::none) return there;
+        const VectorXd ahead = kept(there, std::abs(length));
+        if (left_of(ahead) > kept_length * std::abs(length)) return ahead;
+        const VectorXd other = guard_.inside(points_.variables(centre().z - step));
+        if (guard_.cause != StopCause::none) return there;
+        const VectorXd back = kept(other, std::abs(length));
+        const VectorXd& longer = left_of(back) > left_of(ahead) ? back : ahead;
+        return left_of(longer) > least_length * std::abs(length) ? longer : there;
+    }
+    /// x, or the design next to it that keeps exact limits.
+    VectorXd kept(const VectorXd& x, double length) const {
+        const VectorXd nearest = known_.nearest(x, *known_here_);
+        // Slopes that lead farther than the step say too little here.
+        return left_of(nearest) <= beyond_region * length ? nearest : x;
+    }
+    /// Of a step, once exact limits are kept.
+    double left_of(const VectorXd& x) const { return (points_.whitened(x) - allowed_).norm(); }
+    bool knows_slopes() const { return known_here_ && known_here_->has_slopes(); }
 
     int exploiting() const {
         // The last batch has nothing to learn for.
@@ -226,10 +266,9 @@ private:
                                     : exploring_radius);
             const VectorXd c = region_.centre;
             const VectorXd from = exploits ? c : VectorXd(c + 0.5 * region_.radius * next_direction());
-            const VectorXd z = minimum(models, exploits ? 0 : confidence, from);
             const std::size_t before = batch.size();
-            add(batch, z, region_.radius);
-            if (batch.size() == before) add(batch, c + exploring_radius * radius_ * next_direction(), region_.radius);
+            add(batch, minimum(models, exploits ? 0 : confidence, from), region_.radius);
+            if (batch.size() == before) add(batch, along(exploring_radius * radius_), region_.radius);
             if (batch.size() > before) models.believe(batch.back().z);
             if (is_last) keep_distance(batch);
         }
@@ -237,19 +276,46 @@ private:
         return batch;
     }
 
-    /// What is known exactly holds exactly: there the models serve for their slopes.
+    /// What is known exactly holds exactly: there the models serve for their slopes, or for what slopes at the centre
+    /// leave open, whichever leads to less.
     VectorXd minimum(const LocalModels& models, double deviations, const VectorXd& from) {
         region_.offset.setZero();
+        region_.tilt.resize(0, 0);
+        const VectorXd x = points_.variables(corrected(models, deviations, from));
+        // What looks around is for learning: within all limits it would see less of what lies beyond.
+        const bool explores = deviations > 0;
+        if (explores || !knows_slopes() || guard_.cause != StopCause::none) return x;
+        const VectorXd by_models = projected(x);
+        align(models);
+        const VectorXd by_slopes = projected(points_.variables(corrected(models, deviations, from)));
+        if (guard_.cause != StopCause::none) return by_models;
+        return promise(models, by_slopes) < promise(models, by_models) ? by_slopes : by_models;
+    }
+
+    /// What is known exactly has its value and slope at the centre.
+    void align(const LocalModels& models) {
+        region_.offset.setZero();
+        region_.tilt.setZero(region_.offset.size(), points_.dimensions());
+        for (const Eigen::Index i : known_.rows()) {
+            const GaussianProcess& model = models[i + 1];
+            region_.offset[i] = known_here_->constraints[i] - model.mean(region_.centre);
+            const VectorXd slope = points_.gradient_by_z(known_here_->jacobian.row(i));
+            region_.tilt.row(i) = (slope - model.gradient(region_.centre)).transpose();
+        }
+    }
+
+    /// The least of the models, whose offsets are corrected until it meets what is known exactly.
+    VectorXd corrected(const LocalModels& models, double deviations, const VectorXd& from) {
         VectorXd z = model_minimum(program(), points_, models, region_, deviations, from);
-        for (int round = 0; round < exact_rounds && !exact_rows_.empty(); ++round) {
-            const VectorXd x = guard_.inside(points_.variables(z));
+        for (int round = 0; round < exact_rounds && !known_.rows().empty(); ++round) {
+            const VectorXd x = guard_.inside(points_.variables(z)), there = points_.whitened(x);
             if (guard_.cause != StopCause::none) break;
-            const Evaluation at = program().low_fidelity->program->evaluate(x);
-            if (!at.failure.empty() || !at.constraints.allFinite()) break;
+            const auto found = known_.at(x, false);
+            if (!found) break;
             double missed = 0;
-            for (const Eigen::Index i : exact_rows_) {
-                const double c = at.constraints[i];
-                const double expected = models[i + 1].mean(points_.whitened(x)) + region_.offset[i];
+            for (const Eigen::Index i : known_.rows()) {
+                const double c = found->constraints[i];
+                const double expected = models[i + 1].mean(there) + region_.correction(i, there);
                 // What the models hold back from a limit that is farther is missed, too.
                 const bool has_room = i < program().num_inequalities && c < 0 &&
                                       (guard_.options.learns_as_before || expected + region_.margin[i] < -held_limit);
@@ -262,26 +328,65 @@ private:
         return z;
     }
 
+    /// The design next to x that meets what is known exactly, where it would be evaluated; x where that leads out of
+    /// the region, beyond the border of failures, or farther from the limits.
+    VectorXd projected(const VectorXd& asked) {
+        const VectorXd there = guard_.inside(asked);
+        VectorXd x = there;
+        for (int round = 0; round < projections && !are_met(x); ++round) {
+            const auto found = known_.at(x, true);
+            if (!found || guard_.cause != StopCause::none) break;
+            x = guard_.inside(known_.nearest(x, *found));
+        }
+        const double length = (points_.whitened(x) - region_.centre).norm();
+        const bool is_beyond = region_.cut && region_.cut->normal.dot(x) > region_.cut->limit;
+        return length > beyond_region * region_.radius || is_beyond || missed(x) > missed(there) ? there : x;
+    }
+    bool are_met(const VectorXd& x) const {
+        const auto found = known_.at(x, false);
+        return found && known_.are_met(*found);
+    }
+    /// By exact limits.
+    double missed(const VectorXd& x) const {
+        const auto found = known_.at(x, false);
+        return found ? known_.violation(*found) : std::numeric_limits<double>::infinity();
+    }
+
+    /// What is expected there: of limits that are known exactly, what they are.
+    double promise(const LocalModels& models, const VectorXd& x) const {
+        VectorXd values = expected(models, x);
+        for (Eigen::Index i = 0; i < region_.margin.size(); ++i)
+            if (!known_.has(i)) values[i + 1] += region_.margin[i];
+        return merit(values);
+    }
+    VectorXd expected(const LocalModels& models, const VectorXd& x) const {
+        VectorXd values = models.means(points_.whitened(x));
+        if (guard_.options.limits_by_models) return values;
+        if (const auto found = known_.at(x, false))
+            for (const Eigen::Index i : known_.rows()) values[i + 1] = found->constraints[i];
+        return values;
+    }
+
     /// Nothing comes after this batch to go back from a constraint that is missed by a little: one point after another
     /// keeps farther from what only models tell.
     void keep_distance(const std::vector<Proposal>& batch) {
         if (batch.empty()) return;
         for (Eigen::Index i = 0; i < program().num_inequalities; ++i) {
-            if (std::ranges::find(exact_rows_, i) != exact_rows_.end()) continue;
+            if (known_.has(i)) continue;
             const double deviation = std::sqrt((*models_)[i + 1].variance(batch[0].z));
             region_.margin[i] += std::max(deviation, guard_.options.constraint_tolerance);
         }
     }
 
     /// Where it is evaluated, unless that is known.
-    void add(std::vector<Proposal>& batch, const VectorXd& z, double radius) {
-        const VectorXd x = guard_.inside(points_.variables(z));
+    void add(std::vector<Proposal>& batch, const VectorXd& asked, double radius) {
+        const VectorXd x = guard_.inside(asked);
         if (guard_.cause != StopCause::none) return;
         Proposal p{x, points_.whitened(x), radius, {}};
         const double least = min_distance * radius_;
         if (points_.knows(p.z, least)) return;
         if (std::ranges::any_of(batch, [&](const Proposal& q) { return (q.z - p.z).norm() <= least; })) return;
-        if (models_) p.expected = models_->means(p.z);
+        if (models_) p.expected = expected(*models_, x);
         batch.push_back(std::move(p));
     }
 
@@ -368,6 +473,7 @@ private:
     void learn_margin(const Proposal& p, const Evaluation& at) {
         if (p.radius > radius_) return;
         for (int i = 0; i < program().num_inequalities; ++i) {
+            if (known_.has(i) && !guard_.options.limits_by_models) continue;
             const double error = std::max(0.0, at.constraints[i] - p.expected[i + 1]);
             const double near = std::abs(p.expected[i + 1]) < 2 * error ? error : 0;
             region_.margin[i] = 0.7 * region_.margin[i] + 0.15 * near;
@@ -400,7 +506,9 @@ private:
     SampledPoints points_;
     double radius_;  ///< in z
     ProposalRegion region_;
-    std::vector<Eigen::Index> exact_rows_;  ///< constraints that the program tells without an evaluation
+    KnownConstraints known_;
+    std::optional<KnownConstraints::Found> known_here_;  ///< where the search stands
+    VectorXd allowed_;                                   ///< z next to that, within exact limits
     MatrixXd directions_;
     Eigen::Index used_directions_ = 0;
     std::unique_ptr<LocalModels> models_;

@@ -237,6 +237,92 @@ TEST(ModelSearch, WhatIsKnownExactlyIsMet) {
     EXPECT_DOUBLE_EQ(minimize(p, few(30)).best.objective, start) << "another value is none that is known";
 }
 
+/// As a wing that may be no thinner at many places, all of them at their limit at the start: along the models' slopes,
+/// which few points do not tell, hardly a design keeps them.
+TEST(ModelSearch, ManyLimitsThatAreKnownWithTheirSlopesAreKept) {
+    constexpr int variables = 40, limits = 25;
+    const auto limited = [](Evaluation at, const VectorXd& x) {
+        at.constraints.resize(limits);
+        at.jacobian.resize(limits, x.size());
+        for (int i = 0; i < limits; ++i) {
+            const VectorXd normal = VectorXd::NullaryExpr(
+                x.size(), [i](Eigen::Index j) { return std::sin(1.0 + 0.7 * static_cast<double>((i + 1) * (j + 1))); });
+            at.constraints[i] = 0.2 * normal.dot(x) + 0.05 * x.squaredNorm();
+            at.jacobian.row(i) = (0.2 * normal + 0.1 * x).transpose();
+        }
+        return at;
+    };
+    NonlinearProgram p = long_bowl(variables);
+    p.num_inequalities = limits;
+    p.start.setZero();
+    int kept = 0;
+    p.evaluate = [&, inner = long_bowl(variables).evaluate](const VectorXd& x) {
+        Evaluation at = limited(inner(x), x);
+        at.jacobian.resize(0, 0);
+        kept += at.constraints.maxCoeff() <= 1e-6;
+        return at;
+    };
+    p.differentiate = nullptr;
+    NonlinearProgram cheap = p;
+    cheap.evaluate = [&](const VectorXd& x) {
+        Evaluation none;
+        none.objective = 0;
+        none.constraints = limited(none, x).constraints;
+        return none;
+    };
+    cheap.differentiate = [&](const VectorXd& x, Evaluation& at) {
+        at.gradient = VectorXd::Zero(variables);
+        at.jacobian = limited(at, x).jacobian;
+    };
+    std::vector<LowFidelityValue> known(limits + 1, LowFidelityValue::same);
+    known[0] = LowFidelityValue::none;
+    p.low_fidelity = LowFidelity{std::make_shared<const NonlinearProgram>(cheap), known, nullptr};
+    const double start = p.evaluate(p.start).objective;
+    MinimizeOptions how = few(24);
+    const auto run = [&] {
+        kept = 0;
+        return minimize(p, how);
+    };
+    const MinimizeResult r = run();
+    const int with_slopes = kept;
+    how.limits_by_models = true;
+    const MinimizeResult before = run();
+    EXPECT_TRUE(r.is_feasible);
+    EXPECT_GT(with_slopes, 12) << "of 24";
+    EXPECT_GT(with_slopes, 2 * kept);
+    EXPECT_GT(start - r.best.objective, 1.2 * (start - before.best.objective)) << start << " " << before.best.objective;
+}
+
+/// The start is beyond a limit that is known exactly: what its model errs by says nothing, and the way to it is no end.
+TEST(ModelSearch, FromBeyondKnownLimitsTheSearchGetsWithinAndGoesOn) {
+    NonlinearProgram p = long_bowl(6);
+    p.num_inequalities = 1;
+    const auto limited = [](Evaluation at, const VectorXd& x) {
+        at.constraints = vec({0.3 + 0.4 * x[0] + 0.1 * x.squaredNorm()});
+        return at;
+    };
+    p.evaluate = [=, inner = long_bowl(6).evaluate](const VectorXd& x) { return limited(inner(x), x); };
+    NonlinearProgram cheap = p;
+    cheap.evaluate = [=](const VectorXd& x) {
+        Evaluation none;
+        none.objective = 0;
+        return limited(none, x);
+    };
+    cheap.differentiate = [](const VectorXd& x, Evaluation& at) {
+        at.gradient = VectorXd::Zero(6);
+        at.jacobian = (0.4 * VectorXd::Unit(6, 0) + 0.2 * x).transpose();
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    const MinimizeResult r = minimize(p, few(60)), exact = minimize(p, [] {
+                                                       MinimizeOptions how = few(3000);
+                                                       how.method = Method::sqp;
+                                                       return how;
+                                                   }());
+    EXPECT_TRUE(r.is_feasible) << r.reason;
+    EXPECT_LT(r.best.objective, 1.02 * exact.best.objective) << exact.best.objective << ": " << r.reason;
+}
+
 /// The last batch keeps its distance from an inequality that only a model tells.
 TEST(ModelSearch, TheLastBatchMeetsAConstraintThatModelsTell) {
     for (const int evaluations : {17, 25, 33}) {

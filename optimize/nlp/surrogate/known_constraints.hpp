@@ -1,0 +1,41 @@
+#pragma once
+#include "optimize/nlp/program/guard.hpp"
+
+#include <functional>
+
+/// Constraints that the search by models needs no model for. Internal.
+namespace strake {
+
+/// Those that the cheap program beside the expensive one tells exactly (`LowFidelityValue::same`), with their slopes
+/// where one looks from. Asks the cheap program only.
+class KnownConstraints {
+public:
+    explicit KnownConstraints(const Guard& guard);
+
+    const std::vector<Eigen::Index>& rows() const { return rows_; }  ///< of all constraints
+    bool has(Eigen::Index row) const;
+
+    struct Found {
+        Eigen::VectorXd x, constraints;  ///< all constraints, of which those of `rows` are known
+        Eigen::MatrixXd jacobian;        ///< by all variables; empty: not known, or not asked for
+        bool has_slopes() const { return jacobian.size() > 0; }
+    };
+    /// Nothing: there is no shape at x, or no such row.
+    std::optional<Found> at(const Eigen::VectorXd& x, bool with_slopes) const;
+    /// Largest violation of the known ones, scaled.
+    double violation(const Found& found) const;
+    bool are_met(const Found& found) const;  ///< within half of the tolerance
+    /// The design nearest to x, in the metric and within the bounds, that meets them: by the slopes of `near`,
+    /// corrected by the values found while these come nearer. x where no design found violates them less.
+    Eigen::VectorXd nearest(const Eigen::VectorXd& x, const Found& near) const;
+
+private:
+    bool tells_slopes() const;
+    /// False: it threw what counts as a failure.
+    bool has_done(const std::function<void()>& call) const;
+    const Guard& guard_;
+    std::vector<Eigen::Index> rows_;
+    mutable std::vector<Found> recent_;  ///< without slopes
+};
+
+}  // namespace strake

@@ -41,9 +41,9 @@ bool KnownConstraints::tells_slopes() const {
     });
 }
 
-bool KnownConstraints::has_done(const std::function<void()>& call) const {
+bool KnownConstraints::has_value_at(const VectorXd& x, Evaluation& at) const {
     try {
-        call();
+        at = guard_.program.low_fidelity->program->evaluate(x);
         return true;
     } catch (const InvalidInput&) {
         throw;
@@ -55,23 +55,33 @@ bool KnownConstraints::has_done(const std::function<void()>& call) const {
     }
 }
 
+bool KnownConstraints::has_slopes_at(const VectorXd& x, Evaluation& at) const {
+    if (!tells_slopes()) return false;
+    try {
+        guard_.program.low_fidelity->program->differentiate(x, at);
+    } catch (const InvalidInput&) {
+        throw;
+    } catch (const std::bad_alloc&) {
+        throw;
+    } catch (const std::exception&) {
+        return false;  // the search goes on without
+    }
+    return at.failure.empty() && at.jacobian(rows_, Eigen::all).allFinite();
+}
+
 std::optional<KnownConstraints::Found> KnownConstraints::at(const VectorXd& x, bool with_slopes) const {
     if (rows_.empty()) return {};
     const auto recent = std::ranges::find(recent_, x, &Found::x);
     if (!with_slopes && recent != recent_.end()) return *recent;
-    const NonlinearProgram& cheap = *guard_.program.low_fidelity->program;
     Evaluation at;
-    if (!has_done([&] { at = cheap.evaluate(x); })) return {};
-    if (!at.failure.empty() || !at.constraints(rows_).allFinite()) return {};
+    if (!has_value_at(x, at) || !at.failure.empty() || !at.constraints(rows_).allFinite()) return {};
     Found found{x, at.constraints, {}};
     if (recent == recent_.end() && !guard_.options.limits_by_models) {
         if (recent_.size() == max_recent) recent_.erase(recent_.begin());
         recent_.push_back(found);
     }
     // A shape without slopes is known all the same.
-    if (with_slopes && tells_slopes() && has_done([&] { cheap.differentiate(x, at); }) && at.failure.empty() &&
-        at.jacobian(rows_, Eigen::all).allFinite())
-        found.jacobian = at.jacobian;
+    if (with_slopes && has_slopes_at(x, at)) found.jacobian = at.jacobian;
     return found;
 }
 
@@ -109,6 +119,7 @@ VectorXd KnownConstraints::nearest(const VectorXd& x, const Found& near) const {
         if (d.size() == 0 || !d.allFinite()) break;
         VectorXd next = x;
         next(free) += d;
+        next = next.cwiseMax(p.lower).cwiseMin(p.upper);  // but for rounding it is
         const std::optional<Found> there = at(next, false);
         // Where curvature outweighs slopes every correction leads farther away.
         if (!there || violation(*there) >= least) break;

@@ -1,8 +1,6 @@
 #pragma once
 #include "optimize/nlp/program/guard.hpp"
 
-#include <functional>
-
 /// Constraints that the search by models needs no model for. Internal.
 namespace strake {
 
@@ -31,8 +29,8 @@ public:
 
 private:
     bool tells_slopes() const;
-    /// False: it threw what counts as a failure.
-    bool has_done(const std::function<void()>& call) const;
+    bool has_value_at(const Eigen::VectorXd& x, Evaluation& at) const;  ///< false: it threw what counts as a failure
+    bool has_slopes_at(const Eigen::VectorXd& x, Evaluation& at) const;
     const Guard& guard_;
     std::vector<Eigen::Index> rows_;
     mutable std::vector<Found> recent_;  ///< without slopes

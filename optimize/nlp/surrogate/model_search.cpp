@@ -37,7 +37,7 @@ constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer
 constexpr double kept_length = 0.5;     ///< of a step that exact limits shorten: less is tried the other way
 constexpr double least_length = 0.1;    ///< what they leave less of goes on as it was: there is nothing to learn
 constexpr double beyond_region = 1.2;   ///< radii: what is projected farther is another proposal
-constexpr int projections = 2;          ///< onto constraints that are known exactly
+constexpr int projections = 5;          ///< onto constraints that are known exactly
 constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
 constexpr double min_curvature = 0.1;   ///< of the mean: what the models do not know bends at least so
 constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
@@ -86,7 +86,7 @@ private:
 
     bool has_moved(int axis) const {
         // Exact limits move steps a little along all axes.
-        const double least = guard_.options.limits_by_models ? same_point : next_to * radius_;
+        const double least = guard_.options.limits_by_models || known_.rows().empty() ? same_point : next_to * radius_;
         for (int i = 1; i < points_.size(); ++i)
             if (std::abs(points_[i].z[axis] - points_[0].z[axis]) > least) return true;
         return false;
@@ -104,16 +104,39 @@ private:
         return axes(Eigen::all, order);
     }
 
+    /// Of `first_alone`, to where bounds leave more room.
+    MatrixXd directions_alone() const {
+        const NonlinearProgram& p = program();
+        MatrixXd all(points_.dimensions(), 0);
+        for (const int j : guard_.options.first_alone) {
+            const auto at = std::ranges::find(guard_.free, j);
+            if (at == guard_.free.end() || 2 * all.cols() >= guard_.options.batch) continue;
+            const double sign = p.upper[j] - p.start[j] < p.start[j] - p.lower[j] ? -1 : 1;
+            all.conservativeResize(Eigen::NoChange, all.cols() + 1);
+            all.rightCols(1) = sign * points_.U().col(at - guard_.free.begin());
+        }
+        return all;
+    }
+
     /// Orthogonal directions in z.
     MatrixXd spread_directions() const {
         const auto d = static_cast<int>(points_.dimensions());
         if (guard_.options.tries_in_order) return directions_in_order();
-        const MatrixXd cloud = latin_hypercube(d, d, guard_.options.seed).array() - 0.5;
-        return Eigen::HouseholderQR<MatrixXd>(cloud).householderQ();
+        MatrixXd cloud = latin_hypercube(d, d, guard_.options.seed).array() - 0.5;
+        const MatrixXd alone = directions_alone();
+        cloud.leftCols(alone.cols()) = alone;
+        MatrixXd directions = Eigen::HouseholderQR<MatrixXd>(cloud).householderQ();
+        for (Eigen::Index k = 0; k < alone.cols(); ++k)
+            if (directions.col(k).dot(alone.col(k)) < 0) directions.col(k) *= -1;
+        return directions;
     }
 
     double merit(const VectorXd& values) const {
-        return values[0] + penalty_ * total_violation(program(), values.tail(values.size() - 1));
+        VectorXd constraints = values.tail(values.size() - 1);
+        if (!guard_.options.limits_by_models)  // rounding next to exact limits tells no designs apart
+            for (const Eigen::Index i : known_.rows())
+                if (std::abs(constraints[i]) <= 0.5 * guard_.options.constraint_tolerance) constraints[i] = 0;
+        return values[0] + penalty_ * total_violation(program(), constraints);
     }
 
     bool is_noisy() const { return models_ && (*models_)[0].noise() > visible_noise * (*models_)[0].scale(); }
@@ -123,7 +146,7 @@ private:
         if (is_noisy()) {
             double lowest = std::numeric_limits<double>::infinity();
             for (const int i : models_->used())
-                if (const double m = merit(models_->means(points_[i].z)); m < lowest) lowest = m, best = i;
+                if (const double m = merit(without_noise(points_[i])); m < lowest) lowest = m, best = i;
             return best;
         }
         for (int i = 1; i < points_.size(); ++i)
@@ -131,11 +154,19 @@ private:
         return best;
     }
 
+    VectorXd without_noise(const SampledPoints::Point& point) const {
+        VectorXd values = models_->means(point.z);
+        if (!guard_.options.limits_by_models)
+            for (const Eigen::Index i : known_.rows()) values[i + 1] = point.values[i + 1];
+        return values;
+    }
+
     void step() {
         centre_ = best_point();
         if (points_.size() > 1) {
             models_ = std::make_unique<LocalModels>(points_, centre().z, radius_, !guard_.options.learns_as_before,
                                                     models_.get());
+            look_at_limits();
             raise_penalty();
             centre_ = best_point();
         }
@@ -165,6 +196,9 @@ private:
         at.jacobian.resize(rows, c.x.size());
         for (Eigen::Index i = 0; i < rows; ++i)
             at.jacobian.row(i) = points_.unwhitened((*models_)[i + 1].gradient(c.z)).transpose();
+        // Where all points lie on a limit, what its model has in place of a slope is rounding.
+        if (knows_slopes() && known_here_->x == c.x)
+            for (const Eigen::Index i : known_.rows()) at.jacobian.row(i) = known_here_->jacobian.row(i);
         return at;
     }
 
@@ -227,6 +261,7 @@ private:
         const VectorXd step = length * next_direction();
         const VectorXd there = guard_.inside(points_.variables(centre().z + step));
         if (!knows_slopes() || guard_.cause != StopCause::none) return there;
+        if ((allowed_ - centre().z).norm() > radius_) return there;  // limits are too far to be met here
         const VectorXd ahead = kept(there, std::abs(length));
         if (left_of(ahead) > kept_length * std::abs(length)) return ahead;
         const VectorXd other = guard_.inside(points_.variables(centre().z - step));
@@ -239,7 +274,10 @@ private:
     VectorXd kept(const VectorXd& x, double length) const {
         const VectorXd nearest = known_.nearest(x, *known_here_);
         // Slopes that lead farther than the step say too little here.
-        return left_of(nearest) <= beyond_region * length ? nearest : x;
+        return left_of(nearest) <= beyond_region * length && !is_beyond_border(nearest) ? nearest : x;
+    }
+    bool is_beyond_border(const VectorXd& x) const {
+        return region_.cut && region_.cut->normal.dot(x) > region_.cut->limit;
     }
     /// Of a step, once exact limits are kept.
     double left_of(const VectorXd& x) const { return (points_.whitened(x) - allowed_).norm(); }
@@ -333,18 +371,16 @@ private:
     VectorXd projected(const VectorXd& asked) {
         const VectorXd there = guard_.inside(asked);
         VectorXd x = there;
-        for (int round = 0; round < projections && !are_met(x); ++round) {
+        // The motion limit moves what limits have moved: by turns, while they come nearer.
+        for (int round = 0; round < projections && missed(x) > 0.5 * guard_.options.constraint_tolerance; ++round) {
             const auto found = known_.at(x, true);
-            if (!found || guard_.cause != StopCause::none) break;
-            x = guard_.inside(known_.nearest(x, *found));
+            if (!found) break;
+            const VectorXd next = guard_.inside(known_.nearest(x, *found));
+            if (guard_.cause != StopCause::none || missed(next) >= known_.violation(*found)) break;
+            x = next;
         }
         const double length = (points_.whitened(x) - region_.centre).norm();
-        const bool is_beyond = region_.cut && region_.cut->normal.dot(x) > region_.cut->limit;
-        return length > beyond_region * region_.radius || is_beyond || missed(x) > missed(there) ? there : x;
-    }
-    bool are_met(const VectorXd& x) const {
-        const auto found = known_.at(x, false);
-        return found && known_.are_met(*found);
+        return length > beyond_region * region_.radius || is_beyond_border(x) ? there : x;
     }
     /// By exact limits.
     double missed(const VectorXd& x) const {
@@ -432,7 +468,7 @@ private:
         std::vector<VectorXd> designs;
         for (const Proposal& p : batch) designs.push_back(p.x);
         guard_.expect(designs);
-        const double before = merit(is_noisy() ? models_->means(centre().z) : centre().values);
+        const double before = merit(is_noisy() ? without_noise(centre()) : centre().values);
         double best = before, length = 0;
         int failed = 0;
         bool stops = false;  // a batch is evaluated whole
@@ -464,6 +500,7 @@ private:
             return;
         }
         failing_ = 2 * failed > static_cast<int>(batch.size()) && best == before ? failing_ + 1 : 0;
+        if (!models_ && failing_ > 0 && !guard_.options.limits_by_models) radius_ *= 0.5;
         if (models_) resize(before - best, before - merit(batch[0].expected), length);
         if (failing_ > guard_.options.max_shrinks)
             end(MinimizeStop::no_valid_step, text("evaluations fail however short the step (", guard_.failure, ")"));

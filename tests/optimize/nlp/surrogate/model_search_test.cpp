@@ -293,6 +293,33 @@ TEST(ModelSearch, ManyLimitsThatAreKnownWithTheirSlopesAreKept) {
     EXPECT_GT(start - r.best.objective, 1.2 * (start - before.best.objective)) << start << " " << before.best.objective;
 }
 
+/// As an angle of attack beside the variables of a shape: first by itself, to where there is more room, and none of the
+/// others that are tried with the start alone changes it.
+TEST(ModelSearch, VariablesThatStandForThemselvesAreTriedAloneFirst) {
+    NonlinearProgram p = long_bowl(10);
+    p.start[9] = 2;
+    p.metric = MatrixXd::Identity(10, 10);
+    p.metric(9, 9) = 4;
+    p.metric(3, 9) = p.metric(9, 3) = 0.5;
+    std::vector<VectorXd> steps;
+    p.evaluate = [&, inner = long_bowl(10).evaluate, start = p.start](const VectorXd& x) {
+        steps.push_back(x - start);
+        return inner(x);
+    };
+    MinimizeOptions how = few(9);
+    how.first_alone = {9};
+    minimize(p, how);
+    ASSERT_EQ(steps.size(), 9u);
+    const double length = 0.3 * how.first_step / 2;  // of 1 in the metric is 1/2 of this variable
+    EXPECT_LT((steps[1] + length * VectorXd::Unit(10, 9)).norm(), 1e-12) << steps[1].transpose();
+    for (std::size_t k = 2; k < steps.size(); ++k)
+        EXPECT_NEAR(steps[k].dot(p.metric * steps[1]), 0, 1e-12) << "orthogonal in the metric";
+    how.first_alone.clear();
+    steps.clear();
+    minimize(p, how);
+    EXPECT_GT(steps[1].head(9).norm(), 1e-3) << "else it shows nothing";
+}
+
 /// The start is beyond a limit that is known exactly: what its model errs by says nothing, and the way to it is no end.
 TEST(ModelSearch, FromBeyondKnownLimitsTheSearchGetsWithinAndGoesOn) {
     NonlinearProgram p = long_bowl(6);

@@ -188,6 +188,10 @@ private:
                                   kind(c.quantity));
         auto built_in = std::make_shared<NonlinearProgram>(p);
         built_in->evaluate = [this](const VectorXd& y) { return evaluate_built_in(y); };
+        if (cheap_objective().empty()) {
+            built_in->differences.reset();
+            built_in->differentiate = [this](const VectorXd& y, Evaluation& sample) { add_slopes(y, sample); };
+        }
         low.program = std::move(built_in);
         if (!cheap_objective().empty())
             low.first_scale = [this, start = p.start] {
@@ -218,6 +222,26 @@ private:
             sample.constraints[static_cast<Eigen::Index>(i)] = std::isnan(c) ? 0 : c;
         }
         return sample;
+    }
+
+    /// Of constraints that are built in; zero for the others.
+    void add_slopes(const VectorXd& y, Evaluation& sample) const {
+        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
+        std::vector<Points> slopes;
+        for (const Quantity& quantity : problem_.quantities) {
+            QuantityResult r;
+            if (is_built_in(quantity)) r = quantity.evaluate(request(surface, y, true));
+            r.dJ_dv.resize(quantity.names.size(), Points::Zero(surface.num_vertices(), 3));
+            slopes.insert(slopes.end(), r.dJ_dv.begin(), r.dJ_dv.end());
+        }
+        sample.gradient = VectorXd::Zero(lower_.size());
+        sample.jacobian.setZero(static_cast<Eigen::Index>(rows_.rows.size()), lower_.size());
+        for (std::size_t i = 0; i < rows_.rows.size(); ++i)
+            sample.jacobian.row(static_cast<Eigen::Index>(i)).head(motion_.size()) =
+                rows_.rows[i].sign / rows_.rows[i].scale *
+                motion_.gradient(of_motion(y), slopes[rows_.rows[i].gradient])
+                    .cwiseQuotient(motion_.weight)
+                    .transpose();
     }
 
     Evaluation evaluate(const VectorXd& y) {
@@ -342,6 +366,7 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     how.step_tolerance = options.step_tolerance;
     how.constraint_tolerance = options.constraint_tolerance;
     how.batch = options.batch;
+    for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };
     how.on_event = [&](const std::string& words) {
         result.notes.push_back(words);

@@ -29,7 +29,7 @@ struct Settings {
     LevelStartHessian level_start = LevelStartHessian::carried;
     double min_expected_gain = OptimizeOptions().min_expected_gain;
     std::vector<int> fields;
-    bool values_only = false, by_program = false;
+    bool values_only = false, by_program = false, limits_by_models = false;
     double noise = 0, failures = 0;
     int batch = OptimizeOptions().batch;
     /// Objectives, as minimized, at which a run has seen enough, by problem and method; none: it goes on.
@@ -136,6 +136,7 @@ void run_problem(const std::string& name, const Settings& settings) {
     if (!settings.fields.empty()) problem = with_displacement_fields(problem, settings.fields);
     if (settings.values_only) problem = without_gradients(problem);
     if (settings.by_program) problem = with_objective_by_program(problem);
+    problem.problem.optimize.limits_by_models = settings.limits_by_models;
     const std::filesystem::path folder = settings.out;
     for (const Solver solver : all_solvers())
         for (const Method method : methods_of(problem)) {
@@ -216,6 +217,8 @@ int main(int argc, char** argv) {
         "no gradients: sqp by differences, which count as evaluations, model, cobyla, and bobyqa without constraints");
     app.add_flag("--by-program", settings.by_program,
                  "the same for the objective alone, as if a flow solver told it; limits are known, with gradients");
+    app.add_flag("--limits-by-models", settings.limits_by_models,
+                 "model meets limits that are known along the slopes of its models, as in earlier runs");
     app.add_option("--batch", settings.batch, "designs that model proposes together")->check(CLI::Range(1, 1000));
     app.add_option("--noise", settings.noise,
                    "of the objective's values, a share of what the same way gains without; traces have true values")

@@ -120,7 +120,8 @@ public:
         }
     }
 
-    NonlinearProgram program() {
+    /// @param slopes of constraints that are built in are known, as Strake's own search by models knows them
+    NonlinearProgram program(bool slopes) {
         NonlinearProgram p;
         p.start = VectorXd::Zero(lower_.size());
         p.lower = lower_;
@@ -135,7 +136,7 @@ public:
             p.metric = MatrixXd::Identity(lower_.size(), lower_.size());
             p.metric.topLeftCorner(motion_.size(), motion_.size()) = motion_.metric;
         }
-        add_cheap_values(p);
+        add_cheap_values(p, slopes);
         return p;
     }
     Points vertices(const VectorXd& y) const { return motion_.vertices(of_motion(y)); }
@@ -171,7 +172,7 @@ private:
 
     /// Constraints that no program tells are known at each design beside the programs, and a cheap model of the
     /// objective, as in Strake's own runs.
-    void add_cheap_values(NonlinearProgram& p) {
+    void add_cheap_values(NonlinearProgram& p, bool slopes) {
         const auto kind = [&](const std::string& name) {
             for (const Quantity& q : problem_.quantities)
                 if (std::ranges::find(q.names, name) != q.names.end())
@@ -188,7 +189,13 @@ private:
                                   kind(c.quantity));
         auto built_in = std::make_shared<NonlinearProgram>(p);
         built_in->evaluate = [this](const VectorXd& y) { return evaluate_built_in(y); };
-        if (cheap_objective().empty()) {
+        const auto has_slopes = [&](const Constraint& c) {
+            return std::ranges::none_of(problem_.quantities, [&](const Quantity& q) {
+                return is_built_in(q) && !q.has_sensitivities &&
+                       std::ranges::find(q.names, c.quantity) != q.names.end();
+            });
+        };
+        if (slopes && cheap_objective().empty() && std::ranges::all_of(problem_.constraints, has_slopes)) {
             built_in->differences.reset();
             built_in->differentiate = [this](const VectorXd& y, Evaluation& sample) { add_slopes(y, sample); };
         }
@@ -231,6 +238,7 @@ private:
         for (const Quantity& quantity : problem_.quantities) {
             QuantityResult r;
             if (is_built_in(quantity)) r = quantity.evaluate(request(surface, y, true));
+            if (r.failure) sample.failure = r.failure->message;
             r.dJ_dv.resize(quantity.names.size(), Points::Zero(surface.num_vertices(), 3));
             slopes.insert(slopes.end(), r.dJ_dv.begin(), r.dJ_dv.end());
         }
@@ -366,7 +374,9 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     how.step_tolerance = options.step_tolerance;
     how.constraint_tolerance = options.constraint_tolerance;
     how.batch = options.batch;
-    for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
+    how.limits_by_models = options.limits_by_models;
+    if (!how.limits_by_models)
+        for (int j = motion.size(); j < result.variables; ++j) how.first_alone.push_back(j);
     how.on_step = [&](const MinimizeStep&) { return !tracer.has_enough(); };
     how.on_event = [&](const std::string& words) {
         result.notes.push_back(words);
@@ -375,7 +385,7 @@ void run_comparator(const EvidenceProblem& evidence, const ComparedMotion& motio
     };
     MinimizeResult end;
     try {
-        end = minimize(comparator.program(), how);
+        end = minimize(comparator.program(method == Method::model), how);
     } catch (const EndedByItself&) {
         result.status = "converged";
         result.reason = result.notes.back();
@@ -480,7 +490,7 @@ Solve solve(const EvidenceProblem& problem, Solver solver, Method method, int bu
         result.status = "budget";
         const double step = MinimizeOptions().first_step / std::sqrt(motion.size());
         Comparator comparator(problem, motion, tracer);
-        minimize_by_cma_es(comparator.program(), budget, problem.problem.optimize.seed, step);
+        minimize_by_cma_es(comparator.program(false), budget, problem.problem.optimize.seed, step);
     } else {
         run_comparator(problem, comparator_motion(problem, solver, method), method, budget, tracer);
     }

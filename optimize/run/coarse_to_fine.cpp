@@ -325,7 +325,7 @@ private:
             // A run that has the evaluations for differences learns more from each where fewer are asked at a time.
             if (!options.descends_as_before) how.batch = std::max(1, options.batch / 2);
         }
-        if (!options.limits_by_models)
+        if (!options.limits_by_models && state_.space.num_shape() > 0)
             for (int j = state_.space.num_shape(); j < state_.space.size(); ++j) how.first_alone.push_back(j);
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;

@@ -48,9 +48,9 @@ struct MinimizeOptions {
     /// directions in which all take part: where the first ones are the coarsest and an objective most often wants
     /// those.
     bool tries_in_order = false;
-    /// model: variables that are changed alone at first, at most half a batch of them: those of which one knows that
-    /// objective and constraints depend on them strongly and in ways of their own, as on an angle of attack. Not where
-    /// it tries in order.
+    /// model: variables, each named once, that are changed alone at first (but for what the metric couples), as many as
+    /// half a batch: those of which one knows that objective and constraints depend on them strongly and in ways of
+    /// their own, as on an angle of attack. Not where it tries in order, nor where designs are known already.
     std::vector<int> first_alone;
     bool confirm = true;  ///< converged only when a fresh start at the end gains nothing more
     /// The given one, then random ones within the bounds, which must be finite. They share the budget.

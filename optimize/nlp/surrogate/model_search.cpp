@@ -108,9 +108,11 @@ private:
     MatrixXd directions_alone() const {
         const NonlinearProgram& p = program();
         MatrixXd all(points_.dimensions(), 0);
+        if (points_.size() > 1) return all;  // known designs have moved them
         for (const int j : guard_.options.first_alone) {
             const auto at = std::ranges::find(guard_.free, j);
-            if (at == guard_.free.end() || 2 * all.cols() >= guard_.options.batch) continue;
+            const bool is_enough = 2 * all.cols() >= guard_.options.batch || all.cols() == points_.dimensions();
+            if (at == guard_.free.end() || is_enough) continue;
             const double sign = p.upper[j] - p.start[j] < p.start[j] - p.lower[j] ? -1 : 1;
             all.conservativeResize(Eigen::NoChange, all.cols() + 1);
             all.rightCols(1) = sign * points_.U().col(at - guard_.free.begin());
@@ -177,9 +179,9 @@ private:
         if (!ends_here(batch)) evaluate(batch);
     }
 
-    /// What exact limits are where the search stands, if a proposal will be made.
+    /// What exact limits are where the search stands.
     void look_at_limits() {
-        if (guard_.options.limits_by_models || places() == 0) return;
+        if (guard_.options.limits_by_models) return;
         if (known_here_ && known_here_->x == centre().x) return;
         known_here_ = known_.at(centre().x, true);
         allowed_ = knows_slopes() ? points_.whitened(known_.nearest(centre().x, *known_here_)) : centre().z;
@@ -205,6 +207,7 @@ private:
     /// What a search by gradients begins with after this one.
     void tell_slopes() {
         centre_ = best_point();
+        look_at_limits();
         end_.x = centre().x;
         end_.at = differentiated();
         const VectorXd lambda = multipliers(program(), end_.x, end_.at);
@@ -500,7 +503,6 @@ private:
             return;
         }
         failing_ = 2 * failed > static_cast<int>(batch.size()) && best == before ? failing_ + 1 : 0;
-        if (!models_ && failing_ > 0 && !guard_.options.limits_by_models) radius_ *= 0.5;
         if (models_) resize(before - best, before - merit(batch[0].expected), length);
         if (failing_ > guard_.options.max_shrinks)
             end(MinimizeStop::no_valid_step, text("evaluations fail however short the step (", guard_.failure, ")"));

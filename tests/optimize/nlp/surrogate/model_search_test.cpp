@@ -1,3 +1,4 @@
+#include "optimize/nlp/surrogate/model_search.hpp"
 #include "core/error.hpp"
 #include "derivatives.hpp"
 #include "optimize/nlp/surrogate/spread.hpp"
@@ -293,8 +294,37 @@ TEST(ModelSearch, ManyLimitsThatAreKnownWithTheirSlopesAreKept) {
     EXPECT_GT(start - r.best.objective, 1.2 * (start - before.best.objective)) << start << " " << before.best.objective;
 }
 
-/// As an angle of attack beside the variables of a shape: first by itself, to where there is more room, and none of the
-/// others that are tried with the start alone changes it.
+/// All points lie on a limit: its model has rounding for a slope. What the next search begins with has the slope
+/// itself.
+TEST(ModelSearch, SlopesOfKnownLimitsAreTold) {
+    NonlinearProgram p = long_bowl(8);
+    p.num_equalities = 1;
+    VectorXd normal = VectorXd::Constant(8, 0.3);
+    normal[2] = -0.5;
+    p.evaluate = [=, inner = long_bowl(8).evaluate](const VectorXd& x) {
+        Evaluation at = inner(x);
+        at.constraints = vec({normal.dot(x)});
+        return at;
+    };
+    NonlinearProgram cheap = p;
+    cheap.differentiate = [=](const VectorXd&, Evaluation& at) {
+        at.gradient = VectorXd::Zero(8);
+        at.jacobian = normal.transpose();
+    };
+    p.low_fidelity = LowFidelity{
+        std::make_shared<const NonlinearProgram>(cheap), {LowFidelityValue::none, LowFidelityValue::same}, nullptr};
+    const MinimizeOptions how = few(9);
+    Guard guard(p, how);
+    Evaluation start;
+    ASSERT_TRUE(guard.try_at(p.start, false, start));
+    const ModelEnd end = minimize_by_model(guard);
+    ASSERT_EQ(end.at.jacobian.rows(), 1);
+    EXPECT_LT((end.at.jacobian.row(0).transpose() - normal).norm(), 1e-12) << end.at.jacobian;
+    EXPECT_LT(guard.penalty, 100) << "of multipliers of rounding it would be 1e10";
+}
+
+/// As an angle of attack beside the variables of a shape: first by itself, to where there is more room; the others that
+/// are tried while only the start is known are orthogonal to it.
 TEST(ModelSearch, VariablesThatStandForThemselvesAreTriedAloneFirst) {
     NonlinearProgram p = long_bowl(10);
     p.start[9] = 2;

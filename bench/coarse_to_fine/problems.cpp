@@ -92,6 +92,15 @@ EvidenceProblem without_gradients(EvidenceProblem evidence) {
     return evidence;
 }
 
+EvidenceProblem with_programs_by_values(const EvidenceProblem& evidence) {
+    EvidenceProblem without = without_gradients(evidence);
+    for (std::size_t q = 0; q < evidence.problem.quantities.size(); ++q) {
+        const Quantity& quantity = evidence.problem.quantities[q];
+        if (quantity.program.empty() && !quantity.combination) without.problem.quantities[q] = quantity;
+    }
+    return without;
+}
+
 EvidenceProblem with_objective_by_program(EvidenceProblem evidence) {
     const EvidenceProblem without = without_gradients(evidence);
     auto& quantities = evidence.problem.quantities;

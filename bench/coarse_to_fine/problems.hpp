@@ -33,6 +33,9 @@ EvidenceProblem make_problem(const std::string& name, int triangles, unsigned se
 
 /// The same as a solver without gradients sees it: quantities give values only, sqp takes differences.
 EvidenceProblem without_gradients(EvidenceProblem evidence);
+
+/// As a run with a program without gradients: what no program tells keeps its gradients.
+EvidenceProblem with_programs_by_values(const EvidenceProblem& evidence);
 /// The same where only the objective comes from a program, as that of a flow solver: values of the shape that are
 /// limited are known, with gradients.
 EvidenceProblem with_objective_by_program(EvidenceProblem evidence);

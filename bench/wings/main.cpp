@@ -71,7 +71,7 @@ void compare(const Settings& settings) {
     EvidenceProblem problem;
     problem.name = built.problem.name;
     problem.problem = built.problem;
-    if (settings.values_only) problem = without_gradients(problem);
+    if (settings.values_only) problem = with_programs_by_values(problem);
     std::printf("%s: %d triangles\n", problem.name.c_str(), problem.problem.surface.num_triangles());
     const auto show = [&](const Solve& solve) {
         print(problem, solve);
@@ -101,7 +101,7 @@ int main(int argc, char** argv) {
     app.add_flag("--downstream", settings.downstream, "points of boxes move along the stream, too");
     app.add_flag("--root-held", settings.root_held, "the first plane of points along the span does not move");
     app.add_flag("--no-twist", settings.no_twist, "boxes do not twist");
-    app.add_flag("--values-only", settings.values_only, "no gradients");
+    app.add_flag("--values-only", settings.values_only, "no gradients of what programs tell");
     app.add_flag("--only-boxes", settings.only_boxes, "not by the case's own variables");
     app.add_option("--out", settings.out, "folder for histories and shapes");
     CLI11_PARSE(app, argc, argv);

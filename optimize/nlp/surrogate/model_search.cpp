@@ -33,14 +33,14 @@ constexpr double same_point = 1e-9;       ///< in z: round-off of inherited desi
 constexpr double next_to = 1e-2;          ///< radii
 constexpr double penalty_over_multiplier = 2;
 constexpr int idle_steps = 2, max_forgotten_borders = 3;
-constexpr double held_limit = 1e-6;     ///< a model's constraint that is nearer to its limit holds the minimum
-constexpr double kept_length = 0.5;     ///< of a step that exact limits shorten: less is tried the other way
-constexpr double least_length = 0.1;    ///< what they leave less of goes on as it was: there is nothing to learn
-constexpr double beyond_region = 1.2;   ///< radii: what is projected farther is another proposal
-constexpr int projections = 5;          ///< onto constraints that are known exactly
-constexpr int exact_rounds = 4;         ///< towards constraints that are known exactly
-constexpr double min_curvature = 0.1;   ///< of the mean: what the models do not know bends at least so
-constexpr double visible_noise = 1e-3;  ///< of the model's scale: with more, means tell where the best point is
+constexpr double held_limit = 1e-6;      ///< a model's constraint that is nearer to its limit holds the minimum
+constexpr double kept_length = 0.5;      ///< of a step that exact limits shorten: less is tried the other way
+constexpr double min_length_left = 0.1;  ///< what they leave less of goes on as it was: there is nothing to learn
+constexpr double beyond_region = 1.2;    ///< radii: what is projected farther is another proposal
+constexpr int projections = 5;           ///< onto constraints that are known exactly
+constexpr int exact_rounds = 4;          ///< towards constraints that are known exactly
+constexpr double min_curvature = 0.1;    ///< of the mean: what the models do not know bends at least so
+constexpr double visible_noise = 1e-3;   ///< of the model's scale: with more, means tell where the best point is
 
 /// A point of a batch, and what the models expect there.
 struct Proposal {
@@ -271,7 +271,7 @@ private:
         if (guard_.cause != StopCause::none) return there;
         const VectorXd back = kept(other, std::abs(length));
         const VectorXd& longer = left_of(back) > left_of(ahead) ? back : ahead;
-        return left_of(longer) > least_length * std::abs(length) ? longer : there;
+        return left_of(longer) > min_length_left * std::abs(length) ? longer : there;
     }
     /// x, or the design next to it that keeps exact limits.
     VectorXd kept(const VectorXd& x, double length) const {

@@ -92,11 +92,13 @@ EvidenceProblem without_gradients(EvidenceProblem evidence) {
     return evidence;
 }
 
+bool is_built_in(const Quantity& quantity) { return !quantity.combination && quantity.program.empty(); }
+
 EvidenceProblem with_programs_by_values(const EvidenceProblem& evidence) {
     EvidenceProblem without = without_gradients(evidence);
     for (std::size_t q = 0; q < evidence.problem.quantities.size(); ++q) {
         const Quantity& quantity = evidence.problem.quantities[q];
-        if (quantity.program.empty() && !quantity.combination) without.problem.quantities[q] = quantity;
+        if (is_built_in(quantity)) without.problem.quantities[q] = quantity;
     }
     return without;
 }

@@ -36,6 +36,9 @@ EvidenceProblem without_gradients(EvidenceProblem evidence);
 
 /// As a run with a program without gradients: what no program tells keeps its gradients.
 EvidenceProblem with_programs_by_values(const EvidenceProblem& evidence);
+/// Neither a program tells it nor a formula.
+bool is_built_in(const Quantity& quantity);
+
 /// The same where only the objective comes from a program, as that of a flow solver: values of the shape that are
 /// limited are known, with gradients.
 EvidenceProblem with_objective_by_program(EvidenceProblem evidence);

@@ -161,8 +161,6 @@ private:
         return static_cast<int>(std::find(names_.begin(), names_.end(), name) - names_.begin());
     }
 
-    static bool is_built_in(const Quantity& quantity) { return !quantity.combination && quantity.program.empty(); }
-
     /// The value that stands for the objective in the cheap program; empty: none.
     std::string cheap_objective() const {
         for (const CheapModel& model : problem_.cheap_models)
@@ -197,7 +195,9 @@ private:
         };
         if (slopes && cheap_objective().empty() && std::ranges::all_of(problem_.constraints, has_slopes)) {
             built_in->differences.reset();
-            built_in->differentiate = [this](const VectorXd& y, Evaluation& sample) { add_slopes(y, sample); };
+            built_in->differentiate = [this](const VectorXd& y, Evaluation& sample) {
+                differentiate_built_in(y, sample);
+            };
         }
         low.program = std::move(built_in);
         if (!cheap_objective().empty())
@@ -209,17 +209,26 @@ private:
         p.low_fidelity = std::move(low);
     }
 
+    /// Of each quantity; without values and slopes where it is not built in.
+    std::vector<QuantityResult> built_in_at(const VectorXd& y, bool slopes, std::string& failure) const {
+        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
+        std::vector<QuantityResult> results(problem_.quantities.size());
+        for (std::size_t i = 0; i < results.size(); ++i) {
+            const Quantity& quantity = problem_.quantities[i];
+            if (is_built_in(quantity)) results[i] = quantity.evaluate(request(surface, y, slopes));
+            if (results[i].failure) failure = results[i].failure->message;
+        }
+        return results;
+    }
+
     /// Constraints and the cheap objective; 0 where a program would tell.
     Evaluation evaluate_built_in(const VectorXd& y) {
         Evaluation sample;
-        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
         std::vector<double> values;
-        for (const Quantity& quantity : problem_.quantities) {
-            QuantityResult r;
-            if (is_built_in(quantity)) r = quantity.evaluate(request(surface, y, false));
-            if (r.failure) sample.failure = r.failure->message;
-            r.values.resize(quantity.names.size(), std::numeric_limits<double>::quiet_NaN());
-            values.insert(values.end(), r.values.begin(), r.values.end());
+        std::vector<QuantityResult> results = built_in_at(y, false, sample.failure);
+        for (std::size_t i = 0; i < results.size(); ++i) {
+            results[i].values.resize(problem_.quantities[i].names.size(), std::numeric_limits<double>::quiet_NaN());
+            values.insert(values.end(), results[i].values.begin(), results[i].values.end());
         }
         const std::string low = cheap_objective();
         sample.objective = low.empty() ? 0 : sign() * values[index(low)];
@@ -231,25 +240,19 @@ private:
         return sample;
     }
 
-    /// Of constraints that are built in; zero for the others.
-    void add_slopes(const VectorXd& y, Evaluation& sample) const {
-        const TriMesh surface = with_vertices(problem_.surface, vertices(y));
-        std::vector<Points> slopes;
-        for (const Quantity& quantity : problem_.quantities) {
-            QuantityResult r;
-            if (is_built_in(quantity)) r = quantity.evaluate(request(surface, y, true));
-            if (r.failure) sample.failure = r.failure->message;
-            r.dJ_dv.resize(quantity.names.size(), Points::Zero(surface.num_vertices(), 3));
-            slopes.insert(slopes.end(), r.dJ_dv.begin(), r.dJ_dv.end());
-        }
-        sample.gradient = VectorXd::Zero(lower_.size());
-        sample.jacobian.setZero(static_cast<Eigen::Index>(rows_.rows.size()), lower_.size());
-        for (std::size_t i = 0; i < rows_.rows.size(); ++i)
-            sample.jacobian.row(static_cast<Eigen::Index>(i)).head(motion_.size()) =
-                rows_.rows[i].sign / rows_.rows[i].scale *
-                motion_.gradient(of_motion(y), slopes[rows_.rows[i].gradient])
-                    .cwiseQuotient(motion_.weight)
-                    .transpose();
+    /// Of constraints that are built in; zero for the others and the objective.
+    void differentiate_built_in(const VectorXd& y, Evaluation& sample) {
+        dJ_dv_.clear();
+        dJ_dp_.clear();
+        const std::vector<QuantityResult> results = built_in_at(y, true, sample.failure);
+        const Points none = Points::Zero(problem_.surface.num_vertices(), 3);
+        for (std::size_t i = 0; i < results.size(); ++i)
+            for (std::size_t k = 0; k < problem_.quantities[i].names.size(); ++k) {
+                const QuantityResult& r = results[i];
+                dJ_dv_.push_back(k < r.dJ_dv.size() ? r.dJ_dv[k] : none);
+                dJ_dp_.push_back(k < r.dJ_dp.size() && r.dJ_dp[k].size() > 0 ? r.dJ_dp[k] : no_parameters());
+            }
+        differentiate(y, sample);
     }
 
     Evaluation evaluate(const VectorXd& y) {

@@ -41,47 +41,37 @@ bool KnownConstraints::tells_slopes() const {
     });
 }
 
-bool KnownConstraints::has_value_at(const VectorXd& x, Evaluation& at) const {
+bool KnownConstraints::has_done(const std::function<void()>& call, bool may_throw) {
     try {
-        at = guard_.program.low_fidelity->program->evaluate(x);
+        call();
         return true;
     } catch (const InvalidInput&) {
         throw;
     } catch (const std::bad_alloc&) {
         throw;
     } catch (const std::exception&) {
-        if (!guard_.options.exceptions_are_failures) throw;
+        if (!may_throw) throw;
         return false;
     }
-}
-
-bool KnownConstraints::has_slopes_at(const VectorXd& x, Evaluation& at) const {
-    if (!tells_slopes()) return false;
-    try {
-        guard_.program.low_fidelity->program->differentiate(x, at);
-    } catch (const InvalidInput&) {
-        throw;
-    } catch (const std::bad_alloc&) {
-        throw;
-    } catch (const std::exception&) {
-        return false;  // the search goes on without
-    }
-    return at.failure.empty() && at.jacobian(rows_, Eigen::all).allFinite();
 }
 
 std::optional<KnownConstraints::Found> KnownConstraints::at(const VectorXd& x, bool with_slopes) const {
     if (rows_.empty()) return {};
     const auto recent = std::ranges::find(recent_, x, &Found::x);
     if (!with_slopes && recent != recent_.end()) return *recent;
+    const NonlinearProgram& cheap = *guard_.program.low_fidelity->program;
     Evaluation at;
-    if (!has_value_at(x, at) || !at.failure.empty() || !at.constraints(rows_).allFinite()) return {};
+    const bool has_value = has_done([&] { at = cheap.evaluate(x); }, guard_.options.exceptions_are_failures);
+    if (!has_value || !at.failure.empty() || !at.constraints(rows_).allFinite()) return {};
     Found found{x, at.constraints, {}};
     if (recent == recent_.end() && !guard_.options.limits_by_models) {
         if (recent_.size() == max_recent) recent_.erase(recent_.begin());
         recent_.push_back(found);
     }
-    // A shape without slopes is known all the same.
-    if (with_slopes && has_slopes_at(x, at)) found.jacobian = at.jacobian;
+    // The search goes on without slopes, whatever stopped them.
+    if (with_slopes && tells_slopes() && has_done([&] { cheap.differentiate(x, at); }, true) && at.failure.empty() &&
+        at.jacobian(rows_, Eigen::all).allFinite())
+        found.jacobian = at.jacobian;
     return found;
 }
 

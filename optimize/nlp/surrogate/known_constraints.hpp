@@ -1,6 +1,8 @@
 #pragma once
 #include "optimize/nlp/program/guard.hpp"
 
+#include <functional>
+
 /// Constraints that the search by models needs no model for. Internal.
 namespace strake {
 
@@ -29,8 +31,8 @@ public:
 
 private:
     bool tells_slopes() const;
-    bool has_value_at(const Eigen::VectorXd& x, Evaluation& at) const;  ///< false: it threw what counts as a failure
-    bool has_slopes_at(const Eigen::VectorXd& x, Evaluation& at) const;
+    /// False: it threw what counts as a failure.
+    static bool has_done(const std::function<void()>& call, bool may_throw);
     const Guard& guard_;
     std::vector<Eigen::Index> rows_;
     mutable std::vector<Found> recent_;  ///< without slopes

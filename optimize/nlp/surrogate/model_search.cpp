@@ -70,6 +70,10 @@ public:
 
 private:
     const NonlinearProgram& program() const { return guard_.program; }
+    /// Constraints that need no model.
+    std::vector<Eigen::Index> exact_rows() const {
+        return guard_.options.limits_by_models ? std::vector<Eigen::Index>{} : known_.rows();
+    }
     const SampledPoints::Point& centre() const { return points_[centre_]; }
 
     void add_known() {
@@ -135,9 +139,8 @@ private:
 
     double merit(const VectorXd& values) const {
         VectorXd constraints = values.tail(values.size() - 1);
-        if (!guard_.options.limits_by_models)  // rounding next to exact limits tells no designs apart
-            for (const Eigen::Index i : known_.rows())
-                if (std::abs(constraints[i]) <= 0.5 * guard_.options.constraint_tolerance) constraints[i] = 0;
+        for (const Eigen::Index i : exact_rows())  // rounding next to exact limits tells no designs apart
+            if (std::abs(constraints[i]) <= 0.5 * guard_.options.constraint_tolerance) constraints[i] = 0;
         return values[0] + penalty_ * total_violation(program(), constraints);
     }
 
@@ -158,8 +161,7 @@ private:
 
     VectorXd without_noise(const SampledPoints::Point& point) const {
         VectorXd values = models_->means(point.z);
-        if (!guard_.options.limits_by_models)
-            for (const Eigen::Index i : known_.rows()) values[i + 1] = point.values[i + 1];
+        for (const Eigen::Index i : exact_rows()) values[i + 1] = point.values[i + 1];
         return values;
     }
 

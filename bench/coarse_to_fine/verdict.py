@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Does the choice of variables pay? Compares a way with patches alone and with the box.
 
-verdict.py FOLDER... [--way fields] [--write-enough]
+verdict.py FOLDER... [--way fields] [--way-method sqp] [--write-enough]
 
-FOLDER: one for each seed, as strake_evidence --out writes it, with the ways adaptive (patches), ffd (box) and fields.
-Evaluations to 90 and 99 % of the better end of patches and box, of each of the three, sqp. Medians over the folders,
+FOLDER: one for each seed, as strake_evidence --out writes it, with the ways adaptive (patches) and ffd (box) by sqp, and
+the one that is compared. Evaluations to 90 and 99 % of the better end of patches and box, of each of the three. Medians over the folders,
 where a run that never gets there counts as infinite. --write-enough: writes FOLDER/enough.csv, the objective at 99 %,
 where a run of another way may end (strake_evidence --enough).
 """
@@ -15,6 +15,9 @@ import glob
 import math
 import os
 import statistics
+
+
+REFERENCE_METHOD = "sqp"  # of patches and box
 
 
 def trace(folder, problem, way, method):
@@ -33,7 +36,8 @@ class Problem:
     """One problem with one seed."""
 
     def __init__(self, folder, name, way, method):
-        self.traces = {w: trace(folder, name, w, method) for w in dict.fromkeys(("adaptive", "ffd", way))}
+        self.traces = {w: trace(folder, name, w, REFERENCE_METHOD) for w in ("adaptive", "ffd")}
+        self.traces[way] = trace(folder, name, way, method)
         known = [t for w in ("adaptive", "ffd") if (t := self.traces[w])]
         self.start = start_of(known[0]) if known else math.nan
         self.best = min((t[-1][1] for t in known if not math.isnan(t[-1][1])), default=math.nan)
@@ -61,14 +65,15 @@ def cell(value):
     return "" if value is None else "-" if math.isinf(value) else f"{value:.0f}"
 
 
-def write_enough(folder, names, method):
+def write_enough(folder, names):
     with open(os.path.join(folder, "enough.csv"), "w", newline="") as file:
         out = csv.writer(file, lineterminator="\n")
         out.writerow(["problem", "method", "objective"])
         for name in names:
-            p = Problem(folder, name, "fields", method)
-            if not math.isnan(p.best):
-                out.writerow([name, method, repr(p.at(0.99))])
+            p = Problem(folder, name, "fields", REFERENCE_METHOD)
+            for method in ("sqp", "model"):
+                if not math.isnan(p.best):
+                    out.writerow([name, method, repr(p.at(0.99))])
 
 
 def table(folders, names, way, method, share):
@@ -103,22 +108,22 @@ def main():
     arguments = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     arguments.add_argument("folders", nargs="+")
     arguments.add_argument("--way", default="fields")
-    arguments.add_argument("--method", default="sqp")
+    arguments.add_argument("--way-method", default="sqp")
     arguments.add_argument("--write-enough", action="store_true")
     given = arguments.parse_args()
     names = []
     for folder in given.folders:
-        found = sorted(glob.glob(os.path.join(folder, f"*-{given.method}-runs.csv")), key=os.path.getmtime)
+        found = sorted(glob.glob(os.path.join(folder, f"*-{REFERENCE_METHOD}-runs.csv")), key=os.path.getmtime)
         for path in found:
             name = os.path.basename(path).split("-")[0]
             if name not in names:
                 names.append(name)
     if given.write_enough:
         for folder in given.folders:
-            write_enough(folder, names, given.method)
+            write_enough(folder, names)
         return
     for share in (0.9, 0.99):
-        print("\n".join(table(given.folders, names, given.way, given.method, share)))
+        print("\n".join(table(given.folders, names, given.way, given.way_method, share)))
 
 
 if __name__ == "__main__":

@@ -1,8 +1,9 @@
 #!/bin/bash
 # bench/coarse_to_fine/verdict.sh [OUT] [SEED...] [-- options of strake_evidence]
-# Fields against patches alone and the box: for each seed the twelve problems and the six physical ones, by values only
-# (or what the options say), two at a time, then verdict.py. Runs that are there already are not made again: it may be
-# interrupted and called again. MODE= in front: with gradients. Seeds 1 to 9 are for development, from 11 on for the verdict: sets 11-13, 21-23, 31-33.
+# The default against patches alone and the box by sqp: for each seed the twelve problems and the six physical ones, two at
+# a time, then verdict.py. By values only the default is fields by model; with gradients (MODE= in front), where the two
+# lattices are run as well, fields by sqp. Runs that are there already are not made again: it may be interrupted and
+# called again. Seeds 1 to 9 are for development, from 11 on for the verdict: sets 11-13, 21-23, 31-33.
 # bench/coarse_to_fine/verdict.sh runs/verdict 11 12 13
 # bench/coarse_to_fine/verdict.sh runs/try 1 2 -- --triangles 700 --problems wing,local_bump
 set -euo pipefail
@@ -33,15 +34,19 @@ fi
 [ -n "$problems" ] ||
     problems=$( ("$program" --list --triangles 1000 && "$program" --list --physical --triangles 1000) | cut -d, -f1 | paste -sd,)
 export OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1
+mode=${MODE---values-only}
+way=as_it_comes method=model
+[ -n "$mode" ] || way=fields method=sqp
 for seed in "${seeds[@]}"; do
     folder=$out/seed-$seed
     mkdir -p "$folder"
     run() {
-        tr , '\n' <<<"$problems" | xargs -P "${JOBS:-2}" -I{} "$program" --out "$folder" --seed "$seed" --methods sqp \
-            --triangles 1500 --budget 1200 ${MODE---values-only} "${options[@]}" --problems {} "$@"
+        tr , '\n' <<<"$problems" | xargs -P "${JOBS:-2}" -I{} "$program" --out "$folder" --seed "$seed" \
+            --triangles 1500 --budget 1000 ${mode:+"$mode"} "${options[@]}" --problems {} "$@"
     }
-    run --solvers "${REFERENCES:-adaptive,ffd}"
+    run --methods sqp --solvers "${REFERENCES:-adaptive,ffd}"
     python3 "$root/bench/coarse_to_fine/verdict.py" --write-enough "$folder"
-    run --solvers "${WAYS:-fields,lattice_4x4x4,lattice_8x4x2}" --enough "$folder/enough.csv"
+    run --methods "$method" --solvers "$way" --enough "$folder/enough.csv"
+    [ -n "$mode" ] || run --methods sqp --solvers lattice_4x4x4,lattice_8x4x2 --enough "$folder/enough.csv"
 done
-python3 "$root/bench/coarse_to_fine/verdict.py" "$out"/seed-*
+python3 "$root/bench/coarse_to_fine/verdict.py" --way "$way" --way-method "$method" "$out"/seed-*

@@ -1,6 +1,7 @@
 #include "casefile/read/dependent_defaults.hpp"
 
 #include "casefile/schema/scalars.hpp"
+#include "optimize/run/method_choice.hpp"
 
 #include <algorithm>
 #include <cctype>
@@ -134,9 +135,6 @@ bool need_any_of(Value& root, const std::vector<std::string>& quantities) {
         needed, [&](const std::string& value) { return share_any(quantities_in(value, known), quantities); });
 }
 
-/// More evaluations than this without a gradient: not measured against patches.
-constexpr double max_evaluations_by_fields = 200;
-
 bool is_more_than(Value* budget, double limit) {
     const Value* evaluations = budget && budget->form == Value::Form::map ? child(*budget, "evaluations") : nullptr;
     return evaluations && evaluations->form == Value::Form::scalar &&
@@ -151,8 +149,8 @@ bool has_cheap_model(Value& root) {
     return std::ranges::any_of(child(root, "quantities")->entries, is_stated);
 }
 
-/// Nor does a short run by values alone that says nothing of its variables nor of its method: few evaluations are best
-/// spent on smooth motions of the whole. One that holds nothing is held by a point.
+/// Nor does a run by values alone that says nothing of its variables nor of its method, and that models search: few
+/// evaluations are best spent on smooth motions of the whole. One that holds nothing is held by a point.
 void set_defaults_by_values(Value& root) {
     if (root.form != Value::Form::map || child(root, "fit")) return;
     const std::vector<std::string> blind = quantities_without_gradients(root);
@@ -163,7 +161,7 @@ void set_defaults_by_values(Value& root) {
         if (word != "auto" && word != "model") return;
         for (const char* stated : {"finite_differences", "start_from"})
             if (child(*optimize, stated)) return;
-        if (is_more_than(child(*optimize, "budget"), max_evaluations_by_fields)) return;
+        if (is_more_than(child(*optimize, "budget"), max_evaluations_by_models)) return;
     }
     if (set_automatic_fields(root) && holds_nothing(root)) add_default(root, "hold", "point");
 }
@@ -203,7 +201,10 @@ void set_dependent_defaults(Value& root, const std::filesystem::path& dir, bool 
 
 void set_fields_of_run(Value& root, const std::string& begun) {
     Value there = parse_yaml(begun, "case.yaml");
-    if (const Value* fields = fields_of(there)) set_automatic_fields(root, fields->text);
+    const Value* fields = fields_of(there);
+    const Value* hold = there.form == Value::Form::map ? child(there, "hold") : nullptr;
+    if (fields && set_automatic_fields(root, fields->text) && is_scalar(hold, "point") && holds_nothing(root))
+        add_default(root, "hold", "point");
 }
 
 }  // namespace strake

@@ -22,7 +22,7 @@ std::string method_doc() {
     std::string
         doc =
             "auto: sqp; where a value has no gradients, sqp by differences, or model where the budget is short of "
-            "what these need (the run says which). With gradients: ",
+            "what these need, or is at most 1000 and fields come first (the run says which). With gradients: ",
         without = " Derivative-free: ", global = " Global, within the bounds: ";
     std::string* const lists[] = {&doc, &without, &global};
     std::string between[] = {"", "", ""};

@@ -24,7 +24,7 @@ std::vector<Key> field_keys() {
              "fixed, in front of the patches. auto: 27 at first; with split: sensitivity then those up to 192 that the "
              "gradient asks for, else 60 and 192 on the next levels; or a number. They sweep, taper, thicken, flatten "
              "and swell, which a shell resists. auto is also what a fit has that states no fields, variables, given or "
-             "planform, and a run of at most 200 evaluations by values alone (gradients: false) that states none "
+             "planform, and a run of at most 1000 evaluations by values alone (gradients: false) that states none "
              "of these, nor a method other than model, finite_differences, low_fidelity or start_from. With start_from "
              "such a case has the fields of that folder's case.",
          .fallback = "none",

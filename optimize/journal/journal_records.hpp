@@ -24,7 +24,7 @@ struct RunLimits {
 };
 
 /// Of runs that begin now; the first is 1.
-constexpr int latest_meaning = 13;
+constexpr int latest_meaning = 14;
 inline int meaning_of(const std::string& written) {
     for (int meaning = 1; meaning < latest_meaning; ++meaning)
         if (written == std::to_string(meaning)) return meaning;
@@ -54,7 +54,8 @@ struct JournalFacts {
     /// gives values only (`FieldsEntry::Kind`); 12: levels have to move before they are left for finer ones, and coarse
     /// ones by differences begin by `model` in order (`OptimizeOptions::descends_as_before`); wraps that carry badly
     /// get more centres (`WrapBindingOptions::max_centers`); 13: searches by models know the slopes of limits that are
-    /// known exactly (`MinimizeOptions::limits_by_models`).
+    /// known exactly (`MinimizeOptions::limits_by_models`); 14: long runs by values alone that begin with fields are
+    /// searched by models (`OptimizeOptions::long_runs_by_differences`).
     int meaning = latest_meaning;
     std::vector<std::string> values, parameters;  ///< names of the values and of the parameters
     std::map<std::string, std::string> files;     ///< hash of each file that the case names

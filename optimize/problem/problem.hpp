@@ -182,7 +182,10 @@ struct OptimizeOptions {
     /// and have no patches; a level that was left for finer details may be left for finer ones before it has moved; of
     /// `sqp`: `MinimizeOptions`.
     bool descends_as_before = false;
-    bool limits_by_models = false;       ///< the meaning of earlier runs: `MinimizeOptions`
+    bool limits_by_models = false;  ///< the meaning of earlier runs: `MinimizeOptions`
+    /// The meaning of earlier runs: `method: auto` is `sqp` in all long runs by values alone, and searches by models
+    /// begin in random directions: none `is_long_with_fields` (optimize/run/method_choice.hpp).
+    bool long_runs_by_differences = false;
     double step_tolerance = 1e-6;        ///< or below this change of the scaled variables
     double constraint_tolerance = 1e-6;  ///< of the scaled constraint, for "feasible"
     bool finite_differences = false;  ///< gradients of values without sensitivities by differences in the scaled basis

@@ -327,6 +327,8 @@ private:
         }
         if (!options.limits_by_models && state_.space.num_shape() > 0)
             for (int j = state_.space.num_shape(); j < state_.space.size(); ++j) how.first_alone.push_back(j);
+        if (first && options.method == Method::model && how.first_alone.empty())
+            how.tries_in_order = is_long_with_fields(state_.problem, state_.limits().evaluations);
         how.starts = first ? options.starts : 1;
         how.seed = options.seed;
         how.objective_tolerance = options.objective_tolerance;

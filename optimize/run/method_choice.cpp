@@ -11,6 +11,8 @@ bool has(const Parameters& parameters, VariableKind kind) {
     return std::find(parameters.kinds.begin(), parameters.kinds.end(), kind) != parameters.kinds.end();
 }
 
+bool has_patches_at_start(const Parameters& p) { return !p.fields || has(p, VariableKind::strain); }
+
 int variables_of_a_patch(const Parameters& p) {
     const int directions = p.load_directions.empty() ? 3 : static_cast<int>(p.load_directions.size());
     return directions * has(p, VariableKind::load) + has(p, VariableKind::normal_load) +
@@ -40,8 +42,7 @@ int max_variables_at_start(const Problem& problem) {
     int fields = 0;
     for (const UserVariable& variable : p.user_variables) ++(variable.field >= 0 ? fields : count);
     count += p.field_steps.empty() ? fields : std::min(fields, p.field_steps.front());
-    const bool has_patches = !p.fields || has(p, VariableKind::strain);
-    if (!has_patches || problem.tree.levels.empty()) return count;
+    if (!has_patches_at_start(p) || problem.tree.levels.empty()) return count;
     std::vector<char> is_held(static_cast<std::size_t>(problem.surface.num_triangles()), 0);
     for (const int t : problem.fixed) is_held[static_cast<std::size_t>(t)] = 1;
     const PatchLevel& first = problem.tree.levels[problem.tree.levels.size() > 1 ? 1 : 0];
@@ -54,6 +55,17 @@ int max_variables_at_start(const Problem& problem) {
         if (std::any_of(patch.triangles.begin(), patch.triangles.end(), moves)) count += variables_of_a_patch(p);
     }
     return count;
+}
+
+bool is_long_with_fields(const Problem& problem, int budget) {
+    constexpr int max_variables = 100;  // of models that few points teach
+    const Parameters& p = problem.parameters;
+    const auto is_field = [](const UserVariable& variable) { return variable.field >= 0; };
+    const bool are_alone = p.fields && !has_patches_at_start(p) && problem.tree.levels.size() != 1 &&
+                           std::ranges::all_of(p.user_variables, is_field);
+    const int variables = max_variables_at_start(problem);
+    return are_alone && p.split == SplitRule::tree && !problem.start && !problem.optimize.long_runs_by_differences &&
+           variables <= max_variables && budget >= min_gradients * (variables + 1);
 }
 
 MethodChoice choose_method(const Problem& problem, int budget) {
@@ -73,9 +85,11 @@ MethodChoice choose_method(const Problem& problem, int budget) {
     const std::string why =
         text("'", missing, "' has no gradient, one by differences takes ", gradient,
              " evaluations (variables of the first level: ", variables, "), the budget is ", budget);
-    if (affordable < min_gradients) {
+    const bool is_long = budget <= max_evaluations_by_models && is_long_with_fields(problem, budget);
+    if (affordable < min_gradients || is_long) {
         choice.method = Method::model;
-        choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ", why);
+        choice.words = text("method: auto chooses model, in batches of ", problem.optimize.batch, ": ",
+                            is_long ? text("displacement fields are the first level, and ") : "", why);
     } else {
         choice.words = text("method: auto chooses sqp by differences: ", why);
     }

@@ -12,8 +12,9 @@ struct MethodChoice {
 };
 
 /// Where the objective and all constrained values have gradients, or the case asks for differences: sqp, and no words.
-/// Else sqp by differences; or, where there is no cheap model and the budget pays for fewer than `min_gradients`
-/// whole gradients of the first level, `model`.
+/// Else sqp by differences; or, where there is no cheap model, `model`: where the budget pays for fewer than
+/// `min_gradients` whole gradients of the first level, or for at most `max_evaluations_by_models` in a run
+/// `is_long_with_fields`.
 /// @param budget of the whole run, evaluations
 /// @pre problem.optimize.chooses_method
 MethodChoice choose_method(const Problem& problem, int budget);
@@ -24,5 +25,14 @@ int max_variables_at_start(const Problem& problem);
 /// Gradients by differences, one evaluation for each variable and one more, below which `model` ends lower on most
 /// problems of the evidence suite (docs/evidence.md).
 inline constexpr double min_gradients = 8;
+
+/// With displacement fields in front, `model` reaches the end of patches and box by differences sooner on all but a few
+/// problems of the suite, up to so many evaluations. More were not measured.
+inline constexpr int max_evaluations_by_models = 1000;
+
+/// The run begins at its surface with displacement fields alone, few enough for models; its levels follow the tree; and
+/// the budget pays for whole gradients by differences. A search by models then begins with one field after another
+/// (`MinimizeOptions::tries_in_order`).
+bool is_long_with_fields(const Problem& problem, int budget);
 
 }  // namespace strake

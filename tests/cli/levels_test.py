@@ -1,5 +1,5 @@
-"""Displacement fields whose finer ones always promise more: a level that another was left for has to move before it is left for finer ones, and a run of before
-goes on as it began. Arguments: the programs strake and make_surface."""
+"""Displacement fields whose finer ones always promise more: a level that another was left for has to move before it is left for finer ones. Long runs by values alone
+with fields in front are searched by models. A run of before goes on as it began. Arguments: the programs strake and make_surface."""
 import json
 import math
 import pathlib
@@ -29,6 +29,7 @@ constraints: {volume: {equals: 1, relative: true}}
 optimize: {budget: {evaluations: BUDGET}}
 output: {report: false}
 """
+BY_VALUES = CASE.replace("drag: {type: wave_drag, stations: 200}", "drag: {command: ['true'], gradients: false}").replace("number: auto", "number: 6")
 
 
 def write_spindle(path):
@@ -50,6 +51,13 @@ def write_spindle(path):
             lines += [f"f {a} {b} {c}", f"f {b} {d} {c}"]
         lines.append(f"f {at[-1][k]} {at[-1][k + 1]} {last}")
     path.write_text("\n".join(lines) + "\n", encoding="utf-8")
+
+
+def set_meaning(run, meaning):
+    with sqlite3.connect(pathlib.Path(FOLDER.name) / run / "journal.sqlite") as journal:
+        journal.execute("UPDATE facts SET value = ? WHERE name = 'meaning'", (meaning,))
+        journal.execute("DELETE FROM facts WHERE name = 'hash'")
+    journal.close()
 
 
 def strake(*arguments):
@@ -77,10 +85,7 @@ class Levels(unittest.TestCase):
         strake("run", "short.yaml", "-o", "again", "-q")
         shutil.copytree(pathlib.Path(FOLDER.name) / "again", pathlib.Path(FOLDER.name) / "before")
         again = strake("resume", "again", "--evaluations", "50", "-q")
-        with sqlite3.connect(pathlib.Path(FOLDER.name) / "before/journal.sqlite") as journal:
-            journal.execute("UPDATE facts SET value = '11' WHERE name = 'meaning'")
-            journal.execute("DELETE FROM facts WHERE name = 'hash'")
-        journal.close()
+        set_meaning("before", "11")
         before = strake("resume", "before", "--evaluations", "50", "-q")
 
         def idle(run):  # levels that were left before they had moved
@@ -90,6 +95,18 @@ class Levels(unittest.TestCase):
             self.assertGreater(len(run["levels"]), 3, "levels that could be left so")
         self.assertGreater(idle(before), 0, before["levels"])
         self.assertLessEqual(now["objective"], before["objective"])
+
+    def test_a_long_run_by_values_has_models_and_one_of_before_differences(self):
+        (pathlib.Path(FOLDER.name) / "values.yaml").write_text(BY_VALUES.replace("BUDGET", "400"), encoding="utf-8")
+
+        def told():  # the design to come, and what is said of it
+            done = subprocess.run([STRAKE, "step", "values.yaml", "-o", "steps"], cwd=FOLDER.name, stdin=subprocess.DEVNULL, capture_output=True, text=True, timeout=300,
+                                  check=False)
+            self.assertEqual(done.returncode, 0, done.stderr)
+            return done.stderr
+        self.assertIn("method: auto chooses model, in batches of 8: displacement fields are the first level", told())
+        set_meaning("steps", "13")
+        self.assertIn("method: auto chooses sqp by differences", told())
 
 
 if __name__ == "__main__":

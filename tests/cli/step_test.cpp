@@ -171,12 +171,25 @@ TEST_F(Step, ALargerBudgetKeepsTheVariablesThatTheRunBeganWith) {
     for (const std::string began : {"", ", fields: none"}) {
         fs::remove_all(folder / "stepped");
         ASSERT_EQ(step(with(10, began)).status, 0);
-        const ProgramRun again = step(with(began.empty() ? 300 : 100, ""));  // whose defaults are none and auto
+        const ProgramRun again = step(with(began.empty() ? 1100 : 100, ""));  // whose defaults are none and auto
         EXPECT_EQ(again.status, 0) << again.err;
         const std::string yaml = bytes_of(folder / "stepped/case.yaml");
         EXPECT_EQ(yaml.find("fields: auto") != std::string::npos, began.empty()) << yaml;
     }
-    EXPECT_EQ(step(with(300, ", fields: auto")).status, 2) << "stated: another case";
+    EXPECT_EQ(step(with(1100, ", fields: auto")).status, 2) << "stated: another case";
+}
+
+TEST_F(Step, KeepsThePointThatHoldsTheRun) {
+    std::string yaml = bytes_of(external_case(", gradients: false", ""));
+    for (const std::string said : {", variables: [load]", "fixed: [root]\n"}) {
+        ASSERT_NE(yaml.find(said), std::string::npos) << yaml;
+        yaml.erase(yaml.find(said), said.size());
+    }
+    const std::string file = folder.write("case.yaml", yaml).string();
+    ASSERT_EQ(step(file).status, 0);
+    EXPECT_NE(bytes_of(folder / "stepped/case.yaml").find("hold: point"), std::string::npos);
+    const ProgramRun again = step(file);
+    EXPECT_EQ(again.status, 0) << again.err;
 }
 
 TEST_F(Step, AnotherCaseOrFolderIsRefused) {

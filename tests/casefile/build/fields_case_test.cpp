@@ -85,7 +85,7 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     const std::string flow = "flow: {command: [cat], outputs: [drag, lift], gradients: false}",
                       formula = flow + ", cost: {expression: 2 * flow.drag + volume}";
     EXPECT_TRUE(has_fields(flow, "flow.drag"));
-    EXPECT_TRUE(has_fields(flow, "flow.drag", "optimize: {method: model, budget: {evaluations: 200}}\n"));
+    EXPECT_TRUE(has_fields(flow, "flow.drag", "optimize: {method: model, budget: {evaluations: 1000}}\n"));
     EXPECT_TRUE(has_fields(flow, "volume", "constraints: {flow.lift: {min: 1}}\n"));
     EXPECT_TRUE(has_fields(formula, "cost"));
     EXPECT_TRUE(has_fields(flow, "volume + 2 * flow.drag"));
@@ -100,7 +100,7 @@ TEST_F(FieldsOfACase, AreTheDefaultByValuesAlone) {
     EXPECT_FALSE(has_fields(flow + ", big_flow: {expression: 2 * volume}", "big_flow"));
     for (const char* stated :
          {"parameters: {fields: none}\n", "parameters: {variables: [load]}\n", "optimize: {method: cobyla}\n",
-          "optimize: {finite_differences: true}\n", "optimize: {budget: {evaluations: 201}}\n",
+          "optimize: {finite_differences: true}\n", "optimize: {budget: {evaluations: 1001}}\n",
           "parameters: {given: [{name: turn, region: tip, rotate: [0, 1, 0]}]}\nregions: {tip: {box: [[3, -9, -9], "
           "[9, 9, 9]]}}\n"}) {
         const std::string words = stated;

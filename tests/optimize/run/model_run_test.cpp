@@ -1,10 +1,12 @@
 #include "core/error.hpp"
+#include "core/fields/displacement_fields.hpp"
 #include "optimize/run/coarse_to_fine.hpp"
 #include "optimize/run/level_program.hpp"
 #include "optimize/run/method_choice.hpp"
 #include "problems.hpp"
 
 #include <gtest/gtest.h>
+#include <Eigen/QR>
 
 /// Runs by method model: levels, the motion limit, and when `method: auto` chooses it.
 namespace strake {
@@ -26,6 +28,16 @@ Problem automatic(int evaluations) {
     Problem problem = values_only(evaluations, 2, VariableKind::load);
     problem.optimize.method = Method::sqp;
     problem.optimize.chooses_method = true;
+    return problem;
+}
+
+/// The same with displacement fields in front.
+Problem with_fields(Problem problem) {
+    FieldConditions conditions;
+    conditions.held = problem.fixed;
+    add_fields(problem.parameters,
+               std::make_shared<const DisplacementFields>(problem.surface, conditions, FieldOptions{12, {}}));
+    problem.parameters.field_steps = {6, 12};
     return problem;
 }
 
@@ -105,6 +117,52 @@ TEST(ModelRun, AShortBudgetChoosesItAndALongOneDifferences) {
         << told.notes;
     Problem stated = values_only(20, 2, VariableKind::load);
     EXPECT_EQ(told.result.vertices, run(stated).result.vertices);
+}
+
+TEST(ModelRun, FieldsInFrontAreSearchedByModelsInLongRunsToo) {
+    const auto chosen = [](int budget, bool as_before = false) {
+        Problem problem = with_fields(automatic(budget));
+        problem.optimize.long_runs_by_differences = as_before;
+        return choose_method(problem, budget);
+    };
+    const int enough = static_cast<int>(min_gradients) * (6 + 1);
+    ASSERT_EQ(max_variables_at_start(with_fields(automatic(1))), 6);
+    for (const int budget : {enough - 1, enough, max_evaluations_by_models})
+        EXPECT_EQ(chosen(budget).method, Method::model) << budget;
+    EXPECT_EQ(chosen(max_evaluations_by_models + 1).method, Method::sqp);
+    EXPECT_EQ(chosen(enough, true).method, Method::sqp) << "a run of before";
+    EXPECT_EQ(chosen(enough - 1, true).method, Method::model);
+    EXPECT_EQ(chosen(enough - 1).words.find("displacement fields"), std::string::npos);
+    EXPECT_NE(chosen(enough).words.find("model, in batches of 8: displacement fields are the first level, and 'volume' "
+                                        "has no gradient"),
+              std::string::npos)
+        << chosen(enough).words;
+}
+
+/// Who has the evaluations begins with the smoothest motions, one at a time; who has few with all of them mixed.
+TEST(ModelRun, ALongRunTriesOneFieldAfterAnother) {
+    const auto moved_at_first = [](int budget, bool as_before) {  // variables, by each design of the first batch
+        Problem problem = with_fields(values_only(budget));
+        problem.optimize.long_runs_by_differences = as_before;
+        Eigen::MatrixXd fields(problem.surface.vertices.size(), 6);
+        for (int j = 0; j < 6; ++j) fields.col(j) = problem.parameters.fields->field(j).reshaped();
+        std::vector<long> moved;
+        problem.quantities[0].evaluate = [&, inner = problem.quantities[0].evaluate](const QuantityRequest& request) {
+            if (moved.size() == 5) return inner(request);  // the start, and half of the first batch
+            const VectorXd way = (request.surface.vertices - problem.surface.vertices).reshaped();
+            const VectorXd x = fields.householderQr().solve(way);
+            EXPECT_LT((fields * x - way).norm(), 1e-9) << "fields alone move it";
+            moved.push_back((x.array().abs() > 1e-9).count());
+            return inner(request);
+        };
+        optimize(problem);
+        moved.erase(moved.begin());
+        return moved;
+    };
+    const int enough = static_cast<int>(min_gradients) * (6 + 1);
+    EXPECT_EQ(moved_at_first(enough, false), (std::vector<long>{1, 1, 1, 1}));
+    for (const std::vector<long>& mixed : {moved_at_first(enough - 1, false), moved_at_first(enough, true)})
+        EXPECT_EQ(mixed, (std::vector<long>{6, 6, 6, 6}));
 }
 
 TEST(ModelRun, ABudgetThatEndsWithTheFirstBatchIsTold) {

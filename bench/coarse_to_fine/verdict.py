@@ -4,9 +4,9 @@
 verdict.py FOLDER... [--way fields] [--way-method sqp] [--write-enough]
 
 FOLDER: one for each seed, as strake_evidence --out writes it, with the ways adaptive (patches) and ffd (box) by sqp, and
-the one that is compared. Evaluations to 90 and 99 % of the better end of patches and box, of each of the three. Medians over the folders,
-where a run that never gets there counts as infinite. --write-enough: writes FOLDER/enough.csv, the objective at 99 %,
-where a run of another way may end (strake_evidence --enough).
+the one that is compared. Evaluations to 90 and 99 % of the better end of patches and box, of each of the three. Medians
+over the folders, where a run that never gets there counts as infinite. --write-enough: writes FOLDER/enough.csv, the
+objective at 99 %, where a run of another way may end (strake_evidence --enough).
 """
 
 import argparse

@@ -1,5 +1,6 @@
 #include "optimize/run/level_budget.hpp"
 
+#include "optimize/run/method_choice.hpp"
 #include "optimize/run/run_state.hpp"
 #include "optimize/run/value_trial.hpp"
 
@@ -9,9 +10,8 @@ namespace strake {
 namespace {
 
 constexpr int points_of_a_variable = 2;
-constexpr int min_points_of_a_variable = 3;  ///< of this level and those below it together
-constexpr int batches_of_a_level = 3;        ///< at least: the first only looks around
-constexpr int max_variables_by_models = 100;
+constexpr int min_points_of_a_variable = 3;     ///< of this level and those below it together
+constexpr int batches_of_a_level = 3;           ///< at least: the first only looks around
 constexpr int max_variables_with_patches = 60;  ///< whose metric says less of the objective's curvature
 constexpr int trial_share = 10;                 ///< trials of directions that must still be affordable
 

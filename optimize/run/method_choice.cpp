@@ -58,14 +58,13 @@ int max_variables_at_start(const Problem& problem) {
 }
 
 bool is_long_with_fields(const Problem& problem, int budget) {
-    constexpr int max_variables = 100;  // of models that few points teach
     const Parameters& p = problem.parameters;
     const auto is_field = [](const UserVariable& variable) { return variable.field >= 0; };
     const bool are_alone = p.fields && !has_patches_at_start(p) && problem.tree.levels.size() != 1 &&
                            std::ranges::all_of(p.user_variables, is_field);
     const int variables = max_variables_at_start(problem);
     return are_alone && p.split == SplitRule::tree && !problem.start && !problem.optimize.long_runs_by_differences &&
-           variables <= max_variables && budget >= min_gradients * (variables + 1);
+           variables <= max_variables_by_models && budget >= min_gradients * (variables + 1);
 }
 
 MethodChoice choose_method(const Problem& problem, int budget) {

@@ -30,6 +30,9 @@ inline constexpr double min_gradients = 8;
 /// problems of the suite, up to so many evaluations. More were not measured.
 inline constexpr int max_evaluations_by_models = 1000;
 
+/// Variables without patches that models are learned of, beside what differences would cost.
+inline constexpr int max_variables_by_models = 100;
+
 /// The run begins at its surface with displacement fields alone, few enough for models; its levels follow the tree; and
 /// the budget pays for whole gradients by differences. A search by models then begins with one field after another
 /// (`MinimizeOptions::tries_in_order`).
